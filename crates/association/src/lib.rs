@@ -1,0 +1,12 @@
+//! Which report belongs to which track.
+//!
+//! Comparing each report with every track is simple and, at 10,000 tracks, hopeless. [`Grid`] finds the few tracks
+//! near a place in a time that does not depend on how many there are (PL-7, QF-1); [`distance`] then says how
+//! surprising it would be if the report belonged to one of them.
+
+#![forbid(unsafe_code)]
+
+pub mod distance;
+mod grid;
+
+pub use grid::Grid;

@@ -1,0 +1,186 @@
+//! Latitude and longitude to the system frame and back.
+
+use std::fmt;
+
+use sguaba::math::RigidBodyTransform;
+use sguaba::systems::{Ecef, Wgs84};
+use sguaba::{Coordinate, coordinate, system};
+use uom::si::angle::{degree, radian};
+use uom::si::f64::{Angle, Length};
+use uom::si::length::meter;
+
+system!(pub(crate) struct SystemEnu using ENU);
+
+/// A place on or above the WGS-84 ellipsoid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geodetic {
+    wgs84: Wgs84,
+}
+
+/// A latitude, longitude or height that no place has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GeodeticError {
+    /// Latitude outside ±90°, in degrees.
+    Latitude(f64),
+    /// Longitude outside ±180°, in degrees.
+    Longitude(f64),
+    /// Height that is not a number, or farther than 100 km from the ellipsoid, in metres.
+    Height(f64),
+}
+
+impl fmt::Display for GeodeticError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Latitude(value) => write!(f, "latitude {value}° is not between -90° and 90°"),
+            Self::Longitude(value) => write!(f, "longitude {value}° is not between -180° and 180°"),
+            Self::Height(value) => write!(f, "height {value} m is not between -100 km and 100 km"),
+        }
+    }
+}
+
+impl std::error::Error for GeodeticError {}
+
+impl Geodetic {
+    /// A place from degrees and metres above the ellipsoid.
+    ///
+    /// # Errors
+    /// If a value is not finite or outside what the Earth has.
+    pub fn from_degrees(latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Result<Self, GeodeticError> {
+        // Written so that NaN fails too.
+        if !(-90.0..=90.0).contains(&latitude_deg) {
+            return Err(GeodeticError::Latitude(latitude_deg));
+        }
+        if !(-180.0..=180.0).contains(&longitude_deg) {
+            return Err(GeodeticError::Longitude(longitude_deg));
+        }
+        if !(-1e5..=1e5).contains(&height_m) {
+            return Err(GeodeticError::Height(height_m));
+        }
+        let wgs84 = Wgs84::builder()
+            .latitude(Angle::new::<degree>(latitude_deg))
+            .ok_or(GeodeticError::Latitude(latitude_deg))?
+            .longitude(Angle::new::<degree>(longitude_deg))
+            .altitude(Length::new::<meter>(height_m))
+            .build();
+        Ok(Self { wgs84 })
+    }
+
+    /// Latitude, degrees, north positive.
+    pub fn latitude_deg(&self) -> f64 {
+        self.wgs84.latitude().get::<radian>().to_degrees()
+    }
+
+    /// Longitude, degrees, east positive.
+    pub fn longitude_deg(&self) -> f64 {
+        self.wgs84.longitude().get::<radian>().to_degrees()
+    }
+
+    /// Height above the ellipsoid, metres.
+    pub fn height_m(&self) -> f64 {
+        self.wgs84.altitude().get::<meter>()
+    }
+
+    pub(crate) fn wgs84(&self) -> &Wgs84 {
+        &self.wgs84
+    }
+}
+
+/// The one frame of all kinematics inside the pipeline: East-North-Up, tangent to WGS-84 at its origin.
+#[derive(Clone, Copy, Debug)]
+pub struct SystemFrame {
+    from_ecef: RigidBodyTransform<Ecef, SystemEnu>,
+}
+
+impl SystemFrame {
+    /// The frame whose origin is `origin`.
+    pub fn at(origin: Geodetic) -> Self {
+        // SAFETY: `SystemEnu` is, by definition, the tangent frame at this origin, and only this type can hold one.
+        let from_ecef = unsafe { RigidBodyTransform::ecef_to_enu_at(origin.wgs84()) };
+        Self { from_ecef }
+    }
+
+    /// East, north, up of `place`, metres.
+    pub fn to_local(&self, place: Geodetic) -> [f64; 3] {
+        metres(&self.from_ecef.transform(Coordinate::<Ecef>::from_wgs84(place.wgs84())))
+    }
+
+    /// The place at `east, north, up`, metres.
+    pub fn to_geodetic(&self, [east, north, up]: [f64; 3]) -> Geodetic {
+        let local = coordinate!(
+            e = Length::new::<meter>(east),
+            n = Length::new::<meter>(north),
+            u = Length::new::<meter>(up);
+            in SystemEnu
+        );
+        Geodetic {
+            wgs84: self.from_ecef.inverse_transform(local).to_wgs84(),
+        }
+    }
+
+    pub(crate) fn ecef_to_local(&self) -> &RigidBodyTransform<Ecef, SystemEnu> {
+        &self.from_ecef
+    }
+}
+
+pub(crate) fn metres(point: &Coordinate<SystemEnu>) -> [f64; 3] {
+    [
+        point.enu_east().get::<meter>(),
+        point.enu_north().get::<meter>(),
+        point.enu_up().get::<meter>(),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn barcelona() -> SystemFrame {
+        SystemFrame::at(Geodetic::from_degrees(41.297063, 2.078447, 0.0).unwrap())
+    }
+
+    #[test]
+    fn a_radar_east_of_the_origin_lies_east() {
+        let radar = Geodetic::from_degrees(41.295618, 2.095114, 0.0).unwrap();
+        let [east, north, up] = barcelona().to_local(radar);
+        // One second of arc of latitude is 30.9 m; of longitude at this latitude 23.2 m.
+        assert!((east - 1395.6).abs() < 1.0, "{east}");
+        assert!((north + 160.3).abs() < 1.0, "{north}");
+        assert!(up.abs() < 0.5, "the Earth falls away by 15 cm over 1.4 km, not {up}");
+    }
+
+    #[test]
+    fn impossible_places_are_refused_by_name() {
+        assert_eq!(
+            Geodetic::from_degrees(90.5, 0.0, 0.0),
+            Err(GeodeticError::Latitude(90.5))
+        );
+        assert_eq!(
+            Geodetic::from_degrees(0.0, -181.0, 0.0),
+            Err(GeodeticError::Longitude(-181.0))
+        );
+        assert!(matches!(
+            Geodetic::from_degrees(0.0, 0.0, f64::NAN),
+            Err(GeodeticError::Height(_))
+        ));
+        assert!(matches!(
+            Geodetic::from_degrees(f64::NAN, 0.0, 0.0),
+            Err(GeodeticError::Latitude(_))
+        ));
+    }
+
+    proptest! {
+        #[test]
+        fn to_local_and_back_is_the_same_place(
+            latitude in -89.0..89.0f64, longitude in -179.0..179.0f64, height in -100.0..20e3f64,
+            offset in prop::array::uniform3(-3e5..3e5f64),
+        ) {
+            let frame = SystemFrame::at(Geodetic::from_degrees(latitude, longitude, height).unwrap());
+            let back = frame.to_local(frame.to_geodetic(offset));
+            for axis in 0..3 {
+                prop_assert!((back[axis] - offset[axis]).abs() < 1e-5);
+            }
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Sensor accuracy s and observation error coefficient alpha = k·s (TI-7, TI-8).
+
+use crate::settings::{AccuracyBase, Settings};
+
+/// The sensor accuracies of all sources under the present condition.
+#[derive(Debug)]
+pub(crate) struct Accuracies {
+    /// Factor of the present condition, per source.
+    factors: Vec<f64>,
+    /// Running mean square of residuals, per source, m²; used where the accuracy is estimated.
+    mean_squares: Vec<Option<f64>>,
+}
+
+impl Accuracies {
+    pub(crate) fn new(sources: usize) -> Self {
+        Self {
+            factors: vec![1.0; sources],
+            mean_squares: vec![None; sources],
+        }
+    }
+
+    /// From now on condition `name` holds; sources that do not name it have factor 1.
+    pub(crate) fn set_condition(&mut self, settings: &Settings, name: &str) {
+        for (factor, source) in self.factors.iter_mut().zip(&settings.sources) {
+            let named = source
+                .accuracy
+                .conditions
+                .iter()
+                .find(|(condition, _)| condition == name);
+            *factor = named.map_or(1.0, |(_, factor)| *factor);
+        }
+    }
+
+    /// Learns from a residual of `source` (horizontal, metres) where its accuracy is to be estimated.
+    pub(crate) fn learn(&mut self, settings: &Settings, source: u16, residual: [f64; 3]) {
+        let index = usize::from(source);
+        let AccuracyBase::Estimated { memory, .. } = settings.sources[index].accuracy.base else {
+            return;
+        };
+        let square = 0.5 * (residual[0] * residual[0] + residual[1] * residual[1]);
+        let mean = self.mean_squares[index].get_or_insert(square);
+        *mean += (square - *mean) / memory;
+    }
+
+    /// alpha of `source` for a target at `position` with `speed` (TI-8).
+    pub(crate) fn alpha(&self, settings: &Settings, source: u16, position_m: [f64; 3], speed_mps: f64) -> f64 {
+        let alpha = |source: u16| {
+            settings.sources[usize::from(source)].adjustment * self.s(settings, source, position_m, speed_mps)
+        };
+        match settings.rule.reference_source {
+            Some(reference) => alpha(source) / alpha(reference),
+            None => alpha(source),
+        }
+    }
+
+    /// s of `source` (TI-7).
+    fn s(&self, settings: &Settings, source: u16, position_m: [f64; 3], speed_mps: f64) -> f64 {
+        let index = usize::from(source);
+        let accuracy = &settings.sources[index].accuracy;
+        let base = match accuracy.base {
+            AccuracyBase::Constant { sigma_m } => sigma_m,
+            AccuracyBase::Polar {
+                place_m,
+                range_sigma_m,
+                azimuth_sigma_rad,
+            } => {
+                let range = (position_m[0] - place_m[0]).hypot(position_m[1] - place_m[1]);
+                range_sigma_m.hypot(azimuth_sigma_rad * range)
+            }
+            AccuracyBase::Estimated { initial_m, .. } => self.mean_squares[index].map_or(initial_m, f64::sqrt),
+        };
+        (base + accuracy.per_speed_s * speed_mps) * self.factors[index]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::test_settings;
+
+    #[test]
+    fn a_polar_sensor_is_less_accurate_far_away() {
+        let mut settings = test_settings(1);
+        settings.sources[0].adjustment = 2.0;
+        settings.sources[0].accuracy.base = AccuracyBase::Polar {
+            place_m: [1000.0, 0.0],
+            range_sigma_m: 30.0,
+            azimuth_sigma_rad: 0.001,
+        };
+        let alpha = |position| Accuracies::new(1).alpha(&settings, 0, position, 0.0);
+        assert!((alpha([1000.0, 0.0, 0.0]) - 60.0).abs() < 1e-9);
+        assert!(
+            (alpha([1000.0, 40_000.0, 0.0]) - 100.0).abs() < 1e-9,
+            "30 m along, 40 m across"
+        );
+    }
+
+    #[test]
+    fn conditions_and_speed_change_s_while_running() {
+        let mut settings = test_settings(2);
+        settings.sources[0].accuracy.per_speed_s = 0.1;
+        settings.sources[0].accuracy.conditions = vec![("rain".to_owned(), 3.0)];
+        let mut accuracies = Accuracies::new(2);
+        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 15.0).abs() < 1e-9);
+        accuracies.set_condition(&settings, "rain");
+        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 45.0).abs() < 1e-9);
+        assert!(
+            (accuracies.alpha(&settings, 1, [0.0; 3], 50.0) - 10.0).abs() < 1e-9,
+            "not named: factor 1"
+        );
+        accuracies.set_condition(&settings, "clear");
+        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 15.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_estimated_accuracy_follows_the_residuals() {
+        let mut settings = test_settings(1);
+        settings.sources[0].accuracy.base = AccuracyBase::Estimated {
+            initial_m: 7.0,
+            memory: 20.0,
+        };
+        let mut accuracies = Accuracies::new(1);
+        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 0.0) - 7.0).abs() < 1e-9);
+        for step in 0..200 {
+            let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
+            accuracies.learn(&settings, 0, [30.0 * sign, -30.0 * sign, 0.0]);
+        }
+        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 0.0) - 30.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_reference_source_has_alpha_1() {
+        let mut settings = test_settings(2);
+        settings.sources[1].accuracy.base = AccuracyBase::Constant { sigma_m: 25.0 };
+        settings.rule.reference_source = Some(0);
+        let accuracies = Accuracies::new(2);
+        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 0.0) - 1.0).abs() < 1e-12);
+        assert!((accuracies.alpha(&settings, 1, [0.0; 3], 0.0) - 2.5).abs() < 1e-12);
+        settings.sources[0].adjustment = 0.0;
+        assert!(settings.check().unwrap_err().to_string().contains("reference_source"));
+    }
+}

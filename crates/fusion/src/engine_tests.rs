@@ -1,0 +1,383 @@
+//! The engine as its caller sees it.
+
+use messages::{Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
+use proptest::prelude::*;
+
+use crate::engine::test_settings;
+use crate::{Engine, Settings};
+
+const S: i64 = 1_000_000_000;
+
+/// A report of a target on a straight path: sources differ by an offset, as body-fixed detection points do.
+fn report(source: u16, number: u32, time_s: f64, place: [f64; 2], velocity: [f64; 2]) -> SensorTrack {
+    SensorTrack {
+        time_of_measurement_ns: (time_s * S as f64) as i64,
+        source,
+        track_number: number,
+        valid: sensor_track_bits::VELOCITY,
+        position_m: [place[0] + velocity[0] * time_s, place[1] + velocity[1] * time_s, 0.0],
+        velocity_mps: [velocity[0], velocity[1], 0.0],
+        covariance: Covariance::diagonal([10.0, 10.0, 100.0], [2.0, 2.0, 2.0]),
+        state: TrackState::Confirmed as u8,
+        ..SensorTrack::default()
+    }
+}
+
+fn with_address(mut report: SensorTrack, address: u32) -> SensorTrack {
+    report.identity = Identity::default().with_address(address);
+    report
+}
+
+struct Harness {
+    engine: Engine,
+    published: Vec<SystemTrack>,
+}
+
+impl Harness {
+    fn new(settings: Settings) -> Self {
+        Self {
+            engine: Engine::new(settings).unwrap(),
+            published: Vec::new(),
+        }
+    }
+
+    fn take(&mut self, report: &SensorTrack) -> Option<SystemTrack> {
+        let before = self.published.len();
+        self.engine.take(report, &mut |track| self.published.push(*track));
+        self.published[before..].last().copied()
+    }
+
+    fn advance(&mut self, time_s: f64) {
+        self.engine
+            .advance((time_s * S as f64) as i64, &mut |track| self.published.push(*track));
+    }
+
+    fn count(&self, counter: Counter) -> u64 {
+        self.engine.counts().get(counter)
+    }
+
+    fn live(&self) -> usize {
+        [TrackState::Tentative, TrackState::Confirmed, TrackState::Coasted]
+            .map(|state| self.engine.count_in_state(state))
+            .iter()
+            .sum()
+    }
+}
+
+fn sources_of(track: &SystemTrack) -> Vec<u16> {
+    track
+        .contributions()
+        .iter()
+        .map(|contribution| contribution.source)
+        .collect()
+}
+
+#[test]
+fn one_target_seen_by_one_source_passes_through_unchanged() {
+    let mut harness = Harness::new(test_settings(1));
+    for step in 0..5 {
+        let report = report(0, 7, f64::from(step), [100.0, 200.0], [10.0, -5.0]);
+        let track = harness.take(&report).unwrap();
+        assert_eq!(track.position_m, report.position_m);
+        assert_eq!(track.velocity_mps, report.velocity_mps);
+        assert_eq!(track.covariance, report.covariance);
+        assert_eq!(track.contributions()[0].weight, 1.0);
+        let expected = if step < 2 {
+            TrackState::Tentative
+        } else {
+            TrackState::Confirmed
+        };
+        assert_eq!(track.state, expected as u8);
+    }
+}
+
+#[test]
+fn anonymous_reports_join_by_place_and_motion_and_others_do_not() {
+    let mut harness = Harness::new(test_settings(2));
+    harness.take(&report(0, 1, 0.0, [0.0, 0.0], [50.0, 0.0]));
+    let joined = harness.take(&report(1, 1, 0.5, [15.0, -10.0], [50.0, 1.0])).unwrap();
+    assert_eq!(sources_of(&joined), [0, 1]);
+    let other_way = harness.take(&report(1, 2, 0.5, [25.0, 0.0], [-50.0, 0.0])).unwrap();
+    assert_ne!(
+        other_way.track_number, joined.track_number,
+        "the same place, the opposite motion"
+    );
+    let far = harness.take(&report(1, 3, 0.5, [500.0, 0.0], [50.0, 0.0])).unwrap();
+    assert_eq!(harness.live(), 3);
+    assert_ne!(far.track_number, joined.track_number);
+}
+
+#[test]
+fn identity_joins_what_place_would_not_and_parts_what_place_would_join() {
+    let mut harness = Harness::new(test_settings(2));
+    let first = harness
+        .take(&with_address(report(0, 1, 0.0, [0.0, 0.0], [0.0, 0.0]), 0xabc))
+        .unwrap();
+    let apart = harness
+        .take(&with_address(report(1, 1, 0.1, [500.0, 0.0], [0.0, 0.0]), 0xabc))
+        .unwrap();
+    assert_eq!(first.track_number, apart.track_number);
+    let other = harness
+        .take(&with_address(report(1, 2, 0.1, [5.0, 0.0], [0.0, 0.0]), 0xdef))
+        .unwrap();
+    assert_ne!(first.track_number, other.track_number);
+
+    let mut settings = test_settings(2);
+    settings.association.use_identity = false;
+    let mut hidden = Harness::new(settings);
+    let first = hidden
+        .take(&with_address(report(0, 1, 0.0, [0.0, 0.0], [0.0, 0.0]), 0xabc))
+        .unwrap();
+    let other = hidden
+        .take(&with_address(report(1, 2, 0.1, [5.0, 0.0], [0.0, 0.0]), 0xdef))
+        .unwrap();
+    assert_eq!(
+        first.track_number, other.track_number,
+        "hidden, identity neither joins nor parts"
+    );
+}
+
+#[test]
+fn the_best_source_is_followed_and_a_worse_one_is_left() {
+    let mut harness = Harness::new(test_settings(2));
+    let mut selected = Vec::new();
+    for step in 0..8 {
+        // Source 0 is the steadier one until it jumps about from t = 4 on; source 1 lies 15 m to the side.
+        let time = f64::from(step);
+        let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
+        let wander = if step >= 4 { 12.0 * sign } else { 0.1 * sign };
+        harness.take(&report(0, 1, time, [0.0, wander], [20.0, 0.0]));
+        let steady = report(1, 1, time + 0.1, [0.0, 15.0 + sign], [20.0, 0.0]);
+        selected.push(harness.take(&steady).unwrap().selected_source);
+    }
+    assert_eq!(selected, [0, 0, 0, 0, 1, 1, 1, 1]);
+    assert_eq!(harness.count(Counter::HandOvers), 1);
+}
+
+#[test]
+fn a_broken_up_target_stays_one_system_track() {
+    let mut harness = Harness::new(test_settings(2));
+    for step in 0..6 {
+        let time = f64::from(step);
+        harness.take(&report(1, 1, time, [0.0, 0.0], [0.0, 0.0]));
+        harness.take(&report(0, 1, time, [10.0, 0.0], [0.0, 0.0]));
+        let part = harness.take(&report(0, 2, time, [-20.0, 5.0], [0.0, 0.0]));
+        assert_eq!(part, None, "a second part of the same target is recognised, not used");
+    }
+    assert_eq!(harness.live(), 1);
+    assert_eq!(harness.count(Counter::Duplicates), 6);
+    // The first part disappears; the second takes over once the first is no longer fresh.
+    let mut last = None;
+    for step in 6..12 {
+        harness.take(&report(1, 1, f64::from(step), [0.0, 0.0], [0.0, 0.0]));
+        last = harness.take(&report(0, 2, f64::from(step), [-20.0, 5.0], [0.0, 0.0]));
+    }
+    assert_eq!(sources_of(&last.unwrap()), [0, 1]);
+    assert_eq!(harness.live(), 1);
+}
+
+#[test]
+fn a_wrong_join_is_split_and_a_target_started_twice_is_merged() {
+    let mut harness = Harness::new(test_settings(2));
+    // Side by side at first, they join; then source 1's target drives away.
+    for step in 0..20 {
+        let time = f64::from(step);
+        harness.take(&report(0, 1, time, [0.0, 0.0], [0.0, 0.0]));
+        let away = if step < 4 { 0.0 } else { 15.0 * f64::from(step - 3) };
+        let mut leaving = report(1, 1, time, [0.0, away], [0.0, 0.0]);
+        leaving.velocity_mps[1] = if step < 4 { 0.0 } else { 15.0 };
+        harness.take(&leaving);
+    }
+    assert_eq!(harness.count(Counter::ContributionsSplit), 1);
+    assert_eq!(harness.live(), 2);
+    let numbers: Vec<u32> = harness.published.iter().map(|track| track.track_number).collect();
+    // It comes back and stays: one target again, under the older number.
+    for step in 20..40 {
+        let time = f64::from(step);
+        harness.take(&report(0, 1, time, [0.0, 0.0], [0.0, 0.0]));
+        harness.take(&report(1, 1, time, [0.0, 4.0], [0.0, 0.0]));
+    }
+    assert_eq!(harness.live(), 1);
+    assert_eq!(harness.count(Counter::TracksMerged), 1);
+    let merged = harness.published.iter().find(|track| track.merged_into != 0).unwrap();
+    assert_eq!(merged.merged_into, numbers[0]);
+    assert_eq!(merged.state, TrackState::Terminated as u8);
+}
+
+#[test]
+fn without_reports_a_track_coasts_and_ends_at_the_configured_times() {
+    let mut harness = Harness::new(test_settings(1));
+    for step in 0..4 {
+        harness.take(&report(0, 1, f64::from(step), [0.0, 0.0], [10.0, 0.0]));
+    }
+    harness.advance(5.5);
+    assert_eq!(
+        harness.published.last().unwrap().state,
+        TrackState::Confirmed as u8,
+        "fresh until 5.5 s, inclusive"
+    );
+    harness.advance(5.6);
+    let coasted = *harness.published.last().unwrap();
+    assert_eq!(coasted.state, TrackState::Coasted as u8);
+    assert_eq!(coasted.reference_time_ns, 5_500_000_000);
+    assert!((coasted.position_m[0] - 55.0).abs() < 1e-9);
+    assert_eq!((coasted.trigger_source, coasted.source_count), (NO_SOURCE, 0));
+    harness.advance(23.0);
+    assert_eq!(harness.live(), 1);
+    harness.advance(23.1);
+    assert_eq!(harness.published.last().unwrap().state, TrackState::Terminated as u8);
+    assert_eq!(harness.live(), 0);
+}
+
+#[test]
+fn a_report_brings_a_coasted_track_back_and_it_coasts_again_in_time() {
+    let mut harness = Harness::new(test_settings(1));
+    for step in 0..4 {
+        harness.take(&report(0, 1, f64::from(step), [0.0, 0.0], [10.0, 0.0]));
+    }
+    let number = harness.published[0].track_number;
+    let back = harness.take(&report(0, 2, 8.0, [0.0, 0.0], [10.0, 0.0])).unwrap();
+    assert_eq!(
+        (back.track_number, back.state),
+        (number, TrackState::Confirmed as u8),
+        "renumbered by its source"
+    );
+    harness.advance(10.6);
+    let coasted = harness.published.last().unwrap();
+    assert_eq!(
+        (coasted.state, coasted.reference_time_ns),
+        (TrackState::Coasted as u8, 10_500_000_000)
+    );
+}
+
+#[test]
+fn full_tables_refuse_new_entries_and_serve_the_rest() {
+    let mut settings = test_settings(1);
+    settings.capacity.system_tracks = 2;
+    settings.capacity.sensor_tracks = 3;
+    let mut harness = Harness::new(settings);
+    for number in 0..5 {
+        harness.take(&report(
+            0,
+            number,
+            0.1 * f64::from(number),
+            [1e4 * f64::from(number), 0.0],
+            [0.0, 0.0],
+        ));
+    }
+    assert_eq!(harness.live(), 2);
+    assert_eq!(harness.count(Counter::TableFull), 3);
+    assert!(harness.take(&report(0, 1, 1.0, [1e4, 0.0], [0.0, 0.0])).is_some());
+}
+
+#[test]
+fn bad_reports_are_counted_and_change_nothing() {
+    let mut harness = Harness::new(test_settings(1));
+    harness.take(&report(0, 1, 1.0, [0.0, 0.0], [0.0, 0.0]));
+    let good = report(0, 1, 2.0, [0.0, 0.0], [0.0, 0.0]);
+    let mut bad = [good; 4];
+    bad[0].position_m[1] = f64::NAN;
+    bad[1].covariance.set(0, 0, -1.0);
+    bad[2].state = 9;
+    bad[3].source = 5;
+    for report in &bad {
+        assert_eq!(harness.take(report), None);
+    }
+    assert_eq!(harness.count(Counter::Invalid), 4);
+    assert_eq!(harness.take(&report(0, 1, 0.5, [0.0, 0.0], [0.0, 0.0])), None);
+    assert_eq!(harness.count(Counter::OutOfOrder), 1);
+}
+
+#[test]
+fn an_ended_sensor_track_stops_contributing_at_once() {
+    let mut harness = Harness::new(test_settings(2));
+    harness.take(&report(0, 1, 0.0, [0.0, 0.0], [0.0, 0.0]));
+    let both = harness.take(&report(1, 1, 0.1, [0.0, 0.0], [0.0, 0.0])).unwrap();
+    assert_eq!(sources_of(&both), [0, 1]);
+    let mut last = report(0, 1, 0.2, [0.0, 0.0], [0.0, 0.0]);
+    last.state = TrackState::Terminated as u8;
+    harness.take(&last);
+    let one = harness.take(&report(1, 1, 0.3, [0.0, 0.0], [0.0, 0.0])).unwrap();
+    assert_eq!(sources_of(&one), [1]);
+}
+
+#[test]
+fn a_ground_sensor_does_not_join_what_flies_overhead() {
+    let mut settings = test_settings(2);
+    settings.sources[0].ceiling_m = 300.0;
+    let mut harness = Harness::new(settings);
+    let mut high = report(1, 1, 0.0, [0.0, 0.0], [0.0, 0.0]);
+    high.valid |= sensor_track_bits::HEIGHT;
+    high.position_m[2] = 3000.0;
+    let high = harness.take(&high).unwrap();
+    let ground = harness.take(&report(0, 1, 0.1, [0.0, 0.0], [0.0, 0.0])).unwrap();
+    assert_ne!(high.track_number, ground.track_number);
+}
+
+/// Reports of a few wandering targets by three sources, in time order.
+fn traffic(seed: u64, seconds: u32) -> Vec<SensorTrack> {
+    let mut noise = seed | 1;
+    let mut random = move || {
+        noise ^= noise << 13;
+        noise ^= noise >> 7;
+        noise ^= noise << 17;
+        (noise >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    let mut reports = Vec::new();
+    for second in 0..seconds {
+        for source in 0..3u16 {
+            for target in 0..12u32 {
+                if random() > 0.4 {
+                    continue;
+                }
+                let place = [
+                    1500.0 * f64::from(target % 4) + 30.0 * random(),
+                    800.0 * f64::from(target / 4) + 30.0 * random(),
+                ];
+                let time = f64::from(second) + 0.3 * f64::from(source);
+                let renumbered = target + 100 * (second / 17);
+                let mut report = report(source, renumbered, time, place, [10.0, f64::from(target) - 6.0]);
+                if source > 0 {
+                    report.identity = Identity::default().with_address(0x40_0000 + target);
+                }
+                reports.push(report);
+            }
+        }
+    }
+    reports
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    #[test]
+    fn invariants_hold_over_random_traffic(seed in any::<u64>()) {
+        let mut harness = Harness::new(test_settings(3));
+        let mut addresses = std::collections::BTreeMap::new();
+        for report in traffic(seed, 60) {
+            let Some(track) = harness.take(&report) else { continue };
+            let weights: f64 = track.contributions().iter().map(|contribution| contribution.weight).sum();
+            prop_assert!((weights - 1.0).abs() < 1e-12);
+            let sources = sources_of(&track);
+            prop_assert!(sources.windows(2).all(|pair| pair[0] < pair[1]), "one contribution per source");
+            if let Some(address) = track.identity.address() {
+                prop_assert_eq!(*addresses.entry(track.track_number).or_insert(address), address);
+            }
+        }
+        harness.advance(1e4);
+        prop_assert_eq!(harness.live(), 0, "everything ends");
+    }
+
+    #[test]
+    fn the_same_reports_give_the_same_bits(seed in any::<u64>()) {
+        let run = || {
+            let mut harness = Harness::new(test_settings(3));
+            for report in traffic(seed, 30) {
+                harness.take(&report);
+            }
+            harness.published
+        };
+        // Debug output, because an absent accuracy value is NaN and NaN differs from itself.
+        prop_assert_eq!(format!("{:?}", run()), format!("{:?}", run()));
+    }
+}

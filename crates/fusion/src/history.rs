@@ -1,0 +1,188 @@
+//! The last N reports of each sensor track, and the residual V they yield (TI-4 … TI-6).
+//!
+//! How trustworthy is a track just now? The method's answer needs nothing but the track itself: move its latest
+//! report (the *first position*) and each of the up to N earlier ones (the *second positions*) to one reference time,
+//! each along its own velocity. A track that describes its target well says the same from every report; the distance
+//! between the first position and the mean of the second is the residual V.
+
+use messages::{SensorTrack, sensor_track_bits};
+
+use crate::settings::Residual;
+
+/// What is kept of one report.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Stored {
+    time_ns: i64,
+    position_m: [f64; 3],
+    velocity_mps: [f64; 3],
+}
+
+impl Stored {
+    fn position_at(&self, time_ns: i64) -> [f64; 3] {
+        moved(self.position_m, self.velocity_mps, time_ns - self.time_ns)
+    }
+}
+
+/// `position` moved along `velocity` for `ns` nanoseconds.
+pub(crate) fn moved(position_m: [f64; 3], velocity_mps: [f64; 3], ns: i64) -> [f64; 3] {
+    let seconds = ns as f64 / messages::NS_PER_S;
+    std::array::from_fn(|axis| position_m[axis] + velocity_mps[axis] * seconds)
+}
+
+/// Rings of the last N reports, one per sensor-track slot, allocated at once.
+#[derive(Debug)]
+pub(crate) struct Histories {
+    stored: Vec<Stored>,
+    heads: Vec<Head>,
+    length: usize,
+}
+
+/// Where one ring stands.
+#[derive(Clone, Copy, Debug, Default)]
+struct Head {
+    newest: usize,
+    count: usize,
+    /// Measured minus predicted position of the newest report, where there was a measurement.
+    innovation: Option<[f64; 3]>,
+}
+
+impl Histories {
+    pub(crate) fn new(slots: usize, length: usize) -> Self {
+        Self {
+            stored: vec![Stored::default(); slots * length],
+            heads: vec![Head::default(); slots],
+            length,
+        }
+    }
+
+    pub(crate) fn clear(&mut self, slot: usize) {
+        self.heads[slot] = Head::default();
+    }
+
+    pub(crate) fn push(&mut self, slot: usize, report: &SensorTrack) {
+        let innovation = self.innovation_of(slot, report);
+        let head = &mut self.heads[slot];
+        head.innovation = innovation;
+        head.newest = if head.count == 0 {
+            0
+        } else {
+            (head.newest + 1) % self.length
+        };
+        head.count = (head.count + 1).min(self.length);
+        self.stored[slot * self.length + head.newest] = Stored {
+            time_ns: report.time_of_measurement_ns,
+            position_m: report.position_m,
+            velocity_mps: report.velocity_mps,
+        };
+    }
+
+    /// Measured minus predicted: the prediction is the previous report's, along its velocity.
+    fn innovation_of(&self, slot: usize, report: &SensorTrack) -> Option<[f64; 3]> {
+        if !report.has(sensor_track_bits::MEASURED) {
+            return None;
+        }
+        let predicted = self.nth(slot, 0)?.position_at(report.time_of_measurement_ns);
+        Some(std::array::from_fn(|axis| report.measured_m[axis] - predicted[axis]))
+    }
+
+    /// The report `back` places before the newest.
+    fn nth(&self, slot: usize, back: usize) -> Option<&Stored> {
+        let head = &self.heads[slot];
+        if back >= head.count {
+            return None;
+        }
+        let index = (head.newest + self.length - back) % self.length;
+        Some(&self.stored[slot * self.length + index])
+    }
+
+    /// V per axis at the reference time, signed; `None` without an earlier report (TI-10).
+    ///
+    /// `recency` weighs each earlier report relative to the next newer one; 1 gives the plain mean (TI-5).
+    pub(crate) fn residual(&self, slot: usize, kind: Residual, recency: f64, reference_ns: i64) -> Option<[f64; 3]> {
+        if kind == Residual::Innovation
+            && let Some(innovation) = self.heads[slot].innovation
+        {
+            return Some(innovation);
+        }
+        let value = |stored: &Stored| match kind {
+            Residual::Velocity => stored.velocity_mps,
+            Residual::Position | Residual::PerAxis | Residual::Innovation => stored.position_at(reference_ns),
+        };
+        let first = value(self.nth(slot, 0)?);
+        let (mut sum, mut total, mut weight) = ([0.0; 3], 0.0, 1.0);
+        let mut back = 1;
+        while let Some(earlier) = self.nth(slot, back) {
+            let second = value(earlier);
+            for axis in 0..3 {
+                sum[axis] += weight * second[axis];
+            }
+            total += weight;
+            weight *= recency;
+            back += 1;
+        }
+        (back > 1).then(|| std::array::from_fn(|axis| first[axis] - sum[axis] / total))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: i64 = 1_000_000_000;
+
+    fn report(time_s: i64, x: f64, vx: f64) -> SensorTrack {
+        SensorTrack {
+            time_of_measurement_ns: time_s * S,
+            position_m: [x, 0.0, 0.0],
+            velocity_mps: [vx, 0.0, 0.0],
+            ..SensorTrack::default()
+        }
+    }
+
+    #[test]
+    fn a_track_that_predicts_itself_has_no_residual() {
+        let mut histories = Histories::new(2, 4);
+        for time in 0..10 {
+            histories.push(1, &report(time, 10.0 * time as f64, 10.0));
+        }
+        let v = histories.residual(1, Residual::Position, 1.0, 12 * S).unwrap();
+        assert!(v[0].abs() < 1e-9);
+        assert_eq!(histories.residual(0, Residual::Position, 1.0, 12 * S), None);
+    }
+
+    #[test]
+    fn the_residual_is_first_minus_mean_of_second_positions() {
+        let mut histories = Histories::new(1, 3);
+        // Moved to t = 4: 0 + 4·1 = 4 (dropped: only three are kept), 6 + 3·2 = 12, 10 + 2·0 = 10, first 20 + 1·5 = 25.
+        for (time, x, vx) in [(0, 0.0, 1.0), (1, 6.0, 2.0), (2, 10.0, 0.0), (3, 20.0, 5.0)] {
+            histories.push(0, &report(time, x, vx));
+        }
+        let plain = histories.residual(0, Residual::Position, 1.0, 4 * S).unwrap();
+        assert!((plain[0] - (25.0 - 11.0)).abs() < 1e-12);
+        // Newer ones count more: weights 1 and 1/2 on 10 and 12.
+        let weighted = histories.residual(0, Residual::Position, 0.5, 4 * S).unwrap();
+        assert!((weighted[0] - (25.0 - (10.0 + 0.5 * 12.0) / 1.5)).abs() < 1e-12);
+        let velocity = histories.residual(0, Residual::Velocity, 1.0, 4 * S).unwrap();
+        assert!((velocity[0] - (5.0 - 1.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_innovation_needs_a_measurement() {
+        let mut histories = Histories::new(1, 3);
+        histories.push(0, &report(0, 0.0, 10.0));
+        let mut second = report(1, 11.0, 10.0);
+        second.valid |= sensor_track_bits::MEASURED;
+        second.measured_m = [13.0, 0.0, 0.0];
+        histories.push(0, &second);
+        assert_eq!(
+            histories.residual(0, Residual::Innovation, 1.0, S),
+            Some([3.0, 0.0, 0.0])
+        );
+        histories.push(0, &report(2, 21.0, 10.0));
+        let v = histories.residual(0, Residual::Innovation, 1.0, 2 * S).unwrap();
+        assert!(
+            (v[0] - (21.0 - 20.5)).abs() < 1e-12,
+            "falls back to the position residual"
+        );
+    }
+}

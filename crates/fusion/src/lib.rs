@@ -1,0 +1,32 @@
+//! Fusion: many sensors' tracks in, one system track per target out.
+//!
+//! A sensor track arrives; [`Engine::take`] finds the system track it belongs to (or starts one), stores the report
+//! in that source's history, asks the rule how much each source counts, combines them at the reference time, and hands
+//! the new state of the system track to the caller. [`Engine::advance`] lets time pass: tracks without reports coast
+//! and end.
+//!
+//! With recorded inputs, [`Merger`] first puts the reports of all sources into the order of their times.
+//!
+//! Architecture invariants: no clock, no thread, no file, no shared memory; the same reports with the same settings give
+//! the same states, bit for bit; after construction nothing is allocated; no hash map is iterated.
+
+#![forbid(unsafe_code)]
+
+mod accuracy;
+mod association_step;
+mod counts;
+mod engine;
+#[cfg(test)]
+mod engine_tests;
+mod history;
+mod merger;
+pub mod rules;
+mod sensor_tracks;
+pub mod settings;
+mod state;
+mod system_tracks;
+
+pub use counts::Counts;
+pub use engine::Engine;
+pub use merger::{Merger, Pushed};
+pub use settings::{Settings, SettingsError};

@@ -1,0 +1,180 @@
+//! `best-source`: follow the source with the smallest accuracy value (TI-8 … TI-12).
+//!
+//! Two sensors that see different points of a large target, or that carry a bias, give parallel but offset tracks.
+//! Averaging them makes a still target creep as the weights change. This rule never averages: at each refresh the
+//! source with the smallest lambda = alpha·V gets weight 1, all others 0.
+
+use super::{Candidate, Memory, NO_SOURCE, RuleEntry, Share};
+use crate::settings::{Residual, RuleSettings, Tie};
+
+pub(super) const ENTRY: RuleEntry = RuleEntry {
+    name: "best-source",
+    summary: "the source with the smallest accuracy value lambda = alpha·V gets weight 1",
+    assumption: "none: one source at a time, so correlation between sources does not matter",
+    weigh,
+};
+
+fn weigh(settings: &RuleSettings, candidates: &[Candidate], memory: &mut Memory, shares: &mut [Share]) {
+    let per_axis = settings.residual == Residual::PerAxis;
+    for axis in 0..3 {
+        if per_axis || axis == 0 {
+            memory.selected[axis] = choose(settings, candidates, memory.selected[axis], axis);
+        } else {
+            memory.selected[axis] = memory.selected[0];
+        }
+    }
+    for (share, candidate) in shares.iter_mut().zip(candidates) {
+        share.accuracy = norm(candidate).map_or(f64::INFINITY, |v| candidate.alpha * v);
+        share.weight = memory
+            .selected
+            .map(|selected| f64::from(u8::from(selected == candidate.source)));
+    }
+}
+
+/// The best source on one axis.
+fn choose(settings: &RuleSettings, candidates: &[Candidate], last: u16, axis: usize) -> u16 {
+    let best = candidates.iter().min_by(|a, b| {
+        let key = |candidate: &Candidate| Key::new(settings, candidate, last, axis);
+        key(a).compare(&key(b))
+    });
+    best.map_or(NO_SOURCE, |candidate| candidate.source)
+}
+
+/// What two sources are compared by, most important first (TI-10, TI-11).
+struct Key {
+    lambda: f64,
+    alpha: f64,
+    chosen_last: bool,
+    priority: u32,
+    source: u16,
+}
+
+impl Key {
+    fn new(settings: &RuleSettings, candidate: &Candidate, last: u16, axis: usize) -> Self {
+        let v = if settings.residual == Residual::PerAxis {
+            candidate.residual.map(|residual| residual[axis].abs())
+        } else {
+            norm(candidate)
+        };
+        Self {
+            // Without a V a source loses to any that has one, and is scored by alpha alone (TI-10).
+            lambda: v.map_or(f64::INFINITY, |v| candidate.alpha * v),
+            alpha: candidate.alpha,
+            chosen_last: settings.tie == Tie::LastThenPriority && candidate.source == last,
+            priority: candidate.priority,
+            source: candidate.source,
+        }
+    }
+
+    fn compare(&self, other: &Self) -> std::cmp::Ordering {
+        self.lambda
+            .total_cmp(&other.lambda)
+            .then(self.alpha.total_cmp(&other.alpha))
+            .then(other.chosen_last.cmp(&self.chosen_last))
+            .then(self.priority.cmp(&other.priority))
+            .then(self.source.cmp(&other.source))
+    }
+}
+
+/// V as a norm over the axes that all candidates have.
+fn norm(candidate: &Candidate) -> Option<f64> {
+    let [x, y, z] = candidate.residual?;
+    let z = if candidate.three_axes { z } else { 0.0 };
+    Some((x * x + y * y + z * z).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rules::default_rule;
+
+    fn candidate(source: u16, alpha: f64, residual: Option<[f64; 3]>) -> Candidate {
+        Candidate {
+            source,
+            priority: u32::from(source),
+            alpha,
+            residual,
+            three_axes: true,
+        }
+    }
+
+    fn selected(settings: &RuleSettings, candidates: &[Candidate], memory: &mut Memory) -> [u16; 3] {
+        let mut shares = vec![Share::default(); candidates.len()];
+        weigh(settings, candidates, memory, &mut shares);
+        memory.selected
+    }
+
+    #[test]
+    fn the_worked_check_hands_over_at_t4() {
+        // Until t3 lambda_A < lambda_B, from t4 on lambda_B < lambda_A.
+        let settings = RuleSettings::default();
+        let mut memory = Memory::default();
+        let lambdas = [(1.0, 2.0), (1.0, 2.0), (1.0, 2.0), (3.0, 2.0), (3.0, 2.0)];
+        let chosen: Vec<u16> = lambdas
+            .iter()
+            .map(|(a, b)| {
+                let both = [
+                    candidate(0, 1.0, Some([*a, 0.0, 0.0])),
+                    candidate(1, 1.0, Some([*b, 0.0, 0.0])),
+                ];
+                selected(&settings, &both, &mut memory)[0]
+            })
+            .collect();
+        assert_eq!(chosen, [0, 0, 0, 1, 1]);
+    }
+
+    #[test]
+    fn alpha_makes_main_and_standby_sources() {
+        let both = [
+            candidate(0, 1.0, Some([4.0, 0.0, 0.0])),
+            candidate(1, 10.0, Some([1.0, 0.0, 0.0])),
+        ];
+        assert_eq!(
+            selected(&RuleSettings::default(), &both, &mut Memory::default()),
+            [0; 3]
+        );
+    }
+
+    #[test]
+    fn a_source_without_residual_loses_and_is_scored_by_alpha_alone() {
+        let settings = RuleSettings::default();
+        let both = [candidate(0, 1.0, None), candidate(1, 99.0, Some([50.0, 0.0, 0.0]))];
+        assert_eq!(selected(&settings, &both, &mut Memory::default()), [1; 3]);
+        let neither = [candidate(0, 2.0, None), candidate(1, 1.0, None)];
+        assert_eq!(selected(&settings, &neither, &mut Memory::default()), [1; 3]);
+    }
+
+    #[test]
+    fn ties_go_to_the_smaller_alpha_then_the_last_choice_then_priority() {
+        let still = Some([0.0; 3]);
+        let settings = RuleSettings::default();
+        let mut last_was_1 = Memory { selected: [1; 3] };
+        let equal = [candidate(0, 1.0, still), candidate(1, 1.0, still)];
+        assert_eq!(selected(&settings, &equal, &mut last_was_1), [1; 3]);
+        assert_eq!(selected(&settings, &equal, &mut Memory::default()), [0; 3]);
+        let priority_only = RuleSettings {
+            tie: Tie::Priority,
+            ..RuleSettings::default()
+        };
+        assert_eq!(selected(&priority_only, &equal, &mut last_was_1), [0; 3]);
+        let smaller_alpha = [candidate(0, 1.0, still), candidate(1, 0.5, still)];
+        assert_eq!(
+            selected(&settings, &smaller_alpha, &mut Memory { selected: [0; 3] }),
+            [1; 3]
+        );
+    }
+
+    #[test]
+    fn per_axis_each_axis_chooses_for_itself() {
+        let settings = RuleSettings {
+            residual: Residual::PerAxis,
+            rule: default_rule(),
+            ..RuleSettings::default()
+        };
+        let both = [
+            candidate(0, 1.0, Some([1.0, 9.0, 0.0])),
+            candidate(1, 1.0, Some([9.0, 1.0, 5.0])),
+        ];
+        assert_eq!(selected(&settings, &both, &mut Memory::default()), [0, 1, 0]);
+    }
+}

@@ -1,0 +1,379 @@
+//! What the engine is told once, before its first report.
+//!
+//! These are checked values: the configuration reader turns its file into them, and [`Settings::check`] refuses what
+//! cannot work, naming the key as the file spells it.
+
+use crate::rules::{self, RuleEntry};
+
+/// Everything the engine needs to know.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The sources; a report's source number is its place here.
+    pub sources: Vec<SourceSettings>,
+    /// Sizes of all tables.
+    pub capacity: Capacity,
+    /// Which report belongs to which system track.
+    pub association: AssociationSettings,
+    /// When a system track is confirmed, coasted, ended.
+    pub life: LifeSettings,
+    /// How sources are weighed.
+    pub rule: RuleSettings,
+    /// Spectral density of the white-noise acceleration with which states are carried forward, m²/s³.
+    pub process_noise_m2ps3: f64,
+}
+
+/// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacity {
+    /// System tracks.
+    pub system_tracks: usize,
+    /// Live sensor tracks of all sources together.
+    pub sensor_tracks: usize,
+    /// N of TI-4: earlier reports kept per source and target, beside the latest.
+    pub stored_reports: usize,
+}
+
+/// One source (TI-2).
+#[derive(Clone, Debug, PartialEq)]
+pub struct SourceSettings {
+    /// Name, for messages to people.
+    pub name: String,
+    /// Time between two reports of one target, nanoseconds.
+    pub period_ns: i64,
+    /// Age beyond which a report no longer contributes, nanoseconds.
+    pub fresh_ns: i64,
+    /// Sensor accuracy s (TI-7).
+    pub accuracy: Accuracy,
+    /// Adjustment coefficient k (TI-8): small for a main source, large for a standby one.
+    pub adjustment: f64,
+    /// Priority for ties, smaller first (TI-11).
+    pub priority: u32,
+    /// Targets higher than this above the system origin cannot be seen by this source, metres.
+    pub ceiling_m: f64,
+}
+
+/// Sensor accuracy s ≥ 0 as a function of conditions (TI-7).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accuracy {
+    /// What s is at rest and in the normal condition.
+    pub base: AccuracyBase,
+    /// Added per metre per second of target speed, seconds.
+    pub per_speed_s: f64,
+    /// Factors for named conditions (weather), which can be changed while running; 1 for those not named.
+    pub conditions: Vec<(String, f64)>,
+}
+
+/// The part of the sensor accuracy that depends on the kind of sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AccuracyBase {
+    /// The same everywhere, metres.
+    Constant {
+        /// s, metres.
+        sigma_m: f64,
+    },
+    /// Range and azimuth errors, turned into a position error at the target's place.
+    Polar {
+        /// East and north of the sensor in the system frame, metres.
+        place_m: [f64; 2],
+        /// Range error, metres.
+        range_sigma_m: f64,
+        /// Azimuth error, radians.
+        azimuth_sigma_rad: f64,
+    },
+    /// Root mean square of the source's own residuals over its recent reports, all targets together.
+    Estimated {
+        /// s until there are residuals, metres.
+        initial_m: f64,
+        /// How many residuals the mean reaches back over.
+        memory: f64,
+    },
+}
+
+/// How reports find their system track (TI-3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AssociationSettings {
+    /// Whether identity is used. Without it only position and motion count; identities are still shown.
+    pub use_identity: bool,
+    /// Gate on d² in the plane (chi-square, two degrees of freedom) for joining a track.
+    pub join_gate: f64,
+    /// Gate on d² for staying: wider than joining, so that pairs do not flicker.
+    pub keep_gate: f64,
+    /// Gate on d² of the horizontal velocity for joining.
+    pub velocity_gate: f64,
+    /// Standard deviation of where on a target a sensor's detection point lies, metres; for large targets.
+    pub extent_sigma_m: f64,
+    /// Within this distance a second track of one source is taken for another part of the same target, metres.
+    pub target_extent_m: f64,
+    /// Largest difference of two known heights for joining, metres.
+    pub height_gate_m: f64,
+    /// Reports in a row that must miss the keep gate before a sensor track is taken out.
+    pub split_reports: u32,
+    /// Reports in a row that must find the same other track before two are merged.
+    pub merge_reports: u32,
+    /// Cell width of the neighbourhood grid, metres.
+    pub cell_m: f64,
+}
+
+/// Life of a system track (QF-8 names the counts; TI has none).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LifeSettings {
+    /// Reports until a tentative track is confirmed.
+    pub confirm_reports: u32,
+    /// Time without a report after which a confirmed track ends, nanoseconds.
+    pub terminate_ns: i64,
+    /// Time without a report after which a tentative track ends, nanoseconds.
+    pub tentative_ns: i64,
+}
+
+/// Which rule weighs, and how it scores.
+#[derive(Clone, Debug)]
+pub struct RuleSettings {
+    /// The rule.
+    pub rule: &'static RuleEntry,
+    /// How residuals are formed (TI-6).
+    pub residual: Residual,
+    /// Weight of an earlier report relative to the next newer one in the mean of second positions (TI-5); 1 is plain.
+    pub recency: f64,
+    /// Source whose alpha is normalised to 1 (TI-8).
+    pub reference_source: Option<u16>,
+    /// How ties are broken (TI-11).
+    pub tie: Tie,
+}
+
+/// Variants of the residual V (TI-6).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Residual {
+    /// Norm of the position difference over the axes.
+    Position,
+    /// Norm of the velocity difference over the axes.
+    Velocity,
+    /// Position difference, each axis on its own: an accuracy value, a choice and a weight per axis.
+    PerAxis,
+    /// |measured − predicted| where raw detections are delivered; `Position` for sources that deliver none.
+    Innovation,
+}
+
+/// What decides between equal accuracy values (TI-11).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tie {
+    /// The source chosen last time, then priority.
+    LastThenPriority,
+    /// Priority alone.
+    Priority,
+}
+
+/// Most stored reports per source and target.
+pub const STORED_REPORTS_MAX: usize = 64;
+/// Most sources.
+pub const SOURCES_MAX: usize = 64;
+
+/// A setting that cannot work.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{key} = {value}: {reason}")]
+pub struct SettingsError {
+    /// Key, as the configuration file spells it; sources are `source[0]`, `source[1]`, …
+    pub key: String,
+    /// The value found.
+    pub value: String,
+    /// What is wrong with it, and what would be right.
+    pub reason: String,
+}
+
+impl Settings {
+    /// Looks for settings that cannot work.
+    ///
+    /// # Errors
+    /// The first such setting, with key, value and remedy.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        let capacity = &self.capacity;
+        in_range("fusion.capacity.system_tracks", capacity.system_tracks as f64, 1.0, 1e6)?;
+        in_range("fusion.capacity.sensor_tracks", capacity.sensor_tracks as f64, 1.0, 1e7)?;
+        in_range(
+            "fusion.capacity.stored_reports",
+            capacity.stored_reports as f64,
+            1.0,
+            STORED_REPORTS_MAX as f64,
+        )?;
+        in_range(
+            "source (number of sources)",
+            self.sources.len() as f64,
+            1.0,
+            SOURCES_MAX as f64,
+        )?;
+        let association = &self.association;
+        for (key, value, low, high) in [
+            ("join_gate", association.join_gate, 0.1, 1e4),
+            ("keep_gate", association.keep_gate, association.join_gate, 1e6),
+            ("velocity_gate", association.velocity_gate, 0.1, 1e6),
+            ("extent_sigma_m", association.extent_sigma_m, 0.0, 1e4),
+            ("target_extent_m", association.target_extent_m, 0.0, 1e4),
+            ("height_gate_m", association.height_gate_m, 0.0, 1e5),
+            ("split_reports", f64::from(association.split_reports), 1.0, 1e6),
+            ("merge_reports", f64::from(association.merge_reports), 1.0, 1e6),
+            ("cell_m", association.cell_m, 1.0, 1e6),
+        ] {
+            in_range(&format!("fusion.association.{key}"), value, low, high)?;
+        }
+        in_range(
+            "fusion.life.confirm_reports",
+            f64::from(self.life.confirm_reports),
+            1.0,
+            1e6,
+        )?;
+        in_range(
+            "fusion.life.terminate_s",
+            self.life.terminate_ns as f64 / messages::NS_PER_S,
+            1e-3,
+            1e5,
+        )?;
+        in_range(
+            "fusion.life.tentative_s",
+            self.life.tentative_ns as f64 / messages::NS_PER_S,
+            1e-3,
+            1e5,
+        )?;
+        in_range("fusion.process_noise_m2ps3", self.process_noise_m2ps3, 0.0, 1e6)?;
+        in_range("fusion.rule.recency", self.rule.recency, 1e-6, 1.0)?;
+        for (index, source) in self.sources.iter().enumerate() {
+            source.check(&format!("source[{index}]"))?;
+        }
+        self.check_reference()
+    }
+
+    /// TI-8: alpha cannot be normalised by a source whose alpha is 0.
+    fn check_reference(&self) -> Result<(), SettingsError> {
+        let Some(number) = self.rule.reference_source else {
+            return Ok(());
+        };
+        let Some(source) = self.sources.get(usize::from(number)) else {
+            return Err(refused(
+                "fusion.rule.reference_source",
+                number,
+                "there is no such source",
+            ));
+        };
+        let smallest = match source.accuracy.base {
+            AccuracyBase::Constant { sigma_m } => sigma_m,
+            AccuracyBase::Polar { range_sigma_m, .. } => range_sigma_m,
+            AccuracyBase::Estimated { initial_m, .. } => initial_m,
+        };
+        if source.adjustment * smallest > 0.0 {
+            return Ok(());
+        }
+        let reason = "its adjustment × accuracy is 0, so nothing can be expressed relative to it; \
+                      give that source an accuracy and an adjustment above 0, or name another";
+        Err(refused("fusion.rule.reference_source", &source.name, reason))
+    }
+}
+
+impl SourceSettings {
+    fn check(&self, key: &str) -> Result<(), SettingsError> {
+        in_range(
+            &format!("{key}.period_s"),
+            self.period_ns as f64 / messages::NS_PER_S,
+            1e-3,
+            3600.0,
+        )?;
+        in_range(
+            &format!("{key}.fresh_s"),
+            self.fresh_ns as f64 / messages::NS_PER_S,
+            1e-3,
+            1e5,
+        )?;
+        in_range(&format!("{key}.accuracy.adjustment"), self.adjustment, 0.0, 1e9)?;
+        in_range(
+            &format!("{key}.accuracy.per_speed_s"),
+            self.accuracy.per_speed_s,
+            0.0,
+            1e6,
+        )?;
+        for (name, factor) in &self.accuracy.conditions {
+            in_range(&format!("{key}.accuracy.conditions.{name}"), *factor, 0.0, 1e6)?;
+        }
+        match self.accuracy.base {
+            AccuracyBase::Constant { sigma_m } => in_range(&format!("{key}.accuracy.sigma_m"), sigma_m, 0.0, 1e6),
+            AccuracyBase::Polar {
+                range_sigma_m,
+                azimuth_sigma_rad,
+                ..
+            } => {
+                in_range(&format!("{key}.accuracy.range_sigma_m"), range_sigma_m, 0.0, 1e6)?;
+                in_range(
+                    &format!("{key}.accuracy.azimuth_sigma_deg"),
+                    azimuth_sigma_rad.to_degrees(),
+                    0.0,
+                    90.0,
+                )
+            }
+            AccuracyBase::Estimated { initial_m, memory } => {
+                in_range(&format!("{key}.accuracy.initial_m"), initial_m, 1e-3, 1e6)?;
+                in_range(&format!("{key}.accuracy.memory"), memory, 1.0, 1e9)
+            }
+        }
+    }
+}
+
+fn in_range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SettingsError> {
+    // Written so that NaN is refused.
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(refused(key, value, &format!("must lie between {low} and {high}")))
+}
+
+fn refused(key: &str, value: impl ToString, reason: &str) -> SettingsError {
+    SettingsError {
+        key: key.to_owned(),
+        value: value.to_string(),
+        reason: reason.to_owned(),
+    }
+}
+
+impl Default for AssociationSettings {
+    fn default() -> Self {
+        Self {
+            use_identity: true,
+            join_gate: association::distance::gate2(0.001),
+            keep_gate: association::distance::gate2(1e-6),
+            velocity_gate: association::distance::gate2(0.001),
+            extent_sigma_m: 0.0,
+            target_extent_m: 0.0,
+            height_gate_m: 600.0,
+            split_reports: 5,
+            merge_reports: 3,
+            cell_m: 1000.0,
+        }
+    }
+}
+
+impl Default for LifeSettings {
+    fn default() -> Self {
+        Self {
+            confirm_reports: 3,
+            terminate_ns: 20_000_000_000,
+            tentative_ns: 6_000_000_000,
+        }
+    }
+}
+
+impl Default for Capacity {
+    fn default() -> Self {
+        Self {
+            system_tracks: 2_000,
+            sensor_tracks: 8_000,
+            stored_reports: 5,
+        }
+    }
+}
+
+impl Default for RuleSettings {
+    fn default() -> Self {
+        Self {
+            rule: rules::default_rule(),
+            residual: Residual::Position,
+            recency: 1.0,
+            reference_source: None,
+            tie: Tie::LastThenPriority,
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! A position, a velocity and their covariance, carried through time and combined.
+
+use messages::{AXES, CONTRIBUTIONS_MAX, Covariance, SensorTrack, sensor_track_bits};
+
+use crate::history::moved;
+use crate::rules::Share;
+
+/// State of a target at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct State {
+    pub(crate) time_ns: i64,
+    pub(crate) position_m: [f64; 3],
+    pub(crate) velocity_mps: [f64; 3],
+    pub(crate) covariance: Covariance,
+    /// Whether `position_m[2]` was observed.
+    pub(crate) has_height: bool,
+}
+
+impl State {
+    pub(crate) fn of_report(report: &SensorTrack) -> Self {
+        Self {
+            time_ns: report.time_of_measurement_ns,
+            position_m: report.position_m,
+            velocity_mps: report.velocity_mps,
+            covariance: report.covariance,
+            has_height: report.has(sensor_track_bits::HEIGHT),
+        }
+    }
+
+    /// This state at `time_ns`: uniform straight motion, with white-noise acceleration of the given spectral density.
+    pub(crate) fn at(&self, time_ns: i64, process_noise_m2ps3: f64) -> Self {
+        let ns = time_ns - self.time_ns;
+        if ns == 0 {
+            return *self;
+        }
+        let dt = ns as f64 / messages::NS_PER_S;
+        let (p, mut carried) = (&self.covariance, Covariance::default());
+        for row in 0..AXES {
+            for column in 0..AXES {
+                let velocity = p.get(row + AXES, column + AXES);
+                let cross = p.get(row, column + AXES);
+                if row <= column {
+                    let position = p.get(row, column) + dt * (cross + p.get(column, row + AXES)) + dt * dt * velocity;
+                    carried.set(row, column, position);
+                    carried.set(row + AXES, column + AXES, velocity);
+                }
+                carried.set(row, column + AXES, cross + dt * velocity);
+            }
+        }
+        // Noise accumulates whichever way time runs: an estimate carried backwards is no surer for it.
+        let (q, step) = (process_noise_m2ps3, dt.abs());
+        for axis in 0..AXES {
+            carried.upper[Covariance::index(axis, axis)] += q * step.powi(3) / 3.0;
+            carried.upper[Covariance::index(axis, axis + AXES)] += q * step * dt / 2.0;
+            carried.upper[Covariance::index(axis + AXES, axis + AXES)] += q * step;
+        }
+        Self {
+            time_ns,
+            position_m: moved(self.position_m, self.velocity_mps, ns),
+            velocity_mps: self.velocity_mps,
+            covariance: carried,
+            has_height: self.has_height,
+        }
+    }
+
+    /// Horizontal position covariance: (east², east·north, north²), m².
+    pub(crate) fn horizontal(&self) -> [f64; 3] {
+        [
+            self.covariance.get(0, 0),
+            self.covariance.get(0, 1),
+            self.covariance.get(1, 1),
+        ]
+    }
+
+    /// Horizontal velocity covariance, m²/s².
+    pub(crate) fn horizontal_velocity(&self) -> [f64; 3] {
+        [
+            self.covariance.get(3, 3),
+            self.covariance.get(3, 4),
+            self.covariance.get(4, 4),
+        ]
+    }
+
+    pub(crate) fn speed_mps(&self) -> f64 {
+        self.velocity_mps[0].hypot(self.velocity_mps[1])
+    }
+}
+
+/// Σ eta·state over states at one time (TI-19). `shares` has one entry per state.
+///
+/// Height comes from the states that have one, their weights scaled to sum to 1; where none of those has weight, from
+/// the one with the smallest accuracy value.
+///
+/// The covariance is the same weighted sum: by convexity, the covariance of Σ eta·e is at most Σ eta·P whatever the
+/// correlation of the errors e. Axes with different weights are different mixtures of sources; between those the
+/// covariance is unknown, and set to 0.
+pub(crate) fn combine(states: &[State], shares: &[Share]) -> State {
+    let weights = weights_per_axis(states, shares);
+    let weights = &weights[..states.len()];
+    let together = |a: usize, b: usize| weights.iter().all(|weight| weight[a] == weight[b]);
+    let has_height = states.iter().any(|state| state.has_height);
+    let mut fused = State {
+        time_ns: states[0].time_ns,
+        has_height,
+        ..State::default()
+    };
+    for (state, weight) in states.iter().zip(weights) {
+        for (axis, weight) in weight.iter().enumerate() {
+            fused.position_m[axis] += weight * state.position_m[axis];
+            fused.velocity_mps[axis] += weight * state.velocity_mps[axis];
+        }
+    }
+    for row in 0..2 * AXES {
+        for column in row..2 * AXES {
+            let axis = row % AXES;
+            if together(axis, column % AXES) {
+                let sum = states
+                    .iter()
+                    .zip(weights)
+                    .map(|(state, weight)| weight[axis] * state.covariance.get(row, column))
+                    .sum();
+                fused.covariance.set(row, column, sum);
+            }
+        }
+    }
+    fused
+}
+
+/// The weights with which each state enters each axis.
+fn weights_per_axis(states: &[State], shares: &[Share]) -> [[f64; AXES]; CONTRIBUTIONS_MAX] {
+    let mut weights = [[0.0; AXES]; CONTRIBUTIONS_MAX];
+    for (weight, share) in weights.iter_mut().zip(shares) {
+        *weight = share.weight;
+    }
+    if states.iter().all(|state| state.has_height) || states.iter().all(|state| !state.has_height) {
+        return weights;
+    }
+    let known = |index: &usize| states[*index].has_height;
+    let total: f64 = (0..states.len())
+        .filter(known)
+        .map(|index| shares[index].weight[2])
+        .sum();
+    let best = (0..states.len())
+        .filter(known)
+        .min_by(|a, b| shares[*a].accuracy.total_cmp(&shares[*b].accuracy));
+    for (index, weight) in weights[..states.len()].iter_mut().enumerate() {
+        weight[2] = match states[index].has_height {
+            false => 0.0,
+            true if total > 0.0 => weight[2] / total,
+            true => f64::from(u8::from(best == Some(index))),
+        };
+    }
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn state(x: f64, variance: f64, has_height: bool) -> State {
+        let mut covariance = Covariance::diagonal([variance.sqrt(); 3], [1.0; 3]);
+        covariance.set(0, 1, 0.3 * variance);
+        State {
+            time_ns: 0,
+            position_m: [x, 2.0 * x, 3.0 * x],
+            velocity_mps: [1.0, 2.0, 3.0],
+            covariance,
+            has_height,
+        }
+    }
+
+    fn share(weight: f64) -> Share {
+        Share {
+            weight: [weight; 3],
+            accuracy: 1.0 - weight,
+        }
+    }
+
+    #[test]
+    fn carrying_moves_along_the_velocity_and_grows_the_covariance() {
+        let later = state(10.0, 4.0, true).at(2_000_000_000, 3.0);
+        assert_eq!(later.position_m, [12.0, 24.0, 36.0]);
+        // P + dt² Pv + q dt³/3 = 4 + 4 + 8; cross: dt Pv + q dt²/2 = 2 + 6; velocity: 1 + q dt = 7.
+        assert!((later.covariance.get(0, 0) - 16.0).abs() < 1e-12);
+        assert!((later.covariance.get(0, 3) - 8.0).abs() < 1e-12);
+        assert!((later.covariance.get(3, 3) - 7.0).abs() < 1e-12);
+        assert!((later.covariance.get(0, 1) - 1.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn one_source_passes_through_unchanged() {
+        let only = state(10.0, 4.0, true);
+        assert_eq!(combine(&[only], &[share(1.0)]), only);
+    }
+
+    #[test]
+    fn the_mean_and_its_covariance_are_weighted() {
+        let fused = combine(
+            &[state(0.0, 4.0, true), state(100.0, 16.0, true)],
+            &[share(0.25), share(0.75)],
+        );
+        assert!((fused.position_m[0] - 75.0).abs() < 1e-12);
+        assert!((fused.covariance.get(0, 0) - 13.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_source_without_height_does_not_give_one() {
+        let fused = combine(
+            &[state(0.0, 4.0, false), state(100.0, 16.0, true)],
+            &[share(1.0), share(0.0)],
+        );
+        assert_eq!(fused.position_m, [0.0, 0.0, 300.0]);
+        assert!(fused.has_height);
+        assert_eq!(fused.covariance.get(0, 2), 0.0, "of two sources, nothing is known");
+    }
+
+    proptest! {
+        #[test]
+        fn fused_positions_lie_between_the_sources(
+            parts in prop::collection::vec((-1e4..1e4f64, 0.01..1.0f64), 1..6),
+        ) {
+            let total: f64 = parts.iter().map(|(_, weight)| weight).sum();
+            let states: Vec<_> = parts.iter().map(|(x, _)| state(*x, 9.0, true)).collect();
+            let shares: Vec<_> = parts.iter().map(|(_, weight)| share(weight / total)).collect();
+            let fused = combine(&states, &shares);
+            let low = parts.iter().map(|(x, _)| *x).fold(f64::INFINITY, f64::min);
+            let high = parts.iter().map(|(x, _)| *x).fold(f64::NEG_INFINITY, f64::max);
+            prop_assert!((low - 1e-6..=high + 1e-6).contains(&fused.position_m[0]));
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! The system tracks: state, members, and the two ways to find one (place and address).
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use association::Grid;
+use messages::{Identity, TrackState};
+use rustc_hash::FxHashMap;
+
+use crate::rules::Memory;
+use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot, SensorTracks};
+use crate::state::State;
+
+/// Place of a system track in its table.
+pub(crate) type SystemSlot = u32;
+
+/// One system track.
+#[derive(Clone, Debug)]
+pub(crate) struct SystemEntry {
+    pub(crate) number: u32,
+    pub(crate) life: TrackState,
+    pub(crate) identity: Identity,
+    pub(crate) state: State,
+    /// First of its sensor tracks; the others are linked from there.
+    pub(crate) members: Option<SensorSlot>,
+    pub(crate) memory: Memory,
+    /// Reports so far, as far as confirmation counts them.
+    pub(crate) reports: u32,
+    /// Time of measurement of the latest report of any member, nanoseconds.
+    pub(crate) last_report_ns: i64,
+    /// When the present contributions cease to be fresh, nanoseconds.
+    pub(crate) fresh_until_ns: i64,
+    /// Number of the system track it was merged into; 0 if it was not.
+    pub(crate) merged_into: u32,
+}
+
+/// The table.
+#[derive(Debug)]
+pub(crate) struct SystemTracks {
+    entries: Vec<SystemEntry>,
+    free: Vec<SystemSlot>,
+    pub(crate) grid: Grid,
+    by_address: FxHashMap<u32, SystemSlot>,
+    /// When each entry must be looked at next, earliest first. Every entry in use has exactly one deadline here; one
+    /// that has become too early is put back when it comes up, so that a report costs no change to the heap.
+    deadlines: BinaryHeap<Reverse<(i64, u32, SystemSlot)>>,
+    next_number: u32,
+    in_state: [usize; TrackState::ALL.len()],
+}
+
+impl SystemTracks {
+    pub(crate) fn new(capacity: usize, cell_m: f64) -> Self {
+        let empty = SystemEntry {
+            number: 0,
+            life: TrackState::Terminated,
+            identity: Identity::default(),
+            state: State::default(),
+            members: None,
+            memory: Memory::default(),
+            reports: 0,
+            last_report_ns: i64::MIN,
+            fresh_until_ns: i64::MIN,
+            merged_into: 0,
+        };
+        Self {
+            entries: vec![empty; capacity],
+            free: (0..capacity as SystemSlot).rev().collect(),
+            grid: Grid::new(cell_m, capacity),
+            by_address: FxHashMap::with_capacity_and_hasher(2 * capacity, rustc_hash::FxBuildHasher),
+            deadlines: BinaryHeap::with_capacity(capacity),
+            next_number: 1,
+            in_state: [0; TrackState::ALL.len()],
+        }
+    }
+
+    /// A new tentative system track in `state`; `None` if the table is full.
+    pub(crate) fn insert(&mut self, state: State, deadline_ns: i64) -> Option<SystemSlot> {
+        let slot = self.free.pop()?;
+        let number = self.next_number;
+        self.next_number = self.next_number.checked_add(1).unwrap_or(1);
+        self.entries[slot as usize] = SystemEntry {
+            number,
+            life: TrackState::Tentative,
+            identity: Identity::default(),
+            state,
+            members: None,
+            memory: Memory::default(),
+            reports: 0,
+            last_report_ns: state.time_ns,
+            fresh_until_ns: deadline_ns,
+            merged_into: 0,
+        };
+        self.in_state[TrackState::Tentative as usize] += 1;
+        self.deadlines.push(Reverse((deadline_ns, number, slot)));
+        Some(slot)
+    }
+
+    pub(crate) fn get(&self, slot: SystemSlot) -> &SystemEntry {
+        &self.entries[slot as usize]
+    }
+
+    pub(crate) fn get_mut(&mut self, slot: SystemSlot) -> &mut SystemEntry {
+        &mut self.entries[slot as usize]
+    }
+
+    pub(crate) fn set_life(&mut self, slot: SystemSlot, life: TrackState) {
+        let before = std::mem::replace(&mut self.entries[slot as usize].life, life);
+        self.in_state[before as usize] -= 1;
+        self.in_state[life as usize] += 1;
+    }
+
+    /// How many entries are in `life`.
+    pub(crate) fn count_in_state(&self, life: TrackState) -> usize {
+        self.in_state[life as usize]
+    }
+
+    /// The system track that carries `address`.
+    pub(crate) fn with_address(&self, address: u32) -> Option<SystemSlot> {
+        self.by_address.get(&address).copied()
+    }
+
+    /// Adds what `identity` knows to the system track's; an address once carried is never changed.
+    pub(crate) fn identify(&mut self, slot: SystemSlot, identity: &Identity) {
+        let entry = &mut self.entries[slot as usize];
+        let carried = entry.identity.address();
+        let mut merged = identity.or(&entry.identity);
+        if let Some(address) = carried {
+            merged = merged.with_address(address);
+        } else if let Some(address) = merged.address() {
+            self.by_address.entry(address).or_insert(slot);
+        }
+        entry.identity = merged;
+    }
+
+    /// Makes the system track invisible to searches: it has ended. Its place is freed when its deadline comes up.
+    pub(crate) fn end(&mut self, slot: SystemSlot) {
+        self.grid.remove(slot);
+        self.set_life(slot, TrackState::Terminated);
+        let entry = &mut self.entries[slot as usize];
+        if let Some(address) = entry.identity.address()
+            && self.by_address.get(&address) == Some(&slot)
+        {
+            self.by_address.remove(&address);
+        }
+    }
+
+    /// The entry whose deadline lies before `time_ns`, earliest first, with that deadline.
+    pub(crate) fn due_before(&mut self, time_ns: i64) -> Option<(i64, SystemSlot)> {
+        let Reverse((deadline_ns, _, slot)) = *self.deadlines.peek()?;
+        if deadline_ns >= time_ns {
+            return None;
+        }
+        self.deadlines.pop();
+        Some((deadline_ns, slot))
+    }
+
+    /// Puts back an entry that [`SystemTracks::due_before`] yielded.
+    pub(crate) fn put_back(&mut self, slot: SystemSlot, deadline_ns: i64) {
+        let number = self.entries[slot as usize].number;
+        self.deadlines.push(Reverse((deadline_ns, number, slot)));
+    }
+
+    /// Frees an ended entry that [`SystemTracks::due_before`] yielded.
+    pub(crate) fn free(&mut self, slot: SystemSlot) {
+        self.in_state[TrackState::Terminated as usize] -= 1;
+        self.free.push(slot);
+    }
+
+    /// Links a sensor track to a system track.
+    pub(crate) fn link(&mut self, sensors: &mut SensorTracks, sensor: SensorSlot, system: SystemSlot) {
+        let first = &mut self.entries[system as usize].members;
+        let entry = sensors.get_mut(sensor);
+        entry.system = system;
+        entry.next = first.replace(sensor);
+        entry.misfits = 0;
+        entry.rival = None;
+    }
+
+    /// Takes a sensor track out of its system track.
+    pub(crate) fn unlink(&mut self, sensors: &mut SensorTracks, sensor: SensorSlot) {
+        let SensorEntry { system, next, .. } = *sensors.get(sensor);
+        sensors.get_mut(sensor).system = NO_SYSTEM;
+        let mut at = self.entries[system as usize].members;
+        if at == Some(sensor) {
+            self.entries[system as usize].members = next;
+            return;
+        }
+        while let Some(slot) = at {
+            let entry = sensors.get_mut(slot);
+            if entry.next == Some(sensor) {
+                entry.next = next;
+                return;
+            }
+            at = entry.next;
+        }
+    }
+
+    /// The sensor tracks of a system track.
+    pub(crate) fn members<'a>(&self, sensors: &'a SensorTracks, slot: SystemSlot) -> Members<'a> {
+        Members {
+            sensors,
+            at: self.entries[slot as usize].members,
+        }
+    }
+}
+
+/// Iterator over the sensor tracks of one system track, newest link first.
+pub(crate) struct Members<'a> {
+    sensors: &'a SensorTracks,
+    at: Option<SensorSlot>,
+}
+
+impl Iterator for Members<'_> {
+    type Item = SensorSlot;
+
+    fn next(&mut self) -> Option<SensorSlot> {
+        let slot = self.at?;
+        self.at = self.sensors.get(slot).next;
+        Some(slot)
+    }
+}

@@ -1,0 +1,309 @@
+"""Koseki's samples in shared memory, for ctypes and the iceoryx2 Python package.
+
+Written by `cargo run -p messages --example layouts`; a test keeps it true.
+"""
+
+import ctypes
+
+SCHEMA = 0x233a8043975b18c1  # Every BatchHeader.schema must equal this.
+CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
+COUNTERS_MAX = 0x30  # Length of Health.counters.
+IDENTITY_ADDRESS = 0x1  # Bit of a flags or valid field.
+IDENTITY_MODE_3A = 0x2  # Bit of a flags or valid field.
+IDENTITY_CALLSIGN = 0x4  # Bit of a flags or valid field.
+SENSOR_TRACK_HEIGHT = 0x1  # Bit of a flags or valid field.
+SENSOR_TRACK_VELOCITY = 0x2  # Bit of a flags or valid field.
+SENSOR_TRACK_VERTICAL_RATE = 0x4  # Bit of a flags or valid field.
+SENSOR_TRACK_OWN_COVARIANCE = 0x8  # Bit of a flags or valid field.
+SENSOR_TRACK_MEASURED = 0x10  # Bit of a flags or valid field.
+SENSOR_TRACK_ON_GROUND = 0x20  # Bit of a flags or valid field.
+SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # Bit of a flags or valid field.
+SENSOR_TRACK_TRACE = 0x80  # Bit of a flags or valid field.
+CONTRIBUTION_FRESH = 0x1  # Bit of a flags or valid field.
+CONTRIBUTION_SCORED = 0x2  # Bit of a flags or valid field.
+STATE_TENTATIVE = 0x0  # Value of a state field.
+STATE_CONFIRMED = 0x1  # Value of a state field.
+STATE_COASTED = 0x2  # Value of a state field.
+STATE_TERMINATED = 0x3  # Value of a state field.
+
+
+class StageTimes(ctypes.Structure):
+    _fields_ = [
+        ("ingested_ns", ctypes.c_int64),  # The adapter had the report's last byte.
+        ("published_ns", ctypes.c_int64),  # The adapter handed the report to shared memory.
+        ("taken_ns", ctypes.c_int64),  # Fusion took the report from shared memory.
+        ("fused_ns", ctypes.c_int64),  # Fusion handed the system track to shared memory.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "StageTimes"
+
+
+assert ctypes.sizeof(StageTimes) == 32
+assert StageTimes.ingested_ns.offset == 0
+assert StageTimes.published_ns.offset == 8
+assert StageTimes.taken_ns.offset == 16
+assert StageTimes.fused_ns.offset == 24
+
+
+class Identity(ctypes.Structure):
+    _fields_ = [
+        ("address", ctypes.c_uint32),  # 24-bit aircraft address in the low bits.
+        ("mode_3a", ctypes.c_uint16),  # Mode 3/A code, its four octal digits in twelve bits.
+        ("valid", ctypes.c_uint16),  # Which fields hold something: see `identity_bits`.
+        ("callsign", ctypes.c_uint8 * 8),  # Callsign in ASCII, padded with blanks.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Identity"
+
+
+assert ctypes.sizeof(Identity) == 16
+assert Identity.address.offset == 0
+assert Identity.mode_3a.offset == 4
+assert Identity.valid.offset == 6
+assert Identity.callsign.offset == 8
+
+
+class Covariance(ctypes.Structure):
+    _fields_ = [
+        ("upper", ctypes.c_double * 21),  # The 21 elements.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Covariance"
+
+
+assert ctypes.sizeof(Covariance) == 168
+assert Covariance.upper.offset == 0
+
+
+class BatchHeader(ctypes.Structure):
+    _fields_ = [
+        ("schema", ctypes.c_uint64),  # Fingerprint of the layouts the publisher was built with; others are refused.
+        ("incarnation", ctypes.c_uint64),  # Monotonic start time of the publisher, nanoseconds: a restart shows as a new value.
+        ("first_sequence", ctypes.c_uint64),  # Samples sent by this incarnation before this slice: the sequence number of its first sample.
+        ("progress_ns", ctypes.c_int64),  # Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown.
+        ("sent_ns", ctypes.c_int64),  # Monotonic time of the send, nanoseconds.
+        ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, and nothing follows.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "BatchHeader"
+
+
+assert ctypes.sizeof(BatchHeader) == 48
+assert BatchHeader.schema.offset == 0
+assert BatchHeader.incarnation.offset == 8
+assert BatchHeader.first_sequence.offset == 16
+assert BatchHeader.progress_ns.offset == 24
+assert BatchHeader.sent_ns.offset == 32
+assert BatchHeader.flags.offset == 40
+assert BatchHeader.reserved.offset == 44
+
+
+class SensorTrack(ctypes.Structure):
+    _fields_ = [
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The report's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("track_number", ctypes.c_uint32),  # Number of the sensor track at its source.
+        ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
+        ("valid", ctypes.c_uint16),  # Which fields hold something: see `sensor_track_bits`.
+        ("identity", Identity),  # Who the target says it is.
+        ("position_m", ctypes.c_double * 3),  # Position east, north, up, metres.
+        ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
+        ("covariance", Covariance),  # Covariance of position and velocity.
+        ("measured_m", ctypes.c_double * 3),  # Measured position, before the source's own filter, metres.
+        ("trace_m2", ctypes.c_double),  # Trace of the source's position covariance over east and north, square metres.
+        ("state", ctypes.c_uint8),  # State of the track at its source: a `TrackState` code.
+        ("method", ctypes.c_uint8),  # Observation method at the source, as numbered by its format; 0 if it has one only.
+        ("reserved", ctypes.c_uint8 * 6),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "SensorTrack"
+
+
+assert ctypes.sizeof(SensorTrack) == 328
+assert SensorTrack.time_of_measurement_ns.offset == 0
+assert SensorTrack.sequence.offset == 8
+assert SensorTrack.stages.offset == 16
+assert SensorTrack.track_number.offset == 48
+assert SensorTrack.source.offset == 52
+assert SensorTrack.valid.offset == 54
+assert SensorTrack.identity.offset == 56
+assert SensorTrack.position_m.offset == 72
+assert SensorTrack.velocity_mps.offset == 96
+assert SensorTrack.covariance.offset == 120
+assert SensorTrack.measured_m.offset == 288
+assert SensorTrack.trace_m2.offset == 312
+assert SensorTrack.state.offset == 320
+assert SensorTrack.method.offset == 321
+assert SensorTrack.reserved.offset == 322
+
+
+class Contribution(ctypes.Structure):
+    _fields_ = [
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement of the source's latest report, UTC, nanoseconds.
+        ("track_number", ctypes.c_uint32),  # Number of the sensor track at its source.
+        ("source", ctypes.c_uint16),  # Source number.
+        ("flags", ctypes.c_uint16),  # See `contribution_bits`.
+        ("weight", ctypes.c_double),  # Coefficient eta in [0, 1]; the weights of one system track sum to 1.
+        ("accuracy", ctypes.c_double),  # Accuracy value lambda (TI-9), smaller is better; NaN where the rule has none.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Contribution"
+
+
+assert ctypes.sizeof(Contribution) == 32
+assert Contribution.time_of_measurement_ns.offset == 0
+assert Contribution.track_number.offset == 8
+assert Contribution.source.offset == 12
+assert Contribution.flags.offset == 14
+assert Contribution.weight.offset == 16
+assert Contribution.accuracy.offset == 24
+
+
+class SystemTrack(ctypes.Structure):
+    _fields_ = [
+        ("reference_time_ns", ctypes.c_int64),  # Reference time of the state, UTC, nanoseconds since 1970.
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement of the report that caused this state, UTC, nanoseconds; of the reference time, if none did.
+        ("sequence", ctypes.c_uint64),  # The state's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages of the report that caused this state; all but `fused_ns` are 0 if none did.
+        ("track_number", ctypes.c_uint32),  # System-track number, unique while fusion runs.
+        ("trigger_source", ctypes.c_uint16),  # Source of the report that caused this state; 65535 if none did (coasting, ending).
+        ("selected_source", ctypes.c_uint16),  # Source with the largest weight; 65535 if none contributes.
+        ("identity", Identity),  # Who the target says it is.
+        ("position_m", ctypes.c_double * 3),  # Position east, north, up, metres.
+        ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
+        ("covariance", Covariance),  # Covariance of position and velocity.
+        ("contributions", Contribution * 16),  # Contributing sources in the order of their numbers; `contribution_count` of them hold something.
+        ("source_count", ctypes.c_uint16),  # How many sources contribute.
+        ("contribution_count", ctypes.c_uint16),  # How many of `contributions` hold something.
+        ("state", ctypes.c_uint8),  # State of the track: a `TrackState` code.
+        ("height_valid", ctypes.c_uint8),  # 1 if some source observes height; otherwise z says nothing.
+        ("rule", ctypes.c_uint8),  # Fusion rule: its place in the registry of rules.
+        ("reserved", ctypes.c_uint8),  # Reserved, 0.
+        ("merged_into", ctypes.c_uint32),  # Number of the system track into which this one was merged, where it ended by a merge; else 0.
+        ("reserved_2", ctypes.c_uint32),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "SystemTrack"
+
+
+assert ctypes.sizeof(SystemTrack) == 824
+assert SystemTrack.reference_time_ns.offset == 0
+assert SystemTrack.time_of_measurement_ns.offset == 8
+assert SystemTrack.sequence.offset == 16
+assert SystemTrack.stages.offset == 24
+assert SystemTrack.track_number.offset == 56
+assert SystemTrack.trigger_source.offset == 60
+assert SystemTrack.selected_source.offset == 62
+assert SystemTrack.identity.offset == 64
+assert SystemTrack.position_m.offset == 80
+assert SystemTrack.velocity_mps.offset == 104
+assert SystemTrack.covariance.offset == 128
+assert SystemTrack.contributions.offset == 296
+assert SystemTrack.source_count.offset == 808
+assert SystemTrack.contribution_count.offset == 810
+assert SystemTrack.state.offset == 812
+assert SystemTrack.height_valid.offset == 813
+assert SystemTrack.rule.offset == 814
+assert SystemTrack.reserved.offset == 815
+assert SystemTrack.merged_into.offset == 816
+assert SystemTrack.reserved_2.offset == 820
+
+
+class Health(ctypes.Structure):
+    _fields_ = [
+        ("said_ns", ctypes.c_int64),  # When this was said, monotonic, nanoseconds.
+        ("incarnation", ctypes.c_uint64),  # Monotonic start time of the process, nanoseconds.
+        ("progress_ns", ctypes.c_int64),  # How far the process has got in the time of its data, UTC, nanoseconds; i64::MIN if unknown.
+        ("process_id", ctypes.c_uint32),  # Operating system's process number.
+        ("source", ctypes.c_uint16),  # Source that the counters speak of; 65535 for the process as a whole.
+        ("kind", ctypes.c_uint8),  # What kind of process: a `ProcessKind` code.
+        ("life", ctypes.c_uint8),  # A `LifeState` code.
+        ("restarts", ctypes.c_uint32),  # Restarts of the process so far, as its launcher counts them.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+        ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
+        ("note", ctypes.c_uint8 * 56),  # What is wrong, in a few words; empty if nothing is. UTF-8, padded with zeros.
+        ("counters", ctypes.c_uint64 * 48),  # Values of the counters, indexed by `Counter`.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Health"
+
+
+assert ctypes.sizeof(Health) == 512
+assert Health.said_ns.offset == 0
+assert Health.incarnation.offset == 8
+assert Health.progress_ns.offset == 16
+assert Health.process_id.offset == 24
+assert Health.source.offset == 28
+assert Health.kind.offset == 30
+assert Health.life.offset == 31
+assert Health.restarts.offset == 32
+assert Health.reserved.offset == 36
+assert Health.name.offset == 40
+assert Health.note.offset == 72
+assert Health.counters.offset == 128
+
+
+class Progress(ctypes.Structure):
+    _fields_ = [
+        ("consumer_incarnation", ctypes.c_uint64),  # Monotonic start time of the consumer, nanoseconds: a restart shows as a new value.
+        ("publisher_incarnation", ctypes.c_uint64),  # Monotonic start time of the publisher whose samples are counted.
+        ("done_sequence", ctypes.c_uint64),  # Samples of that source worked off: all with a sequence number below this.
+        ("done_batches", ctypes.c_uint64),  # Slices of that publisher taken since the consumer joined.
+        ("progress_ns", ctypes.c_int64),  # How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown.
+        ("source", ctypes.c_uint16),  # Source number of the topic; 65535 for the system tracks.
+        ("consumer", ctypes.c_uint16),  # The consumer: a `ProcessKind` code.
+        ("reserved", ctypes.c_uint16 * 2),  # Reserved, 0.
+        ("said_ns", ctypes.c_int64),  # Monotonic time at which this was said, nanoseconds.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Progress"
+
+
+assert ctypes.sizeof(Progress) == 56
+assert Progress.consumer_incarnation.offset == 0
+assert Progress.publisher_incarnation.offset == 8
+assert Progress.done_sequence.offset == 16
+assert Progress.done_batches.offset == 24
+assert Progress.progress_ns.offset == 32
+assert Progress.source.offset == 40
+assert Progress.consumer.offset == 42
+assert Progress.reserved.offset == 44
+assert Progress.said_ns.offset == 48
+
+
+class Control(ctypes.Structure):
+    _fields_ = [
+        ("kind", ctypes.c_uint32),  # Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7).
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+        ("name", ctypes.c_uint8 * 32),  # Name that the order speaks of, UTF-8, padded with zeros.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Control"
+
+
+assert ctypes.sizeof(Control) == 40
+assert Control.kind.offset == 0
+assert Control.reserved.offset == 4
+assert Control.name.offset == 8

@@ -1,0 +1,31 @@
+//! The header of every slice.
+
+use crate::layout::sample;
+
+sample! {
+    /// Precedes every slice on every topic.
+    ///
+    /// A slice may be empty: then it only says how far its source has got.
+    #[derive(Default)]
+    BatchHeader, size 48 {
+        /// Fingerprint of the layouts the publisher was built with; others are refused.
+        schema: u64,
+        /// Monotonic start time of the publisher, nanoseconds: a restart shows as a new value.
+        incarnation: u64,
+        /// Samples sent by this incarnation before this slice: the sequence number of its first sample.
+        first_sequence: u64,
+        /// Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown.
+        progress_ns: i64,
+        /// Monotonic time of the send, nanoseconds.
+        sent_ns: i64,
+        /// Bit 0: the source has ended, and nothing follows.
+        flags: u32,
+        /// Reserved, 0.
+        reserved: u32,
+    }
+}
+
+impl BatchHeader {
+    /// Bit of [`BatchHeader::flags`]: the source has ended.
+    pub const END: u32 = 1;
+}

@@ -1,0 +1,63 @@
+//! What consumers tell producers, and operators tell fusion.
+
+use crate::layout::sample;
+
+sample! {
+    /// How far one consumer has got on one topic. Producers of recorded data wait for it, so that no reader falls
+    /// behind and nothing is lost.
+    #[derive(Default)]
+    Progress, size 56 {
+        /// Monotonic start time of the consumer, nanoseconds: a restart shows as a new value.
+        consumer_incarnation: u64,
+        /// Monotonic start time of the publisher whose samples are counted.
+        publisher_incarnation: u64,
+        /// Samples of that source worked off: all with a sequence number below this.
+        done_sequence: u64,
+        /// Slices of that publisher taken since the consumer joined.
+        done_batches: u64,
+        /// How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown.
+        progress_ns: i64,
+        /// Source number of the topic; 65535 for the system tracks.
+        source: u16,
+        /// The consumer: a `ProcessKind` code.
+        consumer: u16,
+        /// Reserved, 0.
+        reserved: [u16; 2],
+        /// Monotonic time at which this was said, nanoseconds.
+        said_ns: i64,
+    }
+}
+
+sample! {
+    /// An order to the fusion process.
+    #[derive(Default)]
+    Control, size 40 {
+        /// Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7).
+        kind: u32,
+        /// Reserved, 0.
+        reserved: u32,
+        /// Name that the order speaks of, UTF-8, padded with zeros.
+        name: [u8; 32],
+    }
+}
+
+impl Control {
+    /// [`Control::kind`]: a named condition holds from now on.
+    pub const CONDITION: u32 = 1;
+
+    /// The order that condition `name` holds; `None` if the name is too long.
+    pub fn condition(name: &str) -> Option<Self> {
+        let mut control = Self {
+            kind: Self::CONDITION,
+            ..Self::default()
+        };
+        control.name.get_mut(..name.len())?.copy_from_slice(name.as_bytes());
+        Some(control)
+    }
+
+    /// The name that the order speaks of.
+    pub fn name(&self) -> &str {
+        let end = self.name.iter().position(|byte| *byte == 0).unwrap_or(self.name.len());
+        std::str::from_utf8(&self.name[..end]).unwrap_or_default()
+    }
+}

@@ -1,0 +1,57 @@
+//! The covariance of a six-component state, packed.
+
+use crate::layout::sample;
+
+/// Components of a state: x, y, z, then vx, vy, vz.
+pub const STATE_LEN: usize = 6;
+/// Axes of the system frame: east, north, up.
+pub const AXES: usize = 3;
+/// Stored elements of a symmetric 6×6 matrix.
+pub const COVARIANCE_LEN: usize = STATE_LEN * (STATE_LEN + 1) / 2;
+
+sample! {
+    /// Upper triangle, row by row, of the covariance of (x, y, z, vx, vy, vz): P00, P01, …, P05, P11, …, P55
+    /// in m², m²/s and m²/s² (FM-5).
+    #[derive(Default)]
+    Covariance, size 168 {
+        /// The 21 elements.
+        upper: [f64; 21],
+    }
+}
+
+impl Covariance {
+    /// A covariance without correlations, from standard deviations of position (m) and velocity (m/s) per axis.
+    pub fn diagonal(position_sigma_m: [f64; AXES], velocity_sigma_mps: [f64; AXES]) -> Self {
+        let mut covariance = Self::default();
+        for axis in 0..AXES {
+            covariance.set(axis, axis, position_sigma_m[axis] * position_sigma_m[axis]);
+            covariance.set(
+                axis + AXES,
+                axis + AXES,
+                velocity_sigma_mps[axis] * velocity_sigma_mps[axis],
+            );
+        }
+        covariance
+    }
+
+    /// Element (`row`, `column`), either order.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        self.upper[Self::index(row, column)]
+    }
+
+    /// Sets element (`row`, `column`) and with it its mirror image.
+    pub fn set(&mut self, row: usize, column: usize, value: f64) {
+        self.upper[Self::index(row, column)] = value;
+    }
+
+    /// Sum of the diagonal elements in `components`.
+    pub fn trace(&self, components: impl IntoIterator<Item = usize>) -> f64 {
+        components.into_iter().map(|index| self.get(index, index)).sum()
+    }
+
+    /// Where element (`row`, `column`) is stored.
+    pub const fn index(row: usize, column: usize) -> usize {
+        let (row, column) = if row <= column { (row, column) } else { (column, row) };
+        row * STATE_LEN - row * (row + 1) / 2 + column
+    }
+}

@@ -1,0 +1,19 @@
+//! When a report passed each stage of its journey.
+
+use crate::layout::sample;
+
+sample! {
+    /// Monotonic stamps of one report's stages (PL-8), nanoseconds of the machine's `CLOCK_MONOTONIC`; 0 where a
+    /// stage has not been reached. All processes of a deployment share that clock.
+    #[derive(Default)]
+    StageTimes, size 32 {
+        /// The adapter had the report's last byte.
+        ingested_ns: i64,
+        /// The adapter handed the report to shared memory.
+        published_ns: i64,
+        /// Fusion took the report from shared memory.
+        taken_ns: i64,
+        /// Fusion handed the system track to shared memory.
+        fused_ns: i64,
+    }
+}

@@ -1,0 +1,115 @@
+//! The topics: name, sample type and every size, in one place.
+//!
+//! Publisher and subscriber must open a topic with the same sizes, so nobody writes them anywhere else.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use crate::{Control, Health, Progress, SensorTrack, SystemTrack};
+
+/// Name of a topic in shared memory.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TopicName(String);
+
+impl TopicName {
+    /// The name as text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for TopicName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// How much a topic holds. Memory is about `subscribers × depth` slices of `slice_len` samples per publisher.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacity {
+    /// Slices that wait for a subscriber before the oldest is dropped (and counted by it).
+    pub depth: usize,
+    /// Most samples in one slice.
+    pub slice_len: usize,
+    /// Most publishers at a time, a dead one that is not yet cleaned up included.
+    pub publishers: usize,
+    /// Most subscribers at a time.
+    pub subscribers: usize,
+}
+
+/// A topic of samples `T`.
+#[derive(Clone, Debug)]
+pub struct Topic<T> {
+    /// Name in shared memory.
+    pub name: TopicName,
+    /// Sizes.
+    pub capacity: Capacity,
+    sample: PhantomData<fn() -> T>,
+}
+
+impl<T> Topic<T> {
+    fn new(name: String, capacity: Capacity) -> Self {
+        Self {
+            name: TopicName(name),
+            capacity,
+            sample: PhantomData,
+        }
+    }
+}
+
+/// Sensor tracks of one source: one topic per source, so that a flood of one cannot displace another's reports.
+pub fn sensor_tracks(source_name: &str) -> Topic<SensorTrack> {
+    let capacity = Capacity {
+        depth: 256,
+        slice_len: 64,
+        publishers: 4,
+        subscribers: 16,
+    };
+    Topic::new(format!("sensor/{source_name}/tracks"), capacity)
+}
+
+/// The fused picture: one slice per worked-off batch, in the order of fusion.
+pub fn system_tracks() -> Topic<SystemTrack> {
+    let capacity = Capacity {
+        depth: 256,
+        slice_len: 64,
+        publishers: 4,
+        subscribers: 24,
+    };
+    Topic::new("system/tracks".to_owned(), capacity)
+}
+
+/// State and counters of every process.
+pub fn health() -> Topic<Health> {
+    // One publisher per process: 64 sources, the services, and restarted ones whose predecessor is not yet removed.
+    let capacity = Capacity {
+        depth: 8,
+        slice_len: 80,
+        publishers: 96,
+        subscribers: 16,
+    };
+    Topic::new("health".to_owned(), capacity)
+}
+
+/// How far each consumer of recorded data has got.
+pub fn progress() -> Topic<Progress> {
+    // Published by fusion and recorder, read by every adapter of a recording.
+    let capacity = Capacity {
+        depth: 16,
+        slice_len: 80,
+        publishers: 8,
+        subscribers: 96,
+    };
+    Topic::new("progress".to_owned(), capacity)
+}
+
+/// Orders to fusion.
+pub fn control() -> Topic<Control> {
+    let capacity = Capacity {
+        depth: 16,
+        slice_len: 1,
+        publishers: 8,
+        subscribers: 8,
+    };
+    Topic::new("control".to_owned(), capacity)
+}

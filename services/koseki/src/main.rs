@@ -1,0 +1,2 @@
+//! koseki
+fn main() {}
