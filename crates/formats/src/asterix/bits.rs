@@ -1,0 +1,79 @@
+//! Numbers out of bits and octets. Most significant first throughout, as everything in ASTERIX.
+
+/// `width` bits (at most 64) from bit `at` on, counted from the most significant bit of the first octet.
+pub(super) fn bits(bytes: &[u8], at: usize, width: usize) -> u64 {
+    debug_assert!(width <= 64);
+    let end = at + width;
+    let octets = &bytes[at / 8..end.div_ceil(8)];
+    let number = octets
+        .iter()
+        .fold(0u128, |number, &octet| number << 8 | u128::from(octet));
+    let behind = octets.len() * 8 - at % 8 - width;
+    (number >> behind) as u64 & (u64::MAX >> (64 - width))
+}
+
+/// The two's complement number in the low `width` bits.
+pub(super) fn sign_extend(number: u64, width: usize) -> i64 {
+    let unused = 64 - width;
+    ((number << unused) as i64) >> unused
+}
+
+/// The FSPEC bits of one octet, the first item in bit 0, without the FX bit.
+pub(super) fn fspec_bits(octet: u8) -> u8 {
+    (octet & 0xFE).reverse_bits()
+}
+
+/// Whether an octet's FX bit says that another follows.
+pub(super) fn goes_on(octet: u8) -> bool {
+    octet & 1 == 1
+}
+
+pub(super) fn u16_at(bytes: &[u8], at: usize) -> u16 {
+    u16::from_be_bytes([bytes[at], bytes[at + 1]])
+}
+
+pub(super) fn i16_at(bytes: &[u8], at: usize) -> i16 {
+    u16_at(bytes, at) as i16
+}
+
+pub(super) fn u24_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_be_bytes([0, bytes[at], bytes[at + 1], bytes[at + 2]])
+}
+
+pub(super) fn i24_at(bytes: &[u8], at: usize) -> i32 {
+    (u24_at(bytes, at) << 8) as i32 >> 8
+}
+
+pub(super) fn i32_at(bytes: &[u8], at: usize) -> i32 {
+    i32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_count_from_the_most_significant_and_cross_octets() {
+        let bytes = [0b1010_0000, 0b0000_0001, 0xFF];
+        assert_eq!(bits(&bytes, 0, 3), 0b101);
+        assert_eq!(bits(&bytes, 7, 10), 0b11);
+        assert_eq!(bits(&bytes, 15, 9), 0b1_1111_1111);
+        assert_eq!(bits(&[0xFF; 9], 4, 64), u64::MAX);
+    }
+
+    #[test]
+    fn signs_extend_from_the_width() {
+        assert_eq!(sign_extend(0b0111, 4), 7);
+        assert_eq!(sign_extend(0b1000, 4), -8);
+        assert_eq!(sign_extend(u64::MAX, 64), -1);
+        assert_eq!(i24_at(&[0xFF, 0xFF, 0xFE], 0), -2);
+        assert_eq!(i24_at(&[0x7F, 0xFF, 0xFF], 0), 0x7F_FFFF);
+    }
+
+    #[test]
+    fn fspec_bits_put_the_first_item_lowest() {
+        assert_eq!(fspec_bits(0b1000_0000), 0b000_0001);
+        assert_eq!(fspec_bits(0b0000_0011), 0b100_0000);
+        assert!(goes_on(0b0000_0011));
+    }
+}

@@ -1,0 +1,211 @@
+//! What can be wrong with ASTERIX bytes.
+//!
+//! Every error names the byte at which it was noticed, as an offset in the bytes the caller passed, what was found
+//! there and what was expected. An item is named as in the documents: I010/140.
+
+/// Why bytes are no data block, or no record of the table they were read with.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Error {
+    /// Fewer octets than a block header.
+    #[error("byte {offset}: a block header takes 3 octets, {available} left")]
+    HeaderTruncated {
+        /// Where the header begins.
+        offset: usize,
+        /// The octets from there on.
+        available: usize,
+    },
+    /// A block length smaller than the header.
+    #[error(
+        "byte {offset}: block of category {category:03} gives its length as {length} octets, \
+         its header alone takes 3"
+    )]
+    BlockLength {
+        /// Where the block begins.
+        offset: usize,
+        /// The block's category.
+        category: u8,
+        /// The length it gives.
+        length: usize,
+    },
+    /// A block longer than the bytes.
+    #[error(
+        "byte {offset}: block of category {category:03} gives its length as {length} octets, \
+         {available} left"
+    )]
+    BlockTruncated {
+        /// Where the block begins.
+        offset: usize,
+        /// The block's category.
+        category: u8,
+        /// The length it gives.
+        length: usize,
+        /// The octets from its begin on.
+        available: usize,
+    },
+    /// No table was given for the block's category.
+    #[error("byte {offset}: no table for a block of category {category:03}")]
+    NoTable {
+        /// Where the block begins.
+        offset: usize,
+        /// The block's category.
+        category: u8,
+    },
+    /// The last octet of the block says that the FSPEC goes on.
+    #[error(
+        "byte {offset}: category {category:03}: the FSPEC runs off the end of the block \
+         after {octets} octets"
+    )]
+    FspecTruncated {
+        /// Where the FSPEC begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// Its octets within the block.
+        octets: usize,
+    },
+    /// An FSPEC longer than any profile.
+    #[error(
+        "byte {offset}: category {category:03}: the FSPEC goes on after {maximum} octets, \
+         the most there can be"
+    )]
+    FspecTooLong {
+        /// Where the FSPEC begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The most octets allowed.
+        maximum: usize,
+    },
+    /// A record without a single item, such as one of padding.
+    #[error("byte {offset}: category {category:03}: the FSPEC announces no item")]
+    RecordEmpty {
+        /// Where the record begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+    },
+    /// An FSPEC bit that the edition gives no meaning: wrong edition, or no record at all.
+    #[error(
+        "byte {offset}: category {category:03}: the FSPEC announces an item at FRN {frn}, \
+         where this edition defines none"
+    )]
+    ItemUndefined {
+        /// Where the record begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The field reference number.
+        frn: u8,
+    },
+    /// The item that decides between several profiles is absent, or has a value without profile.
+    #[error(
+        "byte {offset}: category {category:03}: I{category:03}/{item} decides the profile, \
+         {}", describe_choice(*found)
+    )]
+    ProfileUndecided {
+        /// Where the record begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The deciding item.
+        item: &'static str,
+        /// The value of its deciding element, if it is present.
+        found: Option<u64>,
+    },
+    /// An item runs off the end of its block.
+    #[error(
+        "byte {offset}: I{category:03}/{item} takes at least {needed} octets, \
+         {available} left in the block"
+    )]
+    ItemTruncated {
+        /// Where the item begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The item.
+        item: &'static str,
+        /// The octets it takes as far as they could be read.
+        needed: usize,
+        /// The octets from its begin to the end of the block.
+        available: usize,
+    },
+    /// An explicit item of length zero, which can not even hold the length octet.
+    #[error("byte {offset}: I{category:03}/{item} gives its length as 0, the least is 1")]
+    ExplicitLength {
+        /// Where the item begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The item.
+        item: &'static str,
+    },
+    /// An extended item goes on where the edition defines no further part.
+    #[error(
+        "byte {offset}: I{category:03}/{item} goes on for more than {tolerated} octets after \
+         its last defined part"
+    )]
+    ExtensionUndefined {
+        /// Where the item begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The item.
+        item: &'static str,
+        /// How many undefined octets were tolerated: zero in strict mode.
+        tolerated: usize,
+    },
+    /// A compound item announces a subitem that the edition does not define.
+    #[error(
+        "byte {offset}: I{category:03}/{item} announces a subitem at position {position}, \
+         where this edition defines none"
+    )]
+    SubitemUndefined {
+        /// Where the item begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The item.
+        item: &'static str,
+        /// The position in the item's own FSPEC, from 1.
+        position: usize,
+    },
+    /// A spare bit is set; an error in strict mode only.
+    #[error("byte {offset}: I{category:03}/{item} has a spare bit set, expected all zero")]
+    SpareBitSet {
+        /// Where the item begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The item.
+        item: &'static str,
+    },
+}
+
+impl Error {
+    /// The byte at which the error was noticed, in the bytes the caller passed.
+    pub fn offset(&self) -> usize {
+        match *self {
+            Self::HeaderTruncated { offset, .. }
+            | Self::BlockLength { offset, .. }
+            | Self::BlockTruncated { offset, .. }
+            | Self::NoTable { offset, .. }
+            | Self::FspecTruncated { offset, .. }
+            | Self::FspecTooLong { offset, .. }
+            | Self::RecordEmpty { offset, .. }
+            | Self::ItemUndefined { offset, .. }
+            | Self::ProfileUndecided { offset, .. }
+            | Self::ItemTruncated { offset, .. }
+            | Self::ExplicitLength { offset, .. }
+            | Self::ExtensionUndefined { offset, .. }
+            | Self::SubitemUndefined { offset, .. }
+            | Self::SpareBitSet { offset, .. } => offset,
+        }
+    }
+}
+
+fn describe_choice(found: Option<u64>) -> String {
+    match found {
+        None => "but is absent".to_owned(),
+        Some(value) => format!("its value {value} has none"),
+    }
+}

@@ -1,0 +1,183 @@
+//! How many octets an item takes: the one thing that must be known of every item to reach the next.
+//!
+//! # Beyond the edition
+//!
+//! A sender of a later edition, or a careless one, may set the FX bit of the last part an edition defines. The
+//! multilateration system of a European airport does so in I019/553: ed 1.3 knows the state of four reference
+//! transponders in two octets, the system has six and sends a third octet. The parts that later editions add to an
+//! extended item are as a rule single octets, so in lenient mode such octets are taken as extension parts of unknown
+//! meaning: skipped, counted, and shown among the named values as
+//! [`UNKNOWN_EXTENSION`](super::named::UNKNOWN_EXTENSION). No more than [`MAX_UNKNOWN_EXTENSION_OCTETS`], as more
+//! are a sign that the reader has lost its place. In strict mode the first is an error.
+//!
+//! No such guess is possible for an undefined bit in an FSPEC: the length of what it announces is unknown.
+
+use super::bits::{fspec_bits, goes_on};
+use super::error::Error;
+use super::record::Mode;
+use super::table::{Item, Layout, MAX_FSPEC_OCTETS};
+
+/// The most octets that lenient reading takes as an extension beyond the edition.
+pub(super) const MAX_UNKNOWN_EXTENSION_OCTETS: usize = 4;
+
+/// The measured length of an item.
+#[derive(Debug, Default, Clone, Copy)]
+pub(super) struct Extent {
+    /// All octets of the item.
+    pub(super) octets: usize,
+    /// Those among them that lie beyond the edition's last extension part.
+    pub(super) unknown: usize,
+}
+
+/// Measures an item that begins with the first of `bytes` and may reach to the last of them. `offset` and
+/// `category` are for the error.
+pub(super) fn measure(
+    item: &'static Item,
+    bytes: &[u8],
+    mode: Mode,
+    category: u8,
+    offset: usize,
+) -> Result<Extent, Error> {
+    let mut measure = Measure {
+        bytes,
+        mode,
+        at: 0,
+        unknown: 0,
+    };
+    measure.layout(&item.layout).map_err(|fault| {
+        let item = item.name;
+        match fault {
+            Fault::Truncated { needed } => Error::ItemTruncated {
+                offset,
+                category,
+                item,
+                needed,
+                available: bytes.len(),
+            },
+            Fault::ExplicitLength => Error::ExplicitLength { offset, category, item },
+            Fault::Extension { tolerated } => Error::ExtensionUndefined {
+                offset,
+                category,
+                item,
+                tolerated,
+            },
+            Fault::Subitem { position } => Error::SubitemUndefined {
+                offset,
+                category,
+                item,
+                position,
+            },
+        }
+    })?;
+    Ok(Extent {
+        octets: measure.at,
+        unknown: measure.unknown,
+    })
+}
+
+/// What can be wrong, without the place: [`measure`] adds it.
+enum Fault {
+    Truncated { needed: usize },
+    ExplicitLength,
+    Extension { tolerated: usize },
+    Subitem { position: usize },
+}
+
+struct Measure<'a> {
+    bytes: &'a [u8],
+    mode: Mode,
+    at: usize,
+    unknown: usize,
+}
+
+impl Measure<'_> {
+    fn layout(&mut self, layout: &'static Layout) -> Result<(), Fault> {
+        match layout {
+            Layout::Element(bits, _) => self.skip(usize::from(*bits) / 8),
+            Layout::Group(_) => self.skip(layout.bit_count() as usize / 8),
+            Layout::Extended(parts) => self.extended(parts.iter().map(|part| part_octets(part))),
+            Layout::Repetitive(inner) => {
+                let count = self.octet()?;
+                (0..count).try_for_each(|_| self.layout(inner))
+            }
+            Layout::RepetitiveFx(inner) => self.repetitive_fx(inner.bit_count() as usize / 8 + 1),
+            Layout::Explicit => match self.octet()? {
+                0 => Err(Fault::ExplicitLength),
+                length => self.skip(usize::from(length) - 1),
+            },
+            Layout::Compound(subitems) => self.compound(subitems),
+        }
+    }
+
+    fn extended(&mut self, parts: impl Iterator<Item = usize>) -> Result<(), Fault> {
+        for octets in parts {
+            if !self.goes_on_after(octets)? {
+                return Ok(());
+            }
+        }
+        let tolerated = match self.mode {
+            Mode::Strict => 0,
+            Mode::Lenient => MAX_UNKNOWN_EXTENSION_OCTETS,
+        };
+        for _ in 0..tolerated {
+            self.unknown += 1;
+            if !self.goes_on_after(1)? {
+                return Ok(());
+            }
+        }
+        Err(Fault::Extension { tolerated })
+    }
+
+    fn repetitive_fx(&mut self, octets: usize) -> Result<(), Fault> {
+        while self.goes_on_after(octets)? {} // ends with the bytes at the latest
+        Ok(())
+    }
+
+    fn compound(&mut self, subitems: &'static [Option<Item>]) -> Result<(), Fault> {
+        let mut present = 0u64;
+        for i in 0..=MAX_FSPEC_OCTETS {
+            if i == MAX_FSPEC_OCTETS {
+                return Err(Fault::Subitem { position: 7 * i + 1 });
+            }
+            let octet = self.octet()?;
+            present |= u64::from(fspec_bits(octet)) << (7 * i);
+            if !goes_on(octet) {
+                break;
+            }
+        }
+        while present != 0 {
+            let i = present.trailing_zeros() as usize;
+            present &= present - 1;
+            match subitems.get(i) {
+                Some(Some(subitem)) => self.layout(&subitem.layout)?,
+                _ => return Err(Fault::Subitem { position: i + 1 }),
+            }
+        }
+        Ok(())
+    }
+
+    /// Skips a part and says whether the FX bit at its end is set.
+    fn goes_on_after(&mut self, octets: usize) -> Result<bool, Fault> {
+        self.skip(octets)?;
+        Ok(goes_on(self.bytes[self.at - 1]))
+    }
+
+    fn octet(&mut self) -> Result<u8, Fault> {
+        self.skip(1)?;
+        Ok(self.bytes[self.at - 1])
+    }
+
+    fn skip(&mut self, octets: usize) -> Result<(), Fault> {
+        self.at += octets;
+        if self.at > self.bytes.len() {
+            Err(Fault::Truncated { needed: self.at })
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// The octets of one part of an extended item, with its FX bit.
+pub(super) fn part_octets(part: &'static [super::table::Part]) -> usize {
+    (Layout::Group(part).bit_count() as usize + 1) / 8
+}

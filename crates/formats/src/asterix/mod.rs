@@ -1,0 +1,63 @@
+//! ASTERIX: EUROCONTROL's format for surveillance data, described by one table for each edition of a category.
+//!
+//! # The format
+//!
+//! A **data block** is one octet of category, two of length (in octets, big-endian, the header's three included)
+//! and then one record after the other. Neither a record nor an item in it carries its own length: to find where
+//! one ends and the next begins, the reader must know the layout of every item it meets. One wrong layout shifts
+//! everything behind it, which is why an unknown item can not be stepped over, and why the edition of a category
+//! matters.
+//!
+//! A **record** begins with its *field specification*, FSPEC. Seven bits of each FSPEC octet say, most significant
+//! first, whether item 1, 2, … 7 of the category's *user application profile* (UAP) is present; the last bit, **FX**,
+//! says that another FSPEC octet with the next seven follows. The position in the UAP is an item's *field reference
+//! number*, FRN, counted from 1. The items follow in FRN order, each in one of a few layouts:
+//!
+//! - *fixed*: a constant number of octets, divided into elements of some bits;
+//! - *extended*: parts of one octet (rarely more), each ending in an FX bit that says whether the next part follows;
+//! - *repetitive*: a count octet and so many equal groups, or groups each ending in an FX bit;
+//! - *explicit*: an octet with the item's own length, itself included, and content agreed upon elsewhere;
+//! - *compound*: an FSPEC of its own and subitems in these same layouts.
+//!
+//! # The module
+//!
+//! ```text
+//! bytes ── blocks ──► Block ── records(table, mode) ──► Record ──┬── NamedRecord: every item by name, to show
+//!              └────── Decoder does both, and counts ──────┘      └── typed: the fields fusion needs, SI units
+//! ```
+//!
+//! A [`Record`] knows where each of its items lies and has decoded none of them. From there two ways lead on, which
+//! share nothing but the record and so can check each other: [`NamedRecord`] decodes every item as the table says,
+//! into a tree of names and values with the document's units; [`typed`] reads the fields a tracker needs straight
+//! from the bytes, without allocating.
+//!
+//! A table ([`table`], [`categories`]) is data in the order and words of the EUROCONTROL document, so that it can be
+//! checked against it line by line; what can be checked mechanically (whole octets, names, profile entries) is checked
+//! when the table is compiled. [`registry`] lists the tables.
+//!
+//! # Sources
+//!
+//! EUROCONTROL-SPEC-0149, *Specification for Surveillance Data Exchange – ASTERIX*, part 1 for the structure; each
+//! category file names its own part.
+
+pub mod block;
+pub mod categories;
+pub mod decoder;
+pub mod error;
+pub mod named;
+pub mod record;
+pub mod registry;
+pub mod table;
+pub mod text;
+pub mod typed;
+
+mod bits;
+mod extent;
+mod spare;
+
+pub use block::{Block, Blocks, blocks};
+pub use decoder::{Counts, Decoder};
+pub use error::Error;
+pub use named::{NamedRecord, Value};
+pub use record::{Mode, Record, Records};
+pub use table::{Category, Edition, Frn};

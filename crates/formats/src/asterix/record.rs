@@ -1,0 +1,287 @@
+//! Records: where one ends, and where its items lie.
+//!
+//! Reading a record here means finding its items, not decoding them: one pass over the FSPEC and the lengths, into
+//! a fixed array of offsets. That is all the hot path pays for the items it does not use.
+
+use super::bits::{fspec_bits, goes_on};
+use super::block::{Block, HEADER_OCTETS};
+use super::error::Error;
+use super::extent;
+use super::named;
+use super::spare;
+use super::table::{Category, Frn, Item, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap};
+
+/// How closely bytes must follow the edition.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mode {
+    /// Spare bits must be zero, and no extended item may go on after the edition's last part: to test a sender, or an
+    /// encoder.
+    Strict,
+    /// Spare bits are ignored, and up to four single octets after an extended item's last defined part are skipped
+    /// as unknown: to live with what senders do.
+    #[default]
+    Lenient,
+}
+
+/// A record whose items have been found.
+#[derive(Debug, Clone, Copy)]
+pub struct Record<'a> {
+    table: &'static Category,
+    uap: &'static Uap,
+    bytes: &'a [u8],
+    offset: usize,
+    /// Bit FRN − 1 for each item present.
+    present: u64,
+    /// Where the items begin in `bytes`, in FRN order, and after the last of them the end.
+    starts: [u16; MAX_FRN + 1],
+    unknown_extension_octets: u16,
+}
+
+impl<'a> Record<'a> {
+    /// The table it was read with.
+    pub fn table(&self) -> &'static Category {
+        self.table
+    }
+
+    /// The profile it was read with; of interest where the category has several.
+    pub fn uap(&self) -> &'static Uap {
+        self.uap
+    }
+
+    /// Where it begins in the bytes the caller passed.
+    pub fn offset(&self) -> usize {
+        self.offset
+    }
+
+    /// All its octets, beginning with the FSPEC.
+    pub fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    /// The octets of an item, if it is present. The constants of [`typed`](super::typed) modules and
+    /// [`Uap::frn`] give the number of a named item.
+    #[inline]
+    pub fn item(&self, frn: Frn) -> Option<&'a [u8]> {
+        let bit = 1u64 << (frn.get() - 1);
+        if self.present & bit == 0 {
+            return None;
+        }
+        let rank = (self.present & (bit - 1)).count_ones() as usize;
+        Some(&self.bytes[usize::from(self.starts[rank])..usize::from(self.starts[rank + 1])])
+    }
+
+    /// The octets of an item, by name; slower than [`item`](Self::item).
+    pub fn item_named(&self, name: &str) -> Option<&'a [u8]> {
+        self.items().find(|(item, _)| item.name == name).map(|(_, bytes)| bytes)
+    }
+
+    /// The items present and their octets, in the order sent.
+    pub fn items(&self) -> impl Iterator<Item = (&'static Item, &'a [u8])> + '_ {
+        self.frns()
+            .filter_map(|frn| Some((self.uap.item(self.table.items, frn)?, self.item(frn)?)))
+    }
+
+    /// The field reference numbers of the items present, ascending.
+    pub fn frns(&self) -> impl Iterator<Item = Frn> + use<> {
+        frns(self.present)
+    }
+
+    /// The octets after the last defined part of extended items, skipped in lenient mode.
+    pub fn unknown_extension_octets(&self) -> usize {
+        usize::from(self.unknown_extension_octets)
+    }
+}
+
+/// The records of one block. Ends after the first error: without the length of one record there is no next.
+#[derive(Debug, Clone)]
+pub struct Records<'a> {
+    table: &'static Category,
+    mode: Mode,
+    rest: &'a [u8],
+    offset: usize,
+    octets_skipped: usize,
+}
+
+impl<'a> Records<'a> {
+    pub(super) fn new(block: &Block<'a>, table: &'static Category, mode: Mode) -> Self {
+        let offset = block.offset + HEADER_OCTETS;
+        Self {
+            table,
+            mode,
+            rest: block.body(),
+            offset,
+            octets_skipped: 0,
+        }
+    }
+
+    /// The octets from a record in error to the end of the block; zero while there was no error.
+    pub fn octets_skipped(&self) -> usize {
+        self.octets_skipped
+    }
+}
+
+impl<'a> Iterator for Records<'a> {
+    type Item = Result<Record<'a>, Error>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let record = find_items(self.table, self.mode, self.rest, self.offset);
+        match &record {
+            Ok(record) => {
+                self.rest = &self.rest[record.bytes.len()..];
+                self.offset += record.bytes.len();
+            }
+            Err(_) => {
+                self.octets_skipped = self.rest.len();
+                self.rest = &[];
+            }
+        }
+        Some(record)
+    }
+}
+
+fn frns(present: u64) -> impl Iterator<Item = Frn> + use<> {
+    let mut rest = present;
+    std::iter::from_fn(move || {
+        let frn = (rest != 0).then(|| Frn(rest.trailing_zeros() as u8 + 1))?;
+        rest &= rest - 1;
+        Some(frn)
+    })
+}
+
+/// Finds the items of the record at the begin of `bytes`.
+fn find_items<'a>(table: &'static Category, mode: Mode, bytes: &'a [u8], offset: usize) -> Result<Record<'a>, Error> {
+    let category = table.number;
+    let (present, fspec_octets) = read_fspec(category, bytes, offset)?;
+    let uap = match &table.profile {
+        Profile::Single(uap) => uap,
+        Profile::Depends { .. } => decide_profile(table, mode, bytes, offset)?,
+    };
+    let mut starts = [0; MAX_FRN + 1];
+    let mut unknown = 0;
+    let mut at = fspec_octets;
+    let mut rank = 0;
+    for frn in frns(present) {
+        starts[rank] = at as u16; // a block has at most 65,535 octets
+        rank += 1;
+        let Some(item) = uap.item(table.items, frn) else {
+            return Err(Error::ItemUndefined {
+                offset,
+                category,
+                frn: frn.get(),
+            });
+        };
+        let available = bytes.len() - at;
+        match item.fixed_octets.map(usize::from) {
+            Some(octets) if octets <= available => at += octets,
+            Some(needed) => {
+                let (offset, item) = (offset + at, item.name);
+                return Err(Error::ItemTruncated {
+                    offset,
+                    category,
+                    item,
+                    needed,
+                    available,
+                });
+            }
+            None => {
+                let extent = extent::measure(item, &bytes[at..], mode, category, offset + at)?;
+                at += extent.octets;
+                unknown += extent.unknown;
+            }
+        }
+    }
+    starts[rank] = at as u16;
+    let record = Record {
+        table,
+        uap,
+        bytes: &bytes[..at],
+        offset,
+        present,
+        starts,
+        unknown_extension_octets: unknown as u16,
+    };
+    if mode == Mode::Strict {
+        check_spare_bits(&record)?;
+    }
+    Ok(record)
+}
+
+/// The FSPEC as one bit per FRN, and its octets.
+fn read_fspec(category: u8, bytes: &[u8], offset: usize) -> Result<(u64, usize), Error> {
+    let mut present = 0;
+    for i in 0..MAX_FSPEC_OCTETS {
+        let Some(&octet) = bytes.get(i) else {
+            return Err(Error::FspecTruncated {
+                offset,
+                category,
+                octets: i,
+            });
+        };
+        present |= u64::from(fspec_bits(octet)) << (7 * i);
+        if !goes_on(octet) {
+            if present == 0 {
+                return Err(Error::RecordEmpty { offset, category });
+            }
+            return Ok((present, i + 1));
+        }
+    }
+    Err(Error::FspecTooLong {
+        offset,
+        category,
+        maximum: MAX_FSPEC_OCTETS,
+    })
+}
+
+/// Reads the record up to the item that decides, with the first profile: up to there all profiles are the same.
+fn decide_profile(table: &'static Category, mode: Mode, bytes: &[u8], offset: usize) -> Result<&'static Uap, Error> {
+    let category = table.number;
+    let Profile::Depends {
+        item: decider,
+        element,
+        cases,
+    } = &table.profile
+    else {
+        unreachable!("the caller has looked");
+    };
+    let undecided = |found| Error::ProfileUndecided {
+        offset,
+        category,
+        item: decider,
+        found,
+    };
+    let (present, mut at) = read_fspec(category, bytes, offset)?;
+    let first = cases.first().map(|(_, uap)| uap).ok_or_else(|| undecided(None))?;
+    for frn in frns(present) {
+        let Some(item) = first.item(table.items, frn) else {
+            break;
+        };
+        let octets = extent::measure(item, &bytes[at..], mode, category, offset + at)?.octets;
+        if item.name == *decider {
+            let value = named::element_of(item, &bytes[at..at + octets], element);
+            let case = cases.iter().find(|(case, _)| Some(*case) == value);
+            return case.map(|(_, uap)| uap).ok_or_else(|| undecided(value));
+        }
+        at += octets;
+    }
+    Err(undecided(None))
+}
+
+fn check_spare_bits(record: &Record<'_>) -> Result<(), Error> {
+    let mut at = usize::from(record.starts[0]);
+    for (item, bytes) in record.items() {
+        if spare::any_set(item, bytes) {
+            let (offset, category) = (record.offset + at, record.table.number);
+            return Err(Error::SpareBitSet {
+                offset,
+                category,
+                item: item.name,
+            });
+        }
+        at += bytes.len();
+    }
+    Ok(())
+}

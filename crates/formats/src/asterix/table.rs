@@ -1,0 +1,419 @@
+//! The words in which a category's table is written.
+//!
+//! A table is constant data: [`Category`] → [`Item`] → [`Layout`] → [`Part`] → [`Content`]. The constructors are
+//! `const` and check what they can (whole octets, element widths, names in the profile), so a table with such a
+//! mistake does not compile. What no check can find, a wrong width that happens to fit or a wrong LSB, is left to
+//! the reader's eye and to the comparison with recordings.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// The most FSPEC octets a record or a compound item may have. The longest profile published has 7.
+pub const MAX_FSPEC_OCTETS: usize = 8;
+/// The most field reference numbers a profile may have: seven for each FSPEC octet.
+pub const MAX_FRN: usize = 7 * MAX_FSPEC_OCTETS;
+/// In a profile, the name of a field reference number that stands for no item.
+pub const SPARE: &str = "";
+
+/// One edition of one category: what a record of it may hold and where.
+#[derive(Debug)]
+pub struct Category {
+    /// The category octet of its data blocks.
+    pub number: u8,
+    /// The document's edition.
+    pub edition: Edition,
+    /// The document's title.
+    pub title: &'static str,
+    /// The document's number.
+    pub document: &'static str,
+    /// Every item, in the document's order.
+    pub items: &'static [Item],
+    /// Which item each FSPEC bit stands for.
+    pub profile: Profile,
+}
+
+impl Category {
+    /// The item of this name.
+    pub fn item(&self, name: &str) -> Option<&'static Item> {
+        self.items.iter().find(|item| item.name == name)
+    }
+
+    /// The profiles, one or several.
+    pub fn uaps(&'static self) -> impl Iterator<Item = &'static Uap> {
+        let (single, cases): (Option<&Uap>, &[(u64, Uap)]) = match &self.profile {
+            Profile::Single(uap) => (Some(uap), &[]),
+            Profile::Depends { cases, .. } => (None, cases),
+        };
+        single.into_iter().chain(cases.iter().map(|(_, uap)| uap))
+    }
+}
+
+impl fmt::Display for Category {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "CAT{:03} ed {}", self.number, self.edition)
+    }
+}
+
+/// An edition number such as 0.23, ordered as documents are: 0.9 comes before 0.23.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Edition {
+    /// Before the point.
+    pub major: u8,
+    /// After the point, a whole number.
+    pub minor: u8,
+}
+
+impl Edition {
+    /// The edition `major.minor`.
+    pub const fn new(major: u8, minor: u8) -> Self {
+        Self { major, minor }
+    }
+}
+
+impl fmt::Display for Edition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}", self.major, self.minor)
+    }
+}
+
+/// A text that is no edition number.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{found:?} is no edition; write it as in 1.9 or 0.23")]
+pub struct EditionError {
+    /// What was given.
+    pub found: String,
+}
+
+impl FromStr for Edition {
+    type Err = EditionError;
+
+    fn from_str(text: &str) -> Result<Self, EditionError> {
+        text.split_once('.')
+            .and_then(|(major, minor)| Some(Self::new(major.parse().ok()?, minor.parse().ok()?)))
+            .ok_or_else(|| EditionError { found: text.to_owned() })
+    }
+}
+
+/// Which item each FSPEC bit of a category stands for.
+#[derive(Debug)]
+pub enum Profile {
+    /// The usual case: one profile.
+    Single(Uap),
+    /// Several profiles, chosen by an element of the record itself (CAT001: plot or track). The items up to and
+    /// including the deciding one must have the same field reference numbers in all of them.
+    Depends {
+        /// The deciding item.
+        item: &'static str,
+        /// The deciding element in it.
+        element: &'static str,
+        /// The value of that element, and its profile.
+        cases: &'static [(u64, Uap)],
+    },
+}
+
+/// A user application profile: the item for each field reference number.
+#[derive(Debug)]
+pub struct Uap {
+    /// Item names in FRN order; [`SPARE`] where there is none.
+    pub order: &'static [&'static str],
+    /// For each FRN − 1 the item's index in the category, plus one; zero for none.
+    index: [u8; MAX_FRN],
+}
+
+impl Uap {
+    /// The profile with these names in FRN order. Does not compile where a name has no item.
+    pub const fn new(items: &[Item], order: &'static [&'static str]) -> Self {
+        assert!(order.len() <= MAX_FRN, "a profile has more entries than MAX_FRN");
+        assert!(items.len() < 255, "a category has too many items");
+        let mut index = [0; MAX_FRN];
+        let mut frn = 0;
+        while frn < order.len() {
+            if !order[frn].is_empty() {
+                let mut i = 0;
+                while !same(items[i].name, order[frn]) {
+                    i += 1;
+                    assert!(i < items.len(), "a profile names an item that the category has not");
+                }
+                index[frn] = i as u8 + 1;
+            }
+            frn += 1;
+        }
+        Self { order, index }
+    }
+
+    /// The field reference number of a named item. Evaluated in a constant it does not compile where there is none.
+    ///
+    /// # Panics
+    /// If the profile has no item of this name.
+    pub const fn frn(&self, name: &str) -> Frn {
+        let mut i = 0;
+        while i < self.order.len() {
+            if same(self.order[i], name) {
+                return Frn(i as u8 + 1);
+            }
+            i += 1;
+        }
+        panic!("the profile has no item of this name")
+    }
+
+    /// The item at a field reference number, from the items the profile was made with.
+    #[inline]
+    pub(super) fn item(&self, items: &'static [Item], frn: Frn) -> Option<&'static Item> {
+        match self.index.get(usize::from(frn.0) - 1) {
+            None | Some(0) => None,
+            Some(&index) => items.get(usize::from(index) - 1),
+        }
+    }
+}
+
+/// A field reference number: the position of an item in its profile, counted from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Frn(pub(super) u8);
+
+impl Frn {
+    /// The number, from 1 to [`MAX_FRN`].
+    pub const fn get(self) -> u8 {
+        self.0
+    }
+}
+
+/// A data item, or a subitem of a compound one.
+#[derive(Debug)]
+pub struct Item {
+    /// The number after the stroke ("140" of I010/140), or a subitem's short name ("DOP").
+    pub name: &'static str,
+    /// The document's title.
+    pub title: &'static str,
+    /// How its octets are divided.
+    pub layout: Layout,
+    /// Its length in octets where the layout has only one.
+    pub(super) fixed_octets: Option<u16>,
+}
+
+impl Item {
+    /// An item. Does not compile where a part of it is no whole number of octets.
+    pub const fn new(name: &'static str, title: &'static str, layout: Layout) -> Self {
+        let fixed_octets = layout.fixed_octets();
+        Self {
+            name,
+            title,
+            layout,
+            fixed_octets,
+        }
+    }
+}
+
+/// How the octets of an item are divided.
+#[derive(Debug)]
+pub enum Layout {
+    /// One element of so many bits, which is the whole item.
+    Element(u8, Content),
+    /// Elements and spare bits one after the other.
+    Group(&'static [Part]),
+    /// Parts that each end in an FX bit, not written in the table: 1 if the next part follows.
+    Extended(&'static [&'static [Part]]),
+    /// A count octet, then so many of the inner layout.
+    Repetitive(&'static Layout),
+    /// The inner layout and an FX bit that says whether another follows. The inner layout is an [`Element`] or a
+    /// [`Group`] one bit short of whole octets.
+    ///
+    /// [`Element`]: Layout::Element
+    /// [`Group`]: Layout::Group
+    RepetitiveFx(&'static Layout),
+    /// An octet with the length, itself included, then content that this table does not describe.
+    Explicit,
+    /// An FSPEC and the subitems it announces; `None` where a bit of it has no meaning.
+    Compound(&'static [Option<Item>]),
+}
+
+impl Layout {
+    /// The length in octets where it is always the same; checks on the way that everything is whole octets.
+    const fn fixed_octets(&self) -> Option<u16> {
+        match self {
+            Self::Element(bits, _) => Some(whole_octets(*bits as u32)),
+            Self::Group(parts) => Some(whole_octets(bit_count(parts))),
+            Self::Extended(parts) => {
+                let mut i = 0;
+                while i < parts.len() {
+                    whole_octets(bit_count(parts[i]) + 1);
+                    i += 1;
+                }
+                None
+            }
+            Self::RepetitiveFx(inner) => {
+                whole_octets(inner.bit_count() + 1);
+                None
+            }
+            Self::Repetitive(inner) => {
+                inner.fixed_octets();
+                None
+            }
+            Self::Explicit | Self::Compound(_) => None,
+        }
+    }
+
+    /// The bits of an element or a group.
+    pub(super) const fn bit_count(&self) -> u32 {
+        match self {
+            Self::Element(bits, _) => *bits as u32,
+            Self::Group(parts) => bit_count(parts),
+            _ => panic!("only an element or a group has a number of bits"),
+        }
+    }
+}
+
+/// A piece of a group or of a part of an extended item.
+#[derive(Debug)]
+pub enum Part {
+    /// A named element.
+    Element {
+        /// Its name in the document.
+        name: &'static str,
+        /// Its width.
+        bits: u8,
+        /// What the bits mean.
+        content: Content,
+    },
+    /// Bits without meaning, sent as zero.
+    Spare(u8),
+    /// Elements under a common name.
+    Group(&'static str, &'static [Part]),
+}
+
+/// What the bits of an element mean.
+#[derive(Debug)]
+pub enum Content {
+    /// Bits as they are: a flag, a code of some list, an identifier.
+    Raw,
+    /// A whole number.
+    Integer {
+        /// In two's complement.
+        signed: bool,
+    },
+    /// A physical quantity: value = number × LSB.
+    Quantity {
+        /// In two's complement.
+        signed: bool,
+        /// The value of the least significant bit, in `unit`.
+        lsb: f64,
+        /// The document's unit; empty for none.
+        unit: &'static str,
+    },
+    /// Characters.
+    Text(TextCoding),
+    /// Content that depends on the value of an element before it in the same group.
+    Depends {
+        /// The deciding element.
+        on: &'static str,
+        /// Its value, and the content in that case.
+        cases: &'static [(u64, Content)],
+        /// The content for any other value.
+        otherwise: &'static Content,
+    },
+}
+
+/// How characters are packed; see [`text`](super::text).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextCoding {
+    /// Eight bits each.
+    Ascii,
+    /// Six bits each, ICAO Annex 10 volume IV, 3.1.2.9.
+    Icao,
+    /// Three bits each: the digits 0 to 7.
+    Octal,
+}
+
+/// Bits as they are.
+pub const RAW: Content = Content::Raw;
+/// A whole number without sign.
+pub const NUMBER: Content = Content::Integer { signed: false };
+/// Six-bit characters.
+pub const ICAO: Content = Content::Text(TextCoding::Icao);
+/// Octal digits.
+pub const OCTAL: Content = Content::Text(TextCoding::Octal);
+/// Eight-bit characters.
+pub const ASCII: Content = Content::Text(TextCoding::Ascii);
+
+/// A quantity without sign.
+pub const fn unsigned(lsb: f64, unit: &'static str) -> Content {
+    Content::Quantity {
+        signed: false,
+        lsb,
+        unit,
+    }
+}
+
+/// A quantity in two's complement.
+pub const fn signed(lsb: f64, unit: &'static str) -> Content {
+    Content::Quantity {
+        signed: true,
+        lsb,
+        unit,
+    }
+}
+
+/// A named element of some bits.
+pub const fn element(name: &'static str, bits: u8, content: Content) -> Part {
+    assert!(bits >= 1 && bits <= 64, "an element has 1 to 64 bits");
+    if let Content::Text(coding) = content {
+        let width = match coding {
+            TextCoding::Ascii => 8,
+            TextCoding::Icao => 6,
+            TextCoding::Octal => 3,
+        };
+        assert!(bits.is_multiple_of(width), "a text is a whole number of characters");
+    }
+    Part::Element { name, bits, content }
+}
+
+/// A single bit, as it is.
+pub const fn flag(name: &'static str) -> Part {
+    element(name, 1, RAW)
+}
+
+/// Bits without meaning.
+pub const fn spare(bits: u8) -> Part {
+    Part::Spare(bits)
+}
+
+/// Two to the power of `exponent`: documents write an LSB as 180/2^23, tables as `180.0 / pow2(23)`.
+pub const fn pow2(exponent: u32) -> f64 {
+    assert!(exponent < 64, "the exponent is too large");
+    (1u64 << exponent) as f64
+}
+
+const fn bit_count(parts: &[Part]) -> u32 {
+    let mut bits = 0;
+    let mut i = 0;
+    while i < parts.len() {
+        bits += match &parts[i] {
+            Part::Element { bits, .. } | Part::Spare(bits) => *bits as u32,
+            Part::Group(_, inner) => bit_count(inner),
+        };
+        i += 1;
+    }
+    bits
+}
+
+const fn whole_octets(bits: u32) -> u16 {
+    assert!(
+        bits > 0 && bits.is_multiple_of(8),
+        "an item or a part of one is no whole number of octets"
+    );
+    (bits / 8) as u16
+}
+
+const fn same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    if a.len() != b.len() {
+        return false;
+    }
+    let mut i = 0;
+    while i < a.len() {
+        if a[i] != b[i] {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}

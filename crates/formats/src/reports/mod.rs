@@ -1,0 +1,90 @@
+//! From a sensor's records to the pipeline's reports.
+//!
+//! Formats differ in everything: items, units, frames, what is missing. [`observation`] brings each category's target
+//! report into one form, still in the sensor's own terms. [`Converter`] then does what must be done alike for all of
+//! them: time of day to UTC, the sensor's frame to the system frame, accuracy to covariance, and the checks that keep
+//! impossible values out. What it refuses is counted by reason, and never reaches fusion. [`Reorder`] puts reports
+//! into the order of their times and says how far the source has got.
+
+mod converter;
+pub mod observation;
+mod plausibility;
+mod reorder;
+mod velocity;
+
+pub use converter::{Converter, SourceModel};
+pub use observation::{Observation, Position};
+pub use reorder::Reorder;
+
+use frames::PolarSigma;
+use serde::Deserialize;
+
+/// What a source's reports may contain; anything else is rejected and counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Largest distance from the sensor, metres.
+    pub range_m: f64,
+    /// Lowest height, metres.
+    pub height_min_m: f64,
+    /// Greatest height, metres.
+    pub height_max_m: f64,
+    /// Greatest horizontal speed, metres per second.
+    pub speed_mps: f64,
+    /// How far a position may lie beyond what the speed limit explains since the track's last report, metres.
+    pub jump_m: f64,
+    /// How far a time of day may lie from the source's running time, nanoseconds.
+    pub time_step_ns: i64,
+    /// Most live tracks that are remembered.
+    pub tracks: usize,
+}
+
+/// Which position item of a report is used, where it carries several.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum PositionForm {
+    /// Cartesian, else polar, else geographic.
+    #[default]
+    Any,
+    /// Cartesian only.
+    Cartesian,
+    /// Polar only.
+    Polar,
+}
+
+/// Where the covariance of a source's reports comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CovarianceModel {
+    /// The report's own quality figures, or the values below.
+    pub from: CovarianceFrom,
+    /// Standard deviation of each horizontal position component, metres. Where reports state a dilution of precision,
+    /// per unit of it; where they state a standard deviation, its floor.
+    pub position_sigma_m: f64,
+    /// Standard deviation of each horizontal velocity component, metres per second.
+    pub velocity_sigma_mps: f64,
+    /// Standard deviation of height, metres.
+    pub height_sigma_m: f64,
+    /// Range and azimuth errors of a polar sensor; they replace `position_sigma_m`.
+    pub polar: Option<PolarSigma>,
+    /// What to do with a report whose own quality figure says that its accuracy is unknown.
+    pub poor_quality: PoorQuality,
+}
+
+/// Where the covariance comes from.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum CovarianceFrom {
+    /// From the report's own quality figures, where it has them.
+    Report,
+    /// From the configuration.
+    Configuration,
+}
+
+/// What to do with reports of unknown accuracy.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum PoorQuality {
+    /// Use them, with a large covariance.
+    Use,
+    /// Reject and count them.
+    Reject,
+}

@@ -1,0 +1,12 @@
+//! Tests of the ASTERIX codec through its public interface.
+
+mod agreement;
+mod allocation;
+mod decoder;
+mod errors;
+mod generator;
+mod item_kinds;
+mod properties;
+mod recordings;
+mod sample;
+mod tables;

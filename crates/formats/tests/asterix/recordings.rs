@@ -1,0 +1,213 @@
+//! Whole recordings of an airport's sensors: known totals, and the two ways of decoding compared on every record.
+//!
+//! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
+//! workspace; where they are absent the tests say so and pass.
+
+use std::collections::BTreeSet;
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use formats::asterix::typed::fields::{Availability, Callsign};
+use formats::asterix::typed::{cat010, cat019, cat020, cat021_v0_23};
+use formats::asterix::{Counts, Decoder, Mode, NamedRecord, Record, Value};
+
+use crate::agreement;
+
+fn recording(name: &str) -> Option<Vec<u8>> {
+    let folder = env::var_os("KOSEKI_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        PathBuf::from,
+    );
+    let path = folder.join("lebl2016").join(name);
+    let bytes = fs::read(&path).ok();
+    if bytes.is_none() {
+        println!("skipped: no recording {}", path.display());
+    }
+    bytes
+}
+
+/// Every record, decoded in both ways; what was counted; and how many values both ways have.
+fn for_each(bytes: &[u8], mut see: impl FnMut(&Record<'_>)) -> (Counts, usize) {
+    let mut decoder = Decoder::new(Mode::Lenient);
+    let mut compared = 0;
+    for record in decoder.records(bytes) {
+        let record = record.unwrap();
+        compared += agreement::check(&record);
+        see(&record);
+    }
+    (*decoder.counts(), compared)
+}
+
+fn counts(records: u64) -> Counts {
+    Counts {
+        blocks: records,
+        records,
+        ..Counts::default()
+    }
+}
+
+#[test]
+fn surface_movement_radar() {
+    let Some(bytes) = recording("160510-lebl-220001_SMR_cat10.ast") else {
+        return;
+    };
+    let (mut reports, mut cycles, mut states) = (0, 0, 0);
+    let mut tracks = BTreeSet::new();
+    let (counted, compared) = for_each(&bytes, |record| {
+        if let Some(report) = cat010::TargetReport::read(record) {
+            reports += 1;
+            tracks.extend(report.track_number);
+            let ended = report.track_status.unwrap().ended;
+            assert_eq!(report.polar_position.is_none(), ended, "a last report has no position");
+        }
+        if let Some(message) = cat010::ServiceMessage::read(record) {
+            match message.message_type {
+                cat010::MessageType::StartOfUpdateCycle => cycles += 1,
+                cat010::MessageType::PeriodicStatus => states += 1,
+                other => panic!("{other:?}"),
+            }
+        }
+    });
+    assert_eq!(counted, counts(77_345));
+    assert_eq!((reports, cycles, states, tracks.len()), (62_819, 7263, 7263, 730));
+    assert!(compared > 1_000_000, "{compared}");
+}
+
+#[test]
+fn multilateration_as_category_010() {
+    let Some(bytes) = recording("160510-lebl-220001_MLAT_cat10.ast") else {
+        return;
+    };
+    let (mut reports, mut monitors, mut services) = (0, 0, 0);
+    let (mut addresses, mut monitor_addresses) = (BTreeSet::new(), BTreeSet::new());
+    let (counted, compared) = for_each(&bytes, |record| {
+        if let Some(report) = cat010::TargetReport::read(record) {
+            reports += 1;
+            if report.descriptor.unwrap().field_monitor {
+                monitors += 1;
+                monitor_addresses.extend(report.address);
+            } else {
+                addresses.extend(report.address);
+            }
+        }
+        services += usize::from(cat010::ServiceMessage::read(record).is_some());
+    });
+    assert_eq!(counted, counts(84_453));
+    assert_eq!((reports, monitors, services), (69_933, 41_548, 14_520));
+    assert_eq!((addresses.len(), monitor_addresses.len()), (31, 6));
+    assert!(compared > 1_000_000, "{compared}");
+}
+
+#[test]
+fn multilateration_as_category_020() {
+    let Some(bytes) = recording("160510-lebl-220001_MLAT_cat20.ast") else {
+        return;
+    };
+    let (mut reports, mut monitors, mut cycles, mut states) = (0, 0, 0, 0);
+    let (mut addresses, mut monitor_addresses) = (BTreeSet::new(), BTreeSet::new());
+    let (counted, compared) = for_each(&bytes, |record| {
+        if let Some(report) = cat020::TargetReport::read(record) {
+            reports += 1;
+            if report.descriptor.unwrap().field_monitor {
+                monitors += 1;
+                monitor_addresses.extend(report.address);
+            } else {
+                addresses.extend(report.address);
+            }
+            assert!(report.contributing_devices.unwrap() >= 3);
+        }
+        match cat019::ServiceMessage::read(record).and_then(|message| message.message_type) {
+            Some(cat019::MessageType::StartOfUpdateCycle) => cycles += 1,
+            Some(cat019::MessageType::PeriodicStatus) => {
+                states += 1;
+                check_system_state(record);
+            }
+            Some(other) => panic!("{other:?}"),
+            None => {}
+        }
+    });
+    // 121 status messages go on in I019/553 where ed 1.3 ends: three octets for the six transponders of this system.
+    let expected = Counts {
+        records_extended: 121,
+        unknown_extension_octets: 121,
+        ..counts(77_314)
+    };
+    assert_eq!(counted, expected);
+    assert_eq!((reports, monitors, cycles, states), (69_933, 41_548, 7260, 121));
+    assert_eq!((addresses.len(), monitor_addresses.len()), (31, 6));
+    assert!(compared > 1_000_000, "{compared}");
+}
+
+fn check_system_state(record: &Record<'_>) {
+    let message = cat019::ServiceMessage::read(record).unwrap();
+    assert_eq!(message.system_status.unwrap().availability, Availability::Operational);
+    let reference = message.reference_position.unwrap();
+    assert!((reference.latitude_rad.to_degrees() - 41.297_079).abs() < 1e-6);
+    assert!((reference.longitude_rad.to_degrees() - 2.078_463).abs() < 1e-6);
+    assert_eq!(
+        (message.reference_height_m, message.undulation_m),
+        (Some(51.0), Some(0.0))
+    );
+    let named = NamedRecord::new(record);
+    let beyond = named.get(&["553", formats::asterix::named::UNKNOWN_EXTENSION]);
+    assert_eq!(beyond, Some(&Value::Bytes(vec![0xCC])));
+}
+
+#[test]
+fn both_categories_of_the_multilateration_give_the_same_reports() {
+    let (Some(cat10), Some(cat20)) = (
+        recording("160510-lebl-220001_MLAT_cat10.ast"),
+        recording("160510-lebl-220001_MLAT_cat20.ast"),
+    ) else {
+        return;
+    };
+    let (mut decoder_10, mut decoder_20) = (Decoder::new(Mode::Lenient), Decoder::new(Mode::Lenient));
+    let reports_10 = decoder_10
+        .records(&cat10)
+        .flatten()
+        .filter_map(|r| cat010::TargetReport::read(&r));
+    let reports_20 = decoder_20
+        .records(&cat20)
+        .flatten()
+        .filter_map(|r| cat020::TargetReport::read(&r));
+    let (mut pairs, mut saturated) = (0, 0);
+    for (ours, theirs) in reports_10.zip(reports_20) {
+        assert_eq!((ours.time_of_day, ours.address), (theirs.time_of_day, theirs.address));
+        let (velocity_10, velocity_20) = (ours.cartesian_velocity.unwrap(), theirs.cartesian_velocity.unwrap());
+        assert_eq!(velocity_10, velocity_20, "I010/202 has the LSB of I020/202");
+        let (at_10, at_20) = (ours.cartesian_position.unwrap(), theirs.cartesian_position.unwrap());
+        // I010/042 has 16 bits of 1 m, I020/042 24 bits of 0.5 m: rounded, and beyond 32,767 m saturated.
+        let as_sent_in_010 = |metres: f64| metres.clamp(-32_768.0, 32_767.0);
+        assert!((at_10.x_m - as_sent_in_010(at_20.x_m)).abs() <= 0.5);
+        assert!((at_10.y_m - as_sent_in_010(at_20.y_m)).abs() <= 0.5);
+        saturated += usize::from(at_20.x_m > 32_767.0);
+        assert_eq!(
+            (ours.mode_3a, ours.identification),
+            (theirs.mode_3a, theirs.identification)
+        );
+        pairs += 1;
+    }
+    assert_eq!((pairs, saturated), (69_933, 13));
+}
+
+#[test]
+fn ads_b() {
+    let Some(bytes) = recording("160510-lebl-220001_ADSB_cat21_v023.ast") else {
+        return;
+    };
+    let mut addresses = BTreeSet::new();
+    let mut callsigns = BTreeSet::<Callsign>::new();
+    let mut without_callsign = 0;
+    let (counted, compared) = for_each(&bytes, |record| {
+        let report = cat021_v0_23::TargetReport::read(record).unwrap();
+        addresses.extend(report.address);
+        callsigns.extend(report.callsign);
+        let sent = record.item(cat021_v0_23::item::CALLSIGN);
+        without_callsign += usize::from(sent.is_some() && report.callsign.is_none());
+    });
+    assert_eq!(counted, counts(49_330));
+    assert_eq!((addresses.len(), without_callsign), (47, 5891));
+    assert!(callsigns.iter().any(|callsign| callsign.as_str() == "IBK3ZR"));
+    assert!(compared > 1_000_000, "{compared}");
+}

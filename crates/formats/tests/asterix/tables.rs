@@ -1,0 +1,134 @@
+//! What every registered table must keep, and the registry itself.
+
+use std::collections::HashSet;
+
+use formats::asterix::table::{Content, Item, Layout, MAX_FRN, Part, TextCoding};
+use formats::asterix::{Category, Edition, registry};
+
+#[test]
+fn item_names_are_unique_and_every_item_has_its_place_in_a_profile() {
+    for table in registry::REGISTRY {
+        let names: HashSet<_> = table.items.iter().map(|item| item.name).collect();
+        assert_eq!(names.len(), table.items.len(), "{table}: an item name twice");
+        let mut placed = HashSet::new();
+        for uap in table.uaps() {
+            let entries: Vec<_> = uap.order.iter().filter(|name| !name.is_empty()).collect();
+            let distinct: HashSet<_> = entries.iter().collect();
+            assert_eq!(distinct.len(), entries.len(), "{table}: an item twice in a profile");
+            assert!(uap.order.len() <= MAX_FRN);
+            placed.extend(entries.into_iter().copied());
+        }
+        assert_eq!(placed, names, "{table}: items and profiles differ");
+    }
+}
+
+#[test]
+fn elements_are_named_once_and_depend_on_elements_before_them() {
+    for table in registry::REGISTRY {
+        table.items.iter().for_each(|item| check_item(table, item));
+    }
+}
+
+fn check_item(table: &Category, item: &Item) {
+    assert!(
+        !item.name.is_empty() && !item.title.is_empty(),
+        "{table}: an item without name"
+    );
+    check_layout(table, item.name, &item.layout);
+}
+
+fn check_layout(table: &Category, item: &str, layout: &Layout) {
+    let place = format!("{table} item {item}");
+    match layout {
+        Layout::Element(bits, content) => check_content(&place, *bits, content, &[]),
+        Layout::Group(parts) => check_parts(&place, parts, &mut vec![]),
+        Layout::Extended(extension) => {
+            assert!(!extension.is_empty(), "{place}: no part");
+            let mut before = vec![];
+            extension
+                .iter()
+                .for_each(|parts| check_parts(&place, parts, &mut before));
+        }
+        Layout::Repetitive(inner) | Layout::RepetitiveFx(inner) => check_layout(table, item, inner),
+        Layout::Explicit => {}
+        Layout::Compound(subitems) => {
+            let mut names = HashSet::new();
+            for subitem in subitems.iter().flatten() {
+                assert!(names.insert(subitem.name), "{place}: {} twice", subitem.name);
+                check_item(table, subitem);
+            }
+            assert!(subitems.last().is_some_and(Option::is_some), "{place}: ends in nothing");
+        }
+    }
+}
+
+fn check_parts(place: &str, parts: &[Part], before: &mut Vec<&'static str>) {
+    for part in parts {
+        match part {
+            Part::Spare(bits) => assert!(*bits > 0, "{place}: no spare bits"),
+            Part::Element { name, bits, content } => {
+                assert!(!before.contains(name), "{place}: {name} twice");
+                check_content(&format!("{place} {name}"), *bits, content, before);
+                before.push(name);
+            }
+            Part::Group(name, inner) => {
+                assert!(!before.contains(name), "{place}: {name} twice");
+                check_parts(&format!("{place} {name}"), inner, &mut vec![]);
+                before.push(name);
+            }
+        }
+    }
+}
+
+fn check_content(place: &str, bits: u8, content: &Content, before: &[&str]) {
+    assert!((1..=64).contains(&bits), "{place}: {bits} bits");
+    match content {
+        Content::Raw | Content::Integer { .. } => {}
+        Content::Quantity { lsb, .. } => {
+            assert!(lsb.is_finite() && *lsb > 0.0, "{place}: an LSB of {lsb}");
+        }
+        Content::Text(coding) => {
+            let width = match coding {
+                TextCoding::Ascii => 8,
+                TextCoding::Icao => 6,
+                TextCoding::Octal => 3,
+            };
+            assert_eq!(bits % width, 0, "{place}: not whole characters");
+        }
+        Content::Depends { on, cases, otherwise } => {
+            assert!(before.contains(on), "{place}: depends on {on}, which is not before it");
+            let values: HashSet<_> = cases.iter().map(|(value, _)| value).collect();
+            assert_eq!(values.len(), cases.len(), "{place}: a case twice");
+            for content in cases.iter().map(|(_, content)| content).chain([*otherwise]) {
+                check_content(place, bits, content, before);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_registry_finds_editions_and_defaults() {
+    let mut seen = HashSet::new();
+    for table in registry::REGISTRY {
+        assert!(seen.insert((table.number, table.edition)), "{table} twice");
+        let found = registry::find(table.number, table.edition).expect("a registered table");
+        assert!(std::ptr::eq(found, *table));
+        assert!(registry::default_edition(table.number).is_some());
+    }
+    assert!(registry::find(21, Edition::new(0, 23)).is_some());
+    assert!(registry::find(21, Edition::new(0, 99)).is_none());
+    assert!(registry::default_edition(0).is_none());
+    let numbers: Vec<_> = registry::defaults().map(|table| table.number).collect();
+    let distinct: HashSet<_> = numbers.iter().collect();
+    assert_eq!(distinct.len(), numbers.len(), "two defaults for a category");
+}
+
+#[test]
+fn editions_are_read_and_shown_alike() {
+    for table in registry::REGISTRY {
+        assert_eq!(table.edition.to_string().parse(), Ok(table.edition));
+    }
+    assert!(Edition::new(0, 9) < Edition::new(0, 23));
+    let error = "2".parse::<Edition>().unwrap_err();
+    assert_eq!(error.to_string(), r#""2" is no edition; write it as in 1.9 or 0.23"#);
+}
