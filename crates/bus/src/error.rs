@@ -1,0 +1,257 @@
+//! What can go wrong, and what to do about it.
+//!
+//! Every message names the thing concerned, what was tried, the limit where there is one, and the remedy. Errors that
+//! can occur in the steady state own no heap memory of their own: a topic's name is shared with the port.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use crate::root::Process;
+
+/// An operation of this crate failed.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum BusError {
+    /// The name of an instance has a forbidden form.
+    #[error("instance name \"{name}\" is not usable: take 1 to {limit} letters, digits, '-' and '_'")]
+    InstanceName {
+        /// The name as given.
+        name: String,
+        /// Most characters.
+        limit: usize,
+    },
+
+    /// A deployment's folder is so deep that the names of sockets in it would not fit.
+    #[error(
+        "{} is {length} bytes long, which leaves no room for the names of sockets in it: at most {limit} bytes work; \
+         take a shorter instance name or another base folder",
+        path.display()
+    )]
+    PathTooLong {
+        /// The folder.
+        path: PathBuf,
+        /// Its length in bytes.
+        length: usize,
+        /// Most bytes.
+        limit: usize,
+    },
+
+    /// The base folder is open to other users.
+    #[error(
+        "base folder {} belongs to another user or may be written by others: take one that is your own (mode 0700)",
+        path.display()
+    )]
+    BaseNotPrivate {
+        /// The folder.
+        path: PathBuf,
+    },
+
+    /// A live process runs this instance already.
+    #[error(
+        "instance {instance} is already run by process {}: end that one first, or take another instance name",
+        Pid(*pid)
+    )]
+    AlreadyRunning {
+        /// The instance.
+        instance: String,
+        /// The process, where it could be read.
+        pid: Option<u32>,
+    },
+
+    /// The instance's launcher is gone, but processes that it started still run.
+    #[error(
+        "instance {instance} has no launcher, but its shared memory is still used by {}: end these processes first",
+        Processes(processes)
+    )]
+    StillUsed {
+        /// The instance.
+        instance: String,
+        /// Who uses it.
+        processes: Vec<Process>,
+    },
+
+    /// Nobody runs this instance.
+    #[error("instance {instance} is not running: start it with `koseki up`, or name the instance that runs")]
+    NotRunning {
+        /// The instance.
+        instance: String,
+    },
+
+    /// A file operation failed.
+    #[error("cannot {action} {}: {source}", path.display())]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// On which file or folder.
+        path: PathBuf,
+        /// Why it failed.
+        source: io::Error,
+    },
+
+    /// The process could not connect to the instance.
+    #[error(
+        "process {process} cannot join instance {instance}: {reason}; check the rights of {}",
+        path.display()
+    )]
+    Join {
+        /// The process's name.
+        process: String,
+        /// The instance.
+        instance: String,
+        /// Its folder.
+        path: PathBuf,
+        /// iceoryx2's word for it.
+        reason: String,
+    },
+
+    /// The topic does not exist.
+    #[error(
+        "topic {topic} does not exist (asked for {waited_ms} ms): is `koseki up` running, and does its configuration \
+         have this topic?"
+    )]
+    NoSuchTopic {
+        /// The topic.
+        topic: Arc<str>,
+        /// How long it was asked for.
+        waited_ms: u128,
+    },
+
+    /// The topic exists with another type or with smaller sizes.
+    #[error(
+        "topic {topic} exists with another sample type or other sizes ({reason}): start all processes from one build"
+    )]
+    Incompatible {
+        /// The topic.
+        topic: Arc<str>,
+        /// iceoryx2's word for it.
+        reason: String,
+    },
+
+    /// The topic has no place left.
+    #[error("topic {topic} has no place left for another {role}: its limit is {limit}; end one that is not needed")]
+    Full {
+        /// The topic.
+        topic: Arc<str>,
+        /// Which kind of place.
+        role: Role,
+        /// How many there are.
+        limit: usize,
+    },
+
+    /// The topic could not be opened or created, or one of its ports could not be made.
+    #[error("topic {topic}: cannot {action}: {reason}; if the instance was killed while it started, start it anew")]
+    Topic {
+        /// The topic.
+        topic: Arc<str>,
+        /// What was tried.
+        action: &'static str,
+        /// iceoryx2's word for it.
+        reason: String,
+    },
+
+    /// A waiter watches as many topics as it can.
+    #[error("topic {topic}: this waiter already watches {limit} topics, and that is its limit")]
+    WatchedTooMany {
+        /// The topic.
+        topic: Arc<str>,
+        /// Most topics.
+        limit: usize,
+    },
+
+    /// A slice could not be sent. Its samples keep their sequence numbers, so that subscribers count them as lost.
+    #[error(
+        "topic {topic}: {samples} samples were not sent: {reason}; remove dead processes, they may hold the memory"
+    )]
+    Send {
+        /// The topic.
+        topic: Arc<str>,
+        /// How many samples.
+        samples: usize,
+        /// iceoryx2's word for it.
+        reason: &'static str,
+    },
+
+    /// Nothing could be taken.
+    #[error("topic {topic}: nothing can be taken: {reason}; try again, and remove dead processes")]
+    Take {
+        /// The topic.
+        topic: Arc<str>,
+        /// iceoryx2's word for it.
+        reason: &'static str,
+    },
+
+    /// Waiting failed.
+    #[error("cannot wait for {watched} topics: {source}")]
+    Wait {
+        /// How many topics are watched.
+        watched: usize,
+        /// Why.
+        source: io::Error,
+    },
+
+    /// The shared memory is too small. Without this check, the first write past its end would kill the writer.
+    #[error(
+        "{} has {free} bytes free, but the topics need up to {needed}: free some, make it larger (`mount -o \
+         remount,size=…`), or configure fewer sources",
+        path.display()
+    )]
+    Space {
+        /// Where the shared memory is.
+        path: PathBuf,
+        /// What the topics need.
+        needed: u64,
+        /// What is free.
+        free: u64,
+    },
+}
+
+/// A kind of place that a topic has a limited number of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// One that sends.
+    Publisher,
+    /// One that takes.
+    Subscriber,
+    /// One that waits.
+    Listener,
+    /// A process that has opened the topic.
+    Process,
+}
+
+impl fmt::Display for Role {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Publisher => "publisher",
+            Self::Subscriber => "subscriber",
+            Self::Listener => "listener",
+            Self::Process => "process",
+        })
+    }
+}
+
+struct Pid(Option<u32>);
+
+impl fmt::Display for Pid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(pid) => write!(f, "{pid}"),
+            None => f.write_str("(unknown)"),
+        }
+    }
+}
+
+struct Processes<'a>(&'a [Process]);
+
+impl fmt::Display for Processes<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, process) in self.0.iter().enumerate() {
+            let separator = if index == 0 { "" } else { ", " };
+            write!(f, "{separator}{} ({})", process.pid, process.name)?;
+        }
+        Ok(())
+    }
+}

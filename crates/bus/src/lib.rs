@@ -1,0 +1,77 @@
+//! Topics in shared memory: the only crate that knows iceoryx2 (PL-2, PL-5, PL-8, PL-11).
+//!
+//! Processes of one deployment exchange slices of fixed-layout samples (see the `messages` crate) without copying
+//! them: a publisher writes them where its subscribers read them. This crate turns iceoryx2's building blocks into
+//! the five things that the rest of Koseki needs:
+//!
+//! | type | what it is |
+//! |---|---|
+//! | [`Root`], [`Claim`] | where one deployment lives, who runs it, and how nothing of it stays behind |
+//! | [`Bus`], [`Held`] | one process's connection; the launcher holds every topic, the others only open them |
+//! | [`Publisher`] | writes slices in place, with sequence numbers and progress; never waits for anybody |
+//! | [`Subscriber`] | takes slices and counts, per publisher, what it missed |
+//! | [`Waiter`] | waits for work on several topics: spinning, blocked, or first one, then the other |
+//!
+//! All of them are generic over a [`Transport`]. [`SharedMemory`] connects processes; [`InProcess`] is its twin that
+//! connects threads and leaves no trace outside of the process. One conformance suite runs over both.
+//!
+//! Four rules hold throughout:
+//! - **A publisher never waits.** A subscriber that stops, dies or is slow loses its oldest slices, and counts them.
+//! - **Loss is counted, not guessed**, from the sequence number in the header of every slice.
+//! - **The steady state allocates nothing** once every port has met its peers: `take` and `wait` nothing at all, `send`
+//!   nothing of its own (iceoryx2 0.10 takes one block of some fifty bytes per slice, and gives it back at once).
+//! - **Nobody cleans up behind another's back.** Dead processes are removed when [`Bus::remove_dead`] is called (by
+//!   the launcher) or a topic has no place left; the remains of a dead deployment, when [`Root::claim`] succeeds.
+//!
+//! ```
+//! use bus::{Bus, InProcess, Mark, Root, WaitMode, Woken};
+//!
+//! # fn main() -> Result<(), bus::BusError> {
+//! let root = Root::new("example")?;
+//! let topic = messages::control();
+//!
+//! // The launcher's part. Over `SharedMemory`, it would first call `root.claim()`.
+//! let launcher = Bus::<InProcess>::open(&root, "launcher")?;
+//! let held = launcher.hold(&topic)?;
+//!
+//! // A reader's part: its ports, and something to wait with. The 5 stands for a monotonic clock.
+//! let reader = Bus::<InProcess>::open(&root, "reader")?;
+//! let mut subscriber = reader.subscriber(&topic, || 5)?;
+//! let mut waiter = reader.waiter(WaitMode::Event);
+//! waiter.watch(&reader, &topic)?;
+//!
+//! // A sender's part; it started at 10.
+//! let mut publisher = launcher.publisher(&topic, 10)?;
+//! let mark = Mark { progress_ns: i64::MIN, sent_ns: 11, end: false };
+//! publisher.send(mark, 1, |_, _| messages::Control::condition("fog").unwrap_or_default())?;
+//!
+//! let woken = waiter.wait(std::time::Duration::from_secs(1), || subscriber.has_slices())?;
+//! assert_eq!(woken, Woken::Work);
+//! subscriber.take(16, |_, orders| assert_eq!(orders[0].name(), "fog"))?;
+//! assert_eq!(subscriber.counts().lost, 0);
+//! # drop(held);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Architecture invariant: no other crate names iceoryx2, no stamp on any sample is read from a clock here, and no
+//! function here prints.
+
+mod bus;
+mod error;
+mod publisher;
+mod quality;
+mod root;
+mod space;
+mod subscriber;
+mod transport;
+mod waiter;
+
+pub use bus::{Bus, DeadProcesses, Held};
+pub use error::{BusError, Role};
+pub use publisher::{Mark, Publisher, PublisherCounts};
+pub use root::{Claim, INSTANCE_NAME_MAX, Instance, Process, Root, Wiped};
+pub use space::{check_space, free_space, needed_bytes};
+pub use subscriber::{Heard, Subscriber, SubscriberCounts};
+pub use transport::{InProcess, Payload, SharedMemory, Transport};
+pub use waiter::{BACKSTOP, WATCHED_MAX, WaitMode, Waiter, Woken};

@@ -1,0 +1,88 @@
+//! Every setting of every topic, in one place.
+//!
+//! iceoryx2 refuses to open a service with larger demands than its creator made, and its defaults (two publishers,
+//! buffers of two, a publisher that waits) suit nobody here. So all who create or open a topic describe it through
+//! [`describe`], from the topic's own [`Capacity`], and no setting is left to a default.
+//!
+//! A topic is two iceoryx2 services of one name: *slices* (publish-subscribe of `[T]` with a
+//! [`BatchHeader`] as user header) and *wake-ups* (events). They are apart so that one who spins, or polls, costs a
+//! publisher nothing.
+
+use iceoryx2::node::Node;
+use iceoryx2::prelude::{EventId, ServiceName};
+use iceoryx2::service::builder::{event, publish_subscribe};
+use messages::{BatchHeader, Capacity, Topic, layout};
+
+use crate::error::BusError;
+use crate::transport::{Payload, Transport};
+
+/// The layouts that this build sends and accepts. Computed when compiling: doing it per slice would take microseconds.
+pub(crate) const SCHEMA: u64 = layout::fingerprint();
+
+/// Most processes that have a topic open at a time: 64 sources, the services, each perhaps twice, and spare ones.
+pub(crate) const NODES_MAX: usize = 256;
+
+/// Slices that a subscriber may look at at a time. This crate looks at one; readers in other languages may want two.
+pub(crate) const BORROWED_MAX: usize = 2;
+
+/// Slices that a publisher writes at a time.
+pub(crate) const LOANED_MAX: usize = 2;
+
+/// Everything about `topic`: the slices and the wake-ups.
+#[expect(clippy::type_complexity, reason = "two builders, named where they are used")]
+pub(crate) fn describe<S: Transport, T: Payload>(
+    node: &Node<S>,
+    topic: &Topic<T>,
+) -> Result<(publish_subscribe::Builder<[T], BatchHeader, S>, event::Builder<S>), BusError> {
+    let name = ServiceName::new(topic.name.as_str()).map_err(|error| BusError::Topic {
+        topic: topic.name.as_str().into(),
+        action: "use its name",
+        reason: format!("{error:?}"),
+    })?;
+    let Capacity {
+        depth,
+        slice_len: _, // of the publisher, not of the topic
+        publishers,
+        subscribers,
+    } = topic.capacity;
+
+    let slices = node
+        .service_builder(&name)
+        .publish_subscribe::<[T]>()
+        .user_header::<BatchHeader>()
+        .max_nodes(NODES_MAX)
+        .max_publishers(publishers)
+        .max_subscribers(subscribers)
+        .subscriber_max_buffer_size(depth)
+        .subscriber_max_borrowed_samples(BORROWED_MAX)
+        .enable_safe_overflow(true)
+        .history_size(0);
+    let wake_ups = node
+        .service_builder(&name)
+        .event()
+        .max_nodes(NODES_MAX)
+        .max_notifiers(publishers)
+        .max_listeners(subscribers)
+        .event_id_max_value(0)
+        .disable_deadline()
+        // A new publisher wakes those who wait, so that they connect to it before its first slice comes.
+        .notifier_created_event(EventId::new(0))
+        .disable_notifier_dropped_event()
+        .disable_notifier_dead_event();
+    Ok((slices, wake_ups))
+}
+
+/// Slices for which a publisher reserves memory.
+///
+/// iceoryx2 would reserve `subscribers × (depth + borrowed)`, in case every subscriber holds different slices. Here
+/// they cannot: what waits for a subscriber is always among the last `depth` slices sent, because overflow drops the
+/// oldest. So `depth` slices wait at most, for all subscribers together, and each subscriber looks at a few more. The
+/// second `depth` is for a dead subscriber whose queue stands still while it is being removed.
+pub(crate) fn reserved_slices(capacity: Capacity) -> usize {
+    let shared = 2 * capacity.depth + capacity.subscribers * BORROWED_MAX + LOANED_MAX;
+    shared.min(worst_case_slices(capacity))
+}
+
+fn worst_case_slices(capacity: Capacity) -> usize {
+    capacity.subscribers * (capacity.depth + BORROWED_MAX) + LOANED_MAX
+}

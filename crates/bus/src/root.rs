@@ -1,0 +1,513 @@
+//! Where a deployment lives, who runs it, and how nothing of it stays behind.
+//!
+//! Several deployments (and any number of tests) run on one machine without seeing each other. Each is an *instance*
+//! with a name, and all its traces have known places:
+//!
+//! - `<base>/<instance>/`: iceoryx2's files: which services and processes exist, and sockets for wake-ups;
+//! - `/dev/shm/<prefix>…`: the memory itself; the prefix is derived from the folder's path, so no two instances share
+//!   one;
+//! - `<base>/<instance>.lock`: locked by the process that runs the instance, and holding its number.
+//!
+//! A process that is killed leaves files behind, and iceoryx2 can get stuck on them: a service that was being created
+//! when its only process was killed can never be opened again. The obvious remedy, removing files that look old, would
+//! take the memory from under live processes. Instead, one process, the launcher, *claims* the instance: it takes the
+//! lock (which the system gives back when the process dies, however it dies), makes sure that no process uses the
+//! instance any more, and then removes everything, knowing that nobody can be using it. All other processes only open
+//! what the launcher created.
+//!
+//! Limits: Linux only (`/dev/shm`); all processes of an instance belong to one user and must name the base folder by
+//! the same path.
+
+use std::fs::{self, DirBuilder, File, OpenOptions};
+use std::io::{self, Read as _, Seek as _, Write as _};
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use iceoryx2::node::{Node, NodeState, NodeView as _};
+use iceoryx2::prelude::{CallbackProgression, Config, FileName, SemanticString as _};
+use rustix::fs::{FlockOperation, flock};
+
+use crate::error::BusError;
+use crate::transport::SharedMemory;
+
+/// Most characters in the name of an instance.
+pub const INSTANCE_NAME_MAX: usize = 40;
+
+/// Where POSIX shared memory appears as files.
+pub(crate) const SHARED_MEMORY_DIR: &str = "/dev/shm";
+
+/// Longest path of a socket that the system accepts.
+const SOCKET_PATH_MAX: usize = 107;
+/// What iceoryx2 appends to the folder for a socket, besides the prefix: '/', a 128-bit number, ".event".
+const SOCKET_NAME_LEN: usize = 1 + 39 + 6;
+/// Letters of the prefix: 'k', eight hexadecimal digits, '_'.
+const PREFIX_LEN: usize = 10;
+/// Longest folder of an instance.
+const ROOT_PATH_MAX: usize = SOCKET_PATH_MAX - SOCKET_NAME_LEN - PREFIX_LEN;
+
+/// How long [`Root::claim`] tries before it believes that another process holds the instance: a status command holds
+/// the lock for a moment while it looks.
+const CLAIM_PATIENCE: Duration = Duration::from_millis(250);
+/// Pause between two tries.
+const CLAIM_PAUSE: Duration = Duration::from_millis(10);
+/// How long iceoryx2 waits for another process that is about to create something. It is also the longest time that a
+/// publisher can be held up by a subscriber that was killed in the middle of connecting to it.
+const CREATION_TIMEOUT: Duration = Duration::from_millis(250);
+
+/// An instance: its name and its places. Making one touches no file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Root {
+    instance: String,
+    base: PathBuf,
+    path: PathBuf,
+    prefix: String,
+}
+
+impl Root {
+    /// The instance called `instance` in the [default base folder](Self::default_base).
+    ///
+    /// # Errors
+    /// If the name is not usable.
+    pub fn new(instance: &str) -> Result<Self, BusError> {
+        Self::in_base(Self::default_base(), instance)
+    }
+
+    /// The instance called `instance` in the folder `base`.
+    ///
+    /// # Errors
+    /// If the name is not usable, or too long for that folder.
+    pub fn in_base(base: impl AsRef<Path>, instance: &str) -> Result<Self, BusError> {
+        let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-' || letter == '_';
+        let length = instance.len();
+        if length == 0 || length > INSTANCE_NAME_MAX || !instance.chars().all(allowed) {
+            return Err(BusError::InstanceName {
+                name: instance.to_owned(),
+                limit: INSTANCE_NAME_MAX,
+            });
+        }
+        let base = base.as_ref();
+        let base = std::path::absolute(base).map_err(io_error("find", base))?;
+        let path = base.join(instance);
+        let length = path.as_os_str().len();
+        if length > ROOT_PATH_MAX {
+            return Err(BusError::PathTooLong {
+                path,
+                length,
+                limit: ROOT_PATH_MAX,
+            });
+        }
+        let prefix = format!("k{:08x}_", hash(path.as_os_str().as_encoded_bytes()));
+        Ok(Self {
+            instance: instance.to_owned(),
+            base,
+            path,
+            prefix,
+        })
+    }
+
+    /// `$XDG_RUNTIME_DIR/koseki`, or `/tmp/koseki-<user number>` where that is not set.
+    pub fn default_base() -> PathBuf {
+        match std::env::var_os("XDG_RUNTIME_DIR") {
+            Some(folder) if !folder.is_empty() => PathBuf::from(folder).join("koseki"),
+            _ => PathBuf::from(format!("/tmp/koseki-{}", rustix::process::geteuid().as_raw())),
+        }
+    }
+
+    /// The instance's name.
+    pub fn instance(&self) -> &str {
+        &self.instance
+    }
+
+    /// The folder that contains the instances.
+    pub fn base(&self) -> &Path {
+        &self.base
+    }
+
+    /// The instance's folder: iceoryx2's `root-path`, for its tools and other languages.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// With what the names of the instance's files begin: iceoryx2's `prefix`, for its tools and other languages.
+    pub fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
+    /// Makes this process the one that runs the instance, and removes what an earlier, killed run left behind.
+    ///
+    /// # Errors
+    /// [`BusError::AlreadyRunning`] if a live process holds the claim; [`BusError::StillUsed`] if processes outlived
+    /// their launcher; [`BusError::BaseNotPrivate`] if the base folder is not safe.
+    pub fn claim(&self) -> Result<Claim, BusError> {
+        tame_logging();
+        self.make_base()?;
+        let lock = self.lock()?;
+        // From here on this process holds the lock, and every return without a `Claim` gives it back.
+        let processes = self.processes()?;
+        if !processes.is_empty() {
+            return Err(BusError::StillUsed {
+                instance: self.instance.clone(),
+                processes,
+            });
+        }
+        let wiped = self.wipe()?;
+        Ok(Claim {
+            root: self.clone(),
+            _lock: lock,
+            wiped,
+        })
+    }
+
+    /// The process that runs the instance: `None` if nobody does, `Some(None)` if its number cannot be read.
+    ///
+    /// # Errors
+    /// If the lock file cannot be read.
+    pub fn holder(&self) -> Result<Option<Option<u32>>, BusError> {
+        let path = self.lock_path();
+        let mut lock = match File::open(&path) {
+            Ok(lock) => lock,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(io_error("read", &path)(error)),
+        };
+        match flock(&lock, FlockOperation::NonBlockingLockShared) {
+            Ok(()) => Ok(None),
+            Err(rustix::io::Errno::WOULDBLOCK) => Ok(Some(read_pid(&mut lock))),
+            Err(error) => Err(io_error("lock", &path)(error.into())),
+        }
+    }
+
+    /// The live processes that have joined the instance.
+    ///
+    /// # Errors
+    /// If they cannot be listed.
+    pub fn processes(&self) -> Result<Vec<Process>, BusError> {
+        tame_logging();
+        let mut processes = Vec::new();
+        let config = self.config()?;
+        let listed = Node::<SharedMemory>::list(&config, |state| {
+            match state {
+                NodeState::Alive(view) => processes.push(match view.details() {
+                    Some(details) => Process {
+                        pid: details.process_id().value().unsigned_abs(),
+                        name: details.name().as_str().to_owned(),
+                    },
+                    None => Process::unknown(),
+                }),
+                NodeState::Inaccessible(_) => processes.push(Process::unknown()),
+                NodeState::Dead(_) | NodeState::Undefined(_) => {}
+            }
+            CallbackProgression::Continue
+        });
+        match listed {
+            Ok(()) => Ok(processes),
+            Err(error) => Err(io_error("list the processes of", &self.path)(io::Error::other(
+                error.to_string(),
+            ))),
+        }
+    }
+
+    /// Every instance in the folder `base` that runs, or ran and was not removed; in the order of their names.
+    ///
+    /// # Errors
+    /// If the folder cannot be read. One that does not exist contains no instance.
+    pub fn list(base: impl AsRef<Path>) -> Result<Vec<Instance>, BusError> {
+        let base = base.as_ref();
+        let entries = match fs::read_dir(base) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(error) => return Err(io_error("read", base)(error)),
+        };
+        let mut instances = Vec::new();
+        for entry in entries {
+            let name = entry.map_err(io_error("read", base))?.file_name();
+            let name = name.to_str().and_then(|name| name.strip_suffix(".lock"));
+            let Some(root) = name.and_then(|name| Self::in_base(base, name).ok()) else {
+                continue;
+            };
+            let holder = root.holder()?;
+            instances.push(Instance {
+                root,
+                runs: holder.is_some(),
+                pid: holder.flatten(),
+            });
+        }
+        instances.sort_by(|a, b| a.root.instance.cmp(&b.root.instance));
+        Ok(instances)
+    }
+
+    /// iceoryx2's settings for this instance. No file is read: what the machine's administrator configured for other
+    /// users of iceoryx2 does not apply.
+    pub(crate) fn config(&self) -> Result<Config, BusError> {
+        let unusable = |error: String| io_error("use", &self.path)(io::Error::other(error));
+        let path = self.path.as_os_str().as_encoded_bytes();
+        let path = iceoryx2::prelude::Path::new(path).map_err(|e| unusable(format!("{e:?}")))?;
+        let mut config = Config::default();
+        config.global.set_root_path(&path);
+        config.global.prefix = FileName::new(self.prefix.as_bytes()).map_err(|e| unusable(format!("{e:?}")))?;
+        config.global.creation_timeout = CREATION_TIMEOUT;
+        // Dead processes are removed when somebody asks for it, not whenever any process comes or goes.
+        config.global.service.cleanup_dead_nodes_on_open = false;
+        config.global.node.cleanup_dead_nodes_on_creation = false;
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        Ok(config)
+    }
+
+    fn lock_path(&self) -> PathBuf {
+        self.base.join(format!("{}.lock", self.instance))
+    }
+
+    /// Creates the base folder, and refuses one in which another user could plant files.
+    fn make_base(&self) -> Result<(), BusError> {
+        DirBuilder::new()
+            .recursive(true)
+            .mode(0o700)
+            .create(&self.base)
+            .map_err(io_error("create", &self.base))?;
+        let found = fs::metadata(&self.base).map_err(io_error("read", &self.base))?;
+        let own = found.uid() == rustix::process::geteuid().as_raw();
+        if !own || found.mode() & 0o022 != 0 {
+            return Err(BusError::BaseNotPrivate {
+                path: self.base.clone(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Takes the lock and writes this process's number into it.
+    fn lock(&self) -> Result<File, BusError> {
+        let path = self.lock_path();
+        let deadline = Instant::now() + CLAIM_PATIENCE;
+        loop {
+            let mut lock = OpenOptions::new()
+                .read(true)
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .mode(0o600)
+                .open(&path)
+                .map_err(io_error("open", &path))?;
+            match flock(&lock, FlockOperation::NonBlockingLockExclusive) {
+                // The file may have been removed, by one that ended the instance, after it was opened here.
+                Ok(()) if is_same_file(&lock, &path) => {
+                    lock.set_len(0)
+                        .and_then(|()| writeln!(lock, "{}", std::process::id()))
+                        .map_err(io_error("write", &path))?;
+                    return Ok(lock);
+                }
+                Ok(()) => {}
+                Err(rustix::io::Errno::WOULDBLOCK) if Instant::now() >= deadline => {
+                    return Err(BusError::AlreadyRunning {
+                        instance: self.instance.clone(),
+                        pid: read_pid(&mut lock),
+                    });
+                }
+                Err(rustix::io::Errno::WOULDBLOCK) => std::thread::sleep(CLAIM_PAUSE),
+                Err(error) => return Err(io_error("lock", &path)(error.into())),
+            }
+        }
+    }
+
+    /// Removes all files of the instance but its lock. Only for the holder of the lock, when nobody uses them.
+    fn wipe(&self) -> Result<Wiped, BusError> {
+        let mut wiped = Wiped::default();
+        if self.path.exists() {
+            count_files(&self.path, &mut wiped)?;
+            fs::remove_dir_all(&self.path).map_err(io_error("remove", &self.path))?;
+        }
+        let folder = Path::new(SHARED_MEMORY_DIR);
+        for entry in fs::read_dir(folder).map_err(io_error("read", folder))? {
+            let entry = entry.map_err(io_error("read", folder))?;
+            let ours = entry
+                .file_name()
+                .to_str()
+                .is_some_and(|name| name.starts_with(&self.prefix));
+            if !ours {
+                continue;
+            }
+            let path = entry.path();
+            // Files appear and vanish here at any time; one that is gone need not be removed.
+            if let Ok(found) = entry.metadata() {
+                wiped.add(&found);
+            }
+            match fs::remove_file(&path) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                    return Err(io_error("remove", &path)(error));
+                }
+                _ => {}
+            }
+        }
+        Ok(wiped)
+    }
+}
+
+/// The right to run an instance. It ends with the process, or when dropped; the files stay then, and the next claim
+/// removes them. [`Claim::remove`] ends it without leaving a trace.
+#[derive(Debug)]
+#[must_use = "the instance is held only as long as the claim lives"]
+pub struct Claim {
+    root: Root,
+    _lock: File,
+    wiped: Wiped,
+}
+
+impl Claim {
+    /// The instance.
+    pub fn root(&self) -> &Root {
+        &self.root
+    }
+
+    /// What an earlier run had left behind.
+    pub fn wiped(&self) -> Wiped {
+        self.wiped
+    }
+
+    /// Removes every file of the instance, its lock too. Every [`Bus`](crate::Bus) and port of this process must be
+    /// gone.
+    ///
+    /// # Errors
+    /// [`BusError::StillUsed`] if a process (perhaps this one) still uses the instance; nothing is removed then.
+    pub fn remove(self) -> Result<Wiped, BusError> {
+        let processes = self.root.processes()?;
+        if !processes.is_empty() {
+            return Err(BusError::StillUsed {
+                instance: self.root.instance.clone(),
+                processes,
+            });
+        }
+        let wiped = self.root.wipe()?;
+        let path = self.root.lock_path();
+        fs::remove_file(&path).map_err(io_error("remove", &path))?;
+        Ok(wiped)
+    }
+}
+
+/// How much was removed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wiped {
+    /// Files, sockets included.
+    pub files: u64,
+    /// Bytes that they took in memory and on disk.
+    pub bytes: u64,
+}
+
+impl Wiped {
+    fn add(&mut self, found: &fs::Metadata) {
+        /// Unit of `st_blocks`, whatever the file system's own block size is.
+        const BLOCK_BYTES: u64 = 512;
+        self.files += 1;
+        self.bytes += found.blocks() * BLOCK_BYTES;
+    }
+}
+
+/// An instance that was found in a base folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Instance {
+    /// The instance.
+    pub root: Root,
+    /// Whether a live process runs it.
+    pub runs: bool,
+    /// That process's number.
+    pub pid: Option<u32>,
+}
+
+/// A live process that has joined an instance.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Process {
+    /// Its number; 0 if it cannot be read.
+    pub pid: u32,
+    /// The name it gave itself.
+    pub name: String,
+}
+
+impl Process {
+    fn unknown() -> Self {
+        Self {
+            pid: 0,
+            name: "unknown".to_owned(),
+        }
+    }
+}
+
+/// Keeps iceoryx2 from printing anything but errors. `IOX2_LOG_LEVEL` overrides that, for those who look for one.
+pub(crate) fn tame_logging() {
+    static ONCE: std::sync::Once = std::sync::Once::new();
+    ONCE.call_once(|| {
+        iceoryx2::prelude::set_log_level_from_env_or(iceoryx2::prelude::LogLevel::Error);
+    });
+}
+
+fn io_error(action: &'static str, path: &Path) -> impl Fn(io::Error) -> BusError {
+    let path = path.to_owned();
+    move |source| BusError::Io {
+        action,
+        path: path.clone(),
+        source,
+    }
+}
+
+fn count_files(folder: &Path, wiped: &mut Wiped) -> Result<(), BusError> {
+    for entry in fs::read_dir(folder).map_err(io_error("read", folder))? {
+        let entry = entry.map_err(io_error("read", folder))?;
+        let found = entry.metadata().map_err(io_error("read", &entry.path()))?;
+        if found.is_dir() {
+            count_files(&entry.path(), wiped)?;
+        } else {
+            wiped.add(&found);
+        }
+    }
+    Ok(())
+}
+
+fn is_same_file(file: &File, path: &Path) -> bool {
+    match (file.metadata(), fs::metadata(path)) {
+        (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
+        _ => false,
+    }
+}
+
+fn read_pid(lock: &mut File) -> Option<u32> {
+    let mut text = String::new();
+    lock.rewind().ok()?;
+    lock.read_to_string(&mut text).ok()?;
+    text.trim().parse().ok()
+}
+
+/// FNV-1a, 32 bits.
+fn hash(bytes: &[u8]) -> u32 {
+    bytes.iter().fold(0x811c_9dc5, |hash, byte| {
+        (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_could_escape_the_base_folder_are_refused() {
+        for name in ["", ".", "..", "a/b", "a b", "ä", &"x".repeat(41)] {
+            let refused = Root::in_base("/tmp/b", name);
+            assert!(matches!(refused, Err(BusError::InstanceName { .. })), "{name}");
+        }
+        let root = Root::in_base("/tmp/b", "Berlin-2_a").unwrap();
+        assert_eq!(root.path(), Path::new("/tmp/b/Berlin-2_a"));
+    }
+
+    #[test]
+    fn a_folder_too_deep_for_sockets_is_refused_with_both_numbers() {
+        let base = format!("/{}", "d".repeat(ROOT_PATH_MAX - 4));
+        assert!(Root::in_base(&base, "ab").is_ok());
+        let error = Root::in_base(&base, "abc").unwrap_err();
+        assert!(error.to_string().contains(&format!("{}", ROOT_PATH_MAX + 1)));
+        assert!(error.to_string().contains(&format!("{ROOT_PATH_MAX}")));
+    }
+
+    #[test]
+    fn prefixes_differ_and_have_the_length_reckoned_with() {
+        let a = Root::in_base("/tmp/b", "one").unwrap();
+        let b = Root::in_base("/tmp/b", "two").unwrap();
+        assert_ne!(a.prefix(), b.prefix());
+        assert_eq!(a.prefix().len(), PREFIX_LEN);
+    }
+}

@@ -1,0 +1,291 @@
+//! Takes slices, and counts what is missing.
+//!
+//! Overflow in shared memory is silent: the oldest slice is gone, and nothing says so. But every slice says how many
+//! samples its publisher had sent before, so a subscriber knows for each publisher which number must come next. What
+//! it skips is lost; what is smaller is out of order.
+//!
+//! The number expected *first* is the difficult one. Counting from 0 would call everything lost that was sent before
+//! the subscriber existed; counting from the first slice taken would overlook what overflowed before the first take.
+//! Publishers state when they started, and the subscriber knows when it joined. One that started later must be heard
+//! from its first sample; of an older one, counting begins with the first slice taken. Limit: if a subscriber joins
+//! an older publisher and lets its queue overflow before it takes anything, that loss goes unnoticed; so take soon.
+//!
+//! A subscriber connects to a new publisher when it next looks ([`Subscriber::take`], [`Subscriber::has_slices`]; a
+//! waiter is woken for it). From then on, slices survive their publisher's end. But what a publisher sent that came
+//! and went while the subscriber did not look once is gone, and nothing tells of it: a source that ends must stay
+//! until its readers say that they have everything (`messages::Progress`).
+//!
+//! Slices of one publisher come in the order in which they were sent. Between publishers there is no order, and all
+//! that waits from one comes before the next one's: sources that must not displace each other have separate topics.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use iceoryx2::port::subscriber::SubscriberCreateError;
+use iceoryx2::port::{DegradationAction, ReceiveError};
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use messages::{BatchHeader, Topic};
+
+use crate::error::BusError;
+use crate::quality::SCHEMA;
+use crate::transport::{Payload, Transport};
+
+type Port<S, T> = iceoryx2::port::subscriber::Subscriber<S, [T], BatchHeader>;
+
+/// Takes slices of samples `T` from one topic.
+#[derive(Debug)]
+pub struct Subscriber<S: Transport, T: Payload> {
+    port: Port<S, T>,
+    topic: Arc<str>,
+    joined_ns: u64,
+    publishers: Publishers,
+    counts: SubscriberCounts,
+    failed_connections: Arc<AtomicU64>,
+}
+
+/// What a subscriber has counted since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SubscriberCounts {
+    /// Samples taken.
+    pub taken: u64,
+    /// Slices taken, the empty ones included.
+    pub slices: u64,
+    /// Samples that are missing from the publishers' sequences: dropped because this subscriber fell behind.
+    pub lost: u64,
+    /// Samples with a sequence number that had been passed already.
+    pub out_of_order: u64,
+    /// Slices refused because their publisher was built with another layout.
+    pub schema_mismatch: u64,
+    /// Times a connection to a publisher could not be made; others are not affected.
+    pub failed_connections: u64,
+}
+
+/// A publisher that a subscriber has heard from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Heard {
+    /// When the publisher started, by its own statement.
+    pub incarnation: u64,
+    /// Sequence number that must come next: all smaller ones have been taken or are lost.
+    pub next_sequence: u64,
+}
+
+impl<S: Transport, T: Payload> Subscriber<S, T> {
+    pub(crate) fn new(port: Port<S, T>, failed_connections: Arc<AtomicU64>, topic: &Topic<T>, joined_ns: u64) -> Self {
+        Self {
+            port,
+            topic: topic.name.as_str().into(),
+            joined_ns,
+            publishers: Publishers::with_room_for(topic.capacity.publishers),
+            counts: SubscriberCounts::default(),
+            failed_connections,
+        }
+    }
+
+    /// Takes up to `budget` slices and shows each to `visit`, in the order in which its publisher sent them. Returns
+    /// how many were taken from the queue: fewer than `budget` means that it is empty.
+    ///
+    /// Slices of another layout count towards the budget, but are not shown.
+    ///
+    /// # Errors
+    /// [`BusError::Take`] if the memory of a publisher cannot be reached. Slices taken before that were shown.
+    pub fn take(&mut self, budget: usize, mut visit: impl FnMut(&BatchHeader, &[T])) -> Result<usize, BusError> {
+        for count in 0..budget {
+            let received = self.port.receive().map_err(|error| BusError::Take {
+                topic: self.topic.clone(),
+                reason: receive_reason(error),
+            })?;
+            let Some(slice) = received else {
+                return Ok(count);
+            };
+            let header = slice.user_header();
+            if header.schema != SCHEMA {
+                self.counts.schema_mismatch += 1;
+                continue;
+            }
+            let samples = slice.payload();
+            let origin = slice.origin().value();
+            self.counts.slices += 1;
+            self.counts.taken += samples.len() as u64;
+            match self.publishers.follow(origin, header, samples.len(), self.joined_ns) {
+                Step::Next { skipped } => self.counts.lost += skipped,
+                Step::Passed => self.counts.out_of_order += samples.len() as u64,
+            }
+            visit(header, samples);
+        }
+        Ok(budget)
+    }
+
+    /// Whether something waits to be taken (or a take would say what is wrong). Costs some hundred nanoseconds.
+    pub fn has_slices(&self) -> bool {
+        self.port.has_samples().unwrap_or(true)
+    }
+
+    /// The publishers heard from, the dead ones included until their places are needed.
+    pub fn heard(&self) -> impl Iterator<Item = Heard> + '_ {
+        self.publishers.list.iter().map(|each| Heard {
+            incarnation: each.incarnation,
+            next_sequence: each.next_sequence,
+        })
+    }
+
+    /// Name of the topic.
+    pub fn topic(&self) -> &str {
+        &self.topic
+    }
+
+    /// What has been counted.
+    pub fn counts(&self) -> SubscriberCounts {
+        SubscriberCounts {
+            failed_connections: self.failed_connections.load(Ordering::Relaxed),
+            ..self.counts
+        }
+    }
+}
+
+/// The port behind a subscriber, and a counter of its failed connections.
+pub(crate) fn port<S: Transport, T: Payload>(
+    slices: &PortFactory<S, [T], BatchHeader>,
+) -> Result<(Port<S, T>, Arc<AtomicU64>), SubscriberCreateError> {
+    let failed_connections = Arc::new(AtomicU64::new(0));
+    let counter = Arc::clone(&failed_connections);
+    let port = slices
+        .subscriber_builder()
+        // One publisher that died while it connected must not keep the others' slices away: count it, and go on.
+        .set_degradation_handler(move |_, _| {
+            counter.fetch_add(1, Ordering::Relaxed);
+            DegradationAction::Ignore
+        })
+        .create()?;
+    Ok((port, failed_connections))
+}
+
+/// Where each publisher's sequence stands.
+///
+/// Twice as many as can live at a time: a place is given up only when its publisher has long been dead, and in the
+/// order of their last slices.
+#[derive(Debug)]
+struct Publishers {
+    list: Vec<Followed>,
+    room: usize,
+    /// Where the last slice's publisher stands in the list: most often, the next slice is from the same one.
+    recent: usize,
+    /// Counts slices, to know whose last one is the oldest.
+    age: u64,
+}
+
+#[derive(Debug)]
+struct Followed {
+    /// iceoryx2's number of the port, unique on the machine.
+    origin: u128,
+    incarnation: u64,
+    next_sequence: u64,
+    last_age: u64,
+}
+
+/// What a slice's place in its publisher's sequence says.
+#[derive(Debug, PartialEq, Eq)]
+enum Step {
+    /// It follows the previous one, perhaps after a gap.
+    Next { skipped: u64 },
+    /// Its first sample's number had been passed already.
+    Passed,
+}
+
+impl Publishers {
+    fn with_room_for(live: usize) -> Self {
+        let room = 2 * live.max(1);
+        Self {
+            list: Vec::with_capacity(room),
+            room,
+            recent: 0,
+            age: 0,
+        }
+    }
+
+    fn follow(&mut self, origin: u128, header: &BatchHeader, count: usize, joined_ns: u64) -> Step {
+        self.age += 1;
+        let index = self.index_of(origin, header, joined_ns);
+        self.recent = index;
+        let publisher = &mut self.list[index];
+        publisher.last_age = self.age;
+        match header.first_sequence.checked_sub(publisher.next_sequence) {
+            Some(skipped) => {
+                publisher.next_sequence = header.first_sequence + count as u64;
+                Step::Next { skipped }
+            }
+            None => Step::Passed,
+        }
+    }
+
+    fn index_of(&mut self, origin: u128, header: &BatchHeader, joined_ns: u64) -> usize {
+        let matches = |each: &Followed| each.origin == origin && each.incarnation == header.incarnation;
+        if self.list.get(self.recent).is_some_and(matches) {
+            return self.recent;
+        }
+        if let Some(index) = self.list.iter().position(matches) {
+            return index;
+        }
+        let started_later = header.incarnation >= joined_ns;
+        let newcomer = Followed {
+            origin,
+            incarnation: header.incarnation,
+            next_sequence: if started_later { 0 } else { header.first_sequence },
+            last_age: 0,
+        };
+        if self.list.len() < self.room {
+            self.list.push(newcomer);
+            return self.list.len() - 1;
+        }
+        let oldest = (0..self.room).min_by_key(|index| self.list[*index].last_age);
+        let oldest = oldest.unwrap_or(0);
+        self.list[oldest] = newcomer;
+        oldest
+    }
+}
+
+fn receive_reason(error: ReceiveError) -> &'static str {
+    match error {
+        ReceiveError::ExceedsMaxBorrows => "too many slices are being looked at",
+        ReceiveError::ConnectionFailure(_) => "a publisher's memory cannot be reached",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(incarnation: u64, first_sequence: u64) -> BatchHeader {
+        BatchHeader {
+            incarnation,
+            first_sequence,
+            ..BatchHeader::default()
+        }
+    }
+
+    #[test]
+    fn a_place_is_given_up_in_the_order_of_last_slices() {
+        let mut publishers = Publishers::with_room_for(1);
+        publishers.follow(1, &header(10, 0), 5, 0);
+        publishers.follow(2, &header(20, 0), 5, 0);
+        publishers.follow(1, &header(10, 5), 5, 0);
+        publishers.follow(3, &header(30, 0), 5, 0);
+        let heard: Vec<_> = publishers.list.iter().map(|each| each.origin).collect();
+        assert_eq!(heard, [1, 3]);
+        assert_eq!(publishers.follow(1, &header(10, 10), 1, 0), Step::Next { skipped: 0 });
+    }
+
+    #[test]
+    fn repeated_numbers_are_passed_and_do_not_move_the_sequence_back() {
+        let mut publishers = Publishers::with_room_for(1);
+        publishers.follow(1, &header(10, 0), 5, 0);
+        assert_eq!(publishers.follow(1, &header(10, 2), 2, 0), Step::Passed);
+        assert_eq!(publishers.follow(1, &header(10, 7), 1, 0), Step::Next { skipped: 2 });
+    }
+
+    #[test]
+    fn only_publishers_that_started_later_are_expected_from_their_first_sample() {
+        let mut publishers = Publishers::with_room_for(2);
+        assert_eq!(publishers.follow(1, &header(99, 7), 1, 100), Step::Next { skipped: 0 });
+        assert_eq!(publishers.follow(2, &header(100, 7), 1, 100), Step::Next { skipped: 7 });
+    }
+}

@@ -1,0 +1,236 @@
+//! Waits for work on several topics.
+//!
+//! Spinning reacts within a microsecond and burns a core; blocking costs nothing and reacts within tens of
+//! microseconds; the hybrid spins first and blocks when nothing comes for a while (PL-5). Whichever it is, a waiter
+//! asks the same question, "is there work?", and the answer comes from the queues, never from a notification: a
+//! notification only says that it is worth asking again.
+//!
+//! # Why no wake-up is lost
+//! The dangerous moment is between finding the queues empty and going to sleep. A publisher first delivers a slice,
+//! then notifies; a notification stays in the listener's socket until it is drained. The waiter drains only
+//! sockets that were readable, and always asks for work *after* draining and *before* sleeping. So a slice whose
+//! notification was drained is seen by that question, and one that comes later leaves the socket readable, and the
+//! sleep ends at once.
+//!
+//! iceoryx2 0.10 adds a difficulty of its own. To save system calls, a publisher skips writing to the socket while
+//! the listener's state says that an earlier notification is still in it; and draining sets that state back *before*
+//! it empties the socket. A notification that arrives in between has its byte removed, but leaves the state set: from
+//! then on nobody writes, and a listener that only watches its socket sleeps for ever. Draining until nothing is left
+//! sets the state right again, except if a publisher is preempted within a few nanoseconds' stretch; two such drains
+//! in a row make that negligible, and [`BACKSTOP`] bounds what remains: no sleep lasts longer before the waiter looks
+//! for itself.
+//!
+//! # Why not iceoryx2's `WaitSet`
+//! It borrows its listeners, so it cannot be kept in one place with them, and it allocates on every wake-up. `poll` on
+//! the listeners' descriptors does the same with neither.
+
+use std::hint;
+use std::io;
+use std::os::fd::BorrowedFd;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use iceoryx2::port::listener::{Listener, ListenerWaitError};
+use messages::Topic;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
+
+use crate::bus::Bus;
+use crate::error::BusError;
+use crate::transport::{Payload, Transport};
+
+/// Most topics that one waiter watches.
+pub const WATCHED_MAX: usize = 256;
+
+/// Longest sleep before a blocked waiter asks for work although nobody notified it.
+pub const BACKSTOP: Duration = Duration::from_millis(100);
+
+/// Attempts to drain one listener at a time: a publisher that never pauses must not keep its reader from reading.
+const DRAIN_MAX: usize = 16;
+
+/// While spinning, the core is offered to others once in so many questions.
+const YIELD_EVERY: u32 = 64;
+
+/// How to wait.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WaitMode {
+    /// Ask again and again. Costs a whole core, and the publishers nothing.
+    Spin,
+    /// Sleep until notified.
+    Event,
+    /// Ask again and again for a while, then sleep until notified.
+    Hybrid {
+        /// How long to spin, nanoseconds.
+        spin_ns: u64,
+    },
+}
+
+/// Why a wait ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Woken {
+    /// There is work.
+    Work,
+    /// There was none for the time given.
+    Timeout,
+    /// A signal came: look whether it asks to end.
+    Signal,
+}
+
+/// Waits for work on the topics it watches.
+#[derive(Debug)]
+pub struct Waiter<S: Transport> {
+    mode: WaitMode,
+    /// One for each entry of `listeners`, in the same order. Declared first: dropped first.
+    descriptors: Vec<PollFd<'static>>,
+    listeners: Vec<Listener<S>>,
+    missed: u64,
+}
+
+/// How a sleep ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Slept {
+    Notified,
+    FullTime,
+    Signal,
+}
+
+impl<S: Transport> Waiter<S> {
+    pub(crate) fn new(mode: WaitMode) -> Self {
+        Self {
+            mode,
+            descriptors: Vec::new(),
+            listeners: Vec::new(),
+            missed: 0,
+        }
+    }
+
+    /// Watches `topic` too. A waiter that only spins needs no notifications, and asks the publishers for none.
+    ///
+    /// # Errors
+    /// If the topic does not exist, has no place left for a listener, or too many are watched.
+    pub fn watch<T: Payload>(&mut self, bus: &Bus<S>, topic: &Topic<T>) -> Result<(), BusError> {
+        if self.mode == WaitMode::Spin {
+            return Ok(());
+        }
+        if self.listeners.len() == WATCHED_MAX {
+            return Err(BusError::WatchedTooMany {
+                topic: topic.name.as_str().into(),
+                limit: WATCHED_MAX,
+            });
+        }
+        let listener = bus.listener(topic)?;
+        // SAFETY: the descriptor stays open as long as the listener lives, which `self` owns, never removes, and drops
+        // after `descriptors`; nothing hands the `'static` borrow out.
+        let descriptor: BorrowedFd<'static> = unsafe {
+            use std::os::fd::AsRawFd as _;
+            BorrowedFd::borrow_raw(S::descriptor(&listener).as_raw_fd())
+        };
+        self.descriptors
+            .push(PollFd::from_borrowed_fd(descriptor, PollFlags::IN));
+        self.listeners.push(listener);
+        Ok(())
+    }
+
+    /// How this waiter waits.
+    pub fn mode(&self) -> WaitMode {
+        self.mode
+    }
+
+    /// Wake-ups that did not arrive: times a sleep lasted until the [`BACKSTOP`], and work was there.
+    pub fn missed_wake_ups(&self) -> u64 {
+        self.missed
+    }
+
+    /// Waits until `has_work` says yes, `timeout` has passed, or a signal came. `has_work` is asked first, so work
+    /// that is there is found without delay; it should ask every subscriber ([`has_slices`]), and whatever else the
+    /// caller waits for. In the blocking modes only topics that are watched end a sleep early.
+    ///
+    /// [`has_slices`]: crate::Subscriber::has_slices
+    ///
+    /// # Errors
+    /// [`BusError::Wait`] if the system refuses to wait.
+    pub fn wait(&mut self, timeout: Duration, mut has_work: impl FnMut() -> bool) -> Result<Woken, BusError> {
+        if has_work() {
+            return Ok(Woken::Work);
+        }
+        let start = Instant::now();
+        let spin = match self.mode {
+            WaitMode::Spin => timeout,
+            WaitMode::Event => Duration::ZERO,
+            WaitMode::Hybrid { spin_ns } => Duration::from_nanos(spin_ns).min(timeout),
+        };
+        if spin_until(start, spin, &mut has_work) {
+            return Ok(Woken::Work);
+        }
+        loop {
+            let Some(left) = timeout.checked_sub(start.elapsed()).filter(|d| !d.is_zero()) else {
+                return Ok(Woken::Timeout);
+            };
+            let time = left.min(BACKSTOP);
+            let slept = self.sleep(time)?;
+            if has_work() {
+                self.missed += u64::from(slept == Slept::FullTime && time == BACKSTOP);
+                return Ok(Woken::Work);
+            }
+            if slept == Slept::Signal {
+                return Ok(Woken::Signal);
+            }
+        }
+    }
+
+    /// Sleeps until a socket is readable, and drains those that are, or, after the full time, all.
+    fn sleep(&mut self, time: Duration) -> Result<Slept, BusError> {
+        let watched = self.listeners.len();
+        let failed = |source: io::Error| BusError::Wait { watched, source };
+        let time = Timespec {
+            tv_sec: time.as_secs().cast_signed(),
+            tv_nsec: time.subsec_nanos().into(),
+        };
+        let readable = match poll(&mut self.descriptors, Some(&time)) {
+            Ok(readable) => readable,
+            Err(Errno::INTR) => return Ok(Slept::Signal),
+            Err(error) => return Err(failed(error.into())),
+        };
+        for (descriptor, listener) in self.descriptors.iter().zip(&self.listeners) {
+            if readable == 0 || !descriptor.revents().is_empty() {
+                drain(listener).map_err(failed)?;
+            }
+        }
+        Ok(if readable == 0 {
+            Slept::FullTime
+        } else {
+            Slept::Notified
+        })
+    }
+}
+
+/// Asks for work until it is there (`true`) or `time` has passed since `start`.
+fn spin_until(start: Instant, time: Duration, has_work: &mut impl FnMut() -> bool) -> bool {
+    let mut turn = 0_u32;
+    while start.elapsed() < time {
+        if has_work() {
+            return true;
+        }
+        turn = turn.wrapping_add(1);
+        if turn.is_multiple_of(YIELD_EVERY) {
+            thread::yield_now();
+        } else {
+            hint::spin_loop();
+        }
+    }
+    false
+}
+
+/// Removes all notifications: until two attempts in a row find none (see the head of this module).
+fn drain<S: Transport>(listener: &Listener<S>) -> Result<(), io::Error> {
+    let mut in_a_row = 0;
+    for _ in 0..DRAIN_MAX {
+        match listener.try_wait(|_| ()) {
+            Ok(0) if in_a_row == 1 => return Ok(()),
+            Ok(0) => in_a_row = 1,
+            Ok(_) | Err(ListenerWaitError::InterruptSignal) => in_a_row = 0,
+            Err(error) => return Err(io::Error::other(format!("{error:?}"))),
+        }
+    }
+    Ok(())
+}

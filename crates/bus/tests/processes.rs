@@ -1,0 +1,392 @@
+//! Real processes that are killed, stopped and restarted (PL-11).
+//!
+//! The other processes are this very test program: it starts itself with a role in its environment, and runs nothing
+//! but the test [`role`], which plays it.
+
+mod common;
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use bus::{Bus, BusError, Mark, Root, SharedMemory, Subscriber, WaitMode};
+use common::{Home, Line, PATIENCE, send, shared_memory, topic, track, until, without_hanging};
+use messages::{BatchHeader, SensorTrack};
+use rustix::process::{Pid, Signal, kill_process};
+
+const ROLE: &str = "KOSEKI_BUS_TEST_ROLE";
+const BASE: &str = "KOSEKI_BUS_TEST_BASE";
+
+const DEPTH: usize = 16;
+const SLICE_LEN: usize = 4;
+
+/// Plays the role that this process was started for; as a test of its own, it does nothing.
+#[test]
+fn role() {
+    let Ok(role) = std::env::var(ROLE) else {
+        return;
+    };
+    let base = std::env::var(BASE).unwrap();
+    let root = Root::in_base(base, "test").unwrap();
+    match role.as_str() {
+        "launcher" => launch(&root),
+        "publisher" => publish(&root),
+        "subscriber" => subscribe(&root),
+        other => panic!("no role {other}"),
+    }
+}
+
+/// Holds the instance and a topic with some content, until killed.
+fn launch(root: &Root) {
+    let _claim = root.claim().unwrap();
+    let bus = Bus::<SharedMemory>::open(root, "launcher").unwrap();
+    let topic = topic("a", DEPTH, SLICE_LEN);
+    let _held = bus.hold(&topic).unwrap();
+    let mut waiter = bus.waiter(WaitMode::Event);
+    waiter.watch(&bus, &topic).unwrap();
+    let _subscriber = bus.subscriber(&topic, || 0).unwrap();
+    let mut publisher = bus.publisher(&topic, 1).unwrap();
+    for _ in 0..100 {
+        send(&mut publisher, SLICE_LEN);
+    }
+    say("ready");
+    wait_for_the_end();
+}
+
+/// Sends slice after slice, until killed.
+fn publish(root: &Root) {
+    let bus = Bus::<SharedMemory>::open(root, "publisher").unwrap();
+    let incarnation = std::process::id().into();
+    let mut publisher = bus.publisher(&topic("a", DEPTH, SLICE_LEN), incarnation).unwrap();
+    say("ready");
+    loop {
+        send(&mut publisher, 1);
+        thread::sleep(Duration::from_micros(200));
+    }
+}
+
+/// Takes everything up to the end of the source, then says what it counted.
+fn subscribe(root: &Root) {
+    let bus = Bus::<SharedMemory>::open(root, "subscriber").unwrap();
+    let topic = topic("a", DEPTH, SLICE_LEN);
+    let mut subscriber = bus.subscriber(&topic, || 0).unwrap();
+    let mut waiter = bus.waiter(WaitMode::Event);
+    waiter.watch(&bus, &topic).unwrap();
+    say("ready");
+    let mut ended = false;
+    while !ended {
+        waiter.wait(PATIENCE, || subscriber.has_slices()).unwrap();
+        let visit = |header: &BatchHeader, _: &[SensorTrack]| {
+            ended |= header.flags & BatchHeader::END != 0;
+        };
+        subscriber.take(64, visit).unwrap();
+    }
+    let counts = subscriber.counts();
+    say(&format!("{} {}", counts.taken, counts.lost));
+    wait_for_the_end();
+}
+
+/// Lines that begin so are meant for the parent; the others are the test harness's.
+const SAYS: &str = "role says: ";
+
+fn say(words: &str) {
+    println!("\n{SAYS}{words}");
+}
+
+/// The parent closes this process's input when it wants it to end.
+fn wait_for_the_end() {
+    let _ = std::io::stdin().read_to_end(&mut Vec::new());
+}
+
+/// Another process. It is killed when dropped.
+struct Other {
+    child: Child,
+    output: Option<BufReader<ChildStdout>>,
+    input: Option<ChildStdin>,
+}
+
+impl Other {
+    /// Starts a process for `role`, and waits until it is ready.
+    fn start(root: &Root, role: &str) -> Self {
+        let mut child = Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", "role", "--nocapture", "--test-threads=1"])
+            .env(ROLE, role)
+            .env(BASE, root.base())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut other = Self {
+            output: child.stdout.take().map(BufReader::new),
+            input: child.stdin.take(),
+            child,
+        };
+        assert_eq!(other.hear(), "ready");
+        other
+    }
+
+    /// The next words of the other process.
+    fn hear(&mut self) -> String {
+        let mut output = self.output.take().unwrap();
+        let (words, output) = without_hanging("another process's words", move || {
+            let mut line = String::new();
+            loop {
+                line.clear();
+                let read = output.read_line(&mut line).unwrap();
+                assert_ne!(read, 0, "the other process ended without a word");
+                if let Some(words) = line.strip_prefix(SAYS) {
+                    return (words.trim().to_owned(), output);
+                }
+            }
+        });
+        self.output = Some(output);
+        words
+    }
+
+    /// Stops it where it stands.
+    fn stop(&self) {
+        kill_process(Pid::from_child(&self.child), Signal::STOP).unwrap();
+        let status = format!("/proc/{}/status", self.pid());
+        until("a stopped process", || {
+            let status = std::fs::read_to_string(&status).unwrap();
+            status.contains("State:\tT")
+        });
+    }
+
+    fn go_on(&self) {
+        kill_process(Pid::from_child(&self.child), Signal::CONT).unwrap();
+    }
+
+    /// Kills it on the spot, as the system does when memory runs out.
+    fn kill(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+
+    /// Lets it end by itself.
+    fn end(mut self) {
+        drop(self.input.take());
+        assert!(self.child.wait().unwrap().success());
+    }
+
+    fn pid(&self) -> u32 {
+        self.child.id()
+    }
+}
+
+impl Drop for Other {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn line(home: &Home) -> Line<SharedMemory> {
+    Line::new(home, "a", DEPTH, SLICE_LEN)
+}
+
+#[test]
+fn a_killed_publisher_is_survived_removed_and_replaced() {
+    let home = Home::new();
+    let line = line(&home);
+    let mut subscriber = line.subscriber(0);
+    let mut first = Other::start(home.root(), "publisher");
+    take_some_of(&mut subscriber, first.pid());
+    first.kill();
+    // What it had sent is still there, and then nothing more comes; not even an error.
+    until("an empty queue", || subscriber.take(64, |_, _| ()).unwrap() == 0);
+
+    let dead = line.bus.remove_dead();
+    assert_eq!((dead.removed, dead.failed), (1, 0));
+    assert_eq!(line.bus.remove_dead().removed, 0);
+
+    let second = Other::start(home.root(), "publisher");
+    take_some_of(&mut subscriber, second.pid());
+    let counts = subscriber.counts();
+    let heard: u64 = subscriber.heard().map(|each| each.next_sequence).sum();
+    assert_eq!(counts.taken + counts.lost, heard);
+    assert_eq!(counts.out_of_order, 0);
+    drop(second);
+    line.bus.remove_dead();
+}
+
+#[test]
+fn places_of_killed_publishers_are_found_by_the_next_one() {
+    let home = Home::new();
+    let line = line(&home);
+    for _ in 0..line.topic.capacity.publishers {
+        Other::start(home.root(), "publisher").kill();
+    }
+    // Nobody has removed the dead, and they have all places.
+    line.publisher(1);
+}
+
+#[test]
+fn a_killed_subscriber_does_not_hold_the_publisher_up() {
+    let home = Home::new();
+    let root = home.root().clone();
+    without_hanging("a publisher whose subscriber was killed", move || {
+        let topic = topic("a", DEPTH, SLICE_LEN);
+        let bus = Bus::<SharedMemory>::open(&root, "test").unwrap();
+        let _held = bus.hold(&topic).unwrap();
+        let mut publisher = bus.publisher(&topic, 1).unwrap();
+        let mut living = bus.subscriber(&topic, || 0).unwrap();
+        let mut taken = 0;
+        let mut send_and_take = |count: usize| {
+            for _ in 0..count {
+                send(&mut publisher, 1);
+                living.take(64, |_, samples| taken += samples.len()).unwrap();
+            }
+        };
+        let mut other = Other::start(&root, "subscriber");
+        send_and_take(50);
+        other.stop(); // so that it is killed with a full queue
+        send_and_take(5 * DEPTH);
+        other.kill();
+        send_and_take(5 * DEPTH);
+        assert_eq!(bus.remove_dead().removed, 1);
+        send_and_take(5 * DEPTH);
+        assert_eq!(taken, 50 + 15 * DEPTH);
+        assert_eq!(living.counts().lost, 0);
+        assert_eq!(publisher.counts().not_sent, 0);
+    });
+}
+
+#[test]
+fn a_stopped_subscriber_holds_nobody_up_and_counts_what_it_missed() {
+    let home = Home::new();
+    let root = home.root().clone();
+    without_hanging("a publisher whose subscriber is stopped", move || {
+        let topic = topic("a", DEPTH, SLICE_LEN);
+        let bus = Bus::<SharedMemory>::open(&root, "test").unwrap();
+        let _held = bus.hold(&topic).unwrap();
+        let mut publisher = bus.publisher(&topic, 1).unwrap();
+        let mut other = Other::start(&root, "subscriber");
+        other.stop();
+        for _ in 0..20 * DEPTH {
+            send(&mut publisher, SLICE_LEN);
+        }
+        let end = Mark {
+            progress_ns: 0,
+            sent_ns: 0,
+            end: true,
+        };
+        publisher.send(end, 1, |_, s| track(s)).unwrap();
+        other.go_on();
+        // Its queue held the last slices: full ones, and the one with the end.
+        let taken = (DEPTH - 1) * SLICE_LEN + 1;
+        let lost = publisher.next_sequence() - taken as u64;
+        assert_eq!(other.hear(), format!("{taken} {lost}"));
+        assert_eq!(publisher.counts().not_sent, 0);
+        other.end();
+    });
+}
+
+#[test]
+fn one_instance_has_one_launcher() {
+    let home = Home::unclaimed();
+    assert!(matches!(
+        Bus::<SharedMemory>::open(home.root(), "test"),
+        Err(BusError::NotRunning { .. })
+    ));
+    let launcher = Other::start(home.root(), "launcher");
+    let error = home.root().claim().unwrap_err();
+    assert!(
+        matches!(error, BusError::AlreadyRunning { pid: Some(pid), .. } if pid == launcher.pid()),
+        "{error}"
+    );
+    let found = Root::list(home.root().base()).unwrap();
+    assert_eq!(found.len(), 1);
+    assert_eq!(&found[0].root, home.root());
+    assert_eq!((found[0].runs, found[0].pid), (true, Some(launcher.pid())));
+    let processes = home.root().processes().unwrap();
+    assert_eq!(processes.len(), 1);
+    assert_eq!(
+        (processes[0].pid, processes[0].name.as_str()),
+        (launcher.pid(), "launcher")
+    );
+    launcher.end();
+    // It ended without removing the instance: everything is still listed, and can be claimed.
+    assert!(!Root::list(home.root().base()).unwrap()[0].runs);
+    let claim = home.root().claim().unwrap();
+    claim.remove().unwrap();
+}
+
+#[test]
+fn what_a_killed_launcher_left_is_removed() {
+    let mut home = Home::unclaimed();
+    for _ in 0..3 {
+        let mut launcher = Other::start(home.root(), "launcher");
+        launcher.kill();
+        assert!(!shared_memory(home.root()).is_empty());
+        let claim = home.root().claim().unwrap();
+        assert!(claim.wiped().files > 5, "{:?}", claim.wiped());
+        assert!(claim.wiped().bytes > 0);
+        assert!(shared_memory(home.root()).is_empty());
+        assert!(!home.root().path().exists());
+    }
+    // And the next run is as good as the first.
+    home.claim();
+    let line = line(&home);
+    let (mut publisher, mut subscriber) = (line.publisher(2), line.subscriber(1));
+    send(&mut publisher, 3);
+    assert_eq!(common::take_all(&mut subscriber), [0, 1, 2]);
+}
+
+#[test]
+fn an_instance_is_not_taken_from_under_processes_that_outlived_their_launcher() {
+    let home = Home::unclaimed();
+    let mut launcher = Other::start(home.root(), "launcher");
+    let orphan = Other::start(home.root(), "subscriber");
+    launcher.kill();
+    let error = home.root().claim().unwrap_err();
+    let BusError::StillUsed { processes, .. } = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(processes.len(), 1);
+    assert_eq!(processes[0].pid, orphan.pid());
+    assert!(error.to_string().contains("subscriber"), "{error}");
+    // The failed claim has given the lock back, and touched nothing.
+    assert!(home.root().holder().unwrap().is_none());
+    assert!(!shared_memory(home.root()).is_empty());
+    drop(orphan);
+    let claim = home.root().claim().unwrap();
+    claim.remove().unwrap();
+}
+
+#[test]
+fn an_instance_in_use_is_not_removed() {
+    let home = Home::unclaimed();
+    let claim = home.root().claim().unwrap();
+    let bus = Bus::<SharedMemory>::open(home.root(), "test").unwrap();
+    assert!(matches!(claim.remove(), Err(BusError::StillUsed { .. })));
+    drop(bus);
+    home.root().claim().unwrap().remove().unwrap();
+}
+
+#[test]
+fn a_base_folder_open_to_others_is_refused() {
+    use std::fs::{Permissions, set_permissions};
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    set_permissions(folder.path(), Permissions::from_mode(0o777)).unwrap();
+    let error = Root::in_base(folder.path(), "test").unwrap().claim();
+    assert!(matches!(error, Err(BusError::BaseNotPrivate { .. })));
+    assert!(matches!(Root::list(Path::new("/nowhere")), Ok(list) if list.is_empty()));
+}
+
+/// Takes until some samples of the process `pid` have come.
+fn take_some_of(subscriber: &mut Subscriber<SharedMemory, SensorTrack>, pid: u32) {
+    let mut some = 0;
+    until("samples of the other process", || {
+        let visit = |header: &BatchHeader, samples: &[SensorTrack]| {
+            if header.incarnation == u64::from(pid) {
+                some += samples.len();
+            }
+        };
+        subscriber.take(64, visit).unwrap();
+        some >= 100
+    });
+}
