@@ -1,0 +1,354 @@
+//! The configuration file as it is written: names, units and defaults of every key.
+//!
+//! Nothing here is checked beyond its type; `super` turns it into checked values. Unknown keys are refused, because a
+//! misspelt key that is silently ignored is a setting that silently does not hold.
+
+use std::collections::BTreeMap;
+
+use formats::reports::{CovarianceFrom, PoorQuality};
+use serde::Deserialize;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawConfig {
+    pub(crate) name: String,
+    pub(crate) frame: RawPlace,
+    #[serde(default)]
+    pub(crate) time: RawTime,
+    #[serde(default, rename = "source")]
+    pub(crate) sources: Vec<RawSource>,
+    pub(crate) scenario: Option<scenario::ScenarioSettings>,
+    #[serde(default)]
+    pub(crate) fusion: RawFusion,
+    #[serde(default)]
+    pub(crate) monitor: RawMonitor,
+    #[serde(default)]
+    pub(crate) recorder: RawRecorder,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawPlace {
+    pub(crate) latitude_deg: f64,
+    pub(crate) longitude_deg: f64,
+    #[serde(default)]
+    pub(crate) height_m: f64,
+    #[serde(default)]
+    pub(crate) north_offset_deg: f64,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawTime {
+    #[serde(default)]
+    pub(crate) order: super::Order,
+    pub(crate) date: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawSource {
+    pub(crate) name: String,
+    #[serde(default = "one")]
+    pub(crate) period_s: f64,
+    pub(crate) fresh_s: Option<f64>,
+    #[serde(default)]
+    pub(crate) priority: Option<u32>,
+    pub(crate) ceiling_m: Option<f64>,
+    pub(crate) place: Option<RawPlace>,
+    pub(crate) recorded: Option<RawRecorded>,
+    pub(crate) simulated: Option<scenario::SensorSettings>,
+    #[serde(default)]
+    pub(crate) limits: RawLimits,
+    #[serde(default)]
+    pub(crate) covariance: RawCovariance,
+    #[serde(default)]
+    pub(crate) accuracy: RawAccuracy,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawRecorded {
+    pub(crate) file: String,
+    #[serde(default)]
+    pub(crate) editions: BTreeMap<String, String>,
+    pub(crate) sac: Option<u8>,
+    pub(crate) sic: Option<u8>,
+    #[serde(default)]
+    pub(crate) positions: formats::reports::PositionForm,
+    #[serde(default = "half")]
+    pub(crate) reorder_s: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawLimits {
+    pub(crate) range_m: f64,
+    pub(crate) height_min_m: f64,
+    pub(crate) height_max_m: f64,
+    pub(crate) speed_mps: f64,
+    pub(crate) jump_m: f64,
+    pub(crate) time_step_s: f64,
+    pub(crate) tracks: usize,
+}
+
+impl Default for RawLimits {
+    fn default() -> Self {
+        Self {
+            range_m: 400e3,
+            height_min_m: -500.0,
+            height_max_m: 25e3,
+            speed_mps: 700.0,
+            jump_m: 100.0,
+            time_step_s: 60.0,
+            tracks: 4096,
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawCovariance {
+    pub(crate) from: CovarianceFrom,
+    pub(crate) position_sigma_m: f64,
+    pub(crate) velocity_sigma_mps: f64,
+    pub(crate) height_sigma_m: f64,
+    pub(crate) range_sigma_m: Option<f64>,
+    pub(crate) azimuth_sigma_deg: Option<f64>,
+    pub(crate) poor_quality: PoorQuality,
+}
+
+impl Default for RawCovariance {
+    fn default() -> Self {
+        Self {
+            from: CovarianceFrom::Configuration,
+            position_sigma_m: 20.0,
+            velocity_sigma_mps: 3.0,
+            height_sigma_m: 30.0,
+            range_sigma_m: None,
+            azimuth_sigma_deg: None,
+            poor_quality: PoorQuality::Use,
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawAccuracy {
+    pub(crate) model: AccuracyModel,
+    pub(crate) sigma_m: f64,
+    pub(crate) range_sigma_m: f64,
+    pub(crate) azimuth_sigma_deg: f64,
+    pub(crate) initial_m: f64,
+    pub(crate) memory: f64,
+    pub(crate) per_speed_s: f64,
+    pub(crate) adjustment: f64,
+    pub(crate) conditions: BTreeMap<String, f64>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum AccuracyModel {
+    #[default]
+    Constant,
+    Polar,
+    Estimated,
+}
+
+impl Default for RawAccuracy {
+    fn default() -> Self {
+        Self {
+            model: AccuracyModel::Constant,
+            sigma_m: 20.0,
+            range_sigma_m: 20.0,
+            azimuth_sigma_deg: 0.1,
+            initial_m: 20.0,
+            memory: 200.0,
+            per_speed_s: 0.0,
+            adjustment: 1.0,
+            conditions: BTreeMap::new(),
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawFusion {
+    pub(crate) wait: String,
+    pub(crate) hybrid_spin_us: f64,
+    pub(crate) core: Option<usize>,
+    pub(crate) realtime_priority: Option<i32>,
+    pub(crate) lock_memory: bool,
+    pub(crate) required: bool,
+    pub(crate) deadline_us: f64,
+    pub(crate) process_noise_m2ps3: f64,
+    pub(crate) capacity: RawCapacity,
+    pub(crate) association: RawAssociation,
+    pub(crate) life: RawLife,
+    pub(crate) rule: RawRule,
+}
+
+impl Default for RawFusion {
+    fn default() -> Self {
+        Self {
+            wait: "event".to_owned(),
+            hybrid_spin_us: 20.0,
+            core: None,
+            realtime_priority: None,
+            lock_memory: false,
+            required: false,
+            deadline_us: 1000.0,
+            process_noise_m2ps3: 1.0,
+            capacity: RawCapacity::default(),
+            association: RawAssociation::default(),
+            life: RawLife::default(),
+            rule: RawRule::default(),
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawCapacity {
+    pub(crate) system_tracks: usize,
+    pub(crate) sensor_tracks: usize,
+    pub(crate) stored_reports: usize,
+    pub(crate) queue: usize,
+}
+
+impl Default for RawCapacity {
+    fn default() -> Self {
+        let engine = fusion::settings::Capacity::default();
+        Self {
+            system_tracks: engine.system_tracks,
+            sensor_tracks: engine.sensor_tracks,
+            stored_reports: engine.stored_reports,
+            queue: 4096,
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawAssociation {
+    pub(crate) use_identity: bool,
+    pub(crate) join_probability: f64,
+    pub(crate) keep_gate: f64,
+    pub(crate) velocity_probability: f64,
+    pub(crate) extent_sigma_m: f64,
+    pub(crate) target_extent_m: f64,
+    pub(crate) height_gate_m: f64,
+    pub(crate) split_reports: u32,
+    pub(crate) merge_reports: u32,
+    pub(crate) cell_m: f64,
+}
+
+impl Default for RawAssociation {
+    fn default() -> Self {
+        let engine = fusion::settings::AssociationSettings::default();
+        Self {
+            use_identity: engine.use_identity,
+            join_probability: 0.999,
+            keep_gate: engine.keep_gate,
+            velocity_probability: 0.999,
+            extent_sigma_m: engine.extent_sigma_m,
+            target_extent_m: engine.target_extent_m,
+            height_gate_m: engine.height_gate_m,
+            split_reports: engine.split_reports,
+            merge_reports: engine.merge_reports,
+            cell_m: engine.cell_m,
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawLife {
+    pub(crate) confirm_reports: u32,
+    pub(crate) terminate_s: f64,
+    pub(crate) tentative_s: f64,
+}
+
+impl Default for RawLife {
+    fn default() -> Self {
+        Self {
+            confirm_reports: 3,
+            terminate_s: 20.0,
+            tentative_s: 6.0,
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawRule {
+    pub(crate) name: String,
+    pub(crate) residual: RawResidual,
+    pub(crate) recency: f64,
+    pub(crate) reference_source: Option<String>,
+    pub(crate) tie: RawTie,
+}
+
+impl Default for RawRule {
+    fn default() -> Self {
+        Self {
+            name: fusion::rules::default_rule().name.to_owned(),
+            residual: RawResidual::Position,
+            recency: 1.0,
+            reference_source: None,
+            tie: RawTie::LastThenPriority,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum RawResidual {
+    Position,
+    Velocity,
+    PerAxis,
+    Innovation,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum RawTie {
+    LastThenPriority,
+    Priority,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawMonitor {
+    pub(crate) interval_s: f64,
+    pub(crate) files: bool,
+}
+
+impl Default for RawMonitor {
+    fn default() -> Self {
+        Self {
+            interval_s: 1.0,
+            files: true,
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawRecorder {
+    pub(crate) enabled: bool,
+}
+
+impl Default for RawRecorder {
+    fn default() -> Self {
+        Self { enabled: true }
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn half() -> f64 {
+    0.5
+}

@@ -1,0 +1,119 @@
+//! Configurations that must be read, and mistakes that must be named.
+
+use super::*;
+
+fn barcelona() -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/barcelona.toml")).unwrap()
+}
+
+fn refused(text: &str) -> String {
+    Config::parse(Path::new("test.toml"), text, &[])
+        .unwrap_err()
+        .to_string()
+}
+
+/// The Barcelona configuration with one line replaced, and the number of that line.
+fn with_line(old: &str, new: &str) -> (String, usize) {
+    let text = barcelona();
+    let at = text.find(old).unwrap_or_else(|| panic!("no {old}"));
+    (text.replacen(old, new, 1), text[..at].matches('\n').count() + 1)
+}
+
+#[test]
+fn the_shipped_configurations_are_sound() {
+    let demo = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap();
+    assert!(demo.sources.len() >= 3 && !demo.is_recorded() && demo.order == Order::Arrival);
+    assert!(demo.scenario.unwrap().targets >= 60);
+    let barcelona = Config::parse(Path::new("barcelona.toml"), &barcelona(), &[]).unwrap();
+    assert!(barcelona.is_recorded() && barcelona.order == Order::Time);
+    assert_eq!(barcelona.first_day_ns, Some(16_931 * 86_400 * 1_000_000_000));
+    assert_eq!(barcelona.source("ads-b").unwrap().number, 2);
+}
+
+#[test]
+fn mistakes_are_named_with_file_line_value_and_remedy() {
+    let cases = [
+        ("sensor_tracks = 4000", "sensor_tracks = 0", "must lie between 1 and"),
+        ("priority = 3", "prioritty = 3", "unknown field `prioritty`"),
+        (
+            "name = \"ads-b\"",
+            "name = \"radar\"",
+            "is the name of an earlier source",
+        ),
+        ("# core = 1 ", "core = 4711 #", "this machine offers cores"),
+        (
+            "latitude_deg = 41.295618",
+            "latitude_deg = 141.0",
+            "not between -90° and 90°",
+        ),
+        (
+            "wait = \"event\"",
+            "wait = \"sleep\"",
+            "there are \"spin\", \"event\" and \"hybrid\"",
+        ),
+        (
+            "name = \"best-source\"",
+            "name = \"beste-quelle\"",
+            "there are: best-source",
+        ),
+        ("\"21\" = \"0.23\"", "\"21\" = \"9.9\"", "CAT021 ed 0.23"),
+        ("period_s = 1.0", "period_s = \"1 s\"", "expected f64"),
+        ("date = \"2016-05-10\"", "date = \"10.5.2016\"", "year-month-day"),
+        ("sic = 7", "", "give both or neither"),
+        ("speed_mps = 120.0", "speed_mps = nan", "must lie between"),
+    ];
+    for (old, new, expected) in cases {
+        let (text, line) = with_line(old, new);
+        let message = refused(&text);
+        assert!(message.contains(expected), "{new}: {message}");
+        assert!(message.starts_with("test.toml:"), "{new}: {message}");
+        assert_eq!(message.lines().count(), 1, "one line: {message}");
+        if !new.is_empty() {
+            assert!(
+                message.starts_with(&format!("test.toml:{line}: ")),
+                "line {line}: {message}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    assert!(refused("name = \"x\"\n").contains("missing field `frame`"));
+    let frame = "name = \"x\"\n[frame]\nlatitude_deg = 1.0\nlongitude_deg = 2.0\n";
+    assert!(refused(frame).contains("at least one"));
+    let bare = format!("{frame}[[source]]\nname = \"a\"\n");
+    assert!(refused(&bare).contains("exactly one of"));
+    let unobserved = format!("{bare}[source.simulated]\nkind = \"radar\"\n");
+    assert!(refused(&unobserved).contains("no [scenario]"));
+}
+
+#[test]
+fn overrides_replace_values_and_are_checked_too() {
+    let read = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|each| (*each).to_owned()).collect();
+        Config::parse(Path::new("test.toml"), &barcelona(), &overrides)
+    };
+    assert!(read(&[]).unwrap().fusion.settings.association.use_identity);
+    let hidden = read(&["fusion.association.use_identity=false", "source[1].fresh_s=5"]).unwrap();
+    assert!(!hidden.fusion.settings.association.use_identity);
+    assert_eq!(hidden.fusion.settings.sources[1].fresh_ns, 5_000_000_000);
+    assert!(
+        read(&["fusion.nonsense=1"])
+            .unwrap_err()
+            .to_string()
+            .contains("unknown field")
+    );
+    assert!(
+        read(&["source[9].name=x"])
+            .unwrap_err()
+            .to_string()
+            .contains("there is no source[9]")
+    );
+    assert!(
+        read(&["no assignment"])
+            .unwrap_err()
+            .to_string()
+            .contains("key.path=value")
+    );
+}

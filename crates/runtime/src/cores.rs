@@ -1,0 +1,66 @@
+//! Giving a thread a core of its own (PL-5).
+
+use rustix::mm::{MlockAllFlags, mlockall};
+use thread_priority::unix::{
+    RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id,
+};
+use thread_priority::{ThreadPriority, ThreadPriorityValue};
+
+/// What a real-time thread asks of the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Placement {
+    /// Core to run on.
+    pub core: Option<usize>,
+    /// `SCHED_FIFO` priority, 1 to 99.
+    pub realtime_priority: Option<i32>,
+    /// Whether to lock all memory, so that no page is ever fetched late.
+    pub lock_memory: bool,
+}
+
+/// Numbers of the cores this process may run on.
+pub fn available() -> Vec<usize> {
+    core_affinity::get_core_ids()
+        .unwrap_or_default()
+        .into_iter()
+        .map(|core| core.id)
+        .collect()
+}
+
+/// Arranges what `placement` asks for, for the calling thread. What the machine refuses is returned, one sentence each
+/// with what would have to be granted.
+pub fn take_place(placement: Placement) -> Vec<String> {
+    let mut refused = Vec::new();
+    if let Some(core) = placement.core
+        && !core_affinity::set_for_current(core_affinity::CoreId { id: core })
+    {
+        refused.push(format!(
+            "core {core} cannot be taken: this process may use cores {:?}",
+            available()
+        ));
+    }
+    if let Some(priority) = placement.realtime_priority
+        && let Err(reason) = become_fifo(priority)
+    {
+        refused.push(format!(
+            "SCHED_FIFO priority {priority} was refused ({reason}): grant CAP_SYS_NICE or raise the limit `ulimit -r`"
+        ));
+    }
+    if placement.lock_memory
+        && let Err(error) = mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE)
+    {
+        refused.push(format!(
+            "locking memory was refused ({error}): grant CAP_IPC_LOCK or raise the limit `ulimit -l`"
+        ));
+    }
+    refused
+}
+
+fn become_fifo(priority: i32) -> Result<(), String> {
+    let value = u8::try_from(priority)
+        .ok()
+        .and_then(|value| ThreadPriorityValue::try_from(value).ok());
+    let value = value.ok_or_else(|| "it must lie between 1 and 99".to_owned())?;
+    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(value), policy)
+        .map_err(|error| format!("{error:?}"))
+}

@@ -1,0 +1,297 @@
+//! Back-pressure for recorded inputs: producers wait for their consumers, so that nothing is lost.
+//!
+//! On a live system a publisher never waits: a slow reader loses its oldest samples, and counts them. A recording has
+//! all the time in the world, and whoever replays it wants every report. So each consumer says how far it has got on
+//! each topic ([`Reached`] publishes it), and a producer ([`Flow`]) sends only while no consumer is more than a window
+//! behind. The window is a fraction of the topic's depth, so that even a consumer that restarts, with the producer's
+//! count of it slightly off, cannot be overrun.
+
+use bus::{Bus, Mark, Publisher, Subscriber, Transport};
+use messages::{BatchHeader, ProcessKind, Progress};
+
+use crate::clock::Now;
+
+/// A consumer that says nothing is asked no more often than this, nanoseconds.
+const REPEAT_NS: i64 = 50_000_000;
+
+/// Producer's side: how far the consumers of one topic have got.
+#[derive(Debug)]
+pub struct Flow<S: Transport> {
+    progress: Subscriber<S, Progress>,
+    source: u16,
+    publisher_incarnation: u64,
+    window: u64,
+    consumers: Vec<Consumer>,
+}
+
+#[derive(Debug)]
+struct Consumer {
+    kind: ProcessKind,
+    latest: Option<Progress>,
+    /// Slices sent before the consumer's own count began.
+    base: u64,
+    /// Slices of this publisher that it has worked off since.
+    done: u64,
+}
+
+impl<S: Transport> Flow<S> {
+    /// Follows `consumers` of the topic of `source`, whose depth is `depth` slices; its publisher is this process, of
+    /// `incarnation`.
+    ///
+    /// # Errors
+    /// If the progress topic cannot be opened.
+    pub fn new(
+        bus: &Bus<S>,
+        incarnation: u64,
+        source: u16,
+        depth: usize,
+        consumers: &[ProcessKind],
+    ) -> anyhow::Result<Self> {
+        let consumer = |kind: &ProcessKind| Consumer {
+            kind: *kind,
+            latest: None,
+            base: 0,
+            done: 0,
+        };
+        Ok(Self {
+            progress: bus.subscriber(&messages::progress(), || incarnation)?,
+            source,
+            publisher_incarnation: incarnation,
+            window: (depth / 4).max(1) as u64,
+            consumers: consumers.iter().map(consumer).collect(),
+        })
+    }
+
+    /// Reads what the consumers have said. `sent` is the number of slices sent so far.
+    ///
+    /// # Errors
+    /// If shared memory fails.
+    pub fn update(&mut self, sent: u64) -> anyhow::Result<()> {
+        let (source, publisher, consumers) = (self.source, self.publisher_incarnation, &mut self.consumers);
+        self.progress.take(usize::MAX, |_, said| {
+            for progress in said.iter().filter(|progress| progress.source == source) {
+                let of = |consumer: &&mut Consumer| consumer.kind as u16 == progress.consumer;
+                if let Some(consumer) = consumers.iter_mut().find(of) {
+                    consumer.hear(progress, publisher, sent);
+                }
+            }
+        })?;
+        Ok(())
+    }
+
+    /// Whether every consumer is there.
+    pub fn all_present(&self) -> bool {
+        self.consumers.iter().all(|consumer| consumer.latest.is_some())
+    }
+
+    /// Whether another slice may be sent after `sent` slices.
+    pub fn may_send(&self, sent: u64) -> bool {
+        let behind = |consumer: &Consumer| sent.saturating_sub(consumer.base + consumer.done);
+        self.consumers
+            .iter()
+            .all(|consumer| consumer.latest.is_some() && behind(consumer) < self.window)
+    }
+
+    /// Whether every consumer has worked off all `sent` slices.
+    pub fn all_done(&self, sent: u64) -> bool {
+        self.consumers
+            .iter()
+            .all(|consumer| consumer.latest.is_some() && consumer.base + consumer.done >= sent)
+    }
+
+    /// Sequence number of the first sample that some consumer has not worked off: where a restarted source resumes.
+    pub fn first_needed(&self) -> u64 {
+        let done = |consumer: &Consumer| consumer.latest.map_or(0, |latest| latest.done_sequence);
+        self.consumers.iter().map(done).min().unwrap_or(0)
+    }
+}
+
+impl Consumer {
+    fn hear(&mut self, progress: &Progress, publisher_incarnation: u64, sent: u64) {
+        // What it says of an earlier publisher of the topic does not count for this one.
+        self.done = if progress.publisher_incarnation == publisher_incarnation {
+            progress.done_batches
+        } else {
+            0
+        };
+        let known = self
+            .latest
+            .is_some_and(|latest| latest.consumer_incarnation == progress.consumer_incarnation);
+        if !known {
+            self.base = sent.saturating_sub(self.done);
+        }
+        self.latest = Some(*progress);
+    }
+}
+
+/// Consumer's side: says how far it has got on each of its topics.
+#[derive(Debug)]
+pub struct Reached<S: Transport> {
+    publisher: Publisher<S, Progress>,
+    topics: Vec<Progress>,
+    changed: bool,
+    said_ns: i64,
+}
+
+impl<S: Transport> Reached<S> {
+    /// Speaks as `kind` for the topics of `sources`.
+    ///
+    /// # Errors
+    /// If the progress topic cannot be opened.
+    pub fn new(bus: &Bus<S>, incarnation: u64, kind: ProcessKind, sources: &[u16]) -> anyhow::Result<Self> {
+        let topic = |source: &u16| Progress {
+            consumer_incarnation: incarnation,
+            source: *source,
+            consumer: kind as u16,
+            progress_ns: i64::MIN,
+            ..Progress::default()
+        };
+        Ok(Self {
+            publisher: bus.publisher(&messages::progress(), incarnation)?,
+            topics: sources.iter().map(topic).collect(),
+            changed: true,
+            said_ns: i64::MIN,
+        })
+    }
+
+    /// A slice of the topic at `index` has been worked off; all samples below `done_sequence` have.
+    pub fn done(&mut self, index: usize, header: &BatchHeader, done_sequence: u64) {
+        let topic = &mut self.topics[index];
+        if topic.publisher_incarnation != header.incarnation {
+            topic.publisher_incarnation = header.incarnation;
+            topic.done_batches = 0;
+        }
+        topic.done_batches += 1;
+        topic.done_sequence = done_sequence;
+        topic.progress_ns = topic.progress_ns.max(header.progress_ns);
+        self.changed = true;
+    }
+
+    /// Publishes what has changed; repeats it now and then for those who come later.
+    ///
+    /// # Errors
+    /// If shared memory fails.
+    pub fn say(&mut self, now: Now) -> anyhow::Result<()> {
+        if !self.changed && now.mono_ns < self.said_ns.saturating_add(REPEAT_NS) {
+            return Ok(());
+        }
+        let topics = &self.topics;
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: now.mono_ns,
+            end: false,
+        };
+        let said = |index: usize, _| Progress {
+            said_ns: now.mono_ns,
+            ..topics[index]
+        };
+        self.publisher.send(mark, topics.len(), said)?;
+        self.changed = false;
+        self.said_ns = now.mono_ns;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bus::{InProcess, Root};
+
+    const NOW: Now = Now {
+        mono_ns: 1_000_000_000,
+        utc_ns: 0,
+    };
+
+    struct Bench {
+        _folder: tempfile::TempDir,
+        bus: Bus<InProcess>,
+        _held: bus::Held,
+    }
+
+    impl Bench {
+        fn new(name: &str) -> Self {
+            let folder = tempfile::tempdir().unwrap();
+            let bus = Bus::open(&Root::in_base(folder.path(), name).unwrap(), "test").unwrap();
+            let held = bus.hold(&messages::progress()).unwrap();
+            Self {
+                _folder: folder,
+                bus,
+                _held: held,
+            }
+        }
+
+        fn flow(&self, consumers: &[ProcessKind]) -> Flow<InProcess> {
+            Flow::new(&self.bus, 7, 3, 40, consumers).unwrap()
+        }
+
+        fn reached(&self, incarnation: u64, kind: ProcessKind) -> Reached<InProcess> {
+            Reached::new(&self.bus, incarnation, kind, &[2, 3]).unwrap()
+        }
+    }
+
+    fn slice(publisher_incarnation: u64) -> BatchHeader {
+        BatchHeader {
+            incarnation: publisher_incarnation,
+            ..BatchHeader::default()
+        }
+    }
+
+    #[test]
+    fn nothing_is_sent_before_every_consumer_is_there() {
+        let bench = Bench::new("present");
+        let mut flow = bench.flow(&[ProcessKind::Fusion, ProcessKind::Recorder]);
+        let mut fusion = bench.reached(100, ProcessKind::Fusion);
+        fusion.say(NOW).unwrap();
+        flow.update(0).unwrap();
+        assert!(!flow.all_present() && !flow.may_send(0));
+        let mut recorder = bench.reached(101, ProcessKind::Recorder);
+        recorder.say(NOW).unwrap();
+        flow.update(0).unwrap();
+        assert!(flow.all_present() && flow.may_send(0));
+    }
+
+    #[test]
+    fn the_slowest_consumer_sets_the_pace() {
+        let bench = Bench::new("pace");
+        let mut flow = bench.flow(&[ProcessKind::Fusion]);
+        let mut fusion = bench.reached(100, ProcessKind::Fusion);
+        fusion.say(NOW).unwrap();
+        flow.update(0).unwrap();
+        assert!(flow.may_send(9) && !flow.may_send(10), "a quarter of the depth");
+        fusion.done(1, &slice(7), 640);
+        fusion.say(NOW).unwrap();
+        flow.update(10).unwrap();
+        assert!(flow.may_send(10) && !flow.may_send(11));
+        assert!(flow.all_done(1) && !flow.all_done(2));
+        assert_eq!(flow.first_needed(), 640);
+    }
+
+    #[test]
+    fn a_restarted_consumer_starts_from_what_has_been_sent() {
+        let bench = Bench::new("consumer");
+        let mut flow = bench.flow(&[ProcessKind::Fusion]);
+        let mut before = bench.reached(100, ProcessKind::Fusion);
+        before.say(NOW).unwrap();
+        flow.update(0).unwrap();
+        assert!(!flow.may_send(50));
+        let mut after = bench.reached(200, ProcessKind::Fusion);
+        after.say(NOW).unwrap();
+        flow.update(50).unwrap();
+        assert!(flow.may_send(50) && !flow.may_send(60));
+    }
+
+    #[test]
+    fn a_restarted_producer_does_not_count_what_its_predecessor_sent() {
+        let bench = Bench::new("producer");
+        let mut fusion = bench.reached(100, ProcessKind::Fusion);
+        for _ in 0..30 {
+            fusion.done(1, &slice(5), 900);
+        }
+        let mut flow = bench.flow(&[ProcessKind::Fusion]);
+        fusion.say(NOW).unwrap();
+        flow.update(0).unwrap();
+        assert!(flow.may_send(9) && !flow.may_send(10));
+        assert!(!flow.all_done(1));
+        assert_eq!(flow.first_needed(), 900, "where it resumes");
+    }
+}

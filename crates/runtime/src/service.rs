@@ -1,0 +1,258 @@
+//! What every process of a deployment is started with, and the duty cycle it runs.
+//!
+//! A service is an [`Agent`]: it does a bounded piece of work when asked and says whether there is more. [`run`] asks
+//! it again and again, reads the clocks once per turn, publishes its health, and ends the process when it is done or
+//! told to stop. The agent itself has no loop and reads no clock, so a test can drive it step by step.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use bus::{Bus, Mark, Publisher, Root, SharedMemory};
+use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind};
+
+use crate::clock::{Now, mono_ns};
+use crate::config::Config;
+use crate::signals::{self, Stop};
+
+/// Time between two health messages, nanoseconds.
+const HEALTH_PERIOD_NS: i64 = 200_000_000;
+
+/// How fast recordings are replayed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Speed {
+    /// Seconds of the recording per second.
+    Factor(f64),
+    /// As fast as the consumers can follow.
+    Max,
+}
+
+/// What the processes of a deployment are started with, beside its configuration file.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Values that replace those of the file: `key.path=value`.
+    pub overrides: Vec<String>,
+    /// Name under which the deployment runs; several can run side by side under different names.
+    pub instance: String,
+    /// Folder with recordings.
+    pub data: PathBuf,
+    /// Folder for what is recorded.
+    pub out: PathBuf,
+    /// Replay speed of recorded inputs.
+    pub speed: Speed,
+    /// When the simulated world began, UTC, nanoseconds.
+    pub scenario_start_ns: i64,
+    /// Process number of the launcher, if one started this process.
+    pub launcher: Option<u32>,
+}
+
+/// One process of a deployment, connected and ready.
+#[derive(Debug)]
+pub struct Process {
+    /// Its deployment.
+    pub config: Config,
+    /// How it was started.
+    pub options: Options,
+    /// Its kind.
+    pub kind: ProcessKind,
+    /// Its name: that of its source for an adapter, else that of its kind.
+    pub name: String,
+    /// Its connection to shared memory.
+    pub bus: Bus<SharedMemory>,
+    /// Monotonic start time, nanoseconds: tells it from an earlier process of the same name.
+    pub incarnation: u64,
+    stop: Stop,
+}
+
+impl Process {
+    /// Connects a process to its deployment. From now on it ends when its launcher does.
+    ///
+    /// # Errors
+    /// If the deployment does not run, or the operating system refuses something.
+    pub fn connect(config: Config, options: Options, kind: ProcessKind, name: &str) -> anyhow::Result<Self> {
+        let stop = Stop::on_signals().context("catching signals")?;
+        if let Some(launcher) = options.launcher
+            && !signals::stop_with_parent(launcher).context("following the launcher")?
+        {
+            anyhow::bail!("the launcher (process {launcher}) is gone");
+        }
+        let root = Root::new(&options.instance)?;
+        let bus = Bus::open(&root, &format!("{}-{name}", kind.word()))?;
+        Ok(Self {
+            config,
+            options,
+            kind,
+            name: name.to_owned(),
+            bus,
+            incarnation: mono_ns() as u64,
+            stop,
+        })
+    }
+
+    /// Whether the process has been asked to stop.
+    pub fn stop_requested(&self) -> bool {
+        self.stop.requested()
+    }
+
+    /// Midnight of the day that files count their seconds from, UTC, nanoseconds.
+    pub fn first_day_ns(&self) -> i64 {
+        let live = || self.options.scenario_start_ns.div_euclid(frames::time::NS_PER_DAY) * frames::time::NS_PER_DAY;
+        self.config.first_day_ns.unwrap_or_else(live)
+    }
+}
+
+/// What a turn of an agent came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// There may be more to do at once.
+    Worked,
+    /// Nothing to do; look again after this time at the latest.
+    Idle(Duration),
+    /// All work is done, for good.
+    Finished,
+}
+
+/// The part of a service that does its work.
+pub trait Agent {
+    /// Does a bounded piece of work.
+    ///
+    /// # Errors
+    /// If the service cannot go on.
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn>;
+
+    /// Waits for work, `at_most` so long.
+    ///
+    /// # Errors
+    /// If waiting fails.
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        std::thread::sleep(at_most);
+        Ok(())
+    }
+
+    /// Says how it is. The first entry speaks of the process as a whole; others may speak of single sources.
+    fn health(&self, entries: &mut Vec<HealthEntry>);
+
+    /// The process has been told to stop, or has finished: time to write what is still in memory.
+    ///
+    /// # Errors
+    /// If that fails.
+    fn close(&mut self, now: Now) -> anyhow::Result<()> {
+        let _ = now;
+        Ok(())
+    }
+}
+
+/// One health message's content.
+#[derive(Clone, Debug)]
+pub struct HealthEntry {
+    /// Source that it speaks of; [`NO_SOURCE`] for the process.
+    pub source: u16,
+    /// How far the process has got in the time of its data, UTC, nanoseconds.
+    pub progress_ns: i64,
+    /// Counters, indexed by [`Counter`].
+    pub counters: [u64; messages::COUNTERS_MAX],
+    /// What is wrong; empty if nothing is.
+    pub note: String,
+}
+
+impl Default for HealthEntry {
+    fn default() -> Self {
+        Self {
+            source: NO_SOURCE,
+            progress_ns: i64::MIN,
+            counters: [0; messages::COUNTERS_MAX],
+            note: String::new(),
+        }
+    }
+}
+
+impl HealthEntry {
+    /// Sets one counter.
+    pub fn set(&mut self, counter: Counter, value: u64) {
+        self.counters[counter as usize] = value;
+    }
+}
+
+/// Runs `agent` until it has finished or the process is told to stop.
+///
+/// # Errors
+/// What the agent could not cope with.
+pub fn run(process: &Process, agent: &mut dyn Agent) -> anyhow::Result<()> {
+    let mut reporter = Reporter::new(process)?;
+    let result = duty_cycle(process, agent, &mut reporter);
+    let closed = agent.close(Now::read());
+    let life = if result.is_err() || closed.is_err() {
+        LifeState::Failed
+    } else {
+        LifeState::Finished
+    };
+    // Health is best effort at the end: what matters is the error itself.
+    let _ = reporter.say(agent, Now::read(), life);
+    result.and(closed)
+}
+
+fn duty_cycle(process: &Process, agent: &mut dyn Agent, reporter: &mut Reporter) -> anyhow::Result<()> {
+    let mut next_health_ns = i64::MIN;
+    loop {
+        let now = Now::read();
+        if now.mono_ns >= next_health_ns {
+            reporter.say(agent, now, LifeState::Running)?;
+            next_health_ns = now.mono_ns + HEALTH_PERIOD_NS;
+        }
+        if process.stop_requested() {
+            return Ok(());
+        }
+        match agent.turn(now)? {
+            Turn::Worked => {}
+            Turn::Idle(at_most) => agent.wait(at_most.min(Duration::from_nanos(HEALTH_PERIOD_NS as u64)))?,
+            Turn::Finished => return Ok(()),
+        }
+    }
+}
+
+/// Publishes the health of one process.
+struct Reporter {
+    publisher: Publisher<SharedMemory, Health>,
+    blank: Health,
+    entries: Vec<HealthEntry>,
+}
+
+impl Reporter {
+    fn new(process: &Process) -> anyhow::Result<Self> {
+        let blank = Health {
+            incarnation: process.incarnation,
+            process_id: std::process::id(),
+            kind: process.kind as u8,
+            ..Health::default()
+        };
+        Ok(Self {
+            publisher: process.bus.publisher(&messages::health(), process.incarnation)?,
+            blank: blank.with_name(&process.name),
+            entries: Vec::new(),
+        })
+    }
+
+    fn say(&mut self, agent: &dyn Agent, now: Now, life: LifeState) -> anyhow::Result<()> {
+        self.entries.clear();
+        agent.health(&mut self.entries);
+        let (blank, entries) = (self.blank, &self.entries);
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: now.mono_ns,
+            end: false,
+        };
+        self.publisher.send(mark, entries.len(), |index, _| {
+            let entry = &entries[index];
+            Health {
+                said_ns: now.mono_ns,
+                progress_ns: entry.progress_ns,
+                source: entry.source,
+                life: life as u8,
+                counters: entry.counters,
+                ..blank
+            }
+            .with_note(&entry.note)
+        })?;
+        Ok(())
+    }
+}

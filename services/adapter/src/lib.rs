@@ -1,0 +1,10 @@
+//! Turns one sensor's data into sensor tracks.
+
+/// Runs the service until it has finished or is told to stop.
+///
+/// # Errors
+/// What it cannot cope with.
+pub fn run(process: &runtime::Process) -> anyhow::Result<()> {
+    let _ = process;
+    Ok(())
+}
