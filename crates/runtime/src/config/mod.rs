@@ -82,7 +82,7 @@ pub enum Input {
     /// A recording.
     Recorded(Recorded),
     /// A simulated sensor.
-    Simulated(scenario::SensorSettings),
+    Simulated(Box<scenario::SensorSettings>),
 }
 
 /// A recorded input.
@@ -381,7 +381,7 @@ fn check_source(
             simulated
                 .validate()
                 .map_err(|error| simulated_problem(&key("simulated"), &error))?;
-            Input::Simulated(simulated.clone())
+            Input::Simulated(Box::new(simulated.clone()))
         }
         _ => {
             let what = format!(
