@@ -1,0 +1,35 @@
+//! The Gaussian state of one target, and what filters do with it.
+//!
+//! A target's state is position and velocity, (x, y, z, vx, vy, vz), in the system's East-North-Up frame; what is
+//! known of it is a [`Gaussian`]: a mean and a 6×6 covariance. Everything that keeps or compares tracks is made of
+//! a few operations on it:
+//!
+//! - [`prediction`](NearlyConstantVelocity): bring it to another time,
+//! - [`update`](Gaussian::update_position): improve it by a measured position,
+//! - [`initiation`](Gaussian::from_first_position): begin it from one measured position,
+//! - [`distance`](statistical_distance): is it the same target as another one?
+//! - [`definite`](repaired): is a covariance that came from outside usable, and can it be made so?
+//!
+//! All values live on the stack (nalgebra's statically sized matrices): nothing here allocates, so it can run in
+//! fusion's steady state. Nothing reads a clock: time is an argument.
+//!
+//! Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*
+//! (Wiley, 2001), for all but [`repaired`]; the modules name the chapter.
+
+#![forbid(unsafe_code)]
+
+mod definite;
+mod distance;
+mod gaussian;
+mod initiation;
+mod motion;
+#[cfg(test)]
+mod testing;
+mod update;
+
+pub use definite::{is_positive_definite, repaired};
+pub use distance::{ComparedComponents, squared_length, statistical_distance};
+pub use gaussian::{Gaussian, Matrix6, Vector6, packed, unpacked};
+pub use initiation::FirstVelocity;
+pub use motion::{AxisNoise, NearlyConstantVelocity};
+pub use update::Innovation;

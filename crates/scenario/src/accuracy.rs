@@ -1,0 +1,484 @@
+//! How good the fused picture is, against the truth.
+//!
+//! A picture is the set of system tracks at one time. Each track is matched with at most one target, each target with
+//! at most one track: first by address, since an address says who the target is, then the rest by closeness, the
+//! closest pair first. What remains is counted by its cause:
+//!
+//! - *duplicate*: a further track near a target that is already held, or with its address;
+//! - *false track*: a track with no target near it;
+//! - *missed target*: a target that no track holds;
+//! - *identity error*: a track near some target that carries the address of another, or of none.
+//!
+//! Position errors are horizontal. Their distribution is kept in a histogram in millimetres (three significant
+//! digits), so memory does not grow with the length of the run.
+
+use hdrhistogram::Histogram;
+use messages::{NS_PER_S, SystemTrack, TrackState};
+use serde::Serialize;
+
+use crate::truth::TargetState;
+
+/// Largest error that the histogram tells from others, millimetres; a gate cannot be larger.
+const ERROR_MAX_MM: u64 = 1_000_000_000;
+/// The gate that suits aircraft and their sensors, metres.
+const GATE_M: f64 = 1000.0;
+
+/// One system track of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureTrack {
+    /// System-track number.
+    pub track_number: u32,
+    /// East, north, up, metres, at the picture's time.
+    pub position_m: [f64; 3],
+    /// 24-bit address, where the track has one.
+    pub address: Option<u32>,
+}
+
+impl PictureTrack {
+    /// A system track moved along its velocity to the picture's time; `None` unless it is confirmed or coasted, the
+    /// states in which it is shown.
+    pub fn from_system_track(track: &SystemTrack, at_utc_ns: i64) -> Option<Self> {
+        let shown = matches!(
+            TrackState::from_code(track.state),
+            Some(TrackState::Confirmed | TrackState::Coasted)
+        );
+        let seconds = (at_utc_ns - track.reference_time_ns) as f64 / NS_PER_S;
+        shown.then(|| Self {
+            track_number: track.track_number,
+            position_m: std::array::from_fn(|axis| track.position_m[axis] + track.velocity_mps[axis] * seconds),
+            address: track.identity.address(),
+        })
+    }
+}
+
+/// Accumulates pictures; see the module's documentation.
+#[derive(Clone, Debug)]
+pub struct Accuracy {
+    gate_m: f64,
+    counts: Counts,
+    error_sum_m: f64,
+    error_square_sum_m2: f64,
+    errors_mm: Histogram<u64>,
+    scratch: Scratch,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    pictures: u64,
+    targets: u64,
+    held: u64,
+    held_once: u64,
+    duplicates: u64,
+    false_tracks: u64,
+    identity_errors: u64,
+}
+
+/// What an [`Accuracy`] has found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AccuracyReport {
+    /// Pictures compared.
+    pub pictures: u64,
+    /// Targets per picture, on average.
+    pub targets: f64,
+    /// Share of targets that exactly one track holds, over all pictures; 0 to 1.
+    pub held_once_share: f64,
+    /// Share of targets that no track holds, over all pictures; 0 to 1.
+    pub missed_share: f64,
+    /// Duplicates per picture, on average.
+    pub duplicates: f64,
+    /// False tracks per picture, on average.
+    pub false_tracks: f64,
+    /// Tracks with a wrong address near a target, summed over all pictures.
+    pub identity_errors: u64,
+    /// Horizontal errors that the following figures rest on: one per held target and picture.
+    pub errors: u64,
+    /// Mean horizontal error, metres.
+    pub mean_m: f64,
+    /// Root of the mean squared horizontal error, metres.
+    pub rms_m: f64,
+    /// 95 % of the horizontal errors are not larger than this, metres.
+    pub p95_m: f64,
+    /// Largest horizontal error, metres.
+    pub max_m: f64,
+}
+
+impl Default for Accuracy {
+    fn default() -> Self {
+        Self::new(GATE_M)
+    }
+}
+
+impl Accuracy {
+    /// Nothing yet; tracks and targets more than `gate_m` metres apart in the plane (at most 1,000 km) have nothing to
+    /// do with each other.
+    ///
+    /// # Panics
+    /// If the gate is not a positive number within that limit.
+    pub fn new(gate_m: f64) -> Self {
+        assert!(
+            gate_m > 0.0 && gate_m * 1000.0 <= ERROR_MAX_MM as f64,
+            "a gate is positive and at most 1,000 km"
+        );
+        Self {
+            gate_m,
+            counts: Counts::default(),
+            error_sum_m: 0.0,
+            error_square_sum_m2: 0.0,
+            errors_mm: Histogram::new_with_bounds(1, ERROR_MAX_MM, 3)
+                .expect("the bounds are constants that suit each other"),
+            scratch: Scratch::default(),
+        }
+    }
+
+    /// Adds one picture: the targets that should be seen at a time, and the tracks of that time. The order of either
+    /// does not matter.
+    pub fn add_picture(&mut self, targets: &[TargetState], tracks: &[PictureTrack]) {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        scratch.begin(targets, tracks.len());
+        self.match_by_address(targets, tracks, &mut scratch);
+        self.match_by_closeness(targets, tracks, &mut scratch);
+        self.count_unmatched(targets, tracks, &mut scratch);
+        self.count_targets(&scratch);
+        self.scratch = scratch;
+    }
+
+    /// The figures so far; shares, means and errors are 0 while there is nothing to divide by.
+    pub fn report(&self) -> AccuracyReport {
+        let counts = &self.counts;
+        let ratio = |count: u64, of: u64| if of == 0 { 0.0 } else { count as f64 / of as f64 };
+        let errors = self.errors_mm.len();
+        let mean = |sum: f64| if errors == 0 { 0.0 } else { sum / errors as f64 };
+        AccuracyReport {
+            pictures: counts.pictures,
+            targets: ratio(counts.targets, counts.pictures),
+            held_once_share: ratio(counts.held_once, counts.targets),
+            missed_share: ratio(counts.targets - counts.held, counts.targets),
+            duplicates: ratio(counts.duplicates, counts.pictures),
+            false_tracks: ratio(counts.false_tracks, counts.pictures),
+            identity_errors: counts.identity_errors,
+            errors,
+            mean_m: mean(self.error_sum_m),
+            rms_m: mean(self.error_square_sum_m2).sqrt(),
+            p95_m: self.errors_mm.value_at_quantile(0.95) as f64 / 1000.0,
+            max_m: self.errors_mm.max() as f64 / 1000.0,
+        }
+    }
+
+    /// A track within the gate of the target whose address it carries holds that target; of several, the closest.
+    fn match_by_address(&mut self, targets: &[TargetState], tracks: &[PictureTrack], scratch: &mut Scratch) {
+        for (index, track) in tracks.iter().enumerate() {
+            let Some(address) = track.address else {
+                continue;
+            };
+            let target = scratch
+                .by_address
+                .binary_search_by_key(&address, |(address, _)| *address)
+                .map(|place| scratch.by_address[place].1);
+            match target {
+                Ok(target) if distance_m(track, &targets[target]) <= self.gate_m => {
+                    scratch.pairs.push(Pair::new(track, index, &targets[target], target));
+                }
+                _ => {
+                    let near = scratch.nearest(track, targets, self.gate_m).is_some();
+                    self.counts.identity_errors += u64::from(near);
+                }
+            }
+        }
+        scratch.sort_pairs();
+        for place in 0..scratch.pairs.len() {
+            let pair = scratch.pairs[place];
+            scratch.used[pair.track] = true;
+            if scratch.held[pair.target].error_m.is_none() {
+                scratch.hold(&pair);
+            } else {
+                scratch.held[pair.target].duplicates += 1;
+            }
+        }
+    }
+
+    fn match_by_closeness(&self, targets: &[TargetState], tracks: &[PictureTrack], scratch: &mut Scratch) {
+        for (index, track) in tracks.iter().enumerate() {
+            if scratch.used[index] {
+                continue;
+            }
+            for place in scratch.east_of(track.position_m[0], self.gate_m) {
+                let target = scratch.by_east[place].1;
+                let free = scratch.held[target].error_m.is_none();
+                if free && distance_m(track, &targets[target]) <= self.gate_m {
+                    scratch.pairs.push(Pair::new(track, index, &targets[target], target));
+                }
+            }
+        }
+        scratch.sort_pairs();
+        for place in 0..scratch.pairs.len() {
+            let pair = scratch.pairs[place];
+            if !scratch.used[pair.track] && scratch.held[pair.target].error_m.is_none() {
+                scratch.used[pair.track] = true;
+                scratch.hold(&pair);
+            }
+        }
+    }
+
+    fn count_unmatched(&mut self, targets: &[TargetState], tracks: &[PictureTrack], scratch: &mut Scratch) {
+        for (index, track) in tracks.iter().enumerate() {
+            if scratch.used[index] {
+                continue;
+            }
+            match scratch.nearest(track, targets, self.gate_m) {
+                Some(target) => scratch.held[target].duplicates += 1,
+                None => self.counts.false_tracks += 1,
+            }
+        }
+    }
+
+    fn count_targets(&mut self, scratch: &Scratch) {
+        self.counts.pictures += 1;
+        self.counts.targets += scratch.held.len() as u64;
+        for held in &scratch.held {
+            self.counts.duplicates += u64::from(held.duplicates);
+            let Some(error_m) = held.error_m else {
+                continue;
+            };
+            self.counts.held += 1;
+            self.counts.held_once += u64::from(held.duplicates == 0);
+            self.error_sum_m += error_m;
+            self.error_square_sum_m2 += error_m * error_m;
+            self.errors_mm.saturating_record((error_m * 1000.0).round() as u64);
+        }
+    }
+}
+
+/// What is known of a target in the picture at hand.
+#[derive(Clone, Copy, Debug, Default)]
+struct Held {
+    /// Error of the track that holds it, if one does.
+    error_m: Option<f64>,
+    duplicates: u32,
+}
+
+/// A track and a target that could belong together, by their places in the picture.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    distance_m: f64,
+    track_number: u32,
+    target_id: u32,
+    track: usize,
+    target: usize,
+}
+
+impl Pair {
+    fn new(track: &PictureTrack, index: usize, target: &TargetState, target_index: usize) -> Self {
+        Self {
+            distance_m: distance_m(track, target),
+            track_number: track.track_number,
+            target_id: target.id,
+            track: index,
+            target: target_index,
+        }
+    }
+}
+
+/// Working memory, kept from picture to picture.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    /// Targets sorted by address.
+    by_address: Vec<(u32, usize)>,
+    /// Targets sorted by their position east, so that neighbours are found without looking at all.
+    by_east: Vec<(f64, usize)>,
+    pairs: Vec<Pair>,
+    /// By target.
+    held: Vec<Held>,
+    /// By track: whether it is matched or counted.
+    used: Vec<bool>,
+}
+
+impl Scratch {
+    fn begin(&mut self, targets: &[TargetState], tracks: usize) {
+        self.by_address.clear();
+        self.by_east.clear();
+        for (index, target) in targets.iter().enumerate() {
+            self.by_address.push((target.address, index));
+            self.by_east.push((target.position_m[0], index));
+        }
+        self.by_address.sort_unstable();
+        self.by_east
+            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        self.held.clear();
+        self.held.resize(targets.len(), Held::default());
+        self.used.clear();
+        self.used.resize(tracks, false);
+        self.pairs.clear();
+    }
+
+    /// Closest pair first; numbers decide between equally close ones.
+    fn sort_pairs(&mut self) {
+        self.pairs.sort_unstable_by(|a, b| {
+            a.distance_m
+                .total_cmp(&b.distance_m)
+                .then(a.target_id.cmp(&b.target_id))
+                .then(a.track_number.cmp(&b.track_number))
+        });
+    }
+
+    fn hold(&mut self, pair: &Pair) {
+        self.held[pair.target].error_m = Some(pair.distance_m);
+    }
+
+    /// Places in `by_east` of the targets no farther than the gate to east or west.
+    fn east_of(&self, east_m: f64, gate_m: f64) -> std::ops::Range<usize> {
+        let begin = self.by_east.partition_point(|(east, _)| *east < east_m - gate_m);
+        let end = self.by_east.partition_point(|(east, _)| *east <= east_m + gate_m);
+        begin..end.max(begin)
+    }
+
+    fn nearest(&self, track: &PictureTrack, targets: &[TargetState], gate_m: f64) -> Option<usize> {
+        self.east_of(track.position_m[0], gate_m)
+            .map(|place| self.by_east[place].1)
+            .map(|target| (distance_m(track, &targets[target]), targets[target].id, target))
+            .filter(|(distance_m, _, _)| *distance_m <= gate_m)
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+            .map(|(_, _, target)| target)
+    }
+}
+
+fn distance_m(track: &PictureTrack, target: &TargetState) -> f64 {
+    (track.position_m[0] - target.position_m[0]).hypot(track.position_m[1] - target.position_m[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::truth::TargetKind;
+
+    fn target(id: u32, east: f64, north: f64) -> TargetState {
+        TargetState {
+            id,
+            kind: TargetKind::EnRoute,
+            position_m: [east, north, 9000.0],
+            velocity_mps: [200.0, 0.0, 0.0],
+            address: 0x84_0000 + id,
+            callsign: *b"KSK001  ",
+            mode_3a: Some(1),
+            on_ground: false,
+        }
+    }
+
+    fn track(track_number: u32, east: f64, north: f64, of: Option<u32>) -> PictureTrack {
+        PictureTrack {
+            track_number,
+            position_m: [east, north, 0.0],
+            address: of.map(|id| 0x84_0000 + id),
+        }
+    }
+
+    fn report(targets: &[TargetState], tracks: &[PictureTrack]) -> AccuracyReport {
+        let mut accuracy = Accuracy::default();
+        accuracy.add_picture(targets, tracks);
+        accuracy.report()
+    }
+
+    #[test]
+    fn perfect_picture() {
+        let targets = [target(0, 0.0, 0.0), target(1, 500.0, 0.0)];
+        let tracks = [track(1, 3.0, 4.0, Some(0)), track(2, 500.0, 10.0, None)];
+        let report = report(&targets, &tracks);
+        assert_eq!((report.held_once_share, report.missed_share), (1.0, 0.0));
+        assert_eq!((report.duplicates, report.false_tracks), (0.0, 0.0));
+        assert_eq!((report.identity_errors, report.errors), (0, 2));
+        assert!((report.mean_m - 7.5).abs() < 1e-9);
+        assert!((report.rms_m - 62.5f64.sqrt()).abs() < 1e-9);
+        assert!((report.max_m - 10.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn address_counts_more_than_closeness() {
+        let targets = [target(0, 0.0, 0.0), target(1, 300.0, 0.0)];
+        // Track 1 is nearer to target 1 but says that it is target 0.
+        let tracks = [track(1, 200.0, 0.0, Some(0)), track(2, 310.0, 0.0, None)];
+        let report = report(&targets, &tracks);
+        assert_eq!((report.held_once_share, report.identity_errors), (1.0, 0));
+        assert!((report.mean_m - 105.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_goes_wrong_is_counted_by_its_cause() {
+        let targets = [
+            target(0, 0.0, 0.0),
+            target(1, 10_000.0, 0.0),
+            target(2, 20_000.0, 0.0),
+            target(3, 30_000.0, 0.0),
+        ];
+        let tracks = [
+            track(1, 5.0, 0.0, Some(0)),
+            track(2, 50.0, 0.0, Some(0)), // duplicate by address
+            track(3, 10_010.0, 0.0, None),
+            track(4, 10_200.0, 0.0, None),     // duplicate by closeness
+            track(5, 20_000.0, 30.0, Some(0)), // holds target 2 under a wrong name
+            track(6, 50_000.0, 0.0, None),     // false
+            track(7, 60_000.0, 0.0, Some(3)),  // false: far from the target it names
+        ];
+        let report = report(&targets, &tracks);
+        assert_eq!((report.pictures, report.targets), (1, 4.0));
+        assert_eq!((report.held_once_share, report.missed_share), (0.25, 0.25));
+        assert_eq!((report.duplicates, report.false_tracks), (2.0, 2.0));
+        assert_eq!((report.identity_errors, report.errors), (1, 3));
+    }
+
+    #[test]
+    fn order_does_not_matter() {
+        let mut targets: Vec<TargetState> = (0..40)
+            .map(|id| target(id, f64::from(id * 37 % 40) * 300.0, f64::from(id % 7) * 200.0))
+            .collect();
+        let mut tracks: Vec<PictureTrack> = (0..50)
+            .map(|number| {
+                let named = (number % 3 == 0).then_some(number % 45);
+                track(
+                    number,
+                    f64::from(number * 23 % 50) * 250.0,
+                    f64::from(number % 5) * 250.0,
+                    named,
+                )
+            })
+            .collect();
+        let before = report(&targets, &tracks);
+        targets.reverse();
+        tracks.rotate_left(17);
+        let after = report(&targets, &tracks);
+        assert!((before.mean_m - after.mean_m).abs() < 1e-9);
+        assert_eq!(
+            AccuracyReport {
+                mean_m: 0.0,
+                rms_m: 0.0,
+                ..before
+            },
+            AccuracyReport {
+                mean_m: 0.0,
+                rms_m: 0.0,
+                ..after
+            }
+        );
+    }
+
+    #[test]
+    fn nothing_to_divide_by() {
+        let report = Accuracy::default().report();
+        assert_eq!((report.errors, report.mean_m, report.held_once_share), (0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn system_tracks_are_moved_to_the_time_of_the_picture() {
+        let mut system = SystemTrack {
+            reference_time_ns: 1_000_000_000,
+            track_number: 9,
+            position_m: [0.0, 10.0, 20.0],
+            velocity_mps: [100.0, 0.0, -2.0],
+            state: TrackState::Coasted as u8,
+            ..SystemTrack::default()
+        };
+        let moved = PictureTrack::from_system_track(&system, 1_500_000_000).expect("shown");
+        assert_eq!(moved.position_m, [50.0, 10.0, 19.0]);
+        assert_eq!((moved.track_number, moved.address), (9, None));
+        system.state = TrackState::Tentative as u8;
+        assert_eq!(PictureTrack::from_system_track(&system, 0), None);
+    }
+}

@@ -1,0 +1,37 @@
+//! A simulated world: targets that move by known laws, and sensors that see them imperfectly.
+//!
+//! A demonstration or a test needs reports whose truth is known. [`Truth`] says where every target is at any time;
+//! a [`SimulatedSensor`] looks at it as a radar, a multilateration system or an ADS-B receiver would, tracks what it
+//! sees with a filter of its own, and delivers sensor tracks; [`Accuracy`] compares the fused picture with the truth.
+//!
+//! Everything is a pure function of settings, seed and time. Truth is closed-form in time, so it can be asked for any
+//! moment in any order and by any process, and never ends. Every random number is drawn from a stream of its own,
+//! named by what it is for (seed, sensor, target, look), so no result depends on which other draws were made before.
+//! A sensor process that is restarted in mid-scenario therefore finds the same truth and the same measurements; only
+//! its tracks begin anew, as those of a real sensor would.
+//!
+//! Simplifications: the earth is flat (the system's East-North-Up frame), radars measure the range already corrected
+//! for slant, and no sensor confuses two targets with each other.
+
+#![forbid(unsafe_code)]
+
+mod accuracy;
+mod error;
+mod false_target;
+mod local_track;
+mod measurement;
+mod path;
+mod random;
+mod schedule;
+mod sensor;
+mod sensor_settings;
+mod settings;
+mod traffic;
+mod truth;
+
+pub use accuracy::{Accuracy, AccuracyReport, PictureTrack};
+pub use error::SettingsError;
+pub use sensor::{FALSE_TARGETS_MAX, SimulatedSensor};
+pub use sensor_settings::{SensorIdentity, SensorKind, SensorSettings};
+pub use settings::{ScenarioSettings, TARGETS_MAX};
+pub use truth::{TargetKind, TargetState, Truth};

@@ -1,0 +1,133 @@
+//! The track that a sensor keeps of one target: a filter and a life cycle.
+//!
+//! The first hit starts a tentative track; further hits confirm it; a confirmed track without a hit is coasted; too
+//! many misses in a row terminate it. The sensor says so once, and gives a new number if the target returns.
+
+use estimation::Gaussian;
+use messages::TrackState;
+
+use crate::measurement::Measurement;
+use crate::sensor_settings::Tracking;
+
+/// See the module's documentation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalTrack {
+    pub(crate) number: u32,
+    pub(crate) gaussian: Gaussian,
+    pub(crate) state: TrackState,
+    /// Looks that found the target since the track began.
+    pub(crate) hits: u32,
+    /// Looks in a row, up to the latest, that did not.
+    misses: u32,
+    time_s: f64,
+}
+
+impl LocalTrack {
+    pub(crate) fn new(number: u32, time_s: f64, first: &Measurement, tracking: &Tracking) -> Self {
+        let velocity = tracking.first_velocity;
+        let gaussian = if first.height {
+            Gaussian::from_first_position(first.position_m, first.covariance_m2, velocity)
+        } else {
+            let (position, covariance) = first.plane();
+            Gaussian::from_first_position(position, covariance, velocity)
+        };
+        Self {
+            number,
+            gaussian,
+            state: if tracking.confirming_hits <= 1 {
+                TrackState::Confirmed
+            } else {
+                TrackState::Tentative
+            },
+            hits: 1,
+            misses: 0,
+            time_s,
+        }
+    }
+
+    /// Brings the track to the time of a look and tells it what the look found.
+    pub(crate) fn look(&mut self, time_s: f64, found: Option<&Measurement>, tracking: &Tracking) {
+        self.gaussian = tracking.motion.predicted(&self.gaussian, time_s - self.time_s);
+        self.time_s = time_s;
+        match found {
+            Some(measurement) => {
+                self.update(measurement, tracking);
+                self.hits += 1;
+                self.misses = 0;
+                if self.hits >= tracking.confirming_hits {
+                    self.state = TrackState::Confirmed;
+                }
+            }
+            None => {
+                self.misses += 1;
+                let (misses_max, otherwise) = match self.state {
+                    TrackState::Tentative => (tracking.misses_max_tentative, TrackState::Tentative),
+                    _ => (tracking.misses_max, TrackState::Coasted),
+                };
+                self.state = if self.misses >= misses_max {
+                    TrackState::Terminated
+                } else {
+                    otherwise
+                };
+            }
+        }
+    }
+
+    fn update(&mut self, measurement: &Measurement, tracking: &Tracking) {
+        let updated = if measurement.height {
+            self.gaussian
+                .update_position(measurement.position_m, measurement.covariance_m2)
+                .is_some()
+        } else {
+            let (position, covariance) = measurement.plane();
+            self.gaussian.forget_height(tracking.first_velocity);
+            self.gaussian.update_position(position, covariance).is_some()
+        };
+        debug_assert!(updated, "simulated covariances are positive definite");
+    }
+
+    /// Whether the velocity rests on more than the assumption about it.
+    pub(crate) fn has_velocity(&self) -> bool {
+        self.hits >= 2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix3, Vector3};
+
+    use super::*;
+    use crate::sensor_settings::{SensorKind, SensorSettings};
+
+    #[test]
+    fn life_cycle() {
+        use TrackState::*;
+        let tracking = SensorSettings::new(SensorKind::Radar)
+            .checked()
+            .expect("usable")
+            .tracking;
+        let measurement = Measurement {
+            position_m: Vector3::zeros(),
+            covariance_m2: Matrix3::identity(),
+            height: true,
+        };
+        let follow = |looks: &str| {
+            let mut track = LocalTrack::new(1, 0.0, &measurement, &tracking);
+            let mut states = vec![track.state];
+            for (index, look) in looks.chars().enumerate() {
+                let found = (look == 'x').then_some(&measurement);
+                track.look(4.0 * (index + 1) as f64, found, &tracking);
+                states.push(track.state);
+            }
+            states
+        };
+        assert_eq!(
+            follow("xx-x---"),
+            [
+                Tentative, Tentative, Confirmed, Coasted, Confirmed, Coasted, Coasted, Terminated
+            ]
+        );
+        assert_eq!(follow("-x-x"), [Tentative, Tentative, Tentative, Tentative, Confirmed]);
+        assert_eq!(follow("--"), [Tentative, Tentative, Terminated]);
+    }
+}

@@ -1,0 +1,90 @@
+//! What traffic there is.
+
+use serde::Deserialize;
+
+use crate::error::{SettingsError, count_within, within};
+
+/// Most targets of a scenario.
+pub const TARGETS_MAX: u32 = 100_000;
+
+/// The targets of a scenario. What is not given is as in `ScenarioSettings::default()`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ScenarioSettings {
+    /// How many targets there are, 1 to 100,000 (default 80). Those that no share speaks of fly en route.
+    pub targets: u32,
+    /// Half the side of the square in which en-route paths have their centres, metres, 40,000 to 400,000 (100,000).
+    pub half_width_m: f64,
+    /// Share of targets that depart from the airport at the origin and come back to land there (0.2).
+    pub terminal_share: f64,
+    /// Share of targets that fly holding patterns, several above each other (0.1).
+    pub holding_share: f64,
+    /// Share of targets that are vehicles on the airport's surface (0.2).
+    pub surface_share: f64,
+    /// Share of the en-route targets that meet another one, crossing its path at the same time in every lap (0.3).
+    pub crossing_share: f64,
+}
+
+impl Default for ScenarioSettings {
+    fn default() -> Self {
+        Self {
+            targets: 80,
+            half_width_m: 100_000.0,
+            terminal_share: 0.2,
+            holding_share: 0.1,
+            surface_share: 0.2,
+            crossing_share: 0.3,
+        }
+    }
+}
+
+impl ScenarioSettings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used, with its value and what it has to be.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        count_within("targets", self.targets, 1, TARGETS_MAX)?;
+        within("half_width_m", self.half_width_m, 40_000.0, 400_000.0)?;
+        within("terminal_share", self.terminal_share, 0.0, 1.0)?;
+        within("holding_share", self.holding_share, 0.0, 1.0)?;
+        within("surface_share", self.surface_share, 0.0, 1.0)?;
+        within("crossing_share", self.crossing_share, 0.0, 1.0)?;
+        let sum = self.terminal_share + self.holding_share + self.surface_share;
+        if sum > 1.0 + 1e-9 {
+            return Err(SettingsError::new(
+                "terminal_share + holding_share + surface_share",
+                sum,
+                "at most 1",
+            ));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_name_key_value_and_limit() {
+        ScenarioSettings::default().validate().expect("defaults are usable");
+        let refused = |settings: &str| {
+            toml::from_str::<ScenarioSettings>(settings)
+                .expect("well-formed")
+                .validate()
+                .expect_err("not usable")
+                .to_string()
+        };
+        assert_eq!(refused("targets = 0"), "targets = 0: must be between 1 and 100000");
+        assert_eq!(
+            refused("half_width_m = nan"),
+            "half_width_m = NaN: must be between 40000 and 400000"
+        );
+        assert_eq!(
+            refused("terminal_share = 0.75\nsurface_share = 0.5\nholding_share = 0"),
+            "terminal_share + holding_share + surface_share = 1.25: must be at most 1"
+        );
+        assert!(toml::from_str::<ScenarioSettings>("target = 3").is_err(), "unknown key");
+    }
+}

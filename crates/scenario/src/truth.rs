@@ -1,0 +1,261 @@
+//! Where every target is, at any time.
+
+use messages::Callsign;
+
+use crate::error::SettingsError;
+use crate::path::ClosedPath;
+use crate::settings::ScenarioSettings;
+use crate::traffic;
+
+/// What a target is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TargetKind {
+    /// An aircraft between airports, fast and high.
+    EnRoute,
+    /// An aircraft that departs, flies a wide circuit, and lands.
+    Terminal,
+    /// An aircraft in a holding pattern.
+    Holding,
+    /// A vehicle on the airport's surface.
+    Surface,
+}
+
+impl TargetKind {
+    /// Speed that targets of this kind never exceed, m/s, vertical speed included.
+    pub fn speed_max_mps(self) -> f64 {
+        match self {
+            Self::EnRoute => 260.0,
+            Self::Terminal => 200.0,
+            Self::Holding => 130.0,
+            Self::Surface => 20.0,
+        }
+    }
+}
+
+/// One target at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetState {
+    /// Number of the target, from 0.
+    pub id: u32,
+    /// What it is.
+    pub kind: TargetKind,
+    /// East, north, up, metres.
+    pub position_m: [f64; 3],
+    /// East, north, up, metres per second.
+    pub velocity_mps: [f64; 3],
+    /// 24-bit address; no two targets share one.
+    pub address: u32,
+    /// Callsign, padded with blanks; no two targets share one.
+    pub callsign: Callsign,
+    /// Mode 3/A code; vehicles have none, and the codes of more than 3,840 targets repeat.
+    pub mode_3a: Option<u16>,
+    /// Whether it touches the ground.
+    pub on_ground: bool,
+}
+
+/// One target for all time.
+#[derive(Clone, Debug)]
+pub(crate) struct Target {
+    pub(crate) kind: TargetKind,
+    pub(crate) path: ClosedPath,
+    /// Where in its lap the target is at time 0, seconds.
+    pub(crate) lead_s: f64,
+    /// Added to every position of the path, metres.
+    pub(crate) offset_m: [f64; 3],
+    pub(crate) address: u32,
+    pub(crate) callsign: Callsign,
+    pub(crate) mode_3a: Option<u16>,
+}
+
+/// Heights below this count as on the ground, metres.
+const GROUND_HEIGHT_M: f64 = 0.5;
+
+/// The simulated truth: a function of time.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    targets: Vec<Target>,
+}
+
+impl Truth {
+    /// Draws up the traffic. The same settings and seed give the same traffic.
+    ///
+    /// # Errors
+    /// A setting that cannot be used.
+    pub fn new(settings: &ScenarioSettings, seed: u64) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self {
+            targets: traffic::targets(settings, seed),
+        })
+    }
+
+    /// How many targets there are; their numbers are 0 to this, exclusive.
+    pub fn len(&self) -> usize {
+        self.targets.len()
+    }
+
+    /// Whether there are no targets (never so for valid settings).
+    pub fn is_empty(&self) -> bool {
+        self.targets.is_empty()
+    }
+
+    /// Every target `time_s` seconds after the scenario's start, in the order of their numbers.
+    pub fn at(&self, time_s: f64) -> impl ExactSizeIterator<Item = TargetState> + '_ {
+        (0..self.targets.len()).map(move |index| self.target_at(index, time_s))
+    }
+
+    /// Target number `index` `time_s` seconds after the scenario's start.
+    ///
+    /// # Panics
+    /// If there is no such target.
+    pub fn target_at(&self, index: usize, time_s: f64) -> TargetState {
+        let target = &self.targets[index];
+        let state = target.path.at(target.lead_s + time_s);
+        let position_m: [f64; 3] = std::array::from_fn(|axis| state.position_m[axis] + target.offset_m[axis]);
+        TargetState {
+            id: index as u32,
+            kind: target.kind,
+            position_m,
+            velocity_mps: state.velocity_mps,
+            address: target.address,
+            callsign: target.callsign,
+            mode_3a: target.mode_3a,
+            on_ground: position_m[2] < GROUND_HEIGHT_M,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    fn truth(seed: u64) -> Truth {
+        Truth::new(&ScenarioSettings::default(), seed).expect("valid")
+    }
+
+    #[test]
+    fn same_seed_same_truth_in_any_order() {
+        let (a, b) = (truth(7), truth(7));
+        let forward: Vec<Vec<TargetState>> = (0..50).map(|step| a.at(f64::from(step) * 77.7).collect()).collect();
+        let mut backward: Vec<Vec<TargetState>> = (0..50)
+            .rev()
+            .map(|step| b.at(f64::from(step) * 77.7).collect())
+            .collect();
+        backward.reverse();
+        assert_eq!(forward, backward);
+        assert_ne!(forward[0], truth(8).at(0.0).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn identities_are_unique() {
+        let settings = ScenarioSettings {
+            targets: 3000,
+            ..ScenarioSettings::default()
+        };
+        let truth = Truth::new(&settings, 1).expect("valid");
+        let states: Vec<TargetState> = truth.at(0.0).collect();
+        let addresses: HashSet<u32> = states.iter().map(|state| state.address).collect();
+        let callsigns: HashSet<Callsign> = states.iter().map(|state| state.callsign).collect();
+        let codes: Vec<u16> = states.iter().filter_map(|state| state.mode_3a).collect();
+        assert_eq!(addresses.len(), 3000);
+        assert_eq!(callsigns.len(), 3000);
+        assert_eq!(codes.iter().collect::<HashSet<_>>().len(), codes.len());
+        assert!(addresses.iter().all(|address| *address < 1 << 24));
+        assert!(codes.iter().all(|code| *code <= 0o7400 && *code > 0));
+    }
+
+    /// Continuity over hours: no target moves farther than its speed limit allows, and all stay in the area.
+    #[test]
+    fn continuous_and_within_limits() {
+        for seed in [1, 2, 3] {
+            let truth = truth(seed);
+            for start_s in [0.0, 7_200.0, 86_400.0] {
+                let mut before: Vec<TargetState> = truth.at(start_s).collect();
+                for step in 1..4000 {
+                    let dt = 0.5;
+                    let now: Vec<TargetState> = truth.at(start_s + f64::from(step) * dt).collect();
+                    for (a, b) in before.iter().zip(&now) {
+                        check_step(a, b, dt);
+                    }
+                    before = now;
+                }
+            }
+        }
+    }
+
+    fn check_step(a: &TargetState, b: &TargetState, dt: f64) {
+        let limit = b.kind.speed_max_mps();
+        let moved = length(std::array::from_fn(|axis| b.position_m[axis] - a.position_m[axis]));
+        assert!(moved <= limit * dt + 1e-6, "{a:?} {b:?}");
+        assert!(length(b.velocity_mps) <= limit, "{b:?}");
+        let change = length(std::array::from_fn(|axis| b.velocity_mps[axis] - a.velocity_mps[axis]));
+        assert!(change <= 12.0 * dt, "more than 12 m/s²: {a:?} {b:?}");
+        assert!(b.velocity_mps[2].abs() <= 30.0, "{b:?}");
+        assert!(b.position_m[2] >= -1e-9 && b.position_m[2] <= 13_000.0, "{b:?}");
+        let [x, y, _] = b.position_m;
+        assert!(x.abs() <= 220_000.0 && y.abs() <= 220_000.0, "{b:?}");
+    }
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig::with_cases(64))]
+
+        /// No draw of any seed and size makes a path that cannot be flown, or one that leaves its limits.
+        #[test]
+        fn every_draw_can_be_flown(
+            seed: u64, half_width_m in 40_000.0..400_000.0f64, surface in 0.0..0.5f64, start_s in 0.0..1e5f64,
+        ) {
+            let settings = ScenarioSettings {
+                targets: 200,
+                half_width_m,
+                surface_share: surface,
+                crossing_share: 1.0,
+                ..ScenarioSettings::default()
+            };
+            let truth = Truth::new(&settings, seed).expect("valid");
+            for step in 0..50 {
+                for state in truth.at(start_s + f64::from(step) * 61.7) {
+                    assert!(length(state.velocity_mps) <= state.kind.speed_max_mps(), "{state:?}");
+                    assert!(state.velocity_mps[2].abs() <= 30.0, "{state:?}");
+                    assert!((-1e-9..=13_000.0).contains(&state.position_m[2]), "{state:?}");
+                }
+            }
+        }
+    }
+
+    fn length(v: [f64; 3]) -> f64 {
+        v.iter().map(|c| c * c).sum::<f64>().sqrt()
+    }
+
+    #[test]
+    fn traffic_is_mixed_and_paths_cross() {
+        let truth = truth(1);
+        let states: Vec<TargetState> = truth.at(0.0).collect();
+        let count = |kind| states.iter().filter(|state| state.kind == kind).count();
+        assert_eq!(states.len(), 80);
+        assert_eq!(count(TargetKind::EnRoute), 40);
+        assert_eq!(count(TargetKind::Terminal), 16);
+        assert_eq!(count(TargetKind::Holding), 8);
+        assert_eq!(count(TargetKind::Surface), 16);
+        // Six pairs meet: within 400 m in the plane at some time of an hour and a half.
+        let mut met = HashSet::new();
+        let mut ground = HashSet::new();
+        for step in 0..5400 {
+            let now: Vec<TargetState> = truth.at(f64::from(step)).collect();
+            let en_route: Vec<&TargetState> = now.iter().filter(|state| state.kind == TargetKind::EnRoute).collect();
+            for pair in en_route.chunks_exact(2) {
+                let [dx, dy] = [0, 1].map(|axis| pair[0].position_m[axis] - pair[1].position_m[axis]);
+                if dx.hypot(dy) < 400.0 {
+                    met.insert(pair[0].id);
+                }
+            }
+            ground.extend(
+                now.iter()
+                    .filter(|s| s.on_ground && s.kind == TargetKind::Terminal)
+                    .map(|s| s.id),
+            );
+        }
+        assert!(met.len() >= 6, "{met:?}");
+        assert_eq!(ground.len(), 16, "every circuit lands");
+    }
+}

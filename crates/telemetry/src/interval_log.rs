@@ -1,0 +1,219 @@
+//! The standard HdrHistogram log: one line per interval, stage and source.
+//!
+//! Written so that the format's usual tools read it (HistogramLogAnalyzer, HistogramLogProcessor, and hdrhistogram's
+//! own parser): version 1.3 header, start and base time, then lines `Tag=…,begin,length,max,histogram` with begin
+//! and length in seconds since the base time and the histogram in compressed V2 form. Values are nanoseconds.
+//!
+//! Tags are `stage` for all sources together and `stage/source` for one: `end_to_end`, `end_to_end/radar-west`. An
+//! interval without reports still has its lines for all sources, so that a stall shows; a silent source has none.
+
+use std::io::{self, Write};
+use std::time::{Duration, UNIX_EPOCH};
+
+use hdrhistogram::Histogram;
+use hdrhistogram::serialization::V2DeflateSerializer;
+use hdrhistogram::serialization::interval_log::{IntervalLogWriterBuilder, IntervalLogWriterError, Tag};
+
+use crate::stage::Stage;
+use crate::stages::{Span, Stages};
+
+/// See the module's documentation.
+pub struct IntervalLog<W: Write> {
+    writer: W,
+    serializer: V2DeflateSerializer,
+    start_utc_ns: i64,
+}
+
+impl<W: Write> IntervalLog<W> {
+    /// Writes the header; the log's times count from `start_utc_ns` (UTC, nanoseconds since 1970).
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn begin(mut writer: W, start_utc_ns: i64) -> io::Result<Self> {
+        let start = UNIX_EPOCH + Duration::from_nanos(start_utc_ns.max(0) as u64);
+        let mut serializer = V2DeflateSerializer::new();
+        IntervalLogWriterBuilder::new()
+            .add_comment("[Latencies of each stage and source, nanoseconds]")
+            .add_comment("[Histogram log format version 1.3]")
+            .with_start_time(start)
+            .with_base_time(start)
+            .begin_log_with(&mut writer, &mut serializer)?;
+        writeln!(
+            writer,
+            r#""StartTimestamp","Interval_Length","Interval_Max","Interval_Compressed_Histogram""#
+        )?;
+        Ok(Self {
+            writer,
+            serializer,
+            start_utc_ns,
+        })
+    }
+
+    /// Writes the interval of `stages` that was closed last; it began at `begin_utc_ns` and lasted `length_ns`.
+    /// `source_name` says what a source is called.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_interval<N: AsRef<str>>(
+        &mut self,
+        stages: &Stages,
+        begin_utc_ns: i64,
+        length_ns: u64,
+        source_name: impl Fn(u16) -> N,
+    ) -> io::Result<()> {
+        let begin = Duration::from_nanos((begin_utc_ns - self.start_utc_ns).max(0) as u64);
+        let length = Duration::from_nanos(length_ns);
+        for stage in Stage::ALL {
+            if let Some(histogram) = stages.histogram(stage, None, Span::Interval) {
+                self.write_line(stage.key(), histogram, begin, length)?;
+            }
+            for source in stages.sources() {
+                let histogram = stages.histogram(stage, Some(source), Span::Interval);
+                if let Some(histogram) = histogram.filter(|histogram| !histogram.is_empty()) {
+                    let tag = format!("{}/{}", stage.key(), fit_for_tag(source_name(source).as_ref()));
+                    self.write_line(&tag, histogram, begin, length)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Flushes the writer.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+
+    /// The writer, with all that was written.
+    pub fn into_writer(self) -> W {
+        self.writer
+    }
+
+    fn write_line(
+        &mut self,
+        tag: &str,
+        histogram: &Histogram<u64>,
+        begin: Duration,
+        length: Duration,
+    ) -> io::Result<()> {
+        // A log continued without comments and times has no header, so this adds nothing but the line.
+        IntervalLogWriterBuilder::new()
+            .begin_log_with(&mut self.writer, &mut self.serializer)?
+            .write_histogram(histogram, begin, length, Tag::new(tag))
+            .map_err(|error| match error {
+                IntervalLogWriterError::IoError(error) => error,
+                IntervalLogWriterError::SerializeError(error) => io::Error::other(error),
+            })
+    }
+}
+
+/// Tags may hold neither blanks nor commas nor line ends.
+fn fit_for_tag(name: &str) -> String {
+    name.replace([' ', ',', '\r', '\n'], "_")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use base64::Engine as _;
+    use hdrhistogram::serialization::Deserializer;
+    use hdrhistogram::serialization::interval_log::{IntervalLogIterator, LogEntry};
+    use messages::{StageTimes, SystemTrack};
+
+    use super::*;
+
+    const UTC_NS: i64 = 1_700_000_000_250_000_000;
+
+    fn track(source: u16, latency_ns: i64) -> SystemTrack {
+        SystemTrack {
+            trigger_source: source,
+            time_of_measurement_ns: UTC_NS,
+            stages: StageTimes {
+                ingested_ns: 1_000_000,
+                published_ns: 1_000_000 + latency_ns,
+                taken_ns: 1_000_000 + 2 * latency_ns,
+                fused_ns: 1_000_000 + 3 * latency_ns,
+            },
+            ..SystemTrack::default()
+        }
+    }
+
+    #[test]
+    fn reads_back_with_the_same_totals() {
+        let mut stages = Stages::default();
+        let mut log = IntervalLog::begin(Vec::new(), UTC_NS).expect("in memory");
+        for interval in 0..5i64 {
+            for report in 0..200 * interval {
+                let latency_ns = 1000 + 37 * report;
+                let track = track((report % 3) as u16, latency_ns);
+                stages.record(&track, 1_000_000 + 4 * latency_ns, UTC_NS + 5 * latency_ns);
+            }
+            stages.close_interval();
+            log.write_interval(&stages, UTC_NS + interval * 1_000_000_000, 1_000_000_000, |source| {
+                format!("sensor {source}")
+            })
+            .expect("in memory");
+        }
+        log.flush().expect("in memory");
+
+        let bytes = log.into_writer();
+        let mut read: BTreeMap<String, Histogram<u64>> = BTreeMap::new();
+        let mut intervals = 0;
+        for entry in IntervalLogIterator::new(&bytes) {
+            match entry.expect("well-formed") {
+                LogEntry::StartTime(time) | LogEntry::BaseTime(time) => {
+                    assert_eq!(time, Duration::from_millis(1_700_000_000_250));
+                }
+                LogEntry::Interval(line) => {
+                    let tag = line.tag().expect("every line has one").as_str().to_owned();
+                    intervals += u32::from(tag == "age");
+                    assert_eq!(line.duration(), Duration::from_secs(1));
+                    assert!(line.start_timestamp() <= Duration::from_secs(4));
+                    let histogram = decoded(line.encoded_histogram());
+                    read.entry(tag)
+                        .or_insert_with(|| Histogram::new(3).expect("possible"))
+                        .add(histogram)
+                        .expect("grows");
+                }
+            }
+        }
+        assert_eq!(intervals, 5, "a silent interval has its line too");
+        assert_eq!(read.len(), 6 * 4);
+        for stage in Stage::ALL {
+            assert_eq!(
+                &read[stage.key()],
+                stages.histogram(stage, None, Span::Total).expect("exists")
+            );
+            for source in 0..3u16 {
+                assert_eq!(
+                    &read[&format!("{}/sensor_{source}", stage.key())],
+                    stages.histogram(stage, Some(source), Span::Total).expect("exists")
+                );
+            }
+        }
+    }
+
+    fn decoded(text: &str) -> Histogram<u64> {
+        let bytes = base64::engine::general_purpose::STANDARD.decode(text).expect("base64");
+        Deserializer::new()
+            .deserialize(&mut bytes.as_slice())
+            .expect("a histogram")
+    }
+
+    #[test]
+    fn header() {
+        let log = IntervalLog::begin(Vec::new(), UTC_NS).expect("in memory");
+        let text = String::from_utf8(log.into_writer()).expect("text");
+        assert_eq!(
+            text,
+            "#[Latencies of each stage and source, nanoseconds]\n\
+             #[Histogram log format version 1.3]\n\
+             #[StartTime: 1700000000.250 (seconds since epoch)]\n\
+             #[BaseTime: 1700000000.250 (seconds since epoch)]\n\
+             \"StartTimestamp\",\"Interval_Length\",\"Interval_Max\",\"Interval_Compressed_Histogram\"\n"
+        );
+    }
+}

@@ -1,0 +1,365 @@
+//! Latencies per stage and source.
+//!
+//! A recording goes into the histograms of its source only; when an interval is closed they are added up over the
+//! sources and into the totals. So recording costs six increments, whatever is to be shown later.
+//!
+//! A stamp that is missing, or lies before its predecessor, or more than ten minutes after it, is no latency: it is
+//! counted, per stage, and not recorded. (The age of recorded data is years, for example.)
+
+use hdrhistogram::Histogram;
+use messages::{NO_SOURCE, SystemTrack};
+
+use crate::stage::Stage;
+use crate::summary::Summary;
+
+/// Longest latency that is recorded, nanoseconds: ten minutes.
+pub const VALUE_MAX_NS: u64 = 600_000_000_000;
+/// Most sources that have histograms of their own.
+pub const SOURCES_MAX: usize = 64;
+/// Source number under which sources beyond the maximum are recorded together.
+pub const OTHER_SOURCES: u16 = NO_SOURCE;
+
+/// Which stretch of time a figure speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Span {
+    /// The interval that was closed last.
+    Interval,
+    /// All intervals that were closed.
+    Total,
+}
+
+/// Stamps of one stage that were counted instead of recorded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Irregularities {
+    /// One of the two stamps is missing (0 or negative).
+    pub missing: u64,
+    /// The stage ended before it began.
+    pub negative: u64,
+    /// The stage took more than ten minutes.
+    pub too_long: u64,
+}
+
+/// See the module's documentation.
+#[derive(Clone, Debug)]
+pub struct Stages {
+    sources_max: usize,
+    /// In the order of their numbers.
+    sources: Vec<Source>,
+    all: [Closed; 6],
+    irregularities: [Irregularities; 6],
+    recorded: u64,
+    untriggered: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Source {
+    number: u16,
+    /// The interval that is not closed yet.
+    current: [Histogram<u64>; 6],
+    closed: [Closed; 6],
+}
+
+#[derive(Clone, Debug)]
+struct Closed {
+    interval: Histogram<u64>,
+    total: Histogram<u64>,
+}
+
+impl Closed {
+    fn new() -> Self {
+        Self {
+            interval: empty(),
+            total: empty(),
+        }
+    }
+}
+
+/// Grows with the values it is given, so that a quiet source costs little.
+fn empty() -> Histogram<u64> {
+    Histogram::new(3).expect("three significant digits are possible")
+}
+
+fn add(to: &mut Histogram<u64>, from: &Histogram<u64>) {
+    to.add(from).expect("the histogram grows as needed");
+}
+
+impl Default for Stages {
+    fn default() -> Self {
+        Self::new(SOURCES_MAX)
+    }
+}
+
+impl Stages {
+    /// Nothing recorded yet; the first `sources_max` sources that report get histograms of their own.
+    pub fn new(sources_max: usize) -> Self {
+        Self {
+            sources_max,
+            sources: Vec::with_capacity(sources_max + 1),
+            all: std::array::from_fn(|_| Closed::new()),
+            irregularities: Default::default(),
+            recorded: 0,
+            untriggered: 0,
+        }
+    }
+
+    /// Records the stages of a system track that was received at `received_ns` on the stages' monotonic clock, which
+    /// was `received_utc_ns` in UTC.
+    ///
+    /// A state that no report caused (coasting, ending) has no stages; it is counted only.
+    pub fn record(&mut self, track: &SystemTrack, received_ns: i64, received_utc_ns: i64) {
+        if track.trigger_source == NO_SOURCE {
+            self.untriggered += 1;
+            return;
+        }
+        self.recorded += 1;
+        let place = self.place_for(track.trigger_source);
+        for (index, stage) in Stage::ALL.into_iter().enumerate() {
+            let (begun_ns, ended_ns) = stage.stamps(track, received_ns, received_utc_ns);
+            let irregularities = &mut self.irregularities[index];
+            if begun_ns <= 0 || ended_ns <= 0 {
+                irregularities.missing += 1;
+            } else if ended_ns < begun_ns {
+                irregularities.negative += 1;
+            } else if (ended_ns - begun_ns) as u64 > VALUE_MAX_NS {
+                irregularities.too_long += 1;
+            } else {
+                self.sources[place].current[index]
+                    .record((ended_ns - begun_ns) as u64)
+                    .expect("the histogram grows as needed");
+            }
+        }
+    }
+
+    /// Ends the interval at hand and begins the next: what was recorded since the last call becomes
+    /// [`Span::Interval`] and is added to [`Span::Total`].
+    pub fn close_interval(&mut self) {
+        for all in &mut self.all {
+            all.interval.reset();
+        }
+        for source in &mut self.sources {
+            for (index, closed) in source.closed.iter_mut().enumerate() {
+                std::mem::swap(&mut closed.interval, &mut source.current[index]);
+                source.current[index].reset();
+                add(&mut closed.total, &closed.interval);
+                add(&mut self.all[index].interval, &closed.interval);
+            }
+        }
+        for all in &mut self.all {
+            add(&mut all.total, &all.interval);
+        }
+    }
+
+    /// Numbers of the sources that have histograms, in rising order.
+    pub fn sources(&self) -> impl ExactSizeIterator<Item = u16> + '_ {
+        self.sources.iter().map(|source| source.number)
+    }
+
+    /// Latencies of one stage in nanoseconds, of one source or (`None`) of all. `None` if the source has not reported.
+    pub fn histogram(&self, stage: Stage, source: Option<u16>, span: Span) -> Option<&Histogram<u64>> {
+        let closed = match source {
+            None => &self.all,
+            Some(number) => {
+                let place = self.sources.binary_search_by_key(&number, |source| source.number);
+                &self.sources[place.ok()?].closed
+            }
+        };
+        let closed = &closed[stage as usize];
+        Some(match span {
+            Span::Interval => &closed.interval,
+            Span::Total => &closed.total,
+        })
+    }
+
+    /// Figures of one stage, of one source or (`None`) of all; all 0 if there is nothing.
+    pub fn summary(&self, stage: Stage, source: Option<u16>, span: Span) -> Summary {
+        self.histogram(stage, source, span)
+            .map_or_else(Summary::default, Summary::from)
+    }
+
+    /// What was counted instead of recorded in one stage, since the beginning.
+    pub fn irregularities(&self, stage: Stage) -> Irregularities {
+        self.irregularities[stage as usize]
+    }
+
+    /// System tracks that were recorded, since the beginning.
+    pub fn recorded(&self) -> u64 {
+        self.recorded
+    }
+
+    /// System tracks that no report caused, since the beginning.
+    pub fn untriggered(&self) -> u64 {
+        self.untriggered
+    }
+
+    fn place_for(&mut self, number: u16) -> usize {
+        let find = |sources: &[Source], number: u16| sources.binary_search_by_key(&number, |source| source.number);
+        match find(&self.sources, number) {
+            Ok(place) => place,
+            Err(place) if self.sources.len() < self.sources_max => self.insert(place, number),
+            Err(_) => match find(&self.sources, OTHER_SOURCES) {
+                Ok(place) => place,
+                Err(place) => self.insert(place, OTHER_SOURCES),
+            },
+        }
+    }
+
+    fn insert(&mut self, place: usize, number: u16) -> usize {
+        let source = Source {
+            number,
+            current: std::array::from_fn(|_| empty()),
+            closed: std::array::from_fn(|_| Closed::new()),
+        };
+        self.sources.insert(place, source);
+        place
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::StageTimes;
+
+    use super::*;
+
+    const RECEIVED_NS: i64 = 1_000_000_000;
+    const UTC_NS: i64 = 1_700_000_000_000_000_000;
+
+    /// Stages of 1, 2, 3 and 4 units; measured 100 units before reception.
+    fn track(source: u16, unit_ns: i64) -> SystemTrack {
+        let fused_ns = RECEIVED_NS - 4 * unit_ns;
+        SystemTrack {
+            trigger_source: source,
+            time_of_measurement_ns: UTC_NS - 100 * unit_ns,
+            stages: StageTimes {
+                ingested_ns: fused_ns - 6 * unit_ns,
+                published_ns: fused_ns - 5 * unit_ns,
+                taken_ns: fused_ns - 3 * unit_ns,
+                fused_ns,
+            },
+            ..SystemTrack::default()
+        }
+    }
+
+    #[test]
+    fn figures_known_by_construction() {
+        let mut stages = Stages::default();
+        for unit_ns in 1..=1000 {
+            stages.record(&track(2, unit_ns), RECEIVED_NS, UTC_NS);
+        }
+        assert_eq!(
+            stages.summary(Stage::EndToEnd, None, Span::Total).count,
+            0,
+            "not closed yet"
+        );
+        stages.close_interval();
+        for (stage, factor) in Stage::ALL.into_iter().zip([1, 2, 3, 4, 10, 100]) {
+            let summary = stages.summary(stage, None, Span::Total);
+            assert_eq!(summary.count, 1000);
+            let near = |value: u64, expected: u64| {
+                assert!(
+                    value.abs_diff(expected) as f64 <= 1e-3 * expected as f64,
+                    "{stage:?} {value}"
+                );
+            };
+            near(summary.p50_ns, 500 * factor);
+            near(summary.p90_ns, 900 * factor);
+            near(summary.p99_ns, 990 * factor);
+            near(summary.p999_ns, 999 * factor);
+            near(summary.max_ns, 1000 * factor);
+            assert!((summary.mean_ns / (500.5 * factor as f64) - 1.0).abs() < 1e-3);
+            assert_eq!(summary, stages.summary(stage, Some(2), Span::Interval));
+            assert_eq!(stages.irregularities(stage), Irregularities::default());
+        }
+    }
+
+    #[test]
+    fn intervals_add_up_over_sources_and_time() {
+        let mut stages = Stages::default();
+        let count = |stages: &Stages, source, span| stages.summary(Stage::TakenToFused, source, span).count;
+        stages.record(&track(5, 10), RECEIVED_NS, UTC_NS);
+        stages.record(&track(1, 20), RECEIVED_NS, UTC_NS);
+        stages.close_interval();
+        stages.record(&track(5, 30), RECEIVED_NS, UTC_NS);
+        stages.close_interval();
+        assert_eq!(stages.sources().collect::<Vec<_>>(), [1, 5]);
+        assert_eq!(count(&stages, None, Span::Interval), 1);
+        assert_eq!(count(&stages, Some(1), Span::Interval), 0);
+        assert_eq!(count(&stages, Some(5), Span::Interval), 1);
+        assert_eq!(count(&stages, None, Span::Total), 3);
+        assert_eq!(count(&stages, Some(5), Span::Total), 2);
+        assert_eq!(stages.summary(Stage::TakenToFused, None, Span::Total).max_ns, 90);
+        assert_eq!(
+            stages.summary(Stage::TakenToFused, Some(7), Span::Total),
+            Summary::default()
+        );
+        stages.close_interval();
+        assert_eq!(count(&stages, None, Span::Interval), 0);
+        assert_eq!(count(&stages, None, Span::Total), 3);
+    }
+
+    #[test]
+    fn impossible_stamps_are_counted() {
+        let mut stages = Stages::default();
+        let mut missing = track(1, 10);
+        missing.stages.published_ns = 0;
+        stages.record(&missing, RECEIVED_NS, UTC_NS);
+        // Received before it was fused: another machine's clock.
+        stages.record(&track(1, 10), RECEIVED_NS - 100, UTC_NS);
+        // Recorded data: as old as the recording.
+        stages.record(&track(1, 10), RECEIVED_NS, 2 * UTC_NS);
+        stages.close_interval();
+        let counts = |stage| {
+            let Irregularities {
+                missing,
+                negative,
+                too_long,
+            } = stages.irregularities(stage);
+            let count = stages.summary(stage, None, Span::Total).count;
+            (count, missing, negative, too_long)
+        };
+        assert_eq!(counts(Stage::IngestToPublish), (2, 1, 0, 0));
+        assert_eq!(counts(Stage::PublishToTaken), (2, 1, 0, 0));
+        assert_eq!(counts(Stage::TakenToFused), (3, 0, 0, 0));
+        assert_eq!(counts(Stage::FusedToReceived), (2, 0, 1, 0));
+        assert_eq!(counts(Stage::EndToEnd), (3, 0, 0, 0));
+        assert_eq!(counts(Stage::Age), (2, 0, 0, 1));
+        assert_eq!((stages.recorded(), stages.untriggered()), (3, 0));
+    }
+
+    #[test]
+    fn states_without_a_report_are_counted() {
+        let mut stages = Stages::default();
+        stages.record(&track(NO_SOURCE, 10), RECEIVED_NS, UTC_NS);
+        stages.close_interval();
+        assert_eq!((stages.recorded(), stages.untriggered()), (0, 1));
+        assert_eq!(stages.summary(Stage::EndToEnd, None, Span::Total).count, 0);
+    }
+
+    #[test]
+    fn sources_beyond_the_maximum_are_recorded_together() {
+        let mut stages = Stages::new(2);
+        for source in [3, 1, 4, 1, 5, 9, 2, 6] {
+            stages.record(&track(source, 10), RECEIVED_NS, UTC_NS);
+        }
+        stages.close_interval();
+        assert_eq!(stages.sources().collect::<Vec<_>>(), [1, 3, OTHER_SOURCES]);
+        let count = |source| stages.summary(Stage::EndToEnd, source, Span::Total).count;
+        assert_eq!((count(Some(1)), count(Some(3)), count(Some(OTHER_SOURCES))), (2, 1, 5));
+        assert_eq!(count(None), 8);
+    }
+
+    #[test]
+    fn range_is_one_nanosecond_to_ten_minutes() {
+        let mut stages = Stages::default();
+        let longest = VALUE_MAX_NS as i64;
+        for taken in [1, longest, longest + 1] {
+            let mut track = track(1, 10);
+            track.stages.fused_ns = track.stages.taken_ns + taken;
+            stages.record(&track, i64::MAX, UTC_NS);
+        }
+        stages.close_interval();
+        let summary = stages.summary(Stage::TakenToFused, None, Span::Total);
+        assert_eq!((summary.count, summary.p50_ns), (2, 1));
+        assert!(summary.max_ns.abs_diff(VALUE_MAX_NS) <= VALUE_MAX_NS / 1000);
+        assert_eq!(stages.irregularities(Stage::TakenToFused).too_long, 1);
+    }
+}
