@@ -6,9 +6,11 @@
 //! passed.
 //!
 //! - [`asterix`]: EUROCONTROL's binary format for surveillance data (radar, multilateration, ADS-B);
-//! - [`reports`]: what their records mean to the pipeline: checked sensor tracks in the system frame.
+//! - [`reports`]: what their records mean to the pipeline: checked sensor tracks in the system frame;
+//! - [`tracks_csv`]: sensor tracks and system tracks as rows of text.
 
 #![forbid(unsafe_code)]
 
 pub mod asterix;
 pub mod reports;
+pub mod tracks_csv;

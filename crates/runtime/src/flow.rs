@@ -79,6 +79,11 @@ impl<S: Transport> Flow<S> {
         Ok(())
     }
 
+    /// Whether consumers have said something that [`Flow::update`] has not read yet.
+    pub fn has_news(&self) -> bool {
+        self.progress.has_slices()
+    }
+
     /// Whether every consumer is there.
     pub fn all_present(&self) -> bool {
         self.consumers.iter().all(|consumer| consumer.latest.is_some())

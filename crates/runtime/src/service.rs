@@ -40,6 +40,8 @@ pub struct Options {
     pub out: PathBuf,
     /// Replay speed of recorded inputs.
     pub speed: Speed,
+    /// Seed of the simulated world.
+    pub seed: u64,
     /// When the simulated world began, UTC, nanoseconds.
     pub scenario_start_ns: i64,
     /// Process number of the launcher, if one started this process.

@@ -1,10 +1,29 @@
-//! Writes sensor and system tracks to files.
+//! The recorder process: writes every sensor track and every system track to files (FM-5).
+//!
+//! One file per source, `sensor_tracks_<name>.csv`, in the order in which the source published, and one for the system
+//! tracks, `system_tracks.csv`, in the order of fusion. Neither order depends on scheduling when the inputs are recorded,
+//! so neither do the files: they carry the times of the data and none of the machine's.
 
-/// Runs the service until it has finished or is told to stop.
+#![forbid(unsafe_code)]
+
+mod agent;
+
+pub use agent::RecorderAgent;
+
+use runtime::Process;
+
+/// Runs the recorder until every topic has ended or the process is told to stop.
 ///
 /// # Errors
-/// What it cannot cope with.
-pub fn run(process: &runtime::Process) -> anyhow::Result<()> {
-    let _ = process;
-    Ok(())
+/// If a file cannot be written, or shared memory fails.
+pub fn run(process: &Process) -> anyhow::Result<()> {
+    let folder = &process.options.out;
+    let mut agent = RecorderAgent::new(
+        &process.config,
+        &process.bus,
+        process.incarnation,
+        folder,
+        process.first_day_ns(),
+    )?;
+    runtime::service::run(process, &mut agent)
 }

@@ -1,0 +1,202 @@
+//! Replaying a recording, paced by its own times of measurement.
+//!
+//! The recording's clock starts when every consumer is there. At a finite speed a report is published when that clock
+//! reaches its time; at the greatest, as soon as the consumers have room. Either way nothing is published that they
+//! could not take. A replay that was killed resumes with the first report that some consumer still lacks: reports are
+//! numbered by their place in the recording, so the consumers recognise any that come twice.
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+use bus::{Mark, Publisher, SharedMemory, WaitMode, Waiter};
+use messages::{Counter, ProcessKind, SensorTrack};
+use runtime::clock::mono_ns;
+use runtime::config::{Recorded, Source};
+use runtime::flow::Flow;
+use runtime::{Agent, HealthEntry, Now, Process, Speed, Turn};
+
+use crate::recording::{AHEAD, Recording};
+
+/// How long to wait for consumers before looking again.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// Time between two repetitions of the end, nanoseconds.
+const END_REPEAT_NS: i64 = 250_000_000;
+
+/// The agent of a recorded source.
+#[derive(Debug)]
+pub(crate) struct Replay {
+    recording: Recording,
+    publisher: Publisher<SharedMemory, SensorTrack>,
+    flow: Flow<SharedMemory>,
+    waiter: Waiter<SharedMemory>,
+    speed: Speed,
+    /// The recording's clock, once it runs.
+    clock: Option<Clock>,
+    ended: bool,
+    end_said_ns: i64,
+    waited: u64,
+}
+
+/// Maps the machine's monotonic clock to the recording's time.
+#[derive(Clone, Copy, Debug)]
+struct Clock {
+    mono_ns: i64,
+    data_ns: i64,
+}
+
+impl Replay {
+    pub(crate) fn new(process: &Process, source: &Source, recorded: &Recorded) -> anyhow::Result<Self> {
+        let path = process.options.data.join(&recorded.file);
+        let bytes = std::fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
+        let first_day_ns = process.first_day_ns();
+        let topic = messages::sensor_tracks(&source.name);
+        assert!(topic.capacity.slice_len < AHEAD, "the next report's time must be known");
+        let mut consumers = vec![ProcessKind::Fusion];
+        if process.config.recorder {
+            consumers.push(ProcessKind::Recorder);
+        }
+        let mut waiter = process.bus.waiter(WaitMode::Event);
+        waiter.watch(&process.bus, &messages::progress())?;
+        Ok(Self {
+            recording: Recording::new(bytes, recorded, source.model, first_day_ns),
+            publisher: process.bus.publisher(&topic, process.incarnation)?,
+            flow: Flow::new(
+                &process.bus,
+                process.incarnation,
+                source.number,
+                topic.capacity.depth,
+                &consumers,
+            )?,
+            waiter,
+            speed: process.options.speed,
+            clock: None,
+            ended: false,
+            end_said_ns: 0,
+            waited: 0,
+        })
+    }
+
+    /// Starts the recording's clock at the first report that is still needed.
+    fn start(&mut self, now: Now) {
+        let first_needed = self.flow.first_needed();
+        while self
+            .recording
+            .peek()
+            .is_some_and(|report| report.sequence < first_needed)
+        {
+            self.recording.next();
+        }
+        let data_ns = self.recording.peek().map_or(0, |report| report.time_of_measurement_ns);
+        self.clock = Some(Clock {
+            mono_ns: now.mono_ns,
+            data_ns,
+        });
+    }
+
+    /// How many reports, at most a slice, are due at `now`.
+    fn due(&self, clock: Clock, now: Now) -> usize {
+        let until_ns = match self.speed {
+            Speed::Max => i64::MAX,
+            Speed::Factor(factor) => clock.data_ns + ((now.mono_ns - clock.mono_ns) as f64 * factor) as i64,
+        };
+        let due = |ahead: &usize| {
+            self.recording
+                .peek_nth(*ahead)
+                .is_some_and(|report| report.time_of_measurement_ns <= until_ns)
+        };
+        (0..self.publisher.slice_len()).take_while(due).count()
+    }
+
+    /// Publishes the next `count` reports, and how far the source has got with them.
+    fn publish(&mut self, count: usize) -> anyhow::Result<()> {
+        // The read-ahead is longer than a slice, so only the end of the recording has no next report.
+        let next_ns = self
+            .recording
+            .peek_nth(count)
+            .map(|report| report.time_of_measurement_ns);
+        let mark = Mark {
+            progress_ns: next_ns.unwrap_or(i64::MAX),
+            sent_ns: mono_ns(),
+            end: next_ns.is_none(),
+        };
+        let recording = &mut self.recording;
+        self.publisher.send(mark, count, |_, _| {
+            let mut report = recording.next().unwrap_or_default();
+            report.stages.ingested_ns = mark.sent_ns;
+            report.stages.published_ns = mark.sent_ns;
+            report
+        })?;
+        self.ended = mark.end;
+        self.end_said_ns = mark.sent_ns;
+        Ok(())
+    }
+
+    fn until_due(&self, clock: Clock, now: Now) -> Duration {
+        let (Speed::Factor(factor), Some(next)) = (self.speed, self.recording.peek()) else {
+            return PATIENCE;
+        };
+        let data_ns = (next.time_of_measurement_ns - clock.data_ns) as f64 / factor;
+        let wait_ns = clock.mono_ns as f64 + data_ns - now.mono_ns as f64;
+        Duration::from_nanos(wait_ns.max(0.0) as u64).min(PATIENCE)
+    }
+}
+
+impl Agent for Replay {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        let sent = self.publisher.counts().slices;
+        self.flow.update(sent)?;
+        if self.ended {
+            // A consumer that was restarted has not heard it: said again now and then, until the launcher stops us.
+            if now.mono_ns >= self.end_said_ns + END_REPEAT_NS && self.flow.may_send(sent) {
+                self.publish(0)?;
+            }
+            return Ok(Turn::Idle(PATIENCE));
+        }
+        if !self.flow.all_present() {
+            return Ok(Turn::Idle(PATIENCE));
+        }
+        let Some(clock) = self.clock else {
+            self.start(now);
+            // Says where the source begins, so that the others need not wait for its first report.
+            self.publish(0)?;
+            return Ok(Turn::Worked);
+        };
+        let count = self.due(clock, now);
+        if count == 0 && self.recording.peek().is_some() {
+            return Ok(Turn::Idle(self.until_due(clock, now)));
+        }
+        if !self.flow.may_send(sent) {
+            self.waited += 1;
+            return Ok(Turn::Idle(PATIENCE));
+        }
+        self.publish(count)?;
+        Ok(Turn::Worked)
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        let flow = &self.flow;
+        self.waiter.wait(at_most, || flow.has_news())?;
+        Ok(())
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let progress_ns = self
+            .recording
+            .peek()
+            .map_or(i64::MIN, |report| report.time_of_measurement_ns);
+        let mut entry = HealthEntry {
+            progress_ns,
+            counters: self.recording.counters(),
+            ..HealthEntry::default()
+        };
+        entry.set(Counter::Published, self.publisher.counts().samples);
+        entry.set(Counter::WaitedForConsumers, self.waited);
+        if self.ended {
+            entry.note = "end of the recording".to_owned();
+        } else if self.clock.is_none() {
+            entry.note = "waiting for fusion and recorder".to_owned();
+        }
+        entries.push(entry);
+    }
+}

@@ -1,0 +1,242 @@
+//! The duty cycle of fusion.
+
+use std::time::Duration;
+
+use bus::{Bus, Subscriber, Transport, Waiter};
+use fusion::{Engine, Merger, Pushed};
+use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, TrackState};
+use runtime::clock::mono_ns;
+use runtime::config::{Config, Order};
+use runtime::flow::Reached;
+use runtime::{Agent, HealthEntry, Now, Turn};
+
+use crate::inputs::Input;
+use crate::output::Output;
+
+/// Reports worked off in one turn in order `time`, so that a long recording does not delay everything else.
+const REPORTS_PER_TURN: usize = 256;
+/// Slices taken from one source before the next one's turn, so that a flood cannot starve the others.
+const SLICES_PER_SOURCE: usize = 4;
+
+/// Fusion as an agent; generic over the transport, so that tests drive it in process.
+#[derive(Debug)]
+pub struct FusionAgent<S: Transport> {
+    engine: Engine,
+    inputs: Vec<Input<S>>,
+    output: Output<S>,
+    control: Subscriber<S, Control>,
+    waiter: Waiter<S>,
+    /// Order `time`: reports that wait for their turn.
+    merger: Option<Merger>,
+    /// Recordings: says how far fusion has got, so that nothing is lost.
+    reached: Option<Reached<S>>,
+    end_sent: bool,
+    progress_ns: i64,
+    note: String,
+}
+
+impl<S: Transport> FusionAgent<S> {
+    /// Fusion of `config`, connected to `bus`; `incarnation` is the process's monotonic start time.
+    ///
+    /// # Errors
+    /// If a setting cannot work or a topic cannot be opened.
+    pub fn new(config: &Config, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
+        let mut waiter = bus.waiter(config.fusion.wait);
+        let inputs = Input::open_all(config, bus, incarnation, &mut waiter)?;
+        let recorded = config.is_recorded();
+        if recorded {
+            waiter.watch(bus, &messages::progress())?;
+        }
+        let sources: Vec<u16> = config.sources.iter().map(|source| source.number).collect();
+        let reached = || Reached::new(bus, incarnation, ProcessKind::Fusion, &sources);
+        Ok(Self {
+            engine: Engine::new(config.fusion.settings.clone())?,
+            output: Output::new(config, bus, incarnation)?,
+            control: bus.subscriber(&messages::control(), || incarnation)?,
+            waiter,
+            merger: (config.order == Order::Time).then(|| Merger::new(sources.len(), config.fusion.queue)),
+            reached: recorded.then(reached).transpose()?,
+            inputs,
+            end_sent: false,
+            progress_ns: i64::MIN,
+            note: String::new(),
+        })
+    }
+
+    /// What health messages shall say is wrong.
+    pub fn set_note(&mut self, note: String) {
+        self.note = note;
+    }
+
+    fn obey(&mut self) -> anyhow::Result<()> {
+        let engine = &mut self.engine;
+        self.control.take(usize::MAX, |_, orders| {
+            for order in orders.iter().filter(|order| order.kind == Control::CONDITION) {
+                engine.set_condition(order.name());
+            }
+        })?;
+        Ok(())
+    }
+
+    /// Order `arrival`: every report is worked off as it is taken.
+    fn work_on_arrival(&mut self, now: Now) -> anyhow::Result<bool> {
+        let mut worked = false;
+        for input in &mut self.inputs {
+            for _ in 0..SLICES_PER_SOURCE {
+                let (engine, output) = (&mut self.engine, &mut self.output);
+                let fuse = |report: &messages::SensorTrack| engine.take(report, &mut |track| output.push(track));
+                if !input.take_slice(mono_ns(), fuse, |_, _| {})? {
+                    break;
+                }
+                worked = true;
+                self.progress_ns = self.progress_ns.max(input.progress_ns);
+                self.output.send(self.progress_ns, false)?;
+            }
+        }
+        let output = &mut self.output;
+        self.engine.advance(now.utc_ns, &mut |track| output.push(track));
+        self.output.send(self.progress_ns, false)?;
+        Ok(worked)
+    }
+
+    /// Order `time`: reports wait until their turn has come.
+    fn work_by_time(&mut self, merger: &mut Merger) -> anyhow::Result<bool> {
+        let mut worked = false;
+        for index in 0..self.inputs.len() {
+            worked |= self.queue_reports(index, merger)?;
+        }
+        for _ in 0..REPORTS_PER_TURN {
+            if self.output.is_full() {
+                self.output.send(self.progress_ns, false)?;
+            }
+            if !self.output.has_room()? {
+                break;
+            }
+            let Some(report) = merger.pop() else {
+                self.let_time_pass(merger.safe_ns());
+                break;
+            };
+            worked = true;
+            self.progress_ns = report.time_of_measurement_ns;
+            let output = &mut self.output;
+            self.engine.take(&report, &mut |track| output.push(track));
+        }
+        self.output.send(self.progress_ns, false)?;
+        if merger.finished() && !self.end_sent && self.output.has_room()? {
+            self.let_time_pass(i64::MAX);
+            self.output.send(i64::MAX, true)?;
+            self.end_sent = true;
+        }
+        Ok(worked)
+    }
+
+    fn let_time_pass(&mut self, until_ns: i64) {
+        let output = &mut self.output;
+        self.engine.advance(until_ns, &mut |track| output.push(track));
+    }
+
+    /// Takes slices of one source while its queue has room for a whole one; what it has no room for stays in shared
+    /// memory, and its producer waits.
+    fn queue_reports(&mut self, index: usize, merger: &mut Merger) -> anyhow::Result<bool> {
+        let input = &mut self.inputs[index];
+        let slice_len = messages::sensor_tracks("").capacity.slice_len;
+        let mut worked = false;
+        for _ in 0..SLICES_PER_SOURCE {
+            if self.reached.is_some() && merger.room(index) < slice_len {
+                break;
+            }
+            let (counts, source) = (self.engine.counts_mut(), input.source);
+            let mut taken_header = None;
+            let took = input.take_slice(
+                mono_ns(),
+                |report| match merger.push(index, report) {
+                    Pushed::Waiting | Pushed::Repeated => {}
+                    Pushed::DroppedOldest => counts.add(source, Counter::QueueFull),
+                    Pushed::OutOfOrder => counts.add(source, Counter::OutOfOrder),
+                },
+                |header, _| taken_header = Some(*header),
+            )?;
+            if !took {
+                break;
+            }
+            worked = true;
+            if let Some(header) = taken_header {
+                merger.mark(index, header.progress_ns);
+                if header.flags & BatchHeader::END != 0 {
+                    merger.end(index);
+                }
+                if let Some(reached) = &mut self.reached {
+                    reached.done(index, &header, merger.next_sequence(index));
+                }
+            }
+        }
+        Ok(worked)
+    }
+}
+
+impl<S: Transport> Agent for FusionAgent<S> {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        self.obey()?;
+        let worked = match self.merger.take() {
+            Some(mut merger) => {
+                let worked = self.work_by_time(&mut merger);
+                self.merger = Some(merger);
+                worked?
+            }
+            None => self.work_on_arrival(now)?,
+        };
+        if let Some(reached) = &mut self.reached {
+            reached.say(now)?;
+        }
+        if self.end_sent && self.output.all_received()? {
+            return Ok(Turn::Finished);
+        }
+        Ok(if worked {
+            Turn::Worked
+        } else {
+            Turn::Idle(Duration::from_millis(20))
+        })
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        let inputs = &self.inputs;
+        self.waiter.wait(at_most, || inputs.iter().any(Input::has_slices))?;
+        Ok(())
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let counts = self.engine.counts();
+        let mut whole = HealthEntry {
+            progress_ns: self.progress_ns,
+            counters: *counts.total(),
+            note: self.note.clone(),
+            ..HealthEntry::default()
+        };
+        let level = |state| self.engine.count_in_state(state) as u64;
+        whole.set(
+            Counter::LiveTracks,
+            level(TrackState::Confirmed) + level(TrackState::Coasted),
+        );
+        whole.set(Counter::TentativeTracks, level(TrackState::Tentative));
+        whole.set(Counter::CoastedTracks, level(TrackState::Coasted));
+        self.output.count(&mut whole.counters);
+        for input in &self.inputs {
+            input.count(&mut whole.counters);
+        }
+        entries.push(whole);
+        for input in &self.inputs {
+            let mut entry = HealthEntry {
+                source: input.source,
+                progress_ns: input.progress_ns,
+                counters: counts
+                    .source(input.source)
+                    .copied()
+                    .unwrap_or([0; messages::COUNTERS_MAX]),
+                note: String::new(),
+            };
+            input.count(&mut entry.counters);
+            entries.push(entry);
+        }
+        debug_assert!(entries.iter().skip(1).all(|entry| entry.source != NO_SOURCE));
+    }
+}

@@ -1,0 +1,94 @@
+//! The system tracks on their way out.
+
+use bus::{Bus, Mark, Publisher, Transport};
+use messages::{Counter, ProcessKind, SystemTrack};
+use runtime::clock::mono_ns;
+use runtime::config::Config;
+use runtime::flow::Flow;
+
+/// Source number under which consumers report their progress on the system tracks.
+const SYSTEM: u16 = messages::NO_SOURCE;
+
+/// System-track states that wait to be sent as one slice.
+#[derive(Debug)]
+pub(crate) struct Output<S: Transport> {
+    publisher: Publisher<S, SystemTrack>,
+    waiting: Vec<SystemTrack>,
+    /// For recordings: the recorder must keep up.
+    flow: Option<Flow<S>>,
+    deadline_ns: i64,
+    deadline_misses: u64,
+}
+
+impl<S: Transport> Output<S> {
+    pub(crate) fn new(config: &Config, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
+        let topic = messages::system_tracks();
+        let follow = config.is_recorded() && config.recorder;
+        let flow = || Flow::new(bus, incarnation, SYSTEM, topic.capacity.depth, &[ProcessKind::Recorder]);
+        Ok(Self {
+            publisher: bus.publisher(&topic, incarnation)?,
+            // The ends of all tracks at once fit too.
+            waiting: Vec::with_capacity(topic.capacity.slice_len + config.fusion.settings.capacity.system_tracks),
+            flow: follow.then(flow).transpose()?,
+            deadline_ns: config.fusion.deadline_ns,
+            deadline_misses: 0,
+        })
+    }
+
+    /// Whether another slice's worth may be worked off: consumers that must not miss anything have room for it.
+    pub(crate) fn has_room(&mut self) -> anyhow::Result<bool> {
+        let sent = self.publisher.counts().slices;
+        let Some(flow) = &mut self.flow else { return Ok(true) };
+        flow.update(sent)?;
+        Ok(flow.may_send(sent))
+    }
+
+    pub(crate) fn push(&mut self, track: &SystemTrack) {
+        self.waiting.push(*track);
+    }
+
+    /// Whether enough waits to fill a slice.
+    pub(crate) fn is_full(&self) -> bool {
+        self.waiting.len() >= self.publisher.slice_len()
+    }
+
+    /// Sends what waits; with `end`, says that nothing follows.
+    pub(crate) fn send(&mut self, progress_ns: i64, end: bool) -> anyhow::Result<()> {
+        if self.waiting.is_empty() && !end {
+            return Ok(());
+        }
+        let (waiting, sent_ns, deadline_ns) = (&self.waiting, mono_ns(), self.deadline_ns);
+        let mut missed = 0;
+        self.publisher.send(
+            Mark {
+                progress_ns,
+                sent_ns,
+                end,
+            },
+            waiting.len(),
+            |index, sequence| {
+                let mut track = waiting[index];
+                track.sequence = sequence;
+                track.stages.fused_ns = sent_ns;
+                missed += u64::from(track.stages.taken_ns != 0 && sent_ns - track.stages.taken_ns > deadline_ns);
+                track
+            },
+        )?;
+        self.deadline_misses += missed;
+        self.waiting.clear();
+        Ok(())
+    }
+
+    /// Whether those who must not miss anything have everything.
+    pub(crate) fn all_received(&mut self) -> anyhow::Result<bool> {
+        let sent = self.publisher.counts().slices;
+        let Some(flow) = &mut self.flow else { return Ok(true) };
+        flow.update(sent)?;
+        Ok(flow.all_done(sent))
+    }
+
+    pub(crate) fn count(&self, counters: &mut [u64; messages::COUNTERS_MAX]) {
+        counters[Counter::Published as usize] = self.publisher.counts().samples;
+        counters[Counter::DeadlineMisses as usize] = self.deadline_misses;
+    }
+}

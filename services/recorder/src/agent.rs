@@ -1,0 +1,237 @@
+//! The duty cycle of the recorder.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
+use formats::tracks_csv::{SensorTrackWriter, SystemTrackWriter};
+use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SensorTrack, SystemTrack};
+use runtime::config::Config;
+use runtime::flow::Reached;
+use runtime::{Agent, HealthEntry, Now, Turn};
+
+/// Slices taken from one topic before the next one's turn.
+const SLICES_PER_TOPIC: usize = 64;
+
+/// Turns in which what is still waiting is written at the end.
+const TURNS_AT_CLOSE: usize = 1000;
+
+/// The recorder as an agent; generic over the transport, so that tests drive it in process.
+#[derive(Debug)]
+pub struct RecorderAgent<S: Transport> {
+    sources: Vec<SourceFile<S>>,
+    system: SystemFile<S>,
+    waiter: Waiter<S>,
+    /// Recordings: says how far the recorder has got, so that nothing is lost.
+    reached: Option<Reached<S>>,
+}
+
+#[derive(Debug)]
+struct SourceFile<S: Transport> {
+    source: u16,
+    subscriber: Subscriber<S, SensorTrack>,
+    writer: SensorTrackWriter<BufWriter<File>>,
+    /// Reports of a recording are numbered: those below this have been written, whoever publishes them again.
+    next_sequence: u64,
+    rows: u64,
+    ended: bool,
+}
+
+#[derive(Debug)]
+struct SystemFile<S: Transport> {
+    subscriber: Subscriber<S, SystemTrack>,
+    writer: SystemTrackWriter<BufWriter<File>>,
+    rows: u64,
+    progress_ns: i64,
+    ended: bool,
+}
+
+impl<S: Transport> RecorderAgent<S> {
+    /// A recorder of `config` into `folder`, connected to `bus`; `incarnation` is the process's monotonic start time, and
+    /// files count their seconds from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// If a file cannot be made or a topic cannot be opened.
+    pub fn new(
+        config: &Config,
+        bus: &Bus<S>,
+        incarnation: u64,
+        folder: &Path,
+        first_day_ns: i64,
+    ) -> anyhow::Result<Self> {
+        std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        let create = |name: String| {
+            let path = folder.join(name);
+            File::create(&path)
+                .map(BufWriter::new)
+                .with_context(|| format!("creating {}", path.display()))
+        };
+        let mut waiter = bus.waiter(WaitMode::Event);
+        let mut sources = Vec::new();
+        for source in &config.sources {
+            let topic = messages::sensor_tracks(&source.name);
+            waiter.watch(bus, &topic)?;
+            let file = create(format!("sensor_tracks_{}.csv", source.name))?;
+            sources.push(SourceFile {
+                source: source.number,
+                subscriber: bus.subscriber(&topic, || incarnation)?,
+                writer: SensorTrackWriter::begin(file, first_day_ns)?,
+                next_sequence: 0,
+                rows: 0,
+                ended: false,
+            });
+        }
+        waiter.watch(bus, &messages::system_tracks())?;
+        let topics: Vec<u16> = sources.iter().map(|source| source.source).chain([NO_SOURCE]).collect();
+        let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &topics);
+        Ok(Self {
+            sources,
+            system: SystemFile {
+                subscriber: bus.subscriber(&messages::system_tracks(), || incarnation)?,
+                writer: SystemTrackWriter::begin(create("system_tracks.csv".to_owned())?, first_day_ns)?,
+                rows: 0,
+                progress_ns: i64::MIN,
+                ended: false,
+            },
+            waiter,
+            reached: config.is_recorded().then(reached).transpose()?,
+        })
+    }
+
+    /// Writes what has arrived; whether there was anything.
+    fn write_arrived(&mut self) -> anyhow::Result<bool> {
+        let mut worked = false;
+        let recorded = self.reached.is_some();
+        for (index, source) in self.sources.iter_mut().enumerate() {
+            worked |= source.write_arrived(recorded, |header, next| {
+                if let Some(reached) = &mut self.reached {
+                    reached.done(index, header, next);
+                }
+            })?;
+        }
+        let index = self.sources.len();
+        worked |= self.system.write_arrived(|header, next| {
+            if let Some(reached) = &mut self.reached {
+                reached.done(index, header, next);
+            }
+        })?;
+        Ok(worked)
+    }
+
+    fn all_ended(&self) -> bool {
+        self.system.ended && self.sources.iter().all(|source| source.ended)
+    }
+}
+
+impl<S: Transport> SourceFile<S> {
+    fn write_arrived(&mut self, recorded: bool, mut done: impl FnMut(&BatchHeader, u64)) -> anyhow::Result<bool> {
+        let mut failed = Ok(());
+        let (writer, next_sequence, rows, ended) = (
+            &mut self.writer,
+            &mut self.next_sequence,
+            &mut self.rows,
+            &mut self.ended,
+        );
+        let source = self.source;
+        let taken = self.subscriber.take(SLICES_PER_TOPIC, |header, reports| {
+            for report in reports {
+                if recorded && report.sequence < *next_sequence {
+                    continue;
+                }
+                *next_sequence = report.sequence + 1;
+                *rows += 1;
+                let report = SensorTrack { source, ..*report };
+                failed = std::mem::replace(&mut failed, Ok(())).and_then(|()| writer.write(&report));
+            }
+            *ended |= header.flags & BatchHeader::END != 0;
+            done(header, *next_sequence);
+        })?;
+        failed.context("writing sensor tracks")?;
+        Ok(taken > 0)
+    }
+}
+
+impl<S: Transport> SystemFile<S> {
+    fn write_arrived(&mut self, mut done: impl FnMut(&BatchHeader, u64)) -> anyhow::Result<bool> {
+        let mut failed = Ok(());
+        let (writer, rows, progress_ns, ended) =
+            (&mut self.writer, &mut self.rows, &mut self.progress_ns, &mut self.ended);
+        let taken = self.subscriber.take(SLICES_PER_TOPIC, |header, tracks| {
+            for track in tracks {
+                *rows += 1;
+                *progress_ns = (*progress_ns).max(track.reference_time_ns);
+                failed = std::mem::replace(&mut failed, Ok(())).and_then(|()| writer.write(track));
+            }
+            *ended |= header.flags & BatchHeader::END != 0;
+            done(header, header.first_sequence + tracks.len() as u64);
+        })?;
+        failed.context("writing system tracks")?;
+        Ok(taken > 0)
+    }
+}
+
+impl<S: Transport> Agent for RecorderAgent<S> {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        let worked = self.write_arrived()?;
+        if let Some(reached) = &mut self.reached {
+            reached.say(now)?;
+        }
+        if worked {
+            return Ok(Turn::Worked);
+        }
+        Ok(if self.all_ended() {
+            Turn::Finished
+        } else {
+            Turn::Idle(Duration::from_millis(20))
+        })
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        let (sources, system) = (&self.sources, &self.system);
+        let has_work = || system.subscriber.has_slices() || sources.iter().any(|source| source.subscriber.has_slices());
+        self.waiter.wait(at_most, has_work)?;
+        Ok(())
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let mut whole = HealthEntry {
+            progress_ns: self.system.progress_ns,
+            ..HealthEntry::default()
+        };
+        let system = self.system.subscriber.counts();
+        whole.set(Counter::Taken, system.taken);
+        whole.set(Counter::Lost, system.lost);
+        whole.set(Counter::SchemaMismatch, system.schema_mismatch);
+        whole.set(Counter::RowsWritten, self.system.rows);
+        entries.push(whole);
+        for source in &self.sources {
+            let counts = source.subscriber.counts();
+            let mut entry = HealthEntry {
+                source: source.source,
+                ..HealthEntry::default()
+            };
+            entry.set(Counter::Taken, counts.taken);
+            entry.set(Counter::Lost, counts.lost);
+            entry.set(Counter::SchemaMismatch, counts.schema_mismatch);
+            entry.set(Counter::RowsWritten, source.rows);
+            entries.push(entry);
+        }
+    }
+
+    fn close(&mut self, _now: Now) -> anyhow::Result<()> {
+        // Bounded, in case somebody goes on publishing.
+        for _ in 0..TURNS_AT_CLOSE {
+            if !self.write_arrived()? {
+                break;
+            }
+        }
+        self.sources
+            .iter_mut()
+            .try_for_each(|source| source.writer.flush())
+            .context("writing sensor tracks")?;
+        self.system.writer.flush().context("writing system tracks")
+    }
+}
