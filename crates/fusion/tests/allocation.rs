@@ -1,0 +1,116 @@
+//! After its construction the engine allocates nothing, whatever it is given (PL-4).
+
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use fusion::settings::{
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RuleSettings, Settings, SourceSettings,
+};
+use fusion::{Engine, Merger};
+use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits};
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+const S: i64 = 1_000_000_000;
+
+fn settings() -> Settings {
+    let source = |name: &str| SourceSettings {
+        name: name.to_owned(),
+        period_ns: S,
+        fresh_ns: 5 * S / 2,
+        accuracy: Accuracy {
+            base: AccuracyBase::Constant { sigma_m: 10.0 },
+            per_speed_s: 0.0,
+            conditions: Vec::new(),
+        },
+        adjustment: 1.0,
+        priority: 0,
+        ceiling_m: f64::INFINITY,
+    };
+    Settings {
+        sources: ["a", "b", "c"].map(source).to_vec(),
+        capacity: Capacity {
+            system_tracks: 60,
+            sensor_tracks: 200,
+            stored_reports: 5,
+        },
+        association: AssociationSettings {
+            target_extent_m: 30.0,
+            ..AssociationSettings::default()
+        },
+        life: LifeSettings::default(),
+        rule: RuleSettings::default(),
+        process_noise_m2ps3: 1.0,
+    }
+}
+
+/// One report of an endless traffic that joins, splits, merges, renumbers, ends, overflows the tables and lies.
+fn report(step: u64) -> SensorTrack {
+    let mut noise = step.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    let mut random = || {
+        noise ^= noise << 13;
+        noise ^= noise >> 7;
+        noise ^= noise << 17;
+        (noise >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let (source, target) = ((random() * 3.0) as u16, (random() * 90.0) as u32);
+    let second = step / 100;
+    let mut report = SensorTrack {
+        time_of_measurement_ns: step as i64 * S / 100,
+        source,
+        track_number: target + 1000 * (second / 23) as u32,
+        valid: sensor_track_bits::VELOCITY,
+        position_m: [
+            700.0 * f64::from(target % 9) + 60.0 * random(),
+            700.0 * f64::from(target / 9),
+            0.0,
+        ],
+        velocity_mps: [20.0 * random(), 0.0, 0.0],
+        covariance: Covariance::diagonal([10.0, 10.0, 100.0], [3.0; 3]),
+        state: if random() < 0.02 {
+            TrackState::Terminated as u8
+        } else {
+            TrackState::Confirmed as u8
+        },
+        ..SensorTrack::default()
+    };
+    if source == 1 {
+        report.identity = Identity::default().with_address(target % 40);
+    }
+    if random() < 0.01 {
+        report.position_m[0] = f64::NAN;
+    }
+    report
+}
+
+#[test]
+fn the_engine_and_the_merger_allocate_nothing_once_built() {
+    let mut engine = Engine::new(settings()).unwrap();
+    let mut merger = Merger::new(3, 256);
+    let mut published = 0u64;
+    let mut sequences = [0u64; 3];
+    assert_no_alloc(|| {
+        for step in 0..200_000 {
+            let mut report = report(step);
+            let source = usize::from(report.source);
+            report.sequence = sequences[source];
+            sequences[source] += 1;
+            merger.push(source, &report);
+            for source in 0..3 {
+                merger.mark(source, report.time_of_measurement_ns);
+            }
+            while let Some(report) = merger.pop() {
+                engine.take(&report, &mut |_| published += 1);
+            }
+        }
+        engine.advance(i64::MAX, &mut |_| published += 1);
+    });
+    assert!(published > 20_000, "{published}");
+    let counts = engine.counts();
+    for counter in [
+        messages::Counter::TableFull,
+        messages::Counter::TracksMerged,
+        messages::Counter::Invalid,
+    ] {
+        assert!(counts.get(counter) > 0, "the traffic was meant to cause {counter:?}");
+    }
+}

@@ -1,0 +1,258 @@
+//! Fusion driven turn by turn over the in-process transport.
+
+use std::path::Path;
+
+use bus::{Bus, Held, InProcess, Mark, Publisher, Root, Subscriber};
+use fusion_service::FusionAgent;
+use messages::{BatchHeader, Control, Counter, Covariance, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
+use runtime::{Agent, Config, HealthEntry, Now, Turn};
+
+const S: i64 = 1_000_000_000;
+const DAY: i64 = 16_931 * 86_400 * S;
+
+fn config(order: &str, more: &str) -> Config {
+    let source = |name: &str| {
+        let recorded = format!("[source.recorded]\nfile = \"{name}.ast\"\n");
+        format!("[[source]]\nname = \"{name}\"\n{recorded}[source.accuracy]\nconditions = {{ rain = 9.0 }}\n")
+    };
+    let head = format!(
+        "name = \"t\"\n[frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n[time]\norder = \"{order}\"\ndate = \"2016-05-10\"\n"
+    );
+    let text = format!(
+        "{head}{}{}[recorder]\nenabled = false\n{more}",
+        source("a"),
+        source("b")
+    );
+    Config::parse(Path::new("t.toml"), &text, &[]).unwrap()
+}
+
+struct Bench {
+    _folder: tempfile::TempDir,
+    _held: Vec<Held>,
+    agent: FusionAgent<InProcess>,
+    sources: [Publisher<InProcess, SensorTrack>; 2],
+    control: Publisher<InProcess, Control>,
+    system: Subscriber<InProcess, SystemTrack>,
+    received: Vec<SystemTrack>,
+    ended: bool,
+}
+
+impl Bench {
+    fn new(config: &Config) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let bus: Bus<InProcess> = Bus::open(&Root::in_base(folder.path(), "t").unwrap(), "test").unwrap();
+        let topics = ["a", "b"].map(messages::sensor_tracks);
+        let mut held: Vec<Held> = topics.iter().map(|topic| bus.hold(topic).unwrap()).collect();
+        held.push(bus.hold(&messages::system_tracks()).unwrap());
+        held.push(bus.hold(&messages::progress()).unwrap());
+        held.push(bus.hold(&messages::control()).unwrap());
+        let system = bus.subscriber(&messages::system_tracks(), || 1).unwrap();
+        let agent = FusionAgent::new(config, &bus, 1).unwrap();
+        let sources = topics.map(|topic| bus.publisher(&topic, 2).unwrap());
+        let control = bus.publisher(&messages::control(), 2).unwrap();
+        Self {
+            _folder: folder,
+            _held: held,
+            agent,
+            sources,
+            control,
+            system,
+            received: Vec::new(),
+            ended: false,
+        }
+    }
+
+    fn send(&mut self, source: usize, reports: &[SensorTrack], progress_ns: i64, end: bool) {
+        let mark = Mark {
+            progress_ns,
+            sent_ns: 1,
+            end,
+        };
+        self.sources[source]
+            .send(mark, reports.len(), |index, _| reports[index])
+            .unwrap();
+    }
+
+    fn turn(&mut self) -> Turn {
+        let turn = self
+            .agent
+            .turn(Now {
+                mono_ns: 1,
+                utc_ns: DAY,
+            })
+            .unwrap();
+        let (received, ended) = (&mut self.received, &mut self.ended);
+        self.system
+            .take(usize::MAX, |header, tracks| {
+                received.extend_from_slice(tracks);
+                *ended |= header.flags & BatchHeader::END != 0;
+            })
+            .unwrap();
+        turn
+    }
+
+    fn settle(&mut self) {
+        for _ in 0..100 {
+            if self.turn() != Turn::Worked {
+                return;
+            }
+        }
+        panic!("never idle");
+    }
+
+    fn counter(&self, counter: Counter) -> u64 {
+        let mut entries: Vec<HealthEntry> = Vec::new();
+        self.agent.health(&mut entries);
+        entries[0].counters[counter as usize]
+    }
+}
+
+fn report(number: u32, sequence: u64, time_s: f64, x: f64) -> SensorTrack {
+    SensorTrack {
+        time_of_measurement_ns: DAY + (time_s * S as f64) as i64,
+        sequence,
+        track_number: number,
+        // A topic is its source, so what a report says of it must not matter.
+        source: 77,
+        valid: sensor_track_bits::VELOCITY,
+        position_m: [x, 0.0, 0.0],
+        covariance: Covariance::diagonal([10.0, 10.0, 100.0], [2.0; 3]),
+        state: TrackState::Confirmed as u8,
+        ..SensorTrack::default()
+    }
+}
+
+fn essence(tracks: &[SystemTrack]) -> Vec<(i64, u32, u16, [f64; 3])> {
+    tracks
+        .iter()
+        .map(|t| (t.reference_time_ns, t.track_number, t.trigger_source, t.position_m))
+        .collect()
+}
+
+#[test]
+fn by_time_the_result_does_not_depend_on_who_comes_first() {
+    let a: Vec<_> = (0..30).map(|step| report(1, step, step as f64, 0.0)).collect();
+    let b: Vec<_> = (0..30).map(|step| report(1, step, step as f64 + 0.4, 8.0)).collect();
+    let run = |first: usize| {
+        let mut bench = Bench::new(&config("time", ""));
+        let mut parts = [(0, &a), (1, &b)];
+        parts.rotate_left(first);
+        for (source, reports) in parts {
+            bench.send(source, reports, i64::MAX, true);
+            bench.settle();
+        }
+        assert_eq!(bench.turn(), Turn::Finished);
+        assert!(bench.ended);
+        bench.received
+    };
+    let (forwards, backwards) = (run(0), run(1));
+    assert_eq!(essence(&forwards), essence(&backwards));
+    assert_eq!(forwards.len(), 62, "60 reports, one coasting, one end");
+    assert!(forwards.windows(2).all(|pair| pair[0].sequence + 1 == pair[1].sequence));
+}
+
+#[test]
+fn by_time_a_report_waits_for_the_slower_source() {
+    let mut bench = Bench::new(&config("time", ""));
+    bench.send(0, &[report(1, 0, 5.0, 0.0)], DAY + 6 * S, false);
+    bench.settle();
+    assert!(bench.received.is_empty(), "source b may still be at 3 s");
+    bench.send(1, &[], DAY + 5 * S, false);
+    bench.settle();
+    assert_eq!(bench.received.len(), 1);
+    assert_eq!(bench.received[0].trigger_source, 0);
+}
+
+#[test]
+fn a_repeated_report_is_not_fused_twice() {
+    let mut bench = Bench::new(&config("time", ""));
+    let reports: Vec<_> = (0..10).map(|step| report(1, step, step as f64, 0.0)).collect();
+    bench.send(1, &[], i64::MAX, true);
+    bench.send(0, &reports[..6], DAY + 6 * S, false);
+    bench.settle();
+    bench.send(0, &reports[3..], i64::MAX, true);
+    bench.settle();
+    assert_eq!(
+        bench.received.iter().filter(|track| track.trigger_source == 0).count(),
+        10
+    );
+}
+
+#[test]
+fn on_arrival_a_report_is_fused_at_once_and_stamped() {
+    let mut bench = Bench::new(&config("arrival", ""));
+    bench.send(1, &[report(1, 0, 0.0, 3.0)], i64::MIN, false);
+    bench.turn();
+    let track = bench.received[0];
+    assert_eq!((track.trigger_source, track.position_m), (1, [3.0, 0.0, 0.0]));
+    assert!(track.stages.taken_ns > 0 && track.stages.fused_ns >= track.stages.taken_ns);
+}
+
+#[test]
+fn a_flood_of_one_source_does_not_keep_the_other_waiting() {
+    let mut bench = Bench::new(&config("arrival", ""));
+    for slice in 0..50u64 {
+        let flood: Vec<_> = (0..64)
+            .map(|index| report(index, 64 * slice + u64::from(index), 0.0, 1e4))
+            .collect();
+        bench.send(0, &flood, i64::MIN, false);
+    }
+    bench.send(1, &[report(1, 0, 0.0, 0.0)], i64::MIN, false);
+    bench.turn();
+    assert!(
+        bench.received.iter().any(|track| track.trigger_source == 1),
+        "its turn comes in every turn"
+    );
+    assert!(bench.received.len() < 50 * 64, "and the flood has to wait for its own");
+}
+
+#[test]
+fn what_overflows_is_counted_exactly() {
+    let mut bench = Bench::new(&config("arrival", ""));
+    let depth = messages::sensor_tracks("a").capacity.depth as u64;
+    for step in 0..depth + 40 {
+        bench.send(0, &[report(1, step, step as f64, 0.0)], i64::MIN, false);
+    }
+    bench.settle();
+    assert_eq!(bench.counter(Counter::Lost), 40);
+    assert_eq!(bench.counter(Counter::Taken), depth);
+}
+
+#[test]
+fn a_condition_ordered_while_running_changes_the_accuracy_values() {
+    let value = |ordered: Option<&str>| {
+        let mut bench = Bench::new(&config("arrival", ""));
+        if let Some(name) = ordered {
+            let order = Control::condition(name).unwrap();
+            bench
+                .control
+                .send(
+                    Mark {
+                        progress_ns: i64::MIN,
+                        sent_ns: 1,
+                        end: false,
+                    },
+                    1,
+                    |_, _| order,
+                )
+                .unwrap();
+        }
+        for step in 0..3 {
+            bench.send(
+                0,
+                &[report(1, step, step as f64, 5.0 * (step % 2) as f64)],
+                i64::MIN,
+                false,
+            );
+        }
+        bench.settle();
+        bench.received.last().unwrap().contributions()[0].accuracy
+    };
+    let clear = value(None);
+    assert!(clear > 0.0);
+    assert!((value(Some("rain")) / clear - 9.0).abs() < 1e-9);
+    assert!(
+        (value(Some("fog")) / clear - 1.0).abs() < 1e-9,
+        "a condition that nobody names"
+    );
+}
