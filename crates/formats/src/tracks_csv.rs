@@ -16,6 +16,11 @@ pub struct SensorTrackWriter<W: Write> {
 }
 
 impl<W: Write> SensorTrackWriter<W> {
+    /// Goes on writing to something that has its header line.
+    pub fn resume(writer: W, first_day_ns: i64) -> Self {
+        Self { writer, first_day_ns }
+    }
+
     /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
     ///
     /// # Errors
@@ -72,6 +77,11 @@ pub struct SystemTrackWriter<W: Write> {
 }
 
 impl<W: Write> SystemTrackWriter<W> {
+    /// Goes on writing to something that has its header line.
+    pub fn resume(writer: W, first_day_ns: i64) -> Self {
+        Self { writer, first_day_ns }
+    }
+
     /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
     ///
     /// # Errors

@@ -13,6 +13,8 @@ use runtime::config::Config;
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
+use crate::recovery::{self, Opened};
+
 /// Slices taken from one topic before the next one's turn.
 const SLICES_PER_TOPIC: usize = 64;
 
@@ -36,6 +38,8 @@ struct SourceFile<S: Transport> {
     writer: SensorTrackWriter<BufWriter<File>>,
     /// Reports of a recording are numbered: those below this have been written, whoever publishes them again.
     next_sequence: u64,
+    /// Reports of a recording that were published but are in no row: a recorder died with them.
+    missed: u64,
     rows: u64,
     ended: bool,
 }
@@ -51,7 +55,8 @@ struct SystemFile<S: Transport> {
 
 impl<S: Transport> RecorderAgent<S> {
     /// A recorder of `config` into `folder`, connected to `bus`; `incarnation` is the process's monotonic start time, and
-    /// files count their seconds from `first_day_ns` (UTC, nanoseconds).
+    /// files count their seconds from `first_day_ns` (UTC, nanoseconds). Files that an
+    /// earlier recorder has left are continued if they are of the run described by `run`, else replaced.
     ///
     /// # Errors
     /// If a file cannot be made or a topic cannot be opened.
@@ -61,25 +66,28 @@ impl<S: Transport> RecorderAgent<S> {
         incarnation: u64,
         folder: &Path,
         first_day_ns: i64,
+        run: &str,
     ) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
-        let create = |name: String| {
-            let path = folder.join(name);
-            File::create(&path)
-                .map(BufWriter::new)
-                .with_context(|| format!("creating {}", path.display()))
-        };
+        let resume = recovery::claim(folder, run)?;
+        let open = |name: String| recovery::open(&folder.join(name), resume);
         let mut waiter = bus.waiter(WaitMode::Event);
         let mut sources = Vec::new();
         for source in &config.sources {
             let topic = messages::sensor_tracks(&source.name);
             waiter.watch(bus, &topic)?;
-            let file = create(format!("sensor_tracks_{}.csv", source.name))?;
+            let Opened { file, rows } = open(format!("sensor_tracks_{}.csv", source.name))?;
+            let file = BufWriter::new(file);
             sources.push(SourceFile {
                 source: source.number,
                 subscriber: bus.subscriber(&topic, || incarnation)?,
-                writer: SensorTrackWriter::begin(file, first_day_ns)?,
-                next_sequence: 0,
+                writer: match rows {
+                    0 => SensorTrackWriter::begin(file, first_day_ns)?,
+                    _ => SensorTrackWriter::resume(file, first_day_ns),
+                },
+                // A recording's reports are numbered from 0, and each is one row.
+                next_sequence: rows,
+                missed: 0,
                 rows: 0,
                 ended: false,
             });
@@ -87,11 +95,16 @@ impl<S: Transport> RecorderAgent<S> {
         waiter.watch(bus, &messages::system_tracks())?;
         let topics: Vec<u16> = sources.iter().map(|source| source.source).chain([NO_SOURCE]).collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &topics);
+        let Opened { file, rows } = open("system_tracks.csv".to_owned())?;
+        let file = BufWriter::new(file);
         Ok(Self {
             sources,
             system: SystemFile {
                 subscriber: bus.subscriber(&messages::system_tracks(), || incarnation)?,
-                writer: SystemTrackWriter::begin(create("system_tracks.csv".to_owned())?, first_day_ns)?,
+                writer: match rows {
+                    0 => SystemTrackWriter::begin(file, first_day_ns)?,
+                    _ => SystemTrackWriter::resume(file, first_day_ns),
+                },
                 rows: 0,
                 progress_ns: i64::MIN,
                 ended: false,
@@ -135,12 +148,13 @@ impl<S: Transport> SourceFile<S> {
             &mut self.rows,
             &mut self.ended,
         );
-        let source = self.source;
+        let (source, missed) = (self.source, &mut self.missed);
         let taken = self.subscriber.take(SLICES_PER_TOPIC, |header, reports| {
             for report in reports {
                 if recorded && report.sequence < *next_sequence {
                     continue;
                 }
+                *missed += if recorded { report.sequence - *next_sequence } else { 0 };
                 *next_sequence = report.sequence + 1;
                 *rows += 1;
                 let report = SensorTrack { source, ..*report };
@@ -214,7 +228,15 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                 ..HealthEntry::default()
             };
             entry.set(Counter::Taken, counts.taken);
-            entry.set(Counter::Lost, counts.lost);
+            // The numbers of a recording's reports tell more than those of its slices: what a dead recorder had taken too.
+            entry.set(
+                Counter::Lost,
+                if self.reached.is_some() {
+                    source.missed
+                } else {
+                    counts.lost
+                },
+            );
             entry.set(Counter::SchemaMismatch, counts.schema_mismatch);
             entry.set(Counter::RowsWritten, source.rows);
             entries.push(entry);

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod agent;
+mod recovery;
 
 pub use agent::RecorderAgent;
 
@@ -17,13 +18,15 @@ use runtime::Process;
 /// # Errors
 /// If a file cannot be written, or shared memory fails.
 pub fn run(process: &Process) -> anyhow::Result<()> {
-    let folder = &process.options.out;
-    let mut agent = RecorderAgent::new(
-        &process.config,
-        &process.bus,
-        process.incarnation,
-        folder,
-        process.first_day_ns(),
-    )?;
+    let (config, options) = (&process.config, &process.options);
+    let run = format!(
+        "deployment {}, instance {}, configuration {}, started at {} ns since 1970 (UTC)\n",
+        config.name,
+        options.instance,
+        config.path.display(),
+        options.scenario_start_ns
+    );
+    let (bus, first_day_ns) = (&process.bus, process.first_day_ns());
+    let mut agent = RecorderAgent::new(config, bus, process.incarnation, &options.out, first_day_ns, &run)?;
     runtime::service::run(process, &mut agent)
 }

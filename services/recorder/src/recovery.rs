@@ -1,0 +1,95 @@
+//! Continuing the files of a recorder that died.
+//!
+//! A run's files must not be lost because the process that writes them was restarted. What the dead one had written
+//! stands; its last line may be torn, and is cut off. Which run a folder's files belong to stands beside them, in
+//! `run.txt`: files of another run are replaced.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom};
+use std::path::Path;
+
+use anyhow::Context as _;
+
+/// Whether the files in `folder` are of the run that is described by `run`; from now on they are.
+pub(crate) fn claim(folder: &Path, run: &str) -> anyhow::Result<bool> {
+    let path = folder.join("run.txt");
+    let same = std::fs::read_to_string(&path).is_ok_and(|text| text == run);
+    std::fs::write(&path, run).with_context(|| format!("writing {}", path.display()))?;
+    Ok(same)
+}
+
+/// A file to write rows to.
+#[derive(Debug)]
+pub(crate) struct Opened {
+    /// The file, at the place where the next row goes.
+    pub(crate) file: File,
+    /// Rows that it holds already; 0 if it is empty.
+    pub(crate) rows: u64,
+}
+
+/// Opens `path`: empty, or with `resume` as it is, up to its last whole line.
+pub(crate) fn open(path: &Path, resume: bool) -> anyhow::Result<Opened> {
+    let opened = if resume && path.exists() {
+        resumed(path)
+    } else {
+        File::create(path).map(|file| Opened { file, rows: 0 })
+    };
+    opened.with_context(|| format!("opening {} for writing", path.display()))
+}
+
+fn resumed(path: &Path) -> std::io::Result<Opened> {
+    let mut file = OpenOptions::new().read(true).write(true).open(path)?;
+    let (mut whole_bytes, mut lines, mut line) = (0u64, 0u64, Vec::new());
+    let mut reader = BufReader::new(&file);
+    while reader.read_until(b'\n', &mut line)? > 0 && line.ends_with(b"\n") {
+        whole_bytes += line.len() as u64;
+        lines += 1;
+        line.clear();
+    }
+    // Without even a header there is nothing to continue.
+    let rows = lines.saturating_sub(1);
+    let keep = if rows == 0 { 0 } else { whole_bytes };
+    file.set_len(keep)?;
+    file.seek(SeekFrom::End(0))?;
+    Ok(Opened { file, rows })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write as _;
+
+    use super::*;
+
+    fn after(content: &str, resume: bool) -> (u64, String) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rows.csv");
+        std::fs::write(&path, content).unwrap();
+        let mut opened = open(&path, resume).unwrap();
+        opened.file.write_all(b"+").unwrap();
+        (opened.rows, std::fs::read_to_string(&path).unwrap())
+    }
+
+    #[test]
+    fn a_file_is_continued_after_its_last_whole_line() {
+        assert_eq!(after("header\n1\n2\n3", true), (2, "header\n1\n2\n+".to_owned()));
+        assert_eq!(after("header\n1\n", true), (1, "header\n1\n+".to_owned()));
+        assert_eq!(after("header\n", true), (0, "+".to_owned()));
+        assert_eq!(after("hea", true), (0, "+".to_owned()));
+        assert_eq!(after("header\n1\n", false), (0, "+".to_owned()));
+    }
+
+    #[test]
+    fn a_folder_belongs_to_the_last_run_that_claimed_it() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(!claim(folder.path(), "first").unwrap());
+        assert!(claim(folder.path(), "first").unwrap());
+        assert!(!claim(folder.path(), "second").unwrap());
+        assert!(!claim(folder.path(), "first").unwrap());
+    }
+
+    #[test]
+    fn an_unwritable_file_is_named() {
+        let error = open(Path::new("/nonexistent/rows.csv"), true).unwrap_err();
+        assert!(error.to_string().contains("/nonexistent/rows.csv"));
+    }
+}
