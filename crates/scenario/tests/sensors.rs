@@ -336,3 +336,32 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn observes_exactly_the_targets_that_it_reports() {
+    let truth = truth(2);
+    for kind in KINDS {
+        let settings = SensorSettings {
+            range_max_m: Some(60_000.0),
+            equipped_share: Some(0.7),
+            ..with_addresses(kind)
+        };
+        let mut sensor = sensor(&settings, 5);
+        let reported: HashSet<u32> = run(&mut sensor, &truth, 120.0)
+            .iter()
+            .map(|report| target_of(report, &truth).id)
+            .collect();
+        let mut observed = HashSet::new();
+        for step in 0..1200 {
+            let targets = truth.at(f64::from(step) * 0.1);
+            observed.extend(targets.filter(|target| sensor.observes(target)).map(|target| target.id));
+        }
+        // One that left or entered the coverage at an end of the run may have been missed.
+        assert!(reported.is_subset(&observed), "{kind:?}");
+        assert!(
+            reported.len() + 2 >= observed.len() && observed.len() < 70,
+            "{kind:?} {}",
+            observed.len()
+        );
+    }
+}

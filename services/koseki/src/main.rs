@@ -1,2 +1,155 @@
-//! koseki
-fn main() {}
+//! `koseki`: one executable that contains every process of a deployment (PL-1).
+//!
+//! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
+//! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
+//! that answer questions ([`check`], [`status`]).
+//!
+//! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
+//! running; the latter two after one line on standard error (FM).
+
+#![forbid(unsafe_code)]
+
+mod args;
+mod check;
+mod recordings;
+mod status;
+
+use std::io::Write as _;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Parser as _;
+use clap::error::ErrorKind;
+use launcher::Orders;
+use messages::ProcessKind;
+use runtime::config::BUILT_IN_DEMO;
+use runtime::{Config, ConfigError, Now, Options, Process};
+
+use args::{Cli, Command, Serve, Usage};
+use recordings::{Depth, RecordingError};
+
+/// Exit code of a failure while running.
+const CODE_FAILED: u8 = 1;
+/// Exit code of wrong usage or configuration.
+const CODE_REFUSED: u8 = 2;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return refuse_usage(&error),
+    };
+    match run(cli.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let what = one_line(&format!("{error:#}"));
+            // With standard error closed, the exit code still says it.
+            let _ = writeln!(std::io::stderr(), "koseki: {what}");
+            ExitCode::from(exit_code(&error))
+        }
+    }
+}
+
+fn run(command: Command) -> anyhow::Result<()> {
+    match command {
+        Command::Demo(demo) => {
+            let config = Config::read(Path::new(BUILT_IN_DEMO), &demo.set)?;
+            let options = Options {
+                overrides: demo.set,
+                data: args::data_folder(None),
+                out: args::out_folder(demo.out, &demo.instance),
+                speed: runtime::Speed::Factor(1.0),
+                seed: demo.seed,
+                scenario_start_ns: Now::read().utc_ns,
+                launcher: None,
+                instance: demo.instance,
+            };
+            launch(&config, options, demo.seconds)
+        }
+        Command::Up(up) => {
+            let (config, options) = args::deployment(&up.config, up.shared)?;
+            recordings::inspect(&config, &options.data, Depth::Blocks)?;
+            launch(&config, options, up.seconds)
+        }
+        Command::Check(check) => check::run(&check),
+        Command::Status(status) => status::run(status.instance.as_deref()),
+        Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, adapter::run),
+        Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, fusion_service::run),
+        Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, monitor::run),
+        Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, recorder::run),
+    }
+}
+
+fn launch(config: &Config, options: Options, run_for: Option<Duration>) -> anyhow::Result<()> {
+    launcher::run(config, &Orders { options, run_for })
+}
+
+/// Runs one process of a deployment.
+fn run_service(
+    kind: ProcessKind,
+    serve: Serve,
+    service: impl FnOnce(&Process) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let (config, mut options) = args::deployment(&serve.config, serve.shared)?;
+    if let Some(start) = serve.scenario_start {
+        options.scenario_start_ns = start;
+    }
+    options.launcher = serve.launcher;
+    let name = process_name(kind, serve.name, &config)?;
+    let named = |error: anyhow::Error| match kind {
+        ProcessKind::Adapter => error.context(format!("adapter {name}")),
+        _ => error.context(name.clone()),
+    };
+    let process = Process::connect(config, options, kind, &name).map_err(named)?;
+    service(&process).map_err(named)
+}
+
+/// An adapter is named after its source; the others may have any name, or that of their kind.
+fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Result<String, Usage> {
+    if kind != ProcessKind::Adapter {
+        return Ok(given.unwrap_or_else(|| kind.word().to_owned()));
+    }
+    let sources: Vec<&str> = config.sources.iter().map(|source| source.name.as_str()).collect();
+    let (sources, path) = (sources.join(", "), config.path.display());
+    match given {
+        Some(name) if config.source(&name).is_some() => Ok(name),
+        Some(name) => Err(Usage(format!(
+            "--name {name}: {path} has no source of this name; there are: {sources}"
+        ))),
+        None => Err(Usage(format!(
+            "an adapter needs --name with the name of its source; {path} has: {sources}"
+        ))),
+    }
+}
+
+fn exit_code(error: &anyhow::Error) -> u8 {
+    let refused = error.is::<ConfigError>()
+        || error.is::<RecordingError>()
+        || error.is::<Usage>()
+        || error.is::<launcher::ChildRefused>();
+    if refused { CODE_REFUSED } else { CODE_FAILED }
+}
+
+/// Help and version go to standard output; everything else is one line, with a hint where to read on.
+fn refuse_usage(error: &clap::Error) -> ExitCode {
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        return match error.print() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(_) => ExitCode::from(CODE_FAILED),
+        };
+    }
+    let _ = writeln!(std::io::stderr(), "koseki: {}", args::usage_line(error));
+    ExitCode::from(CODE_REFUSED)
+}
+
+/// Prints an answer. A reader that has seen enough (`| head`) is no failure.
+fn print(text: &str) -> anyhow::Result<()> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.lines().map(str::trim).collect::<Vec<_>>().join(" ")
+}

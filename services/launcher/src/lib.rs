@@ -1,10 +1,75 @@
-//! Starts, watches, restarts and stops the processes of a deployment.
+//! Starts, watches, restarts and stops the processes of a deployment (PL-1, PL-11).
+//!
+//! The processes of a deployment are separate so that a fault in one does not end the others. Somebody must then see to
+//! it that all of them are there. A shell script that starts them one after the other does that until the first one
+//! dies, and a general service manager does not know that dead processes leave places and memory in shared memory that
+//! their successors need. The launcher does four things, in this order:
+//!
+//! 1. **It prepares the ground** (`ground`): claims the instance, so that nobody else runs it; removes what a killed run
+//!    left; makes sure that the shared memory is large enough; creates every topic, and keeps them in existence.
+//! 2. **It starts the processes** (`part`, `child`): the monitor and the recorder first, so that they miss nothing, with
+//!    them fusion; when these say that they run, the adapters. All are children of the same executable.
+//! 3. **It watches them** (`supervisor`): a child that ends with exit code 0 has finished. One that ends otherwise is
+//!    noticed at once, its shared memory is taken back, and it is started again, after pauses that grow (`backoff`)
+//!    while it keeps failing. What cannot be cured by starting again (a configuration that a child refuses, a child that
+//!    fails again and again at once) ends the deployment with an error.
+//! 4. **It stops them**, sources first and the monitor last, because its final report tells of all the others; and
+//!    clears the ground.
+//!
+//! How often each child was restarted is part of the launcher's own health messages (`board`), so every monitor and
+//! status display can show it. Standard error gets one line per event; standard output belongs to the monitor.
+//!
+//! Limits: if the launcher itself is killed, the kernel tells the children to stop, and the deployment ends; the next
+//! start removes what is left. A child that hangs without ending is not noticed here, but its health messages stop,
+//! which the monitor shows.
 
-/// Runs the service until it has finished or is told to stop.
+#![forbid(unsafe_code)]
+
+mod backoff;
+mod board;
+mod child;
+mod end;
+mod ground;
+mod part;
+mod supervisor;
+mod wake;
+
+use std::io::Write as _;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use runtime::signals::Stop;
+use runtime::{Config, Options};
+
+pub use ground::needed_bytes;
+pub use supervisor::ChildRefused;
+
+/// How a deployment is to be run.
+#[derive(Clone, Debug)]
+pub struct Orders {
+    /// What every process is started with.
+    pub options: Options,
+    /// When to stop, counted from the start of the adapters; `None`: when told to, or when all work is done.
+    pub run_for: Option<Duration>,
+}
+
+/// Runs the deployment until it is told to stop, its time is over, or all its recordings are worked off.
+///
+/// Must be called on the thread that lives longest: children follow the end of the thread that started them.
 ///
 /// # Errors
-/// What it cannot cope with.
-pub fn run(process: &runtime::Process) -> anyhow::Result<()> {
-    let _ = process;
-    Ok(())
+/// If the instance already runs, the machine refuses something, a child cannot be kept running ([`ChildRefused`] if it
+/// is its configuration), or one did not stop as it should.
+pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
+    let stop = Stop::on_signals().context("catching signals")?;
+    let wake = wake::Wake::on_signals().context("catching signals")?;
+    let ground = ground::Ground::prepare(config, &orders.options.instance, &stop)?;
+    // The supervisor's ports must be gone before the ground can be cleared.
+    let result = supervisor::Supervisor::new(config, orders, &ground, stop, wake).and_then(supervisor::Supervisor::run);
+    result.and(ground.clear())
+}
+
+/// One line about one event. Standard error may be closed; that is no reason to end a deployment.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "koseki: {line}");
 }

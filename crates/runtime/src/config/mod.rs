@@ -94,6 +94,19 @@ pub struct Recorded {
     pub tables: Vec<&'static Category>,
     /// How far reports may come out of order, nanoseconds.
     pub reorder_ns: i64,
+    /// Whether the file may end in the middle of a data block.
+    pub truncated: Truncated,
+}
+
+/// What to do with a recording that ends in the middle of a data block: its recorder was killed, or its copy cut short.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Truncated {
+    /// Refuse it before anything starts: more than one block may be missing.
+    #[default]
+    Refuse,
+    /// Use it without its last block.
+    Accept,
 }
 
 /// The fusion process.
@@ -494,6 +507,7 @@ fn check_recorded(index: usize, raw: &RawRecorded) -> Checked<Recorded> {
         file: PathBuf::from(&raw.file),
         tables,
         reorder_ns: nanoseconds(within(&key("reorder_s"), raw.reorder_s, 0.0, 60.0)?),
+        truncated: raw.truncated,
     })
 }
 

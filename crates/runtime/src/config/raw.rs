@@ -78,6 +78,8 @@ pub(crate) struct RawRecorded {
     pub(crate) positions: formats::reports::PositionForm,
     #[serde(default = "half")]
     pub(crate) reorder_s: f64,
+    #[serde(default)]
+    pub(crate) truncated: super::Truncated,
 }
 
 #[derive(Debug, Deserialize)]

@@ -58,6 +58,7 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
         ),
         ("\"21\" = \"0.23\"", "\"21\" = \"9.9\"", "CAT021 ed 0.23"),
         ("period_s = 1.0", "period_s = \"1 s\"", "expected f64"),
+        ("reorder_s = 0.5", "truncated = \"yes\"", "unknown variant `yes`"),
         ("date = \"2016-05-10\"", "date = \"10.5.2016\"", "year-month-day"),
         ("sic = 7", "", "give both or neither"),
         ("speed_mps = 120.0", "speed_mps = nan", "must lie between"),

@@ -1,0 +1,103 @@
+//! What one report costs in the engine: association, accuracy values, rule, combination, without any bus.
+//!
+//! `cargo bench -p koseki --bench engine`. The cost must not grow with the number of targets (PL-7).
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use fusion::Engine;
+use fusion::settings::{
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RuleSettings, Settings, SourceSettings,
+};
+use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits};
+
+const S: i64 = 1_000_000_000;
+const SOURCES: u16 = 4;
+
+fn settings(targets: usize) -> Settings {
+    let source = |number: u16| SourceSettings {
+        name: format!("source{number}"),
+        period_ns: S,
+        fresh_ns: 5 * S / 2,
+        accuracy: Accuracy {
+            base: AccuracyBase::Constant { sigma_m: 10.0 },
+            per_speed_s: 0.0,
+            conditions: Vec::new(),
+        },
+        adjustment: 1.0,
+        priority: u32::from(number),
+        ceiling_m: f64::INFINITY,
+    };
+    Settings {
+        sources: (0..SOURCES).map(source).collect(),
+        capacity: Capacity {
+            system_tracks: 2 * targets,
+            sensor_tracks: 2 * targets * usize::from(SOURCES),
+            stored_reports: 8,
+        },
+        association: AssociationSettings {
+            cell_m: 1000.0,
+            ..AssociationSettings::default()
+        },
+        life: LifeSettings::default(),
+        rule: RuleSettings::default(),
+        process_noise_m2ps3: 1.0,
+    }
+}
+
+/// Targets on a grid 3 km apart, all moving; half of the sources know addresses.
+fn report(source: u16, target: u32, side: u32, second: f64) -> SensorTrack {
+    let (column, row) = (f64::from(target % side), f64::from(target / side));
+    let velocity = [100.0 + column % 7.0, row % 11.0 - 5.0, 0.0];
+    let offset = 8.0 * f64::from(source);
+    let identity = Identity::default();
+    SensorTrack {
+        time_of_measurement_ns: (second * S as f64) as i64,
+        source,
+        track_number: target,
+        valid: sensor_track_bits::VELOCITY | sensor_track_bits::HEIGHT,
+        identity: if source.is_multiple_of(2) {
+            identity.with_address(target)
+        } else {
+            identity
+        },
+        position_m: [
+            3000.0 * column + velocity[0] * second + offset,
+            3000.0 * row + velocity[1] * second,
+            5000.0,
+        ],
+        velocity_mps: velocity,
+        covariance: Covariance::diagonal([15.0, 15.0, 30.0], [3.0; 3]),
+        state: TrackState::Confirmed as u8,
+        ..SensorTrack::default()
+    }
+}
+
+fn per_report(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("engine/report");
+    group.throughput(Throughput::Elements(1));
+    for targets in [1_000u32, 10_000, 100_000] {
+        let side = f64::from(targets).sqrt() as u32;
+        let mut engine = Engine::new(settings(targets as usize)).expect("sound settings");
+        let (mut next, mut published) = (0u64, 0u64);
+        let mut one = |engine: &mut Engine| {
+            // Sources take turns target by target; one second per round over all targets.
+            let (source, target) = (
+                (next % u64::from(SOURCES)) as u16,
+                (next / u64::from(SOURCES)) % u64::from(targets),
+            );
+            let second = next as f64 / f64::from(targets) / f64::from(SOURCES);
+            engine.take(&report(source, target as u32, side, second), &mut |_| published += 1);
+            next += 1;
+        };
+        for _ in 0..5 * targets * u32::from(SOURCES) {
+            one(&mut engine);
+        }
+        group.bench_function(BenchmarkId::from_parameter(targets), |bencher| {
+            bencher.iter(|| one(&mut engine))
+        });
+        assert!(published > u64::from(targets), "nothing was fused");
+    }
+    group.finish();
+}
+
+criterion_group!(benches, per_report);
+criterion_main!(benches);

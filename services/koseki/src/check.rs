@@ -1,0 +1,160 @@
+//! `koseki check`: is a configuration sound, are its recordings there, and what would it run?
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use bus::WaitMode;
+use runtime::Config;
+use runtime::config::{Input, Order, Source};
+
+use crate::args::{self, Check};
+use crate::recordings::{self, Depth, Found};
+
+/// Nanoseconds in a second.
+const NS: i64 = 1_000_000_000;
+
+/// Validates, and prints a summary.
+///
+/// # Errors
+/// If the configuration or a recording cannot be used.
+pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
+    let config = Config::read(&check.config, &check.set)?;
+    let data = args::data_folder(check.data.clone());
+    let found = recordings::inspect(&config, &data, Depth::Records)?;
+    crate::print(&summary(&check.config, &config, &found, bus::free_space().ok()))
+}
+
+fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) -> String {
+    let mut text = format!("{} is sound.\n\n", path.display());
+    let mut row = |title: &str, content: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{title:<12} {content}");
+    };
+    let order = match config.order {
+        Order::Arrival => "in order of arrival (live)",
+        Order::Time => "in order of time (the result does not depend on speed)",
+    };
+    let settings = &config.fusion.settings;
+    row("deployment", config.name.clone());
+    row("fusion", format!("rule {}, {order}", settings.rule.rule.name));
+    row("", format!("waits by {}, {}", wait(config.fusion.wait), place(config)));
+    let capacity = &settings.capacity;
+    row(
+        "capacities",
+        format!(
+            "{} system tracks, {} sensor tracks, {} waiting reports per source",
+            capacity.system_tracks, capacity.sensor_tracks, config.fusion.queue
+        ),
+    );
+    let (monitor, seconds) = (&config.monitor, config.monitor.interval_ns as f64 / NS as f64);
+    let files = if monitor.files { "with files" } else { "without files" };
+    row("monitor", format!("a table every {seconds} s, {files}"));
+    let recorder = if config.recorder { "on" } else { "off" };
+    row("recorder", recorder.to_owned());
+    let free = free_bytes.map_or_else(String::new, |free| format!("; {} are free", size(free)));
+    let needed = size(launcher::needed_bytes(config));
+    row("memory", format!("at most {needed} of shared memory{free}"));
+    text.push('\n');
+    for source in &config.sources {
+        let found = found.iter().find(|found| found.source == source.number);
+        let _ = writeln!(text, "source {}     {}", source.number, describe(source, config, found));
+    }
+    text
+}
+
+fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
+    let weighed = &config.fusion.settings.sources[usize::from(source.number)];
+    let period = weighed.period_ns as f64 / NS as f64;
+    let input = match (&source.input, found) {
+        (Input::Simulated(_), _) => {
+            let targets = config.scenario.as_ref().map_or(0, |scenario| scenario.targets);
+            format!("simulated; observes a world of {targets} targets")
+        }
+        (Input::Recorded(recorded), None) => recorded.file.display().to_string(),
+        (Input::Recorded(recorded), Some(found)) => {
+            let editions: Vec<String> = recorded.tables.iter().map(ToString::to_string).collect();
+            let skipped = match found.skipped {
+                0 => String::new(),
+                bytes => format!(", {bytes} bytes not understood"),
+            };
+            format!(
+                "{}, {}, {} records{skipped}, {} to {} UTC{}{}",
+                found.file.display(),
+                size(found.bytes as u64),
+                found.records,
+                time_of_day(found.first_time_ns),
+                time_of_day(found.last_time_ns),
+                if editions.is_empty() { "" } else { ", " },
+                editions.join(" and ")
+            )
+        }
+    };
+    format!("{}, every {period} s: {input}", source.name)
+}
+
+fn wait(mode: WaitMode) -> &'static str {
+    match mode {
+        WaitMode::Spin => "spinning",
+        WaitMode::Event => "sleeping",
+        WaitMode::Hybrid { .. } => "spinning, then sleeping",
+    }
+}
+
+fn place(config: &Config) -> String {
+    let place = config.fusion.placement;
+    let mut words = vec![match place.core {
+        Some(core) => format!("on core {core}"),
+        None => "on any core".to_owned(),
+    }];
+    words.extend(place.realtime_priority.map(|priority| format!("SCHED_FIFO {priority}")));
+    words.extend(place.lock_memory.then(|| "memory locked".to_owned()));
+    words.extend(config.fusion.required.then(|| "all of it required".to_owned()));
+    words.join(", ")
+}
+
+fn size(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    if bytes >= 1e9 {
+        format!("{:.1} GB", bytes / 1e9)
+    } else if bytes >= 1e6 {
+        format!("{:.1} MB", bytes / 1e6)
+    } else {
+        format!("{:.1} kB", bytes / 1e3)
+    }
+}
+
+fn time_of_day(time_ns: Option<i64>) -> String {
+    let Some(seconds) = time_ns.map(|ns| ns / NS) else {
+        return "?".to_owned();
+    };
+    let (minutes, second) = (seconds / 60, seconds % 60);
+    format!("{:02}:{:02}:{second:02}", minutes / 60, minutes % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use runtime::config::BUILT_IN_DEMO;
+
+    #[test]
+    fn the_summary_names_every_source_and_the_capacities() {
+        let path = Path::new(BUILT_IN_DEMO);
+        let config = Config::read(path, &[]).unwrap();
+        let text = summary(path, &config, &[], Some(3_000_000_000));
+        for source in &config.sources {
+            assert!(text.contains(&source.name), "{text}");
+        }
+        assert!(
+            text.contains("2000 system tracks") && text.contains("3.0 GB are free"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn figures_have_units_and_times_two_digits() {
+        assert_eq!(size(2_600_384), "2.6 MB");
+        assert_eq!(size(999), "1.0 kB");
+        assert_eq!(time_of_day(Some(79_201 * NS)), "22:00:01");
+        assert_eq!(time_of_day(None), "?");
+    }
+}

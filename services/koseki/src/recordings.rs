@@ -1,0 +1,344 @@
+//! Whether the recordings are what the configuration says, before anything is started.
+//!
+//! A recording that is not there, is of another sensor, or was cut short would otherwise show only as a source that
+//! stays silent, or falls silent early. So each file is read, its data blocks are walked from header to header, and its
+//! first target report is decoded; `koseki check` decodes all of it. What is wrong is one line: file, byte, what was
+//! found, what was expected, and what to do.
+//!
+//! Limit: damage inside a block is not looked for. The adapter skips what it cannot explain, and counts it.
+
+use std::fmt;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use formats::asterix::{Decoder, Error as BlockError, Mode, blocks, registry};
+use formats::reports::observation::{Reading, read};
+use runtime::Config;
+use runtime::config::{Input, Recorded, Truncated};
+
+/// How thoroughly to look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// At the headers of all blocks, and for the first target report.
+    Blocks,
+    /// At every record.
+    Records,
+}
+
+/// What was found in the recording of one source.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Found {
+    /// Number of the source.
+    pub(crate) source: u16,
+    /// The file.
+    pub(crate) file: PathBuf,
+    /// Its length.
+    pub(crate) bytes: usize,
+    /// Data blocks.
+    pub(crate) blocks: usize,
+    /// Records that could be decoded; only those up to the first target report if no more were looked at.
+    pub(crate) records: u64,
+    /// Bytes of those blocks that could not.
+    pub(crate) skipped: u64,
+    /// Time of day of the first target report, nanoseconds.
+    pub(crate) first_time_ns: Option<i64>,
+    /// Time of day of the last target report that was looked at, nanoseconds.
+    pub(crate) last_time_ns: Option<i64>,
+}
+
+/// A recording that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {what}", file.display())]
+pub(crate) struct RecordingError {
+    file: PathBuf,
+    what: What,
+}
+
+/// What is wrong, and what to do about it.
+#[derive(Debug)]
+enum What {
+    Unreadable {
+        key: Key,
+        error: io::Error,
+    },
+    Empty {
+        key: Key,
+    },
+    OtherCategory {
+        key: Key,
+        found: Vec<u8>,
+        expected: Vec<u8>,
+    },
+    NoReport {
+        key: Key,
+    },
+    Truncated {
+        key: Key,
+        error: BlockError,
+    },
+    Damaged {
+        error: BlockError,
+    },
+}
+
+/// Whose recording it is.
+#[derive(Clone, Debug)]
+struct Key {
+    name: String,
+    number: u16,
+}
+
+impl fmt::Display for What {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreadable { key, error } => write!(
+                f,
+                "cannot be read: {error}; it is the recording of source \"{}\": name its folder with --data, or correct \
+                 source[{}].recorded.file",
+                key.name, key.number
+            ),
+            Self::Empty { key } => write!(
+                f,
+                "byte 0: the file is empty, expected data blocks; it is the recording of source \"{}\": record or copy it \
+                 anew",
+                key.name
+            ),
+            Self::OtherCategory { key, found, expected } => write!(
+                f,
+                "byte 0: found blocks of category {} only, expected {} for source \"{}\": correct source[{}].recorded.file \
+                 or .editions",
+                categories(found, "and"),
+                categories(expected, "or"),
+                key.name,
+                key.number
+            ),
+            Self::NoReport { key } => write!(
+                f,
+                "byte 0: found no target report in any block, expected some for source \"{}\": correct \
+                 source[{}].recorded.file, or the editions under which it is read",
+                key.name, key.number
+            ),
+            Self::Truncated { key, error } => write!(
+                f,
+                "{error}: the recording was cut short; copy it anew, or use it without this block by \
+                 source[{}].recorded.truncated = \"accept\"",
+                key.number
+            ),
+            Self::Damaged { error } => write!(
+                f,
+                "{error}: nothing from here on can be read; record or copy it anew, or keep the first {} bytes",
+                error.offset()
+            ),
+        }
+    }
+}
+
+/// Looks at the recording of every recorded source.
+///
+/// # Errors
+/// The first that cannot be used.
+pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<Found>, RecordingError> {
+    let mut found = Vec::new();
+    for source in &config.sources {
+        let Input::Recorded(recorded) = &source.input else {
+            continue;
+        };
+        let key = Key {
+            name: source.name.clone(),
+            number: source.number,
+        };
+        let file = data.join(&recorded.file);
+        let looked = fs::read(&file)
+            .map_err(|error| What::Unreadable {
+                key: key.clone(),
+                error,
+            })
+            .and_then(|bytes| look(&bytes, recorded, &key, depth));
+        match looked {
+            Ok(looked) => found.push(Found {
+                source: source.number,
+                file,
+                ..looked
+            }),
+            Err(what) => return Err(RecordingError { file, what }),
+        }
+    }
+    Ok(found)
+}
+
+fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Found, What> {
+    let blocks = walk(bytes, recorded, key)?;
+    let found = decode(bytes, recorded, depth);
+    if found.first_time_ns.is_none() {
+        return Err(What::NoReport { key: key.clone() });
+    }
+    Ok(Found {
+        bytes: bytes.len(),
+        blocks,
+        ..found
+    })
+}
+
+/// Counts the blocks. What is of another sensor altogether is said first: its blocks need not even be blocks.
+fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, What> {
+    let expected = expected_categories(recorded);
+    let (mut count, mut known, mut others) = (0, false, Vec::new());
+    let mut wrong = None;
+    for block in blocks(bytes) {
+        match block {
+            Ok(block) if expected.contains(&block.category) => {
+                count += 1;
+                known = true;
+            }
+            Ok(block) => {
+                count += 1;
+                if !others.contains(&block.category) {
+                    others.push(block.category);
+                }
+            }
+            Err(error) => wrong = Some(error),
+        }
+    }
+    let key = key.clone();
+    match wrong {
+        _ if !known && !others.is_empty() => Err(What::OtherCategory {
+            key,
+            found: others,
+            expected,
+        }),
+        Some(error @ BlockError::BlockLength { .. }) => Err(What::Damaged { error }),
+        Some(_) if known && recorded.truncated == Truncated::Accept => Ok(count),
+        Some(error) => Err(What::Truncated { key, error }),
+        None if count == 0 => Err(What::Empty { key }),
+        None => Ok(count),
+    }
+}
+
+/// The categories of the editions that the configuration lists; without any, all that there are tables for.
+fn expected_categories(recorded: &Recorded) -> Vec<u8> {
+    if recorded.tables.is_empty() {
+        return registry::defaults().map(|table| table.number).collect();
+    }
+    recorded.tables.iter().map(|table| table.number).collect()
+}
+
+fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> Found {
+    let mut decoder = recorded
+        .tables
+        .iter()
+        .fold(Decoder::new(Mode::Lenient), |decoder, table| decoder.with_table(table));
+    let mut found = Found::default();
+    for record in decoder.records(bytes).flatten() {
+        let Reading::Target(report) = read(&record) else {
+            continue;
+        };
+        found.first_time_ns = found.first_time_ns.or(report.time_of_day_ns);
+        found.last_time_ns = report.time_of_day_ns.or(found.last_time_ns);
+        if depth == Depth::Blocks && found.first_time_ns.is_some() {
+            break;
+        }
+    }
+    let counts = decoder.counts();
+    found.records = counts.records;
+    found.skipped = counts.octets_skipped;
+    found
+}
+
+/// `010, 019 or 020`.
+fn categories(numbers: &[u8], last: &str) -> String {
+    /// Nobody reads more of them; a file that is no ASTERIX at all has dozens.
+    const SHOWN_MAX: usize = 8;
+    let mut words: Vec<String> = numbers
+        .iter()
+        .take(SHOWN_MAX)
+        .map(|number| format!("{number:03}"))
+        .collect();
+    if numbers.len() > SHOWN_MAX {
+        words.push("others".to_owned());
+    }
+    match words.split_last() {
+        Some((end, rest)) if !rest.is_empty() => format!("{} {last} {end}", rest.join(", ")),
+        _ => words.concat(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EDITION_10: &str = "source[0].recorded.editions={ \"10\" = \"1.1\" }";
+
+    /// Inspects `bytes` as the recording of a source that takes category 010.
+    fn outcome(bytes: &[u8], more: &[&str]) -> Result<Found, String> {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("x.ast"), bytes).unwrap();
+        let text = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[time]\ndate = \"2016-05-10\"\n\
+                    [[source]]\nname = \"radar\"\n[source.recorded]\nfile = \"x.ast\"\n";
+        let overrides: Vec<String> = [EDITION_10].iter().chain(more).map(|each| (*each).to_owned()).collect();
+        let config = Config::parse(Path::new("t.toml"), text, &overrides).unwrap();
+        match inspect(&config, folder.path(), Depth::Records) {
+            Ok(mut found) => Ok(found.remove(0)),
+            Err(error) => {
+                let line = error.to_string();
+                assert_eq!(line.lines().count(), 1, "{line}");
+                let prefix = format!("{}: ", folder.path().join("x.ast").display());
+                Err(line.strip_prefix(&prefix).expect(&line).to_owned())
+            }
+        }
+    }
+
+    /// A CAT010 block with one target report: source, message type and time of day.
+    fn report(seconds: u32) -> Vec<u8> {
+        let time = (seconds * 128).to_be_bytes();
+        // FSPEC: I010/010, /000, (/020 absent), /140.
+        vec![10, 0, 10, 0b1101_0000, 0, 7, 1, time[1], time[2], time[3]]
+    }
+
+    #[test]
+    fn a_sound_recording_is_described() {
+        let bytes = [report(100), report(101)].concat();
+        let found = outcome(&bytes, &[]).unwrap();
+        assert_eq!((found.bytes, found.blocks, found.records, found.skipped), (20, 2, 2, 0));
+        assert_eq!(found.first_time_ns, Some(100_000_000_000));
+        assert_eq!(found.last_time_ns, Some(101_000_000_000));
+    }
+
+    #[test]
+    fn another_category_is_named() {
+        let line = outcome(&[48, 0, 4, 0, 34, 0, 3], &[]).unwrap_err();
+        assert!(
+            line.starts_with("byte 0: found blocks of category 048 and 034 only, expected 010 for source \"radar\"")
+        );
+        assert!(line.contains("source[0].recorded.file"), "{line}");
+        // The same, where it is cut as well: that does not matter any more.
+        let line = outcome(&[48, 0, 4, 0, 34, 0, 9], &[]).unwrap_err();
+        assert!(line.contains("category 048"), "{line}");
+    }
+
+    #[test]
+    fn a_recording_cut_short_is_refused_or_accepted() {
+        let mut bytes = [report(100), report(101)].concat();
+        bytes.truncate(17);
+        let line = outcome(&bytes, &[]).unwrap_err();
+        assert!(line.starts_with("byte 10: "), "{line}");
+        assert!(line.contains("10 octets") && line.contains("7 left"), "{line}");
+        assert!(line.contains("truncated = \"accept\""), "{line}");
+        let found = outcome(&bytes, &["source[0].recorded.truncated=\"accept\""]).unwrap();
+        assert_eq!((found.blocks, found.records), (1, 1));
+    }
+
+    #[test]
+    fn damage_emptiness_and_silence_are_named() {
+        let bytes = [report(100), vec![10, 0, 2, 7]].concat();
+        let line = outcome(&bytes, &["source[0].recorded.truncated=\"accept\""]).unwrap_err();
+        assert!(
+            line.starts_with("byte 10: ") && line.contains("first 10 bytes"),
+            "{line}"
+        );
+        assert!(outcome(&[], &[]).unwrap_err().contains("empty"));
+        // Only a record of type "start of update cycle".
+        let line = outcome(&[10, 0, 7, 0b1100_0000, 0, 7, 2], &[]).unwrap_err();
+        assert!(line.contains("no target report"), "{line}");
+    }
+}

@@ -1,0 +1,317 @@
+//! `koseki status`: what runs on this machine.
+//!
+//! It looks on like any reader would: joins each instance that runs, listens to two rounds of health messages, and
+//! leaves. Rates are the differences between the two rounds.
+
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
+
+use bus::{Bus, BusError, Instance, Process, Root, SharedMemory};
+use messages::{Counter, Health, NO_SOURCE, ProcessKind};
+use runtime::clock::mono_ns;
+
+/// How long to listen: health messages come five times a second.
+const LISTEN: Duration = Duration::from_millis(700);
+/// Pause between two looks: queues hold more than comes in this time.
+const PAUSE: Duration = Duration::from_millis(20);
+/// Name under which this command joins an instance.
+const OWN_NAME: &str = "status";
+
+/// Prints every instance, or the one called `only`.
+///
+/// # Errors
+/// If the instances cannot be listed, or shared memory fails.
+pub(crate) fn run(only: Option<&str>) -> anyhow::Result<()> {
+    let instances = match only {
+        Some(name) => {
+            // A name that cannot be one is wrong usage, not an instance that does not run.
+            let root = Root::new(name).map_err(|error| crate::args::Usage(error.to_string()))?;
+            let listed = Root::list(root.base())?.into_iter();
+            listed.filter(|instance| instance.root == root).collect()
+        }
+        None => Root::list(Root::default_base())?,
+    };
+    let mut text = String::new();
+    for instance in &instances {
+        text.push_str(&describe(instance)?);
+    }
+    if instances.is_empty() {
+        text = match only {
+            Some(name) => format!("nothing runs as instance {name}\n"),
+            None => "nothing runs\n".to_owned(),
+        };
+    }
+    crate::print(&text)
+}
+
+fn describe(instance: &Instance) -> anyhow::Result<String> {
+    let name = instance.root.instance();
+    if !instance.runs {
+        return Ok(format!(
+            "instance {name}: does not run; an earlier run was killed, and the next start removes what it left\n"
+        ));
+    }
+    let pid = instance.pid.map_or_else(|| "?".to_owned(), |pid| pid.to_string());
+    let listened = listen(&instance.root);
+    clear_if_ended(&instance.root)?;
+    match listened {
+        Ok((heard, processes)) => Ok(format!(
+            "instance {name}: run by process {pid}\n{}",
+            table(&heard, &processes)
+        )),
+        Err(BusError::NotRunning { .. } | BusError::NoSuchTopic { .. }) => {
+            Ok(format!("instance {name}: process {pid} is starting or stopping it\n"))
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Joining an instance at the very moment in which its launcher clears it brings its folder back. Nobody else would
+/// remove it before the next start.
+fn clear_if_ended(root: &Root) -> Result<(), BusError> {
+    if root.holder()?.is_none()
+        && root.path().exists()
+        && let Ok(claim) = root.claim()
+    {
+        claim.remove()?;
+    }
+    Ok(())
+}
+
+/// What one process, or the launcher about one process, said first and last.
+#[derive(Clone, Copy, Debug)]
+struct Heard {
+    first: Health,
+    last: Health,
+}
+
+/// Everything that is said while listening, and who has joined the instance.
+fn listen(root: &Root) -> Result<(Vec<Heard>, Vec<Process>), BusError> {
+    let bus = Bus::<SharedMemory>::open(root, OWN_NAME)?;
+    let mut subscriber = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
+    let mut heard: Vec<Heard> = Vec::new();
+    let start = Instant::now();
+    while start.elapsed() < LISTEN {
+        subscriber.take(usize::MAX, |_, said| {
+            for health in said {
+                let whole = health.source == NO_SOURCE || is_launcher(health);
+                if whole {
+                    note(&mut heard, health);
+                }
+            }
+        })?;
+        std::thread::sleep(PAUSE);
+    }
+    let mut processes = root.processes()?;
+    processes.retain(|process| process.pid != std::process::id());
+    Ok((heard, processes))
+}
+
+fn note(heard: &mut Vec<Heard>, health: &Health) {
+    // The launcher speaks of its children by their names; a child's process number changes.
+    let same = |other: &&mut Heard| {
+        let other = &other.last;
+        (other.kind, other.name) == (health.kind, health.name)
+            && (is_launcher(health) || other.process_id == health.process_id)
+    };
+    match heard.iter_mut().find(same) {
+        Some(known) => known.last = *health,
+        None => heard.push(Heard {
+            first: *health,
+            last: *health,
+        }),
+    }
+}
+
+fn is_launcher(health: &Health) -> bool {
+    health.kind == ProcessKind::Launcher as u8
+}
+
+/// One line per process: first the launcher and its children, then what else has joined the instance.
+fn table(heard: &[Heard], processes: &[Process]) -> String {
+    let mut rows = vec![Row::title()];
+    let launched: Vec<&Heard> = heard.iter().filter(|each| is_launcher(&each.last)).collect();
+    for each in &launched {
+        let own = heard
+            .iter()
+            .find(|own| !is_launcher(&own.last) && own.last.process_id == each.last.process_id);
+        rows.push(Row::of_child(&each.last, own));
+    }
+    let others = heard.iter().filter(|each| {
+        launched
+            .iter()
+            .all(|child| child.last.process_id != each.last.process_id)
+    });
+    rows.extend(others.map(Row::of_process));
+    let silent = processes
+        .iter()
+        .filter(|process| heard.iter().all(|each| each.last.process_id != process.pid));
+    rows.extend(silent.map(|process| Row {
+        name: process.name.clone(),
+        pid: process.pid.to_string(),
+        note: "says nothing of itself".to_owned(),
+        ..Row::blank()
+    }));
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
+    let mut text = String::new();
+    for row in rows {
+        row.write(&mut text, width);
+    }
+    text
+}
+
+struct Row {
+    name: String,
+    pid: String,
+    state: String,
+    restarts: String,
+    taken: String,
+    published: String,
+    note: String,
+}
+
+impl Row {
+    fn title() -> Self {
+        Self {
+            name: "process".to_owned(),
+            pid: "pid".to_owned(),
+            state: "state".to_owned(),
+            restarts: "restarts".to_owned(),
+            taken: "in/s".to_owned(),
+            published: "out/s".to_owned(),
+            note: "note".to_owned(),
+        }
+    }
+
+    fn blank() -> Self {
+        let nothing = || "-".to_owned();
+        Self {
+            name: nothing(),
+            pid: nothing(),
+            state: nothing(),
+            restarts: nothing(),
+            taken: nothing(),
+            published: nothing(),
+            note: String::new(),
+        }
+    }
+
+    /// A child, as the launcher speaks of it, and as it speaks of itself if it does.
+    fn of_child(child: &Health, own: Option<&Heard>) -> Self {
+        let state = child.life().map_or("?", messages::LifeState::word).to_owned();
+        let is_launcher_itself = child.name() == ProcessKind::Launcher.word();
+        let row = Self {
+            name: child.name().to_owned(),
+            pid: match child.process_id {
+                0 => "-".to_owned(),
+                pid => pid.to_string(),
+            },
+            restarts: if is_launcher_itself {
+                "-".to_owned()
+            } else {
+                child.restarts.to_string()
+            },
+            state,
+            note: match child.note() {
+                "" => String::new(),
+                end => format!("the last one {end}"),
+            },
+            ..Self::blank()
+        };
+        let Some(own) = own else { return row };
+        let of_itself = Self::of_process(own);
+        let notes = [of_itself.note, row.note.clone()];
+        Self {
+            taken: of_itself.taken,
+            published: of_itself.published,
+            note: notes
+                .into_iter()
+                .filter(|note| !note.is_empty())
+                .collect::<Vec<_>>()
+                .join("; "),
+            ..row
+        }
+    }
+
+    /// A process, as it speaks of itself.
+    fn of_process(heard: &Heard) -> Self {
+        let last = &heard.last;
+        let (taken, published) = match last.kind() {
+            Some(ProcessKind::Adapter) => (Counter::Records, Counter::Published),
+            Some(ProcessKind::Recorder) => (Counter::Taken, Counter::RowsWritten),
+            _ => (Counter::Taken, Counter::Published),
+        };
+        Self {
+            name: last.name().to_owned(),
+            pid: last.process_id.to_string(),
+            state: last.life().map_or("?", messages::LifeState::word).to_owned(),
+            taken: heard.rate(taken),
+            published: heard.rate(published),
+            note: last.note().to_owned(),
+            ..Self::blank()
+        }
+    }
+
+    fn write(&self, text: &mut String, width: usize) {
+        let line = format!(
+            "  {:<width$}  {:>8}  {:<8}  {:>8}  {:>8}  {:>8}  {}",
+            self.name, self.pid, self.state, self.restarts, self.taken, self.published, self.note
+        );
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+}
+
+impl Heard {
+    /// How fast a counter grew; nothing if it stands at 0, or only one message was heard.
+    fn rate(&self, counter: Counter) -> String {
+        let seconds = (self.last.said_ns - self.first.said_ns) as f64 / messages::NS_PER_S;
+        let (first, last) = (self.first.counter(counter), self.last.counter(counter));
+        if seconds <= 0.0 || last == 0 {
+            return "-".to_owned();
+        }
+        format!("{:.0}", last.saturating_sub(first) as f64 / seconds)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::LifeState;
+
+    fn said(kind: ProcessKind, name: &str, pid: u32, said_ns: i64, published: u64) -> Health {
+        let mut health = Health {
+            kind: kind as u8,
+            process_id: pid,
+            said_ns,
+            life: LifeState::Running as u8,
+            ..Health::default()
+        };
+        health.counters[Counter::Published as usize] = published;
+        health.with_name(name)
+    }
+
+    #[test]
+    fn children_others_and_silent_processes_are_listed_with_rates_and_restarts() {
+        let mut heard = Vec::new();
+        note(&mut heard, &said(ProcessKind::Launcher, "launcher", 1, 0, 0));
+        let mut child = said(ProcessKind::Launcher, "fusion", 2, 0, 0).with_note("was killed by SIGKILL");
+        child.restarts = 3;
+        note(&mut heard, &child);
+        note(&mut heard, &said(ProcessKind::Fusion, "fusion", 2, 0, 100));
+        note(&mut heard, &said(ProcessKind::Fusion, "fusion", 2, 500_000_000, 350));
+        note(&mut heard, &said(ProcessKind::Monitor, "second", 9, 0, 0));
+        let subscriber = Process {
+            pid: 10,
+            name: "subscribe".to_owned(),
+        };
+        let table = table(&heard, &[subscriber]);
+        let lines: Vec<Vec<&str>> = table.lines().map(|line| line.split_whitespace().collect()).collect();
+        assert_eq!(lines.len(), 5, "{table}");
+        assert_eq!(lines[1][..4], ["launcher", "1", "running", "-"]);
+        assert_eq!(lines[2][..6], ["fusion", "2", "running", "3", "-", "500"]);
+        assert!(table.contains("the last one was killed by SIGKILL"));
+        assert_eq!(lines[3][..2], ["second", "9"]);
+        assert_eq!(lines[4][..2], ["subscribe", "10"]);
+    }
+}

@@ -1,0 +1,185 @@
+//! What must be there before the first process starts, and gone after the last one has ended.
+
+use std::time::{Duration, Instant};
+
+use anyhow::Context as _;
+use bus::{Bus, BusError, Claim, Held, Payload, Root, SharedMemory};
+use messages::Topic;
+use runtime::Config;
+use runtime::signals::Stop;
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+
+use crate::part::parts;
+use crate::say;
+
+/// How long the processes of a launcher that was killed may take to notice, before this start is refused.
+const ORPHAN_PATIENCE: Duration = Duration::from_secs(5);
+/// How long other readers of the deployment may take to leave at its end.
+const LEAVE_PATIENCE: Duration = Duration::from_secs(2);
+/// Pause between two looks.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// Publishers of a topic that has one: during a restart, the dead one's memory is not yet taken back.
+const ONE_AND_ITS_SUCCESSOR: usize = 2;
+/// Further publishers of health messages: the launcher, and some processes that have died.
+const FURTHER_HEALTH: usize = 5;
+/// Fusion and the recorder publish their progress.
+const PROGRESS_PUBLISHERS: usize = 4;
+
+/// A claimed instance with all its topics.
+#[derive(Debug)]
+pub(crate) struct Ground {
+    // In the order in which they must go.
+    _held: Vec<Held>,
+    bus: Bus<SharedMemory>,
+    claim: Claim,
+}
+
+impl Ground {
+    /// Claims the instance and creates every topic of the deployment.
+    ///
+    /// # Errors
+    /// If it runs already, is still used, or the machine has not enough memory or rights.
+    pub(crate) fn prepare(config: &Config, instance: &str, stop: &Stop) -> anyhow::Result<Self> {
+        raise_file_limit();
+        let root = Root::new(instance)?;
+        let claim = claim(&root, stop)?;
+        let wiped = claim.wiped();
+        if wiped.files > 0 {
+            say(&format!(
+                "removed what an earlier run of instance {instance} had left: {} files, {:.1} MB",
+                wiped.files,
+                wiped.bytes as f64 / 1e6
+            ));
+        }
+        bus::check_space(needed_bytes(config))?;
+        let bus = Bus::open(&root, "launcher")?;
+        let mut hold = Hold {
+            bus: &bus,
+            held: Vec::new(),
+        };
+        each_topic(config, &mut hold)?;
+        Ok(Self {
+            _held: hold.held,
+            bus,
+            claim,
+        })
+    }
+
+    /// The launcher's own connection.
+    pub(crate) fn bus(&self) -> &Bus<SharedMemory> {
+        &self.bus
+    }
+
+    /// Removes every trace of the instance. Where other processes still look at it, that is left to the next start.
+    ///
+    /// # Errors
+    /// If files cannot be removed.
+    pub(crate) fn clear(self) -> anyhow::Result<()> {
+        let Self { _held, bus, claim } = self;
+        drop(_held);
+        drop(bus);
+        let root = claim.root();
+        let start = Instant::now();
+        while start.elapsed() < LEAVE_PATIENCE && !root.processes()?.is_empty() {
+            std::thread::sleep(PAUSE);
+        }
+        match claim.remove() {
+            Ok(_) => Ok(()),
+            Err(BusError::StillUsed { processes, .. }) => {
+                let users: Vec<String> = processes.iter().map(|p| format!("{} ({})", p.pid, p.name)).collect();
+                say(&format!(
+                    "the shared memory stays, because it is still read by {}; the next start removes it",
+                    users.join(", ")
+                ));
+                Ok(())
+            }
+            Err(error) => Err(error).context("clearing up"),
+        }
+    }
+}
+
+/// Most bytes that a deployment takes in shared memory.
+pub fn needed_bytes(config: &Config) -> u64 {
+    let mut need = Need(0);
+    // Adding up cannot fail.
+    let _ = each_topic(config, &mut need);
+    need.0
+}
+
+/// Something that is done with every topic of a deployment.
+trait Visit {
+    fn visit<T: Payload>(&mut self, topic: &Topic<T>, publishers: usize) -> Result<(), BusError>;
+}
+
+/// Every topic of a deployment, with the number of publishers that it can have at a time.
+fn each_topic(config: &Config, visit: &mut impl Visit) -> Result<(), BusError> {
+    for source in &config.sources {
+        visit.visit(&messages::sensor_tracks(&source.name), ONE_AND_ITS_SUCCESSOR)?;
+    }
+    visit.visit(&messages::system_tracks(), ONE_AND_ITS_SUCCESSOR)?;
+    visit.visit(&messages::health(), parts(config).len() + FURTHER_HEALTH)?;
+    visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;
+    visit.visit(&messages::control(), ONE_AND_ITS_SUCCESSOR)
+}
+
+struct Need(u64);
+
+impl Visit for Need {
+    fn visit<T: Payload>(&mut self, topic: &Topic<T>, publishers: usize) -> Result<(), BusError> {
+        self.0 += bus::needed_bytes(topic, publishers);
+        Ok(())
+    }
+}
+
+struct Hold<'a> {
+    bus: &'a Bus<SharedMemory>,
+    held: Vec<Held>,
+}
+
+impl Visit for Hold<'_> {
+    fn visit<T: Payload>(&mut self, topic: &Topic<T>, _: usize) -> Result<(), BusError> {
+        self.held.push(self.bus.hold(topic)?);
+        Ok(())
+    }
+}
+
+/// Claims the instance. Processes that an earlier, killed launcher had started are given time to end.
+fn claim(root: &Root, stop: &Stop) -> anyhow::Result<Claim> {
+    let start = Instant::now();
+    let mut said = false;
+    loop {
+        match root.claim() {
+            Err(BusError::StillUsed { processes, .. }) if start.elapsed() < ORPHAN_PATIENCE && !stop.requested() => {
+                if !said {
+                    said = true;
+                    let count = processes.len();
+                    say(&format!("waiting for {count} processes of an earlier run to end"));
+                }
+                std::thread::sleep(PAUSE);
+            }
+            Err(BusError::AlreadyRunning { instance, pid }) => {
+                let pid = pid.map_or_else(|| "(unknown)".to_owned(), |pid| pid.to_string());
+                anyhow::bail!(
+                    "instance {instance} is already run by process {pid}: stop that one first, or start this one beside \
+                     it with --instance NAME"
+                );
+            }
+            result => return Ok(result?),
+        }
+    }
+}
+
+/// Each process keeps some files open for every topic, and the usual limit of 1024 is soon reached. Children inherit
+/// what is raised here.
+fn raise_file_limit() {
+    let limit = getrlimit(Resource::Nofile);
+    // Raising it to the allowed maximum needs no right; where it is refused all the same, opening files will say so.
+    let _ = setrlimit(
+        Resource::Nofile,
+        Rlimit {
+            current: limit.maximum,
+            maximum: limit.maximum,
+        },
+    );
+}

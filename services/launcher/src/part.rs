@@ -1,0 +1,138 @@
+//! The parts of a deployment: which processes there are, and what each is called with.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use messages::{NO_SOURCE, ProcessKind};
+use runtime::{Config, Options, Speed};
+
+/// One process of a deployment.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Its kind.
+    pub(crate) kind: ProcessKind,
+    /// Its name, which it also gives in its health messages: that of its source for an adapter, else that of its kind.
+    pub(crate) name: String,
+    /// Its source's number, for an adapter.
+    pub(crate) source: u16,
+}
+
+/// Kinds in the order in which they are stopped: sources first, and the monitor last, so that it sees the others end.
+pub(crate) const STOP_ORDER: [ProcessKind; 4] = [
+    ProcessKind::Adapter,
+    ProcessKind::Fusion,
+    ProcessKind::Recorder,
+    ProcessKind::Monitor,
+];
+
+/// The parts of a deployment, in the order in which they are started.
+pub(crate) fn parts(config: &Config) -> Vec<Part> {
+    let service = |kind: ProcessKind| Part {
+        kind,
+        name: kind.word().to_owned(),
+        source: NO_SOURCE,
+    };
+    let adapters = config.sources.iter().map(|source| Part {
+        kind: ProcessKind::Adapter,
+        name: source.name.clone(),
+        source: source.number,
+    });
+    let recorder = config.recorder.then(|| service(ProcessKind::Recorder));
+    let mut parts = vec![service(ProcessKind::Monitor)];
+    parts.extend(recorder);
+    parts.push(service(ProcessKind::Fusion));
+    parts.extend(adapters);
+    parts
+}
+
+impl Part {
+    /// What it is called in messages.
+    pub(crate) fn title(&self) -> String {
+        match self.kind {
+            ProcessKind::Adapter => format!("adapter {}", self.name),
+            _ => self.name.clone(),
+        }
+    }
+
+    /// The command line of its process.
+    pub(crate) fn arguments(&self, config: &Path, options: &Options, launcher: u32) -> Vec<OsString> {
+        let speed = match options.speed {
+            Speed::Factor(factor) => factor.to_string(),
+            Speed::Max => "max".to_owned(),
+        };
+        let mut arguments: Vec<OsString> = vec![self.kind.word().into()];
+        // One word each, so that no value can be taken for an option.
+        let mut give = |option: &str, value: OsString| {
+            let mut argument = OsString::from(option);
+            argument.push("=");
+            argument.push(value);
+            arguments.push(argument);
+        };
+        give("--config", config.into());
+        give("--name", (&self.name).into());
+        give("--instance", (&options.instance).into());
+        for each in &options.overrides {
+            give("--set", each.into());
+        }
+        give("--data", (&options.data).into());
+        give("--out", (&options.out).into());
+        give("--speed", speed.into());
+        give("--seed", options.seed.to_string().into());
+        give("--scenario-start", options.scenario_start_ns.to_string().into());
+        give("--launcher", launcher.to_string().into());
+        arguments
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use runtime::config::BUILT_IN_DEMO;
+
+    #[test]
+    fn the_monitor_starts_first_and_stops_last() {
+        let overrides = ["recorder.enabled=true".to_owned()];
+        let config = Config::read(Path::new(BUILT_IN_DEMO), &overrides).unwrap();
+        let kinds: Vec<ProcessKind> = parts(&config).iter().map(|part| part.kind).collect();
+        use ProcessKind::{Adapter, Fusion, Monitor, Recorder};
+        assert_eq!(kinds[..4], [Monitor, Recorder, Fusion, Adapter]);
+        assert_eq!(kinds.len(), 3 + config.sources.len());
+        assert_eq!(STOP_ORDER.last(), Some(&Monitor));
+    }
+
+    #[test]
+    fn every_option_reaches_the_child() {
+        let part = Part {
+            kind: ProcessKind::Adapter,
+            name: "radar".to_owned(),
+            source: 0,
+        };
+        let options = Options {
+            overrides: vec!["a.b=1".to_owned(), "c=\"-x\"".to_owned()],
+            instance: "test".to_owned(),
+            data: "data folder".into(),
+            out: "-out".into(),
+            speed: Speed::Factor(2.5),
+            seed: 7,
+            scenario_start_ns: -1,
+            launcher: None,
+        };
+        assert_eq!(
+            part.arguments(Path::new("a.toml"), &options, 4711),
+            [
+                "adapter",
+                "--config=a.toml",
+                "--name=radar",
+                "--instance=test",
+                "--set=a.b=1",
+                "--set=c=\"-x\"",
+                "--data=data folder",
+                "--out=-out",
+                "--speed=2.5",
+                "--seed=7",
+                "--scenario-start=-1",
+                "--launcher=4711"
+            ]
+        );
+    }
+}

@@ -1,0 +1,176 @@
+//! When the monitor does what.
+
+use std::time::Duration;
+
+use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
+use messages::{Counter, Health, SystemTrack};
+use runtime::{Agent, Config, HealthEntry, Now, Options, Turn};
+
+use crate::files::Files;
+use crate::screen::Screen;
+use crate::survey::Survey;
+
+/// Slices taken in one turn: as many as can wait.
+const SLICES_PER_TURN: usize = 256;
+/// Turns in which what still waits is taken at the end, in case somebody goes on publishing.
+const TURNS_AT_CLOSE: usize = 1000;
+/// How often the last words of the others are looked for at the end, and the pause between two looks.
+const LOOKS_FOR_LAST_WORDS: usize = 50;
+const PAUSE_BETWEEN_LOOKS: Duration = Duration::from_millis(10);
+/// Longest sleep, so that no health message waits until its place is needed.
+const SLEEP_MAX_NS: i64 = 100_000_000;
+
+/// Reads both clocks.
+pub type Clock = Box<dyn Fn() -> Now>;
+
+/// The monitor as an agent; generic over the transport, so that tests drive it in process.
+pub struct MonitorAgent<S: Transport> {
+    survey: Survey,
+    states: Subscriber<S, SystemTrack>,
+    health: Subscriber<S, Health>,
+    waiter: Waiter<S>,
+    clock: Clock,
+    screen: Screen,
+    files: Option<Files>,
+    /// When the interval at hand began.
+    begun: Now,
+    interval_ns: i64,
+}
+
+impl<S: Transport> MonitorAgent<S> {
+    /// A monitor called `name`, connected to `bus`.
+    ///
+    /// The one called `monitor` writes its files into the deployment's folder; one that was started beside it, into a
+    /// folder of its own name there.
+    ///
+    /// # Errors
+    /// If a topic cannot be opened or a file not be made.
+    pub fn new(
+        config: &Config,
+        options: &Options,
+        name: &str,
+        bus: &Bus<S>,
+        clock: Clock,
+        screen: Screen,
+    ) -> anyhow::Result<Self> {
+        let topic = messages::system_tracks();
+        let mut waiter = bus.waiter(WaitMode::Event);
+        waiter.watch(bus, &topic)?;
+        let now_ns = || clock().mono_ns as u64;
+        let (states, health) = (
+            bus.subscriber(&topic, now_ns)?,
+            bus.subscriber(&messages::health(), now_ns)?,
+        );
+        let begun = clock();
+        let folder = match name {
+            "monitor" => options.out.clone(),
+            other => options.out.join(other),
+        };
+        let files = || Files::create(&folder, begun.utc_ns);
+        Ok(Self {
+            survey: Survey::new(config, options, name, begun)?,
+            states,
+            health,
+            waiter,
+            clock,
+            screen,
+            files: config.monitor.files.then(files).transpose()?,
+            begun,
+            interval_ns: config.monitor.interval_ns,
+        })
+    }
+
+    /// Takes what has arrived; whether more may be waiting.
+    fn take(&mut self) -> anyhow::Result<bool> {
+        let (survey, clock) = (&mut self.survey, &self.clock);
+        let slices = self.states.take(SLICES_PER_TURN, |header, tracks| {
+            survey.receive(header, tracks, clock())
+        })?;
+        let said = self.health.take(SLICES_PER_TURN, |_, said| {
+            said.iter().for_each(|health| survey.hear(health))
+        })?;
+        Ok(slices == SLICES_PER_TURN || said == SLICES_PER_TURN)
+    }
+
+    fn take_all(&mut self) -> anyhow::Result<()> {
+        for _ in 0..TURNS_AT_CLOSE {
+            if !self.take()? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the interval at hand; returns how long it was, nanoseconds.
+    fn close_interval(&mut self, now: Now) -> i64 {
+        let length_ns = now.mono_ns - self.begun.mono_ns;
+        self.survey.close_interval();
+        if let Some(files) = &mut self.files {
+            let survey = &self.survey;
+            let name = |number| survey.source_name(number);
+            files.log_interval(survey.stages(), self.begun.utc_ns, length_ns, name);
+        }
+        self.begun = now;
+        length_ns
+    }
+
+    /// Those who end together with the monitor may need a moment more than it does.
+    fn wait_for_last_words(&mut self) -> anyhow::Result<()> {
+        for _ in 0..LOOKS_FOR_LAST_WORDS {
+            self.take_all()?;
+            if self.survey.others_have_ended((self.clock)()) {
+                break;
+            }
+            self.wait(PAUSE_BETWEEN_LOOKS)?;
+        }
+        self.take_all()
+    }
+}
+
+impl<S: Transport> Agent for MonitorAgent<S> {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        // First the whole second that has passed, then what came after it.
+        self.survey.pass(now);
+        let more = self.take()?;
+        if now.mono_ns - self.begun.mono_ns >= self.interval_ns {
+            let length_ns = self.close_interval(now);
+            let live = self.survey.live(now, length_ns, self.states.counts());
+            self.screen.show(&live);
+        }
+        if more {
+            return Ok(Turn::Worked);
+        }
+        let until_interval_ns = self.begun.mono_ns + self.interval_ns - now.mono_ns;
+        let until_due_ns = self.survey.due_utc_ns().saturating_sub(now.utc_ns);
+        let sleep_ns = until_interval_ns.min(until_due_ns).clamp(0, SLEEP_MAX_NS);
+        Ok(Turn::Idle(Duration::from_nanos(sleep_ns as u64)))
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        let states = &self.states;
+        self.waiter.wait(at_most, || states.has_slices())?;
+        Ok(())
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let counts = self.states.counts();
+        let mut whole = HealthEntry {
+            note: self.files.as_ref().map_or_else(String::new, Files::note),
+            ..HealthEntry::default()
+        };
+        whole.set(Counter::Taken, counts.taken);
+        whole.set(Counter::Lost, counts.lost);
+        whole.set(Counter::SchemaMismatch, counts.schema_mismatch);
+        whole.set(Counter::Invalid, self.survey.health_ignored());
+        entries.push(whole);
+    }
+
+    fn close(&mut self, now: Now) -> anyhow::Result<()> {
+        let taken = self.wait_for_last_words();
+        self.close_interval((self.clock)());
+        let report = self.survey.report(now, self.states.counts());
+        self.screen.end(&report);
+        let finish = |files: Files| files.finish(self.survey.stages(), &report);
+        taken.and(self.files.take().map_or(Ok(()), finish))
+    }
+}

@@ -1,0 +1,96 @@
+//! The monitor's files, in one folder:
+//!
+//! - `latency.hlog`: every interval's latencies, per stage and source, in the standard HdrHistogram log format;
+//! - `latency_<stage>.hgrm`: at the end, the distribution of each stage, in microseconds, as HdrHistogram's plotter
+//!   reads it;
+//! - `report.json`: at the end, the report.
+//!
+//! A log that cannot be written any more (a full disk) is given up; watching goes on, and the error is told at the end.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use telemetry::{IntervalLog, Span, Stage, Stages, write_percentiles};
+
+use crate::report::Report;
+
+/// Nanoseconds in the unit of the percentile files.
+const NS_PER_US: f64 = 1e3;
+
+/// See the module's documentation.
+pub(crate) struct Files {
+    folder: PathBuf,
+    log: Result<IntervalLog<BufWriter<File>>, anyhow::Error>,
+}
+
+impl Files {
+    /// Makes the folder and begins the log; its times count from `begun_utc_ns`.
+    ///
+    /// # Errors
+    /// If the folder or the log cannot be made.
+    pub(crate) fn create(folder: &Path, begun_utc_ns: i64) -> anyhow::Result<Self> {
+        fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        let path = folder.join("latency.hlog");
+        let file = File::create(&path).with_context(|| format!("creating {}", path.display()))?;
+        let log = IntervalLog::begin(BufWriter::new(file), begun_utc_ns)
+            .with_context(|| format!("writing {}", path.display()))?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            log: Ok(log),
+        })
+    }
+
+    /// Logs the interval that was closed last. What is logged reaches the disk now: the process may be killed.
+    pub(crate) fn log_interval<N: AsRef<str>>(
+        &mut self,
+        stages: &Stages,
+        begin_utc_ns: i64,
+        length_ns: i64,
+        source_name: impl Fn(u16) -> N,
+    ) {
+        let Ok(log) = &mut self.log else { return };
+        let written = log
+            .write_interval(stages, begin_utc_ns, length_ns.max(0) as u64, source_name)
+            .and_then(|()| log.flush());
+        if let Err(error) = written {
+            self.log = Err(anyhow::Error::new(error).context("writing latency.hlog"));
+        }
+    }
+
+    /// What is wrong; empty if nothing is.
+    pub(crate) fn note(&self) -> String {
+        let error = self.log.as_ref().err();
+        error.map_or_else(String::new, |error| format!("{error:#}"))
+    }
+
+    /// Writes what is written at the end.
+    ///
+    /// # Errors
+    /// If that fails, or the log had to be given up.
+    pub(crate) fn finish(self, stages: &Stages, report: &Report) -> anyhow::Result<()> {
+        for stage in Stage::ALL {
+            if let Some(histogram) = stages.histogram(stage, None, Span::Total) {
+                self.write(&format!("latency_{}.hgrm", stage.key()), |out| {
+                    write_percentiles(out, histogram, NS_PER_US)
+                })?;
+            }
+        }
+        self.write("report.json", |out| {
+            serde_json::to_writer_pretty(&mut *out, report)?;
+            writeln!(out)
+        })?;
+        self.log.map(drop)
+    }
+
+    fn write(&self, name: &str, fill: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> anyhow::Result<()> {
+        let path = self.folder.join(name);
+        let write = || {
+            let mut out = BufWriter::new(File::create(&path)?);
+            fill(&mut out)?;
+            out.flush()
+        };
+        write().with_context(|| format!("writing {}", path.display()))
+    }
+}

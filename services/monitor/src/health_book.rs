@@ -1,0 +1,345 @@
+//! What every process has said of itself, and what the launcher says of it.
+//!
+//! A process counts from its start, so a restarted one begins at 0. Counters here go on: those of earlier incarnations
+//! are kept and added. An incarnation is told from the next by its start time, which every health message carries.
+//!
+//! Restarts are known from two sides. The launcher counts those of its children; and a new incarnation under an old
+//! name is one, whoever started it. The larger number counts.
+//!
+//! Health messages come from processes that may have been built elsewhere. One with a code or a source that does not
+//! exist is counted and otherwise ignored.
+
+use std::collections::BTreeMap;
+
+use messages::{Health, HealthName, LifeState, NO_SOURCE, ProcessKind};
+
+use crate::counters::Counters;
+use crate::report::{Process, State};
+
+/// A process that says nothing for longer than this is silent, nanoseconds: five health messages are missing then.
+const SILENT_AFTER_NS: i64 = 1_000_000_000;
+/// Most things that are spoken of: some 100 processes, three of which speak of 64 sources each, and spare ones.
+const SPEAKERS_MAX: usize = 1024;
+
+/// See the module's documentation.
+#[derive(Clone, Debug)]
+pub(crate) struct HealthBook {
+    sources: usize,
+    speakers: BTreeMap<(ProcessKind, HealthName, u16), Speaker>,
+    children: BTreeMap<HealthName, Child>,
+    ignored: u64,
+}
+
+/// What one process says of itself as a whole, or of one source.
+#[derive(Clone, Debug)]
+struct Speaker {
+    latest: Health,
+    /// Counted by incarnations before that.
+    earlier: Counters,
+    incarnations: u32,
+}
+
+/// What the launcher says of one process.
+#[derive(Clone, Copy, Debug)]
+struct Child {
+    life: LifeState,
+    restarts: u32,
+    /// The latest message with a note: how the process ended when it should not have.
+    last_end: Health,
+}
+
+impl HealthBook {
+    /// An empty book of a deployment with so many sources.
+    pub(crate) fn new(sources: usize) -> Self {
+        Self {
+            sources,
+            speakers: BTreeMap::new(),
+            children: BTreeMap::new(),
+            ignored: 0,
+        }
+    }
+
+    /// Enters one message.
+    pub(crate) fn hear(&mut self, health: &Health) {
+        let (Some(kind), Some(life)) = (health.kind(), health.life()) else {
+            self.ignored += 1;
+            return;
+        };
+        let known_source = health.source == NO_SOURCE || usize::from(health.source) < self.sources;
+        if !known_source || health.name().is_empty() {
+            self.ignored += 1;
+            return;
+        }
+        if kind == ProcessKind::Launcher && health.name() != kind.word() {
+            self.hear_of_child(health, life);
+        } else {
+            self.hear_speaker(kind, health);
+        }
+    }
+
+    fn hear_of_child(&mut self, health: &Health, life: LifeState) {
+        if self.children.len() == SPEAKERS_MAX && !self.children.contains_key(&health.name) {
+            self.ignored += 1;
+            return;
+        }
+        let child = self.children.entry(health.name).or_insert(Child {
+            life,
+            restarts: 0,
+            last_end: *health,
+        });
+        child.life = life;
+        child.restarts = child.restarts.max(health.restarts);
+        // Kept when it ends well at last: why it was restarted remains worth knowing.
+        if !health.note().is_empty() {
+            child.last_end = *health;
+        }
+    }
+
+    fn hear_speaker(&mut self, kind: ProcessKind, health: &Health) {
+        let key = (kind, health.name, health.source);
+        if let Some(speaker) = self.speakers.get_mut(&key) {
+            // What an earlier incarnation said may arrive after the first words of the next one: it is out of date.
+            if health.incarnation < speaker.latest.incarnation {
+                return;
+            }
+            if health.incarnation > speaker.latest.incarnation {
+                speaker.earlier = speaker.earlier.followed_by(&speaker.latest.counters.into());
+                speaker.incarnations += 1;
+            }
+            speaker.latest = *health;
+        } else if self.speakers.len() < SPEAKERS_MAX {
+            self.speakers.insert(
+                key,
+                Speaker {
+                    latest: *health,
+                    earlier: Counters::default(),
+                    incarnations: 1,
+                },
+            );
+        } else {
+            self.ignored += 1;
+        }
+    }
+
+    /// Messages that could not be understood.
+    pub(crate) fn ignored(&self) -> u64 {
+        self.ignored
+    }
+
+    /// What process `name` says of itself as a whole.
+    pub(crate) fn whole(&self, kind: ProcessKind, name: &str) -> Option<Latest<'_>> {
+        self.said(kind, name, NO_SOURCE)
+    }
+
+    /// What process `name` says of a source.
+    pub(crate) fn said(&self, kind: ProcessKind, name: &str, source: u16) -> Option<Latest<'_>> {
+        self.speakers.get(&(kind, padded(name), source)).map(Latest)
+    }
+
+    /// What the adapter `name` says of its source, which it may call by number or, as its only one, not at all.
+    pub(crate) fn adapter(&self, name: &str, source: u16) -> Counters {
+        let of = |source| {
+            let said = self.said(ProcessKind::Adapter, name, source);
+            said.map_or_else(Counters::default, |said| said.counters())
+        };
+        of(NO_SOURCE).or_larger(&of(source))
+    }
+
+    /// What the service of a kind counts of one source; of all together for [`NO_SOURCE`].
+    pub(crate) fn service(&self, kind: ProcessKind, source: u16) -> Counters {
+        let said = self.said(kind, kind.word(), source);
+        said.map_or_else(Counters::default, |said| said.counters())
+    }
+
+    /// The `expected` processes, and others that were heard from.
+    pub(crate) fn processes(&self, expected: &[(ProcessKind, String)], now_ns: i64) -> Vec<Process> {
+        let mut names: Vec<(ProcessKind, HealthName)> =
+            expected.iter().map(|(kind, name)| (*kind, padded(name))).collect();
+        for (kind, name, _) in self.speakers.keys() {
+            if !names.contains(&(*kind, *name)) {
+                names.push((*kind, *name));
+            }
+        }
+        names
+            .into_iter()
+            .map(|(kind, name)| self.process(kind, name, now_ns))
+            .collect()
+    }
+
+    fn process(&self, kind: ProcessKind, name: HealthName, now_ns: i64) -> Process {
+        let child = self.children.get(&name).filter(|_| kind != ProcessKind::Launcher);
+        let mut said: Vec<&Speaker> = self
+            .speakers
+            .range((kind, name, 0)..=(kind, name, NO_SOURCE))
+            .map(|(_, speaker)| speaker)
+            .collect();
+        said.sort_by_key(|speaker| (speaker.latest.said_ns, speaker.latest.source));
+        let latest = said.last().map(|speaker| speaker.latest);
+        let seen = said.iter().map(|speaker| speaker.incarnations).max().unwrap_or(1) - 1;
+        let named = Health {
+            name,
+            ..Health::default()
+        };
+        Process {
+            kind,
+            name: named.name().to_owned(),
+            state: state(latest.as_ref(), child, now_ns),
+            restarts: seen.max(child.map_or(0, |child| child.restarts)),
+            last_end: child.map_or_else(String::new, |child| child.last_end.note().to_owned()),
+            note: latest.map_or_else(String::new, |health| health.note().to_owned()),
+        }
+    }
+}
+
+fn state(latest: Option<&Health>, child: Option<&Child>, now_ns: i64) -> State {
+    let Some((health, life)) = latest.and_then(|health| health.life().map(|life| (health, life))) else {
+        return child.map_or(State::NotHeard, |child| State::Life(child.life));
+    };
+    let silent_ns = now_ns - health.said_ns;
+    match life {
+        LifeState::Starting | LifeState::Running if silent_ns > SILENT_AFTER_NS => State::Silent { for_ns: silent_ns },
+        life => State::Life(life),
+    }
+}
+
+/// What was said last, with the counters of earlier incarnations added.
+pub(crate) struct Latest<'a>(&'a Speaker);
+
+impl Latest<'_> {
+    pub(crate) fn counters(&self) -> Counters {
+        self.0.earlier.followed_by(&self.0.latest.counters.into())
+    }
+
+    /// Monotonic, nanoseconds.
+    pub(crate) fn said_ns(&self) -> i64 {
+        self.0.latest.said_ns
+    }
+
+    /// When the process started, monotonic, nanoseconds.
+    pub(crate) fn incarnation(&self) -> u64 {
+        self.0.latest.incarnation
+    }
+
+    /// How far the process has got in the time of its data, UTC, nanoseconds.
+    pub(crate) fn progress_ns(&self) -> Option<i64> {
+        Some(self.0.latest.progress_ns).filter(|progress| *progress != i64::MIN && *progress != i64::MAX)
+    }
+}
+
+fn padded(name: &str) -> HealthName {
+    Health::default().with_name(name).name
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::Counter;
+
+    use super::*;
+
+    const S: i64 = 1_000_000_000;
+
+    fn health(kind: ProcessKind, name: &str, incarnation: u64, said_ns: i64) -> Health {
+        Health {
+            kind: kind as u8,
+            incarnation,
+            said_ns,
+            life: LifeState::Running as u8,
+            ..Health::default()
+        }
+        .with_name(name)
+    }
+
+    fn counting(mut health: Health, taken: u64) -> Health {
+        health.counters[Counter::Taken as usize] = taken;
+        health
+    }
+
+    fn only(book: &HealthBook, now_ns: i64) -> Process {
+        let mut processes = book.processes(&[], now_ns);
+        assert_eq!(processes.len(), 1);
+        processes.remove(0)
+    }
+
+    #[test]
+    fn counters_survive_a_restart_and_late_words_of_the_dead_change_nothing() {
+        let mut book = HealthBook::new(2);
+        let said = |incarnation, taken| counting(health(ProcessKind::Fusion, "fusion", incarnation, S), taken);
+        for health in [said(10, 3), said(10, 5), said(20, 2), said(10, 4)] {
+            book.hear(&health);
+        }
+        assert_eq!(book.service(ProcessKind::Fusion, NO_SOURCE).get(Counter::Taken), 7);
+        assert_eq!(only(&book, S).restarts, 1);
+    }
+
+    #[test]
+    fn the_larger_count_of_restarts_is_shown_with_the_reason() {
+        let mut book = HealthBook::new(2);
+        book.hear(&health(ProcessKind::Adapter, "radar", 10, S));
+        let of_child = Health {
+            restarts: 3,
+            source: 1,
+            ..health(ProcessKind::Launcher, "radar", 1, S)
+        };
+        book.hear(&of_child.with_note("was killed by SIGKILL"));
+        let process = only(&book, S);
+        assert_eq!(
+            (process.restarts, process.last_end.as_str()),
+            (3, "was killed by SIGKILL")
+        );
+    }
+
+    #[test]
+    fn silence_is_shown_unless_the_process_has_ended() {
+        let mut book = HealthBook::new(0);
+        book.hear(&health(ProcessKind::Fusion, "fusion", 10, S));
+        assert_eq!(only(&book, 2 * S).state, State::Life(LifeState::Running));
+        assert_eq!(only(&book, 3 * S).state, State::Silent { for_ns: 2 * S });
+        book.hear(&Health {
+            life: LifeState::Finished as u8,
+            ..health(ProcessKind::Fusion, "fusion", 10, S)
+        });
+        assert_eq!(only(&book, 30 * S).state, State::Life(LifeState::Finished));
+    }
+
+    #[test]
+    fn expected_processes_are_listed_before_they_speak() {
+        let book = HealthBook::new(0);
+        let processes = book.processes(&[(ProcessKind::Fusion, "fusion".to_owned())], S);
+        assert_eq!(processes[0].state, State::NotHeard);
+    }
+
+    #[test]
+    fn what_cannot_be_understood_is_counted_and_ignored() {
+        let mut book = HealthBook::new(2);
+        let good = health(ProcessKind::Fusion, "fusion", 10, S);
+        book.hear(&Health { kind: 77, ..good });
+        book.hear(&Health { life: 9, ..good });
+        book.hear(&Health { source: 2, ..good });
+        book.hear(&health(ProcessKind::Fusion, "", 10, S));
+        assert_eq!(book.ignored(), 4);
+        assert!(book.processes(&[], S).is_empty());
+        book.hear(&Health { source: 1, ..good });
+        assert_eq!((book.ignored(), book.processes(&[], S).len()), (4, 1));
+    }
+
+    #[test]
+    fn no_more_than_a_maximum_of_names_is_kept() {
+        let mut book = HealthBook::new(0);
+        for number in 0..SPEAKERS_MAX + 5 {
+            book.hear(&health(ProcessKind::Adapter, &format!("a{number}"), 1, S));
+        }
+        assert_eq!((book.processes(&[], S).len(), book.ignored()), (SPEAKERS_MAX, 5));
+    }
+
+    #[test]
+    fn an_adapter_may_speak_of_itself_or_of_its_source() {
+        let mut book = HealthBook::new(2);
+        book.hear(&counting(health(ProcessKind::Adapter, "radar", 1, S), 4));
+        let of_source = Health {
+            source: 1,
+            ..health(ProcessKind::Adapter, "radar", 1, S)
+        };
+        book.hear(&counting(of_source, 6));
+        assert_eq!(book.adapter("radar", 1).get(Counter::Taken), 6);
+    }
+}

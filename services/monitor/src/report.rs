@@ -1,0 +1,277 @@
+//! The final report: what ran, what arrived, how long it took, and how good the picture was.
+//!
+//! The same structure is printed for people (`report_text`) and written as JSON. All members are always there: a run
+//! in which nothing happened has zeros and empty lists, so that a program that reads the file needs no special cases.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use messages::{LifeState, ProcessKind};
+use scenario::AccuracyReport;
+use serde::{Serialize, Serializer};
+use telemetry::{Irregularities, Stage, Summary};
+
+use crate::counters::Counters;
+use crate::verdict::Verdict;
+
+/// See the module's documentation.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// What was run.
+    pub settings: RunSettings,
+    /// When the monitor began, UTC, nanoseconds.
+    pub begun_utc_ns: i64,
+    /// How long it watched, seconds.
+    pub duration_s: f64,
+    /// How far fusion got in a recording's time, UTC, nanoseconds.
+    pub recording_reached_utc_ns: Option<i64>,
+    /// One sentence: whether there is something to worry about.
+    pub verdict: Verdict,
+    /// In the order of the configuration.
+    pub sources: Vec<SourceReport>,
+    /// Whether every sample arrived.
+    pub losses: Losses,
+    /// Latencies of all sources together, by stage.
+    #[serde(serialize_with = "by_key")]
+    pub stages: Vec<(Stage, StageReport)>,
+    /// The system tracks.
+    pub picture: Picture,
+    /// Against the truth, where that is known.
+    pub accuracy: Option<AccuracyReport>,
+    /// How often processes were started again.
+    pub restarts: Restarts,
+    /// How the processes are at the end.
+    pub processes: Vec<Process>,
+    /// What fusion counted altogether.
+    pub fusion: Counters,
+    /// Health messages that could not be understood.
+    pub health_ignored: u64,
+}
+
+/// What was run, as far as a reader of the report needs to know.
+#[derive(Clone, Debug, Serialize)]
+pub struct RunSettings {
+    /// Name of the deployment.
+    pub deployment: String,
+    /// Name under which it ran.
+    pub instance: String,
+    /// Fusion rule.
+    pub rule: String,
+    /// Order in which fusion took reports: "arrival" or "time".
+    pub order: &'static str,
+    /// How fusion waited: "spin", "event" or "hybrid".
+    pub wait: &'static str,
+    /// How many sources are recordings.
+    pub recorded_sources: usize,
+    /// How many sources are simulated.
+    pub simulated_sources: usize,
+    /// Speed of recordings: a factor or "max"; `None` without recordings.
+    pub speed: Option<String>,
+    /// Whether latencies mean anything: not if a recording is replayed as fast as possible.
+    pub latencies_measured: bool,
+    /// Seed of the simulated world, if there is one.
+    pub seed: Option<u64>,
+    /// Targets of the simulated world, if there is one.
+    pub targets: Option<u32>,
+    /// Time between two tables, seconds.
+    pub interval_s: f64,
+    /// Time that a report may take through fusion, microseconds.
+    pub deadline_us: f64,
+}
+
+/// One source.
+#[derive(Clone, Debug, Serialize)]
+pub struct SourceReport {
+    /// Its number.
+    pub number: u16,
+    /// Its name.
+    pub name: String,
+    /// What its adapter counted.
+    pub adapter: Counters,
+    /// What fusion counted of its reports.
+    pub fusion: Counters,
+    /// What the recorder counted of its reports.
+    pub recorder: Counters,
+    /// Latencies of its reports, by stage.
+    #[serde(serialize_with = "by_key")]
+    pub stages: Vec<(Stage, Summary)>,
+}
+
+/// Latencies of one stage, and stamps that are no latencies.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct StageReport {
+    /// The latencies.
+    #[serde(flatten)]
+    pub summary: Summary,
+    /// Reports that lack a stamp.
+    pub missing: u64,
+    /// Reports whose stage ended before it began.
+    pub negative: u64,
+    /// Reports whose stage took more than ten minutes.
+    pub too_long: u64,
+}
+
+impl StageReport {
+    pub(crate) fn new(summary: Summary, irregularities: Irregularities) -> Self {
+        let Irregularities {
+            missing,
+            negative,
+            too_long,
+        } = irregularities;
+        Self {
+            summary,
+            missing,
+            negative,
+            too_long,
+        }
+    }
+}
+
+/// Whether every sample arrived.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Losses {
+    /// Whether the monitor has watched from the start. If it was restarted, what processes counted that were restarted
+    /// before it is not known, and shows as unread.
+    pub complete: bool,
+    /// Reports lost on the way from the adapters to fusion.
+    pub reports_lost: u64,
+    /// Reports that were published when fusion was not there to read them.
+    pub reports_unread: u64,
+    /// Each way from a publisher to a reader.
+    pub hops: Vec<Hop>,
+    /// System-track states that only the monitor missed: its figures rest on fewer samples, nothing else is affected.
+    pub monitor_missed: u64,
+}
+
+/// One way from a publisher to a reader, in samples.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Hop {
+    /// Name of the publishing process.
+    pub from: String,
+    /// Name of the reading process.
+    pub to: String,
+    /// By the publisher's own count.
+    pub published: u64,
+    /// By the reader's own count.
+    pub taken: u64,
+    /// Missing from the sequence that the reader saw: it fell behind.
+    pub lost: u64,
+    /// Published, and neither taken nor missed: the reader was not there.
+    pub unread: u64,
+}
+
+impl Hop {
+    pub(crate) fn new(from: &str, to: &str, published: u64, taken: u64, lost: u64) -> Self {
+        Self {
+            from: from.to_owned(),
+            to: to.to_owned(),
+            published,
+            taken,
+            lost,
+            // Less than nothing if the publisher was killed before it could state its last count.
+            unread: published.saturating_sub(taken + lost),
+        }
+    }
+}
+
+/// The system tracks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Picture {
+    /// Confirmed now, coasted ones apart.
+    pub confirmed: u64,
+    /// Coasted now.
+    pub coasted: u64,
+    /// Tentative now.
+    pub tentative: u64,
+    /// Most that were confirmed or coasted at a time.
+    pub live_max: u64,
+    /// Started so far.
+    pub started: u64,
+    /// Confirmed so far.
+    pub ever_confirmed: u64,
+    /// Ended so far.
+    pub ended: u64,
+    /// Found to be the same target as another, so far.
+    pub merged: u64,
+    /// Sensor tracks taken out of a system track that they no longer fitted, so far.
+    pub split: u64,
+    /// Changes of the selected source, so far.
+    pub hand_overs: u64,
+}
+
+/// How often processes were started again.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Restarts {
+    /// All together.
+    pub total: u64,
+    /// By process, those that were.
+    pub by_process: BTreeMap<String, u32>,
+}
+
+/// One process.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Process {
+    /// Its kind.
+    #[serde(serialize_with = "as_word")]
+    pub kind: ProcessKind,
+    /// Its name.
+    pub name: String,
+    /// How it is.
+    pub state: State,
+    /// How often it was started again.
+    pub restarts: u32,
+    /// How it last ended, where it should not have.
+    pub last_end: String,
+    /// What it has to say.
+    pub note: String,
+}
+
+impl Process {
+    /// What it is called in text.
+    pub fn title(&self) -> String {
+        if self.name == self.kind.word() {
+            self.name.clone()
+        } else {
+            format!("{} {}", self.kind.word(), self.name)
+        }
+    }
+}
+
+/// How a process is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It has not said anything.
+    NotHeard,
+    /// It has not said anything for a while, though it has not ended.
+    Silent {
+        /// For how long, nanoseconds.
+        for_ns: i64,
+    },
+    /// As it says itself, or its launcher of it.
+    Life(LifeState),
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotHeard => f.write_str("not heard from"),
+            Self::Silent { for_ns } => write!(f, "silent for {:.1} s", *for_ns as f64 / 1e9),
+            Self::Life(life) => f.write_str(life.word()),
+        }
+    }
+}
+
+impl Serialize for State {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+fn as_word<S: Serializer>(kind: &ProcessKind, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(kind.word())
+}
+
+/// An object with one member per stage, in the order of the journey.
+fn by_key<T: Serialize, S: Serializer>(stages: &[(Stage, T)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(stages.iter().map(|(stage, figures)| (stage.key(), figures)))
+}

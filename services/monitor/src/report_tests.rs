@@ -1,0 +1,290 @@
+use std::collections::BTreeMap;
+
+use messages::{LifeState, ProcessKind};
+
+use super::*;
+use crate::counters::Counters;
+use crate::golden;
+use crate::report::{Hop, Losses, Picture, Restarts, SourceReport, StageReport, State};
+use crate::verdict::Verdict;
+
+const SUMMARY: Summary = Summary {
+    count: 20_000,
+    p50_ns: 41_200,
+    p90_ns: 98_000,
+    p99_ns: 412_000,
+    p999_ns: 900_000,
+    max_ns: 1_230_000,
+    mean_ns: 50_000.0,
+};
+
+fn source(number: u16, name: &str, published: u64) -> SourceReport {
+    SourceReport {
+        number,
+        name: name.to_owned(),
+        adapter: Counters::default()
+            .with(Counter::Records, published + 5)
+            .with(Counter::RejectedJump, 3)
+            .with(Counter::RejectedSpeed, 2)
+            .with(Counter::Published, published),
+        fusion: Counters::default()
+            .with(Counter::Taken, published)
+            .with(Counter::Duplicates, 11),
+        recorder: Counters::default(),
+        stages: Stage::ALL.map(|stage| (stage, SUMMARY)).to_vec(),
+    }
+}
+
+fn process(kind: ProcessKind, name: &str) -> Process {
+    Process {
+        kind,
+        name: name.to_owned(),
+        state: State::Life(LifeState::Finished),
+        restarts: 0,
+        last_end: String::new(),
+        note: String::new(),
+    }
+}
+
+fn judged(mut report: Report) -> Report {
+    report.verdict = Verdict::on(&report);
+    report
+}
+
+/// A demonstration that went well.
+fn good() -> Report {
+    let stage = |stage| {
+        let report = StageReport {
+            summary: SUMMARY,
+            ..StageReport::default()
+        };
+        (stage, report)
+    };
+    judged(Report {
+        settings: RunSettings {
+            deployment: "demo".to_owned(),
+            instance: "demo".to_owned(),
+            rule: "best-source".to_owned(),
+            order: "arrival",
+            wait: "event",
+            recorded_sources: 0,
+            simulated_sources: 2,
+            speed: None,
+            latencies_measured: true,
+            seed: Some(1),
+            targets: Some(80),
+            interval_s: 1.0,
+            deadline_us: 1000.0,
+        },
+        begun_utc_ns: 1_700_000_000_000_000_000,
+        duration_s: 20.04,
+        recording_reached_utc_ns: None,
+        verdict: Verdict::default(),
+        sources: vec![source(0, "radar-west", 1_234), source(1, "ads-b", 20_345)],
+        losses: Losses {
+            complete: true,
+            hops: vec![
+                Hop::new("radar-west", "fusion", 1_234, 1_234, 0),
+                Hop::new("ads-b", "fusion", 20_345, 20_345, 0),
+                Hop::new("fusion", "monitor", 21_000, 21_000, 0),
+            ],
+            ..Losses::default()
+        },
+        stages: Stage::ALL.map(stage).to_vec(),
+        picture: Picture {
+            confirmed: 78,
+            coasted: 2,
+            tentative: 1,
+            live_max: 80,
+            started: 85,
+            ever_confirmed: 82,
+            ended: 4,
+            merged: 3,
+            split: 1,
+            hand_overs: 12_345,
+        },
+        accuracy: Some(AccuracyReport {
+            pictures: 10,
+            targets: 79.9,
+            held_once_share: 0.99,
+            missed_share: 0.004,
+            duplicates: 0.5,
+            false_tracks: 0.1,
+            identity_errors: 0,
+            errors: 790,
+            mean_m: 10.0,
+            rms_m: 12.34,
+            p95_m: 30.0,
+            max_m: 210.0,
+        }),
+        restarts: Restarts::default(),
+        processes: vec![
+            process(ProcessKind::Adapter, "radar-west"),
+            process(ProcessKind::Adapter, "ads-b"),
+            process(ProcessKind::Fusion, "fusion"),
+            process(ProcessKind::Monitor, "monitor"),
+        ],
+        fusion: Counters::default()
+            .with(Counter::Taken, 21_579)
+            .with(Counter::Published, 21_000),
+        health_ignored: 0,
+    })
+}
+
+/// A recording during which nearly everything went wrong.
+fn bad() -> Report {
+    let mut report = good();
+    report.settings.order = "time";
+    report.settings.recorded_sources = 2;
+    report.settings.simulated_sources = 0;
+    report.settings.speed = Some("max".to_owned());
+    report.settings.latencies_measured = false;
+    (report.settings.seed, report.settings.targets) = (None, None);
+    report.recording_reached_utc_ns = Some(1_462_917_600_000_000_000);
+    report.accuracy = None;
+    report.sources[0].fusion = Counters::default();
+    report.losses = Losses {
+        complete: true,
+        reports_lost: 40,
+        reports_unread: 1_239,
+        hops: vec![
+            Hop::new("radar-west", "fusion", 1_234, 0, 0),
+            Hop::new("ads-b", "fusion", 20_345, 20_300, 40),
+            Hop::new("fusion", "recorder", 21_000, 20_990, 10),
+            Hop::new("fusion", "monitor", 21_000, 19_000, 2_000),
+        ],
+        monitor_missed: 2_000,
+    };
+    report.processes[0].state = State::Silent { for_ns: 3_200_000_000 };
+    report.processes[2].restarts = 2;
+    report.processes[2].last_end = "was killed by SIGKILL".to_owned();
+    report.processes[2].note = "core 1 is shared".to_owned();
+    report.restarts = Restarts {
+        total: 2,
+        by_process: BTreeMap::from([("fusion".to_owned(), 2)]),
+    };
+    report.fusion = report.fusion.with(Counter::TableFull, 7);
+    report.health_ignored = 4;
+    judged(report)
+}
+
+/// Nothing ever happened.
+fn empty() -> Report {
+    let mut report = good();
+    for source in &mut report.sources {
+        (source.adapter, source.fusion) = (Counters::default(), Counters::default());
+        source.stages = Stage::ALL.map(|stage| (stage, Summary::default())).to_vec();
+    }
+    report.losses.hops.clear();
+    report.stages = Stage::ALL.map(|stage| (stage, StageReport::default())).to_vec();
+    (report.picture, report.fusion) = (Picture::default(), Counters::default());
+    report.accuracy = Some(scenario::Accuracy::default().report());
+    for process in &mut report.processes {
+        process.state = State::NotHeard;
+    }
+    judged(report)
+}
+
+#[test]
+fn a_good_run() {
+    golden::assert("report_good.txt", &good().text());
+}
+
+#[test]
+fn a_bad_run() {
+    golden::assert("report_bad.txt", &bad().text());
+}
+
+#[test]
+fn a_run_without_a_single_report() {
+    golden::assert("report_empty.txt", &empty().text());
+}
+
+#[test]
+fn what_is_allowed_of_a_live_run_is_not_of_a_recording() {
+    let mut report = good();
+    report.losses.reports_unread = 3;
+    assert!(Verdict::on(&report).fine);
+    report.settings.simulated_sources = 0;
+    assert!(!Verdict::on(&report).fine);
+}
+
+#[test]
+fn a_restarted_monitor_does_not_accuse_others_of_what_it_has_not_seen() {
+    let mut report = good();
+    report.losses.complete = false;
+    report.losses.reports_unread = 15_000;
+    report.processes[3].restarts = 1;
+    let verdict = Verdict::on(&report);
+    assert_eq!(
+        verdict.sentence,
+        "Worth a look: monitor was restarted once, so this report speaks of the time since then only."
+    );
+    assert!(report.text().contains("The monitor was restarted"));
+}
+
+#[test]
+fn poor_accuracy_and_missed_deadlines_are_worth_a_look() {
+    let mut report = good();
+    report.fusion = report.fusion.with(Counter::DeadlineMisses, 2_100);
+    if let Some(accuracy) = &mut report.accuracy {
+        (accuracy.held_once_share, accuracy.identity_errors) = (0.9, 2);
+    }
+    assert_eq!(
+        Verdict::on(&report).sentence,
+        "Worth a look: 10.0 % of the states took longer through fusion than 1.00 ms; only 90.0 % of the targets in view \
+         were held by exactly one system track; system tracks carried a wrong address twice."
+    );
+}
+
+#[test]
+fn every_report_has_every_member() {
+    let members = |report: &Report| {
+        let mut names = Vec::new();
+        collect("", &serde_json::to_value(report).unwrap(), &mut names);
+        names
+    };
+    let (good, empty) = (members(&good()), members(&empty()));
+    let without_hops = |names: &[String]| -> Vec<String> {
+        let kept = names.iter().filter(|name| !name.starts_with(".losses.hops"));
+        kept.cloned().collect()
+    };
+    assert_eq!(without_hops(&good), without_hops(&empty));
+    for expected in [
+        ".duration_s",
+        ".settings.deployment",
+        ".sources.0.name",
+        ".sources.0.adapter.rejected_jump",
+        ".sources.0.fusion.taken",
+        ".sources.0.fusion.lost",
+        ".sources.0.stages.end_to_end.p50_ns",
+        ".stages.ingest_to_publish.count",
+        ".stages.fused_to_received.p999_ns",
+        ".stages.age.max_ns",
+        ".losses.reports_lost",
+        ".losses.hops.0.unread",
+        ".restarts.total",
+        ".picture.hand_overs",
+        ".accuracy.rms_m",
+        ".verdict.fine",
+        ".processes.0.state",
+    ] {
+        assert!(good.iter().any(|name| name == expected), "{expected}");
+    }
+}
+
+fn collect(path: &str, value: &serde_json::Value, names: &mut Vec<String>) {
+    match value {
+        serde_json::Value::Object(members) => {
+            for (name, member) in members {
+                collect(&format!("{path}.{name}"), member, names);
+            }
+        }
+        serde_json::Value::Array(items) => {
+            for (index, item) in items.iter().enumerate() {
+                collect(&format!("{path}.{index}"), item, names);
+            }
+        }
+        _ => names.push(path.to_owned()),
+    }
+}

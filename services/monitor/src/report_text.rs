@@ -1,0 +1,330 @@
+//! The final report as text.
+//!
+//! Read by people who have never seen it: every table says in a sentence what it shows, and what is 0 in a good run
+//! is said in words instead of columns of zeros.
+
+use messages::Counter;
+use scenario::AccuracyReport;
+use telemetry::table::{self, Align, Table, count};
+use telemetry::{Stage, Summary};
+
+use crate::counters::{ADAPTER_REMARKS, FUSION_REFUSALS, REJECTIONS};
+use crate::report::{Process, Report, RunSettings};
+use crate::text::{date_time, percent, several, wrapped};
+use crate::truth_watch::WARM_UP_NS;
+
+/// Longest line of prose, characters.
+const WIDTH: usize = 110;
+
+impl Report {
+    /// The report, for people.
+    pub fn text(&self) -> String {
+        let mut sections = vec![
+            self.heading(),
+            self.reports(),
+            self.not_used(),
+            self.arrivals(),
+            self.latencies(),
+            self.system_tracks(),
+        ];
+        sections.extend(self.accuracy.as_ref().map(accuracy));
+        sections.push(self.process_table());
+        sections.push(wrapped(&self.verdict.sentence, WIDTH));
+        format!("\n{}", sections.join("\n"))
+    }
+
+    fn heading(&self) -> String {
+        let settings = &self.settings;
+        let end_ns = self.begun_utc_ns + (self.duration_s * 1e9) as i64;
+        let mut text = format!("KOSEKI REPORT: {}\n", settings.deployment);
+        let mut line = |label: &str, value: String| text.push_str(&format!("{label:<9} {value}\n"));
+        line(
+            "watched",
+            format!(
+                "{:.1} s, from {} to {} UTC",
+                self.duration_s,
+                date_time(self.begun_utc_ns),
+                date_time(end_ns)
+            ),
+        );
+        line("sources", sources(settings));
+        let order = match settings.order {
+            "time" => "merges the sources by time of measurement",
+            _ => "takes reports as they arrive",
+        };
+        line(
+            "fusion",
+            format!("rule {}; {order}; wait mode {}", settings.rule, settings.wait),
+        );
+        if let Some(reached) = self.recording_reached_utc_ns {
+            line("reached", format!("{} UTC in the recording", date_time(reached)));
+        }
+        text
+    }
+
+    fn reports(&self) -> String {
+        let mut rows = Table::new(&[
+            ("source", Align::Left),
+            ("records read", Align::Right),
+            ("rejected", Align::Right),
+            ("published", Align::Right),
+            ("taken by fusion", Align::Right),
+            ("not used", Align::Right),
+        ]);
+        for source in &self.sources {
+            rows.row([
+                source.name.clone(),
+                count(source.adapter.get(Counter::Records)),
+                count(source.adapter.sum(&REJECTIONS)),
+                count(source.adapter.get(Counter::Published)),
+                count(source.fusion.get(Counter::Taken)),
+                count(source.fusion.sum(&FUSION_REFUSALS)),
+            ]);
+        }
+        format!("REPORTS from the sensors into fusion\n{rows}")
+    }
+
+    fn not_used(&self) -> String {
+        let mut rows = Table::new(&[
+            ("source", Align::Left),
+            ("by", Align::Left),
+            ("count", Align::Right),
+            ("what", Align::Left),
+        ]);
+        let mut some = false;
+        for source in &self.sources {
+            let adapter = REJECTIONS.iter().chain(&ADAPTER_REMARKS);
+            let adapter = adapter.map(|counter| ("adapter", counter, source.adapter.get(*counter)));
+            let fusion = FUSION_REFUSALS.iter();
+            let fusion = fusion.map(|counter| ("fusion", counter, source.fusion.get(*counter)));
+            for (by, counter, value) in adapter.chain(fusion).filter(|(_, _, value)| *value > 0) {
+                some = true;
+                rows.row([source.name.as_str(), by, &count(value), counter.sentence()]);
+            }
+        }
+        if some {
+            format!("REJECTED OR NOT USED, and why\n{rows}")
+        } else {
+            "REJECTED OR NOT USED: nothing\n".to_owned()
+        }
+    }
+
+    fn arrivals(&self) -> String {
+        let mut rows = Table::new(&[
+            ("from", Align::Left),
+            ("to", Align::Left),
+            ("published", Align::Right),
+            ("taken", Align::Right),
+            ("lost", Align::Right),
+            ("unread", Align::Right),
+        ]);
+        for hop in &self.losses.hops {
+            let numbers = [hop.published, hop.taken, hop.lost, hop.unread].map(count);
+            rows.row([hop.from.clone(), hop.to.clone()].into_iter().chain(numbers));
+        }
+        let mut text = format!("ARRIVAL of samples, as publishers and readers count them independently\n{rows}");
+        let hops = || self.losses.hops.iter();
+        text.push_str(&format!(
+            "{} lost between adapters and fusion.\n",
+            several(self.losses.reports_lost, "report")
+        ));
+        if hops().any(|hop| hop.lost > 0) {
+            text.push_str("Lost: the reader fell behind, and its oldest samples gave way.\n");
+        }
+        if hops().any(|hop| hop.unread > 0) {
+            text.push_str(
+                "Unread: published when the reader was not there (not yet, just being restarted, or no more).\n",
+            );
+        }
+        if self.losses.monitor_missed > 0 {
+            text.push_str(
+                "What the monitor missed makes its own figures rest on fewer samples; nothing else is affected.\n",
+            );
+        }
+        if !self.losses.complete {
+            text.push_str(
+                "The monitor was restarted: what it did not see, and what others had counted before they were restarted, \
+                 shows as\nunread here.\n",
+            );
+        }
+        if self.restarts.total > 0 {
+            text.push_str("A killed process takes its last 0.2 s of counts with it, so these are not exact.\n");
+        }
+        text
+    }
+
+    fn latencies(&self) -> String {
+        if !self.settings.latencies_measured {
+            return "LATENCY: not measured. The recording was worked off as fast as possible, so reports waited in full \
+                    queues;\nreplay it at a speed (--speed 1) to see latencies.\n"
+                .to_owned();
+        }
+        if self.stages.iter().all(|(_, figures)| figures.summary.count == 0) {
+            return "LATENCY: no report has come through\n".to_owned();
+        }
+        let recorded = self.settings.recorded_sources > 0;
+        let shown = |stage: Stage| stage != Stage::Age || !recorded;
+        let stages = self.stages.iter().filter(|(stage, _)| shown(*stage));
+        let stages = stages.map(|(stage, figures)| (stage.label(), figures.summary));
+        let end_to_end = |source: &crate::SourceReport| -> (String, Summary) {
+            let found = source.stages.iter().find(|(stage, _)| *stage == Stage::EndToEnd);
+            (
+                source.name.clone(),
+                found.map_or_else(Summary::default, |(_, summary)| *summary),
+            )
+        };
+        let mut text = format!(
+            "LATENCY of every state that a report caused: half took no longer than p50, 99 % no longer than p99\n\
+             {}\n{}",
+            table::latencies("stage", stages),
+            table::latencies("end to end, by source", self.sources.iter().map(end_to_end)),
+        );
+        text.push_str(
+            "adapter: from a report's last byte to its hand-over to shared memory; transport in: until fusion took it;\n\
+             fusion: until the system track was handed over; transport out: until this subscriber had it.\n",
+        );
+        if !recorded {
+            text.push_str(
+                "age of data: from the measurement to this subscriber; it holds the sensor's own delay and turn.\n",
+            );
+        }
+        if self.settings.order == "time" {
+            text.push_str("fusion holds the time that a report waits for the slowest source, to be merged by time.\n");
+        }
+        let odd = |(_, figures): &(Stage, crate::report::StageReport)| figures.negative + figures.missing;
+        let odd: u64 = self
+            .stages
+            .iter()
+            .filter(|(stage, _)| *stage != Stage::Age)
+            .map(odd)
+            .sum();
+        if odd > 0 {
+            text.push_str(&format!(
+                "{} missing or out of order, and left out.\n",
+                several(odd, "stamp")
+            ));
+        }
+        text
+    }
+
+    fn system_tracks(&self) -> String {
+        let picture = &self.picture;
+        format!(
+            "SYSTEM TRACKS, one per target\n\
+             in the end  {} confirmed, {} coasted (carried on without reports), {} tentative\n\
+             at most     {} confirmed or coasted at a time\n\
+             so far      {} started, {} confirmed, {} ended, {} merged, {} split, {} from source to source\n",
+            count(picture.confirmed),
+            count(picture.coasted),
+            count(picture.tentative),
+            count(picture.live_max),
+            count(picture.started),
+            count(picture.ever_confirmed),
+            count(picture.ended),
+            count(picture.merged),
+            count(picture.split),
+            several(picture.hand_overs, "hand-over"),
+        )
+    }
+
+    fn process_table(&self) -> String {
+        let mut rows = Table::new(&[
+            ("process", Align::Left),
+            ("state", Align::Left),
+            ("restarts", Align::Right),
+            ("remark", Align::Left),
+        ]);
+        for process in &self.processes {
+            rows.row([
+                process.title(),
+                process.state.to_string(),
+                count(process.restarts.into()),
+                remark(process),
+            ]);
+        }
+        let mut text = format!("PROCESSES in the end\n{rows}");
+        if self.health_ignored > 0 {
+            let ignored = several(self.health_ignored, "health message");
+            text.push_str(&format!("{ignored} could not be understood and had to be ignored.\n"));
+        }
+        text
+    }
+}
+
+fn remark(process: &Process) -> String {
+    let last_end = match process.last_end.as_str() {
+        "" => String::new(),
+        end => format!("last time, it {end}"),
+    };
+    let parts = [last_end, process.note.clone()];
+    let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    parts.join("; ")
+}
+
+fn sources(settings: &RunSettings) -> String {
+    let mut parts = Vec::new();
+    if settings.simulated_sources > 0 {
+        let mut part = several(settings.simulated_sources as u64, "simulated sensor");
+        if let Some(targets) = settings.targets {
+            part.push_str(&format!(" in a world of {}", several(targets.into(), "target")));
+        }
+        if let Some(seed) = settings.seed {
+            part.push_str(&format!(" (seed {seed})"));
+        }
+        parts.push(part);
+    }
+    if settings.recorded_sources > 0 {
+        let mut part = several(settings.recorded_sources as u64, "recording");
+        part.push_str(&match settings.speed.as_deref() {
+            Some("max") | None => ", as fast as possible".to_owned(),
+            Some("1") => ", at the speed of the recording".to_owned(),
+            Some(factor) => format!(", at {factor} times their speed"),
+        });
+        parts.push(part);
+    }
+    parts.join(" and ")
+}
+
+fn accuracy(accuracy: &AccuracyReport) -> String {
+    let warm_up_s = WARM_UP_NS / 1_000_000_000;
+    if accuracy.pictures == 0 {
+        return format!(
+            "ACCURACY: not compared with the truth; the first {warm_up_s} s are left out, and there was no more\n"
+        );
+    }
+    let mut rows = Table::new(&[("", Align::Left), ("", Align::Right)]);
+    let mut row = |what: &str, value: String| {
+        rows.row([what.to_owned(), value]);
+    };
+    row(
+        "targets in view of some sensor, on average",
+        format!("{:.1}", accuracy.targets),
+    );
+    row(
+        "of these, held by exactly one system track",
+        percent(accuracy.held_once_share),
+    );
+    row("of these, held by none", percent(accuracy.missed_share));
+    row("duplicate tracks, on average", format!("{:.2}", accuracy.duplicates));
+    row(
+        "tracks without a target, on average",
+        format!("{:.2}", accuracy.false_tracks),
+    );
+    row(
+        "tracks with a wrong address, altogether",
+        count(accuracy.identity_errors),
+    );
+    row("horizontal error, root mean square", format!("{:.1} m", accuracy.rms_m));
+    row("horizontal error, 95 % are below", format!("{:.1} m", accuracy.p95_m));
+    row("horizontal error, largest", format!("{:.1} m", accuracy.max_m));
+    let table = rows.to_string();
+    let table = table.trim_start_matches('\n');
+    format!(
+        "ACCURACY against the simulated truth, at {} after the first {warm_up_s} s\n{table}",
+        several(accuracy.pictures, "whole second")
+    )
+}
+
+#[cfg(test)]
+#[path = "report_tests.rs"]
+mod tests;

@@ -1,0 +1,349 @@
+//! All that the monitor knows, and the summaries drawn from it.
+//!
+//! Pure: messages and times go in, summaries come out. The agent decides when.
+
+use std::collections::BTreeMap;
+
+use bus::{SubscriberCounts, WaitMode};
+use messages::{BatchHeader, Counter, Health, NO_SOURCE, ProcessKind, SystemTrack};
+use runtime::config::{Config, Input, Order};
+use runtime::{Now, Options, Speed};
+use telemetry::{Span, Stage, Stages};
+
+use crate::health_book::HealthBook;
+use crate::live::{Live, LiveSource};
+use crate::report::{Hop, Losses, Picture, Process, Report, Restarts, RunSettings, SourceReport, StageReport, State};
+use crate::truth_watch::TruthWatch;
+use crate::verdict::Verdict;
+
+use crate::counters::REJECTIONS;
+
+/// See the module's documentation.
+#[derive(Debug)]
+pub(crate) struct Survey {
+    settings: RunSettings,
+    /// Name of the monitor itself.
+    name: String,
+    sources: Vec<(u16, String)>,
+    has_recorder: bool,
+    begun: Now,
+    stages: Stages,
+    book: HealthBook,
+    truth: Option<TruthWatch>,
+    live_max: u64,
+    /// Reports that fusion had taken at the end of the previous interval, per source, and when it said so.
+    taken_before: Vec<(u64, i64)>,
+}
+
+impl Survey {
+    /// Nothing is known yet.
+    ///
+    /// # Errors
+    /// If the simulated world cannot be made.
+    pub(crate) fn new(config: &Config, options: &Options, name: &str, begun: Now) -> anyhow::Result<Self> {
+        let sources: Vec<(u16, String)> = config
+            .sources
+            .iter()
+            .map(|source| (source.number, source.name.clone()))
+            .collect();
+        Ok(Self {
+            settings: run_settings(config, options),
+            name: name.to_owned(),
+            has_recorder: config.recorder,
+            begun,
+            stages: Stages::default(),
+            book: HealthBook::new(sources.len()),
+            truth: TruthWatch::new(config, options, begun.utc_ns)?,
+            live_max: 0,
+            taken_before: vec![(0, 0); sources.len()],
+            sources,
+        })
+    }
+
+    /// A slice of system tracks has been received.
+    pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], received: Now) {
+        for track in tracks {
+            if self.settings.latencies_measured {
+                self.stages.record(track, received.mono_ns, received.utc_ns);
+            }
+            if let Some(truth) = &mut self.truth {
+                truth.keep(header.incarnation, track);
+            }
+        }
+    }
+
+    /// A process has spoken.
+    pub(crate) fn hear(&mut self, health: &Health) {
+        self.book.hear(health);
+        if health.kind() == Some(ProcessKind::Fusion) && health.source == NO_SOURCE {
+            self.live_max = self.live_max.max(health.counter(Counter::LiveTracks));
+        }
+    }
+
+    /// Time passes.
+    pub(crate) fn pass(&mut self, now: Now) {
+        if let Some(truth) = &mut self.truth {
+            truth.pass(now.utc_ns);
+        }
+    }
+
+    /// When time has to pass again at the latest, UTC, nanoseconds.
+    pub(crate) fn due_utc_ns(&self) -> i64 {
+        self.truth.as_ref().map_or(i64::MAX, TruthWatch::due_ns)
+    }
+
+    /// Latencies by stage and source.
+    pub(crate) fn stages(&self) -> &Stages {
+        &self.stages
+    }
+
+    /// The name of a source.
+    pub(crate) fn source_name(&self, number: u16) -> &str {
+        let found = self.sources.iter().find(|(of, _)| *of == number);
+        found.map_or("others", |(_, name)| name)
+    }
+
+    /// Health messages that could not be understood.
+    pub(crate) fn health_ignored(&self) -> u64 {
+        self.book.ignored()
+    }
+
+    /// Whether those whose last words the final report waits for have said them, or will not.
+    pub(crate) fn others_have_ended(&self, now: Now) -> bool {
+        let watching = [ProcessKind::Monitor, ProcessKind::Launcher];
+        self.processes(now).iter().all(|process| {
+            let may_speak = matches!(process.state, State::Life(life) if life != messages::LifeState::Finished);
+            watching.contains(&process.kind) || !may_speak
+        })
+    }
+
+    /// Ends the interval at hand.
+    pub(crate) fn close_interval(&mut self) {
+        self.stages.close_interval();
+    }
+
+    /// What there is to show of the interval that was closed last, which took `interval_ns`.
+    pub(crate) fn live(&mut self, now: Now, interval_ns: i64, own: SubscriberCounts) -> Live {
+        let numbers = 0..self.sources.len();
+        let sources: Vec<LiveSource> = numbers.map(|index| self.live_source(index)).collect();
+        let processes = self.processes(now);
+        let summary = |stage| (stage, self.stages.summary(stage, None, Span::Interval));
+        Live {
+            deployment: self.settings.deployment.clone(),
+            elapsed_ns: now.mono_ns - self.begun.mono_ns,
+            utc_ns: now.utc_ns,
+            recorded: self.settings.recorded_sources > 0,
+            recording_ns: self.recording_reached_ns(),
+            picture: self.picture(),
+            interval_ns,
+            stages: self
+                .settings
+                .latencies_measured
+                .then(|| Stage::ALL.map(summary).to_vec()),
+            restarts: restarts(&processes).total,
+            sources,
+            processes,
+            monitor_missed: own.lost,
+        }
+    }
+
+    fn live_source(&mut self, index: usize) -> LiveSource {
+        let (number, name) = &self.sources[index];
+        let adapter = self.book.adapter(name, *number);
+        let said = self.book.said(ProcessKind::Fusion, ProcessKind::Fusion.word(), *number);
+        let (before, mut before_ns) = self.taken_before[index];
+        if let (0, Some(said)) = (before_ns, &said) {
+            // Not heard before: its rate since it started.
+            before_ns = said.incarnation() as i64;
+        }
+        let (fusion, said_ns) = said.map_or_else(Default::default, |said| (said.counters(), said.said_ns()));
+        let taken = fusion.get(Counter::Taken);
+        // Both counts and both times are fusion's own, so the rate is exact whenever its message came.
+        let per_s = if before_ns > 0 && said_ns > before_ns {
+            taken.saturating_sub(before) as f64 * 1e9 / (said_ns - before_ns) as f64
+        } else {
+            0.0
+        };
+        self.taken_before[index] = (taken, said_ns);
+        let median = |stage| {
+            let summary = self.stages.summary(stage, Some(*number), Span::Interval);
+            (summary.count > 0).then_some(summary.p50_ns)
+        };
+        LiveSource {
+            name: name.clone(),
+            taken,
+            per_s,
+            rejected: adapter.sum(&REJECTIONS),
+            lost: fusion.get(Counter::Lost),
+            age_ns: median(Stage::Age),
+            adapter_ns: median(Stage::IngestToPublish),
+            transport_ns: median(Stage::PublishToTaken),
+        }
+    }
+
+    /// The final report.
+    pub(crate) fn report(&self, now: Now, own: SubscriberCounts) -> Report {
+        let sources: Vec<SourceReport> = self
+            .sources
+            .iter()
+            .map(|(number, name)| self.source_report(*number, name))
+            .collect();
+        let processes = self.processes(now);
+        let stage = |stage| {
+            let summary = self.stages.summary(stage, None, Span::Total);
+            (stage, StageReport::new(summary, self.stages.irregularities(stage)))
+        };
+        let mut report = Report {
+            settings: self.settings.clone(),
+            begun_utc_ns: self.begun.utc_ns,
+            duration_s: (now.mono_ns - self.begun.mono_ns) as f64 / 1e9,
+            recording_reached_utc_ns: self.recording_reached_ns(),
+            verdict: Verdict::default(),
+            losses: self.losses(&sources, own, &processes),
+            sources,
+            stages: Stage::ALL.map(stage).to_vec(),
+            picture: self.picture(),
+            accuracy: self.truth.as_ref().map(TruthWatch::report),
+            restarts: restarts(&processes),
+            processes,
+            fusion: self.book.service(ProcessKind::Fusion, NO_SOURCE),
+            health_ignored: self.book.ignored(),
+        };
+        report.verdict = Verdict::on(&report);
+        report
+    }
+
+    fn source_report(&self, number: u16, name: &str) -> SourceReport {
+        let summary = |stage| (stage, self.stages.summary(stage, Some(number), Span::Total));
+        SourceReport {
+            number,
+            name: name.to_owned(),
+            adapter: self.book.adapter(name, number),
+            fusion: self.book.service(ProcessKind::Fusion, number),
+            recorder: self.book.service(ProcessKind::Recorder, number),
+            stages: Stage::ALL.map(summary).to_vec(),
+        }
+    }
+
+    fn losses(&self, sources: &[SourceReport], own: SubscriberCounts, processes: &[Process]) -> Losses {
+        let hop = |from: &str, to: ProcessKind, published, read: &crate::Counters| {
+            let (taken, lost) = (read.get(Counter::Taken), read.get(Counter::Lost));
+            Hop::new(from, to.word(), published, taken, lost)
+        };
+        let is_restarted_monitor = |process: &Process| {
+            process.kind == ProcessKind::Monitor && process.name == self.name && process.restarts > 0
+        };
+        let published = |source: &SourceReport| source.adapter.get(Counter::Published);
+        let to_fusion =
+            |source: &SourceReport| hop(&source.name, ProcessKind::Fusion, published(source), &source.fusion);
+        let mut hops: Vec<Hop> = sources.iter().map(to_fusion).collect();
+        let reports_lost = hops.iter().map(|hop| hop.lost).sum();
+        let reports_unread = hops.iter().map(|hop| hop.unread).sum();
+        let fusion = ProcessKind::Fusion.word();
+        let fused = self
+            .book
+            .service(ProcessKind::Fusion, NO_SOURCE)
+            .get(Counter::Published);
+        if self.has_recorder {
+            let to_recorder =
+                |source: &SourceReport| hop(&source.name, ProcessKind::Recorder, published(source), &source.recorder);
+            hops.extend(sources.iter().map(to_recorder));
+            let read = self.book.service(ProcessKind::Recorder, NO_SOURCE);
+            hops.push(hop(fusion, ProcessKind::Recorder, fused, &read));
+        }
+        hops.push(Hop::new(fusion, &self.name, fused, own.taken, own.lost));
+        Losses {
+            complete: !processes.iter().any(is_restarted_monitor),
+            reports_lost,
+            reports_unread,
+            hops,
+            monitor_missed: own.lost,
+        }
+    }
+
+    fn picture(&self) -> Picture {
+        let counters = self.book.service(ProcessKind::Fusion, NO_SOURCE);
+        let (live, coasted) = (counters.get(Counter::LiveTracks), counters.get(Counter::CoastedTracks));
+        Picture {
+            confirmed: live.saturating_sub(coasted),
+            coasted,
+            tentative: counters.get(Counter::TentativeTracks),
+            live_max: self.live_max,
+            started: counters.get(Counter::TracksStarted),
+            ever_confirmed: counters.get(Counter::TracksConfirmed),
+            ended: counters.get(Counter::TracksTerminated),
+            merged: counters.get(Counter::TracksMerged),
+            split: counters.get(Counter::ContributionsSplit),
+            hand_overs: counters.get(Counter::HandOvers),
+        }
+    }
+
+    fn recording_reached_ns(&self) -> Option<i64> {
+        let fusion = self.book.whole(ProcessKind::Fusion, ProcessKind::Fusion.word())?;
+        fusion.progress_ns().filter(|_| self.settings.recorded_sources > 0)
+    }
+
+    fn processes(&self, now: Now) -> Vec<Process> {
+        let service = |kind: ProcessKind| (kind, kind.word().to_owned());
+        let adapters = self
+            .sources
+            .iter()
+            .map(|(_, name)| (ProcessKind::Adapter, name.clone()));
+        let mut expected: Vec<(ProcessKind, String)> = adapters.collect();
+        expected.push(service(ProcessKind::Fusion));
+        if self.has_recorder {
+            expected.push(service(ProcessKind::Recorder));
+        }
+        expected.push((ProcessKind::Monitor, self.name.clone()));
+        self.book.processes(&expected, now.mono_ns)
+    }
+}
+
+fn restarts(processes: &[Process]) -> Restarts {
+    let restarted = processes.iter().filter(|process| process.restarts > 0);
+    let by_process: BTreeMap<String, u32> = restarted.map(|process| (process.title(), process.restarts)).collect();
+    Restarts {
+        total: by_process.values().map(|count| u64::from(*count)).sum(),
+        by_process,
+    }
+}
+
+fn run_settings(config: &Config, options: &Options) -> RunSettings {
+    let is_recorded = |input: &Input| matches!(input, Input::Recorded(_));
+    let recorded = config
+        .sources
+        .iter()
+        .filter(|source| is_recorded(&source.input))
+        .count();
+    let simulated = config.sources.len() - recorded;
+    let speed = match options.speed {
+        Speed::Factor(factor) => factor.to_string(),
+        Speed::Max => "max".to_owned(),
+    };
+    RunSettings {
+        deployment: config.name.clone(),
+        instance: options.instance.clone(),
+        rule: config.fusion.settings.rule.rule.name.to_owned(),
+        order: match config.order {
+            Order::Arrival => "arrival",
+            Order::Time => "time",
+        },
+        wait: match config.fusion.wait {
+            WaitMode::Spin => "spin",
+            WaitMode::Event => "event",
+            WaitMode::Hybrid { .. } => "hybrid",
+        },
+        recorded_sources: recorded,
+        simulated_sources: simulated,
+        speed: (recorded > 0).then_some(speed),
+        latencies_measured: recorded == 0 || options.speed != Speed::Max,
+        seed: (simulated > 0).then_some(options.seed),
+        targets: config
+            .scenario
+            .as_ref()
+            .filter(|_| simulated > 0)
+            .map(|world| world.targets),
+        interval_s: config.monitor.interval_ns as f64 / 1e9,
+        deadline_us: config.fusion.deadline_ns as f64 / 1e3,
+    }
+}

@@ -1,0 +1,201 @@
+//! One sentence: whether there is something to worry about.
+
+use messages::{Counter, LifeState, ProcessKind};
+use serde::Serialize;
+use telemetry::{Stage, table};
+
+use crate::report::{Hop, Report, State};
+use crate::text::{percent, several, times};
+
+/// Of a live deployment, this share of the reports may be unread: some are on their way when it stops.
+const UNREAD_SHARE_MAX: f64 = 0.01;
+/// Share of reports that may take longer through fusion than configured.
+const DEADLINE_MISS_SHARE_MAX: f64 = 0.01;
+/// Share of the targets in view that should be held by exactly one system track.
+const HELD_ONCE_SHARE_MIN: f64 = 0.95;
+
+/// See the module's documentation.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Verdict {
+    /// Whether there is nothing to worry about.
+    pub fine: bool,
+    /// The sentence.
+    pub sentence: String,
+}
+
+impl Verdict {
+    /// Judges everything in `report` but its verdict.
+    pub(crate) fn on(report: &Report) -> Self {
+        let concerns = concerns(report);
+        let sentence = if concerns.is_empty() {
+            praise(report)
+        } else {
+            format!("Worth a look: {}.", concerns.join("; "))
+        };
+        Self {
+            fine: concerns.is_empty(),
+            sentence,
+        }
+    }
+}
+
+fn concerns(report: &Report) -> Vec<String> {
+    let mut concerns = Vec::new();
+    about_processes(report, &mut concerns);
+    about_reports(report, &mut concerns);
+    about_the_recorder(report, &mut concerns);
+    about_fusion(report, &mut concerns);
+    about_accuracy(report, &mut concerns);
+    concerns
+}
+
+fn about_processes(report: &Report, concerns: &mut Vec<String>) {
+    for process in &report.processes {
+        let title = process.title();
+        // The monitor is there, or nobody would read this; and it ends before its launcher does.
+        let is_watching = matches!(process.kind, ProcessKind::Monitor | ProcessKind::Launcher);
+        match process.state {
+            _ if is_watching => {}
+            State::NotHeard => concerns.push(format!("{title} was never heard from")),
+            State::Silent { .. } => concerns.push(format!("{title} has been {}", process.state)),
+            State::Life(LifeState::Failed) => concerns.push(format!("{title} has failed")),
+            State::Life(_) => {}
+        }
+        if process.restarts > 0 {
+            let mut concern = format!("{title} was restarted {}", times(process.restarts.into()));
+            if !process.last_end.is_empty() {
+                concern.push_str(&format!(" (the last time because it {})", process.last_end));
+            }
+            if process.kind == ProcessKind::Monitor && !report.losses.complete {
+                concern.push_str(", so this report speaks of the time since then only");
+            }
+            concerns.push(concern);
+        }
+    }
+}
+
+fn about_reports(report: &Report, concerns: &mut Vec<String>) {
+    let taken = taken(report);
+    if taken == 0 {
+        concerns.push("fusion did not receive a single report".to_owned());
+        return;
+    }
+    for source in &report.sources {
+        if source.fusion.get(Counter::Taken) == 0 {
+            concerns.push(format!("{} delivered nothing", source.name));
+        }
+    }
+    let losses = &report.losses;
+    if losses.reports_lost > 0 {
+        concerns.push(format!(
+            "{} did not reach fusion, because it fell behind",
+            several(losses.reports_lost, "report")
+        ));
+    }
+    let recorded = report.settings.simulated_sources == 0;
+    let allowed = if recorded { 0.0 } else { UNREAD_SHARE_MAX * taken as f64 };
+    if losses.complete && losses.reports_unread as f64 > allowed {
+        // Of a killed fusion process, nobody knows what it took in its last moment.
+        let up_to = if report.restarts.by_process.contains_key(ProcessKind::Fusion.word()) {
+            "up to "
+        } else {
+            ""
+        };
+        concerns.push(format!(
+            "{up_to}{} published while fusion was not there to read them",
+            were(losses.reports_unread, "report")
+        ));
+    }
+}
+
+fn about_the_recorder(report: &Report, concerns: &mut Vec<String>) {
+    let to_recorder = |hop: &&Hop| hop.to == ProcessKind::Recorder.word();
+    let lost: u64 = report.losses.hops.iter().filter(to_recorder).map(|hop| hop.lost).sum();
+    if lost > 0 {
+        concerns.push(format!(
+            "the recorder missed {}, so its files have gaps",
+            several(lost, "sample")
+        ));
+    }
+}
+
+fn about_fusion(report: &Report, concerns: &mut Vec<String>) {
+    let fusion = &report.fusion;
+    let dropped = fusion.sum(&[Counter::QueueFull, Counter::TableFull]);
+    if dropped > 0 {
+        concerns.push(format!(
+            "fusion had no room for {}: raise [fusion.capacity]",
+            several(dropped, "report")
+        ));
+    }
+    let mismatched = fusion.get(Counter::SchemaMismatch);
+    if mismatched > 0 {
+        concerns.push(format!(
+            "fusion refused {} of publishers that were built with another layout",
+            several(mismatched, "slice")
+        ));
+    }
+    let published = fusion.get(Counter::Published);
+    let misses = fusion.get(Counter::DeadlineMisses);
+    let measured = report.settings.latencies_measured && report.settings.order == "arrival";
+    if measured && misses as f64 > DEADLINE_MISS_SHARE_MAX * published as f64 {
+        concerns.push(format!(
+            "{} of the states took longer through fusion than {}",
+            percent(misses as f64 / published.max(1) as f64),
+            table::duration(report.settings.deadline_us * 1e3)
+        ));
+    }
+    if taken(report) > 0 && report.picture.ever_confirmed == 0 {
+        concerns.push("no system track was confirmed".to_owned());
+    }
+}
+
+fn about_accuracy(report: &Report, concerns: &mut Vec<String>) {
+    let Some(accuracy) = report.accuracy.filter(|accuracy| accuracy.pictures > 0) else {
+        return;
+    };
+    if accuracy.held_once_share < HELD_ONCE_SHARE_MIN {
+        concerns.push(format!(
+            "only {} of the targets in view were held by exactly one system track",
+            percent(accuracy.held_once_share)
+        ));
+    }
+    if accuracy.identity_errors > 0 {
+        concerns.push(format!(
+            "system tracks carried a wrong address {}",
+            times(accuracy.identity_errors)
+        ));
+    }
+}
+
+fn praise(report: &Report) -> String {
+    let (taken, unread) = (taken(report), report.losses.reports_unread);
+    let mut sentence = if unread == 0 {
+        let reports = several(taken, "published report");
+        format!("Nothing to worry about: all {reports} reached fusion, none was lost")
+    } else {
+        let (reports, unread) = (several(taken, "report"), were(unread, "report"));
+        format!("Nothing to worry about: {reports} reached fusion, none was lost, {unread} on the way at the end")
+    };
+    sentence.push_str(", and no process was restarted");
+    let end_to_end = report.stages.iter().find(|(stage, _)| *stage == Stage::EndToEnd);
+    if let Some((_, figures)) = end_to_end.filter(|(_, figures)| figures.summary.count > 0) {
+        let median = table::duration(figures.summary.p50_ns as f64);
+        sentence.push_str(&format!("; half of the states reached a subscriber within {median}"));
+    }
+    sentence.push('.');
+    sentence
+}
+
+fn taken(report: &Report) -> u64 {
+    report
+        .sources
+        .iter()
+        .map(|source| source.fusion.get(Counter::Taken))
+        .sum()
+}
+
+fn were(count: u64, thing: &str) -> String {
+    let verb = if count == 1 { "was" } else { "were" };
+    format!("{} {verb}", several(count, thing))
+}

@@ -1,0 +1,473 @@
+//! The Barcelona recording through the live processes, judged against the decoded inputs.
+//!
+//! Every run here starts the real processes over shared memory (`koseki up … --speed …`) and reads what the recorder
+//! wrote. What a correct picture is follows from the reports themselves: multilateration and ADS-B carry addresses, so
+//! whoever reads the addresses knows which reports belong together, whether or not fusion was allowed to use them.
+
+mod common;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use adapter::recording::Recording;
+use common::{Deployment, data_folder};
+use messages::{Counter, SensorTrack, TrackState};
+use runtime::config::{Config, Input};
+
+const S: i64 = 1_000_000_000;
+/// A report is fresh at a whole second if it is not older than this.
+const FRESH_NS: i64 = 3 * S;
+const RADAR: usize = 0;
+const MLAT: usize = 1;
+const ADSB: usize = 2;
+
+/// One row of `system_tracks.csv`.
+#[derive(Clone, Debug)]
+struct Row {
+    time_ns: i64,
+    track: u32,
+    position: [f64; 2],
+    state: String,
+    address: Option<u32>,
+    /// Source (from 0), sensor track, time of its latest report.
+    contributions: Vec<(usize, u32, i64)>,
+}
+
+impl Row {
+    fn is_shown(&self) -> bool {
+        self.state == "confirmed" || self.state == "coasted"
+    }
+
+    fn fresh(&self, source: usize, now_ns: i64) -> Option<(u32, i64)> {
+        let found = self
+            .contributions
+            .iter()
+            .find(|(of, _, time_ns)| *of == source && now_ns - time_ns <= FRESH_NS);
+        found.map(|(_, track, time_ns)| (*track, *time_ns))
+    }
+}
+
+/// The decoded inputs: what a valid report is, independent of the pipeline.
+struct Inputs {
+    reports: [Vec<SensorTrack>; 3],
+    first_day_ns: i64,
+    rejected: [[u64; messages::COUNTERS_MAX]; 3],
+}
+
+fn configuration() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/barcelona.toml")
+}
+
+fn decode_inputs(data: &Path) -> Inputs {
+    let config = Config::read(&configuration(), &[]).unwrap();
+    let first_day_ns = config.first_day_ns.unwrap();
+    let mut rejected = [[0; messages::COUNTERS_MAX]; 3];
+    let reports = std::array::from_fn(|index| {
+        let source = &config.sources[index];
+        let Input::Recorded(recorded) = &source.input else {
+            panic!("not recorded")
+        };
+        let bytes = std::fs::read(data.join(&recorded.file)).unwrap();
+        let mut recording = Recording::new(bytes, recorded, source.model, first_day_ns);
+        let mut reports: Vec<SensorTrack> = recording.by_ref().collect();
+        for report in &mut reports {
+            report.time_of_measurement_ns -= first_day_ns;
+        }
+        rejected[index] = recording.counters();
+        reports
+    });
+    Inputs {
+        reports,
+        first_day_ns,
+        rejected,
+    }
+}
+
+fn parse_time(text: &str) -> i64 {
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    whole.parse::<i64>().unwrap() * S + format!("{fraction:0<9}").parse::<i64>().unwrap()
+}
+
+fn read_system_tracks(folder: &Path) -> Vec<Row> {
+    let mut reader = csv::Reader::from_path(folder.join("system_tracks.csv")).unwrap();
+    let headers = reader.headers().unwrap().clone();
+    let column = |name: &str| {
+        headers
+            .iter()
+            .position(|header| header == name)
+            .unwrap_or_else(|| panic!("no {name}"))
+    };
+    let [time, track, x, y, state, address, sources, ids, times] = [
+        "time_s",
+        "system_track_id",
+        "x",
+        "y",
+        "state",
+        "address",
+        "sources",
+        "sensor_track_ids",
+        "report_times_s",
+    ]
+    .map(column);
+    let parts = |text: &str| -> Vec<String> {
+        text.split('|')
+            .filter(|part| !part.is_empty())
+            .map(str::to_owned)
+            .collect()
+    };
+    reader
+        .records()
+        .map(|record| {
+            let record = record.unwrap();
+            let contributions = parts(&record[sources])
+                .iter()
+                .zip(parts(&record[ids]))
+                .zip(parts(&record[times]))
+                .map(|((source, id), time)| {
+                    (
+                        source.parse::<usize>().unwrap() - 1,
+                        id.parse().unwrap(),
+                        parse_time(&time),
+                    )
+                })
+                .collect();
+            Row {
+                time_ns: parse_time(&record[time]),
+                track: record[track].parse().unwrap(),
+                position: [record[x].parse().unwrap(), record[y].parse().unwrap()],
+                state: record[state].to_owned(),
+                address: (!record[address].is_empty()).then(|| u32::from_str_radix(&record[address], 16).unwrap()),
+                contributions,
+            }
+        })
+        .collect()
+}
+
+/// What the picture and the inputs are at one whole second.
+struct Moment<'a> {
+    now_ns: i64,
+    tracks: &'a BTreeMap<u32, Row>,
+    radar: &'a BTreeMap<u32, SensorTrack>,
+    mlat: &'a BTreeMap<u32, SensorTrack>,
+    adsb: &'a BTreeMap<u32, SensorTrack>,
+}
+
+impl Moment<'_> {
+    fn is_fresh(&self, report: &SensorTrack) -> bool {
+        self.now_ns - report.time_of_measurement_ns <= FRESH_NS
+    }
+
+    /// Where the target of `report` is now, in the plane.
+    fn place(&self, report: &SensorTrack) -> [f64; 2] {
+        let seconds = (self.now_ns - report.time_of_measurement_ns) as f64 / S as f64;
+        [0, 1].map(|axis| report.position_m[axis] + report.velocity_mps[axis] * seconds)
+    }
+
+    fn apart(&self, a: &SensorTrack, b: &SensorTrack) -> f64 {
+        let (a, b) = (self.place(a), self.place(b));
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+}
+
+/// Calls `judge` at every whole second of the recording.
+fn at_whole_seconds(inputs: &Inputs, rows: &[Row], mut judge: impl FnMut(&Moment<'_>)) {
+    let starts = inputs.reports.iter().map(|reports| reports[0].time_of_measurement_ns);
+    let ends = inputs
+        .reports
+        .iter()
+        .map(|reports| reports[reports.len() - 1].time_of_measurement_ns);
+    let (first, last) = (starts.min().unwrap() / S + 1, ends.max().unwrap() / S);
+    let (mut tracks, mut next_row) = (BTreeMap::new(), 0);
+    let (mut latest, mut next) = ([const { BTreeMap::new() }; 3], [0; 3]);
+    for second in first..=last {
+        let now_ns = second * S;
+        while let Some(row) = rows.get(next_row).filter(|row| row.time_ns <= now_ns) {
+            if row.state == "terminated" {
+                tracks.remove(&row.track);
+            } else {
+                tracks.insert(row.track, row.clone());
+            }
+            next_row += 1;
+        }
+        for source in [RADAR, MLAT, ADSB] {
+            let due = |report: &&SensorTrack| report.time_of_measurement_ns <= now_ns;
+            while let Some(report) = inputs.reports[source].get(next[source]).filter(due) {
+                let key = if source == RADAR {
+                    report.track_number
+                } else {
+                    report.identity.address().unwrap()
+                };
+                if report.state == TrackState::Terminated as u8 {
+                    latest[source].remove(&key);
+                } else {
+                    latest[source].insert(key, *report);
+                }
+                next[source] += 1;
+            }
+        }
+        let [radar, mlat, adsb] = &latest;
+        judge(&Moment {
+            now_ns,
+            tracks: &tracks,
+            radar,
+            mlat,
+            adsb,
+        });
+    }
+}
+
+/// A share of aircraft-seconds.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    good: u32,
+    of: u32,
+}
+
+impl Share {
+    fn add(&mut self, good: bool) {
+        self.of += 1;
+        self.good += u32::from(good);
+    }
+
+    fn at_least(self, what: &str, limit: f64, of_at_least: u32) {
+        let share = f64::from(self.good) / f64::from(self.of.max(1));
+        println!(
+            "{what}: {:.2} % of {} aircraft-seconds (at least {:.0} %)",
+            100.0 * share,
+            self.of,
+            100.0 * limit
+        );
+        assert!(
+            self.of >= of_at_least,
+            "{what}: only {} aircraft-seconds to judge",
+            self.of
+        );
+        assert!(share >= limit, "{what}: {share:.4} < {limit}");
+    }
+}
+
+fn replay(name: &str, arguments: &[&str], data: &Path) -> (Deployment, PathBuf) {
+    let deployment = Deployment::new(name);
+    let out = deployment.folder().join("out");
+    let run = deployment
+        .koseki(&["up", configuration().to_str().unwrap(), "--instance", name])
+        .args(["--data", data.to_str().unwrap(), "--out", out.to_str().unwrap()])
+        .args(arguments)
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    deployment.assert_nothing_left();
+    (deployment, out)
+}
+
+fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    files
+        .filter(|path| path.extension().is_some_and(|extension| extension == "csv"))
+        .map(|path| {
+            (
+                path.file_name().unwrap().to_str().unwrap().to_owned(),
+                std::fs::read(&path).unwrap(),
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn with_identity_every_aircraft_has_one_track_and_nothing_is_lost() {
+    let Some(data) = data_folder("lebl2016") else { return };
+    let inputs = decode_inputs(&data);
+    let (_running, out) = replay("bcn", &["--speed", "max"], &data);
+    let rows = read_system_tracks(&out);
+
+    let (mut one_track, mut radar_joined) = (Share::default(), Share::default());
+    at_whole_seconds(&inputs, &rows, |moment| {
+        for (address, mlat) in moment.mlat.iter().filter(|(_, report)| moment.is_fresh(report)) {
+            if moment.adsb.get(address).is_some_and(|report| moment.is_fresh(report)) {
+                let carriers = moment
+                    .tracks
+                    .values()
+                    .filter(|row| row.is_shown() && row.address == Some(*address));
+                one_track.add(carriers.count() == 1);
+            }
+            judge_radar(moment, *address, mlat, &mut radar_joined);
+        }
+    });
+    one_track.at_least("one track carries the address", 0.99, 15_000);
+    radar_joined.at_least("the radar contributes", 0.90, 5_000);
+
+    check_addresses(&rows);
+    check_contributions(&inputs, &rows);
+    check_midnight(&inputs, &rows);
+    check_nothing_lost(&inputs, &out);
+}
+
+fn judge_radar(moment: &Moment<'_>, address: u32, mlat: &SensorTrack, share: &mut Share) {
+    let [vx, vy, _] = mlat.velocity_mps;
+    let crowded = [moment.mlat, moment.adsb]
+        .into_iter()
+        .flatten()
+        .any(|(other, report)| *other != address && moment.is_fresh(report) && moment.apart(mlat, report) <= 160.0);
+    let seen = moment
+        .radar
+        .values()
+        .any(|radar| moment.is_fresh(radar) && moment.apart(mlat, radar) <= 80.0);
+    if vx.hypot(vy) <= 3.0 || crowded || !seen {
+        return;
+    }
+    let mine = moment
+        .tracks
+        .values()
+        .find(|row| row.is_shown() && row.address == Some(address));
+    share.add(mine.is_some_and(|row| row.contributions.iter().any(|(source, ..)| *source == RADAR)));
+}
+
+/// No system track ever carries two addresses, and none that of a field monitor.
+fn check_addresses(rows: &[Row]) {
+    let mut carried = BTreeMap::new();
+    for row in rows {
+        let Some(address) = row.address else { continue };
+        assert_eq!(
+            *carried.entry(row.track).or_insert(address),
+            address,
+            "track {} carries two addresses",
+            row.track
+        );
+        // The six field monitors of the multilateration system.
+        assert!(
+            !(0x34_2380..=0x34_238f).contains(&address),
+            "a system track at field monitor {address:06X}"
+        );
+    }
+}
+
+/// Every contribution is a report that passed the checks, so no position stems from an impossible one.
+fn check_contributions(inputs: &Inputs, rows: &[Row]) {
+    let valid: BTreeSet<(usize, u32, i64)> = inputs
+        .reports
+        .iter()
+        .enumerate()
+        .flat_map(|(source, reports)| {
+            reports
+                .iter()
+                .map(move |r| (source, r.track_number, r.time_of_measurement_ns))
+        })
+        .collect();
+    for row in rows {
+        for contribution in &row.contributions {
+            assert!(valid.contains(contribution), "{contribution:?} is no valid report");
+        }
+        assert!(row.position[0].hypot(row.position[1]) < 300e3, "{row:?}");
+    }
+    let rejected = |source: usize, counter: Counter| inputs.rejected[source][counter as usize];
+    assert_eq!(rejected(MLAT, Counter::RejectedFieldMonitor), 41_548);
+    assert_eq!(
+        rejected(ADSB, Counter::RejectedPosition),
+        30,
+        "positions at the other end of the world"
+    );
+    assert_eq!(inputs.reports[RADAR].len(), 62_819);
+    assert_eq!(inputs.reports[MLAT].len(), 28_385);
+}
+
+/// Time runs on across midnight: no gap, no step back, no position that jumps.
+fn check_midnight(inputs: &Inputs, rows: &[Row]) {
+    let midnight_ns = 86_400 * S;
+    assert!(inputs.first_day_ns > 0);
+    assert!(
+        rows.windows(2).all(|pair| pair[0].time_ns <= pair[1].time_ns),
+        "rows are in the order of time"
+    );
+    let around = |second: i64| rows.iter().filter(move |row| row.time_ns.div_euclid(S) == second);
+    for second in midnight_ns / S - 10..midnight_ns / S + 10 {
+        assert!(around(second).count() >= 5, "a gap at {second}");
+    }
+    let mut last: BTreeMap<u32, &Row> = BTreeMap::new();
+    let mut crossed = 0;
+    for row in rows
+        .iter()
+        .filter(|row| (row.time_ns - midnight_ns).abs() < 10 * S && row.state == "confirmed")
+    {
+        if let Some(before) = last.insert(row.track, row) {
+            let step = (row.position[0] - before.position[0]).hypot(row.position[1] - before.position[1]);
+            let seconds = (row.time_ns - before.time_ns) as f64 / S as f64;
+            // 100 m/s, and what sensors may disagree by at a hand-over.
+            assert!(
+                step <= 100.0 * seconds + 250.0,
+                "track {} jumps {step:.0} m at midnight",
+                row.track
+            );
+            crossed += usize::from(before.time_ns < midnight_ns && row.time_ns >= midnight_ns);
+        }
+    }
+    assert!(crossed >= 3, "only {crossed} tracks live across midnight");
+}
+
+/// What the adapters published is what fusion took and the recorder wrote, report by report.
+fn check_nothing_lost(inputs: &Inputs, out: &Path) {
+    for (index, name) in ["radar", "multilateration", "ads-b"].iter().enumerate() {
+        let mut reader = csv::Reader::from_path(out.join(format!("sensor_tracks_{name}.csv"))).unwrap();
+        assert_eq!(reader.records().count(), inputs.reports[index].len(), "{name}");
+    }
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("report.json")).unwrap()).unwrap();
+    for (index, source) in report["sources"].as_array().unwrap().iter().enumerate() {
+        let fusion = &source["fusion"];
+        assert_eq!(fusion["lost"], 0, "{source}");
+        assert_eq!(fusion["taken"], inputs.reports[index].len(), "{source}");
+    }
+}
+
+#[test]
+fn without_identity_position_and_motion_join_the_same_reports() {
+    let Some(data) = data_folder("lebl2016") else { return };
+    let inputs = decode_inputs(&data);
+    let hidden = ["--speed", "max", "--set", "fusion.association.use_identity=false"];
+    let (_running, out) = replay("bcn-hid", &hidden, &data);
+    let rows = read_system_tracks(&out);
+    let address_of: BTreeMap<(u32, i64), u32> = inputs.reports[MLAT]
+        .iter()
+        .map(|report| {
+            (
+                (report.track_number, report.time_of_measurement_ns),
+                report.identity.address().unwrap(),
+            )
+        })
+        .collect();
+
+    let (mut agree, mut joined) = (Share::default(), Share::default());
+    at_whole_seconds(&inputs, &rows, |moment| {
+        for row in moment.tracks.values() {
+            if let (Some(mlat), Some((adsb, _))) = (row.fresh(MLAT, moment.now_ns), row.fresh(ADSB, moment.now_ns)) {
+                // An ADS-B track is numbered by its address.
+                agree.add(address_of[&mlat] == adsb);
+            }
+        }
+        for (address, mlat) in moment.mlat.iter().filter(|(_, report)| moment.is_fresh(report)) {
+            let Some(adsb) = moment.adsb.get(address).filter(|report| moment.is_fresh(report)) else {
+                continue;
+            };
+            if moment.apart(mlat, adsb) <= 60.0 {
+                joined.add(moment.tracks.values().any(|row| {
+                    let of =
+                        |source: usize, track: u32| row.fresh(source, moment.now_ns).is_some_and(|(id, _)| id == track);
+                    of(MLAT, mlat.track_number) && of(ADSB, *address)
+                }));
+            }
+        }
+    });
+    agree.at_least("joined reports agree in address", 0.99, 10_000);
+    joined.at_least("reports within 60 m are joined", 0.90, 10_000);
+}
+
+#[test]
+fn the_files_are_the_same_in_every_run_and_at_every_speed() {
+    let Some(data) = data_folder("lebl2016") else { return };
+    let (_a, first) = replay("bcn-a", &["--speed", "max"], &data);
+    let (_b, second) = replay("bcn-b", &["--speed", "max"], &data);
+    let (_c, paced) = replay("bcn-c", &["--speed", "600"], &data);
+    let first = bytes_of(&first);
+    assert_eq!(first.len(), 4, "{:?}", first.keys());
+    assert!(first.values().all(|bytes| bytes.len() > 1_000_000));
+    assert!(first == bytes_of(&second), "two runs at full speed differ");
+    assert!(first == bytes_of(&paced), "the run at 600 times its own speed differs");
+}

@@ -1,0 +1,731 @@
+//! Whole deployments, as a user starts them: real processes, killed, stopped, refused and watched (PL-1, PL-11).
+//!
+//! Each test has its own folder for instances, so tests can run side by side. Nothing here waits for a time to pass:
+//! every wait is for a condition, and its limit only ends a test that hangs. At its end each test makes sure that no
+//! process, no file in shared memory and no folder of the instance is left.
+
+use std::fs;
+use std::os::unix::process::ExitStatusExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::{Arc, Mutex};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use bus::{Bus, Root, SharedMemory};
+use messages::{Health, LifeState, ProcessKind};
+use runtime::clock::mono_ns;
+use rustix::process::{Pid, Signal, kill_process};
+
+/// Far longer than anything takes, so that only a real hang ends it.
+const PATIENCE: Duration = Duration::from_secs(90);
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Refusals: configurations, recordings, command lines.
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Mistakes: what is changed in a sound deployment, and what the line about it must contain.
+#[test]
+fn bad_input_is_refused_in_one_line_with_place_value_and_remedy() {
+    let cases: [(&str, Mistake, &[&str]); 12] = [
+        (
+            "a recording that is not there",
+            Mistake::Config("file = \"radar.ast\"", "file = \"gone.ast\""),
+            &["gone.ast: cannot be read", "--data", "source[0].recorded.file"],
+        ),
+        (
+            "a folder instead of a recording",
+            Mistake::Config("file = \"radar.ast\"", "file = \".\""),
+            &["cannot be read", "directory"],
+        ),
+        (
+            "another category",
+            Mistake::Recording(|_| [48, 0, 4, 0].repeat(3)),
+            &[
+                "radar.ast: byte 0: ",
+                "category 048",
+                "expected 010",
+                "source[0].recorded.file",
+            ],
+        ),
+        (
+            "a recording cut in the middle of a block",
+            Mistake::Recording(|bytes| bytes[..bytes.len() - 3].to_vec()),
+            &["radar.ast: byte 990: ", "10 octets", "7 left", "truncated = \"accept\""],
+        ),
+        (
+            "a length that cannot be",
+            Mistake::Recording(|bytes| [bytes, &[10, 0, 1, 0]].concat()),
+            &["radar.ast: byte 1000: ", "length as 1", "first 1000 bytes"],
+        ),
+        (
+            "an empty recording",
+            Mistake::Recording(|_| Vec::new()),
+            &["radar.ast: byte 0: ", "empty"],
+        ),
+        (
+            "a core that does not exist",
+            Mistake::Config("# core", "core = 4711"),
+            &["site.toml:18: ", "fusion.core", "4711", "offers cores"],
+        ),
+        (
+            "a capacity of 0",
+            Mistake::Config("system_tracks = 10", "system_tracks = 0"),
+            &["site.toml:20: ", "fusion.capacity.system_tracks: 0", "between 1 and"],
+        ),
+        (
+            "an unknown key",
+            Mistake::Config("period_s = 1.0", "periode_s = 1.0"),
+            &["site.toml:10: ", "unknown field `periode_s`", "expected one of"],
+        ),
+        (
+            "two sources with one name",
+            Mistake::Config("name = \"mlat\"", "name = \"radar\""),
+            &["site.toml:25: ", "source[1].name", "\"radar\"", "give each its own"],
+        ),
+        ("no TOML", Mistake::Config("[frame]", "[frame"), &["site.toml:2: "]),
+        ("no configuration", Mistake::NoConfig, &["site.toml: cannot be read"]),
+    ];
+    let home = Home::new();
+    for (name, mistake, expected) in cases {
+        home.write_site(|text, recording| match mistake {
+            Mistake::Config(old, new) => {
+                assert!(text.contains(old), "{name}");
+                *text = text.replacen(old, new, 1);
+            }
+            Mistake::Recording(change) => *recording = change(recording),
+            Mistake::NoConfig => {}
+        });
+        if matches!(mistake, Mistake::NoConfig) {
+            fs::remove_file(home.path("site.toml")).unwrap();
+        }
+        for command in ["check", "up"] {
+            let output = home.run(&[command, "site.toml", "--data", "."]);
+            assert_refused(&output, 2, expected, &format!("{command}: {name}"));
+        }
+    }
+    home.assert_nothing_is_left("test");
+}
+
+enum Mistake {
+    Config(&'static str, &'static str),
+    Recording(fn(&[u8]) -> Vec<u8>),
+    NoConfig,
+}
+
+#[test]
+fn a_sound_deployment_is_summed_up() {
+    let home = Home::new();
+    home.write_site(|_, _| ());
+    let output = home.run(&["check", "site.toml", "--data", "."]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{text}");
+    for expected in [
+        "is sound",
+        "radar",
+        "100 records",
+        "00:01:40",
+        "10 system tracks",
+        "CAT010 ed 1.1",
+    ] {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+}
+
+#[test]
+fn a_recording_cut_short_can_be_accepted() {
+    let home = Home::new();
+    home.write_site(|_, recording| recording.truncate(997));
+    let accept = "source[0].recorded.truncated=\"accept\"";
+    let output = home.run(&["check", "site.toml", "--data", ".", "--set", accept]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(String::from_utf8(output.stdout).unwrap().contains("99 records"));
+}
+
+#[test]
+fn wrong_usage_is_one_line() {
+    let home = Home::new();
+    home.write_site(|_, _| ());
+    let cases: [(&[&str], &[&str]); 8] = [
+        (&[], &["a command is missing", "demo, up, check, status"]),
+        (&["upp"], &["unrecognized subcommand 'upp'", "--help"]),
+        (&["up"], &["<CONFIG>", "koseki up --help"]),
+        (&["demo", "--for", "soon"], &["--for", "number of seconds"]),
+        (&["up", "site.toml", "--speed", "0"], &["--speed", "more than 0"]),
+        (&["adapter", "--config", "site.toml"], &["--name", "radar, mlat"]),
+        (
+            &["adapter", "--config", "site.toml", "--name", "x"],
+            &["--name x", "radar, mlat"],
+        ),
+        (&["status", "--instance", "a/b"], &["\"a/b\"", "letters"]),
+    ];
+    for (arguments, expected) in cases {
+        assert_refused(&home.run(arguments), 2, expected, &arguments.join(" "));
+    }
+}
+
+#[test]
+fn every_command_has_help_with_examples() {
+    let home = Home::new();
+    let commands = [
+        "demo", "up", "check", "status", "adapter", "fusion", "monitor", "recorder",
+    ];
+    for command in commands {
+        let output = home.run(&[command, "--help"]);
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        assert!(
+            text.contains("Examples:") && text.contains(&format!("koseki {command}"))
+                || text.contains("koseki adapter"),
+            "{text}"
+        );
+        assert!(!text.contains("--launcher"), "for the launcher only: {text}");
+    }
+}
+
+#[test]
+fn a_process_without_a_deployment_says_so() {
+    let home = Home::new();
+    home.write_site(|_, _| ());
+    let output = home.run(&["fusion", "--config", "site.toml"]);
+    assert_refused(
+        &output,
+        1,
+        &["fusion: ", "test is not running", "koseki up"],
+        "fusion alone",
+    );
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Life: start, stop, finish.
+// ---------------------------------------------------------------------------------------------------------------------
+
+#[test]
+fn a_demo_runs_for_its_time_and_leaves_nothing() {
+    let home = Home::new();
+    let demo = home.start(&["demo", "--for", "1"]);
+    let (status, said) = demo.end();
+    assert_eq!(status.code(), Some(0), "{said}");
+    assert!(said.contains("instance demo runs"), "{said}");
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
+fn a_request_to_stop_stops_everything() {
+    for signal in [Signal::TERM, Signal::INT] {
+        let home = Home::new();
+        let demo = home.demo();
+        assert!(home.processes().len() > 5, "{:?}", home.processes());
+        demo.signal(signal);
+        let (status, said) = demo.end();
+        assert_eq!(status.code(), Some(0), "{said}");
+        assert!(said.contains("asked to stop"), "{said}");
+        home.assert_nothing_is_left("demo");
+    }
+}
+
+#[test]
+fn recordings_are_worked_off_and_the_deployment_ends() {
+    let home = Home::new();
+    home.write_site(|_, _| ());
+    let up = home.start(&["up", "site.toml", "--data", ".", "--speed", "max", "--out", "out"]);
+    let (status, said) = up.end();
+    assert_eq!(status.code(), Some(0), "{said}");
+    for each in ["fusion has finished", "recorder has finished"] {
+        assert!(said.contains(each), "{each}: {said}");
+    }
+    home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn a_second_start_is_refused_and_another_name_is_not() {
+    let home = Home::new();
+    let demo = home.demo();
+    let second = home.run(&["demo", "--for", "1"]);
+    let pid = demo.pid().to_string();
+    assert_refused(&second, 1, &["instance demo", &pid, "--instance NAME"], "second start");
+    let beside = home.run(&["demo", "--for", "0.5", "--instance", "beside"]);
+    assert_eq!(beside.status.code(), Some(0), "{beside:?}");
+    demo.stop();
+    home.assert_nothing_is_left("demo");
+    home.assert_nothing_is_left("beside");
+}
+
+#[test]
+fn status_shows_what_runs() {
+    let home = Home::new();
+    assert_eq!(home.status(), "nothing runs\n");
+    let demo = home.demo();
+    let status = home.status();
+    for expected in [
+        "instance demo",
+        &demo.pid().to_string(),
+        "launcher",
+        "fusion",
+        "monitor",
+        "radar-west",
+        "running",
+    ] {
+        assert!(status.contains(expected), "{expected}: {status}");
+    }
+    let row = home.status_row("ads-b");
+    assert!(row.published.parse::<f64>().unwrap() > 0.0, "{status}");
+    let other = home.run(&["status", "--instance", "other"]);
+    assert_eq!(
+        String::from_utf8(other.stdout).unwrap(),
+        "nothing runs as instance other\n"
+    );
+    demo.stop();
+    home.assert_nothing_is_left("demo");
+}
+
+/// What `examples/subscribe.rs` does, in this process.
+#[test]
+fn a_reader_gets_system_tracks_and_learns_of_the_end() {
+    let home = Home::new();
+    let demo = home.demo();
+    let bus = Bus::<SharedMemory>::open(&home.root("demo"), "reader").unwrap();
+    let mut tracks = bus.subscriber(&messages::system_tracks(), || mono_ns() as u64).unwrap();
+    let mut health = bus.subscriber(&messages::health(), || mono_ns() as u64).unwrap();
+    let mut updates = 0;
+    until("system tracks come", || {
+        tracks.take(64, |_, slice| updates += slice.len()).unwrap();
+        updates > 50
+    });
+    demo.signal(Signal::TERM);
+    let is_end = |said: &Health| {
+        let launcher = said.kind() == Some(ProcessKind::Launcher) && said.name() == "launcher";
+        launcher && said.life() == Some(LifeState::Finished)
+    };
+    let mut ended = false;
+    until("the launcher says that it is over", || {
+        health.take(64, |_, slice| ended |= slice.iter().any(is_end)).unwrap();
+        ended
+    });
+    drop((tracks, health, bus));
+    let (status, said) = demo.end();
+    assert_eq!(status.code(), Some(0), "{said}");
+    home.assert_nothing_is_left("demo");
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Death: of children, and of the launcher.
+// ---------------------------------------------------------------------------------------------------------------------
+
+#[test]
+fn killed_children_are_restarted_and_counted() {
+    let home = Home::new();
+    let demo = home.demo();
+    for (name, title) in [
+        ("radar-west", "adapter radar-west"),
+        ("fusion", "fusion"),
+        ("monitor", "monitor"),
+    ] {
+        let before = home.status_row(name);
+        kill(before.pid, Signal::KILL);
+        demo.until_said(&format!("{title} was killed by SIGKILL; restarting it in 0.1 s"));
+        demo.until_said(&format!("{title} restarted (1), back after "));
+        let after = home.status_row(name);
+        assert_ne!(after.pid, before.pid);
+        assert_eq!(
+            (after.state.as_str(), after.restarts.as_str()),
+            ("running", "1"),
+            "{name}"
+        );
+    }
+    // The others have not noticed.
+    assert_eq!(home.status_row("radar-east").restarts, "0");
+    let (status, said) = demo.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
+fn children_of_a_killed_launcher_end_and_the_next_start_cleans_up() {
+    let home = Home::new();
+    let demo = home.demo();
+    demo.signal(Signal::KILL);
+    let (status, _) = demo.end();
+    assert_eq!(status.signal(), Some(9));
+    // Started at once: the children may still be on their way out.
+    let next = home.demo();
+    let said = next.said();
+    assert!(
+        said.contains("removed what an earlier run of instance demo had left"),
+        "{said}"
+    );
+    next.stop();
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
+fn what_a_killed_launcher_leaves_is_listed() {
+    let home = Home::new();
+    let demo = home.demo();
+    demo.signal(Signal::KILL);
+    demo.end();
+    until("the children have ended", || home.processes().is_empty());
+    assert!(
+        home.status().contains("instance demo: does not run"),
+        "{}",
+        home.status()
+    );
+    assert_eq!(home.run(&["demo", "--for", "0.5"]).status.code(), Some(0));
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
+fn a_child_that_does_not_stop_is_killed_and_named() {
+    let home = Home::new();
+    let demo = home.demo();
+    kill(home.status_row("radar-west").pid, Signal::STOP);
+    demo.signal(Signal::TERM);
+    let (status, said) = demo.end();
+    assert_eq!(status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("adapter radar-west did not stop within 5 s and was killed"),
+        "{said}"
+    );
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
+fn a_second_request_ends_the_launcher_at_once() {
+    let home = Home::new();
+    let demo = home.demo();
+    // One child that does not stop, so that the first request is still being worked on.
+    let stopped = home.status_row("radar-west").pid;
+    kill(stopped, Signal::STOP);
+    demo.signal(Signal::INT);
+    demo.until_said("asked to stop");
+    demo.signal(Signal::INT);
+    kill(stopped, Signal::CONT);
+    let (status, said) = demo.end();
+    assert_eq!(status.code(), Some(1), "{said}");
+    until("the children have ended", || home.processes().is_empty());
+    // What is left is the next start's business.
+    assert_eq!(home.run(&["demo", "--for", "0.5"]).status.code(), Some(0));
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
+fn a_configuration_that_a_child_refuses_ends_the_deployment() {
+    let home = Home::new();
+    home.write_demo();
+    let up = home.start(&["up", "copy.toml", "--instance", "demo"]);
+    up.until_said("instance demo runs");
+    // Somebody edits the file while the deployment runs; the next child that starts reads it.
+    fs::write(home.path("copy.toml"), "nonsense = 1\n").unwrap();
+    kill(home.status_row("fusion").pid, Signal::KILL);
+    let (status, said) = up.end();
+    assert_eq!(status.code(), Some(2), "{said}");
+    assert!(said.contains("copy.toml:1: ") && said.contains("nonsense"), "{said}");
+    assert!(said.contains("fusion refuses its configuration"), "{said}");
+    home.assert_nothing_is_left("demo");
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// What the tests stand on.
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// A deployment of two recorded sources, of which tests change a line. Its name is `test`.
+const SITE: &str = r#"name = "test"
+[frame]
+latitude_deg = 41.3
+longitude_deg = 2.1
+[time]
+order = "time"
+date = "2016-05-10"
+[[source]]
+name = "radar"
+period_s = 1.0
+[source.recorded]
+file = "radar.ast"
+editions = { "10" = "1.1" }
+# space
+# for
+# changes
+[fusion]
+# core
+[fusion.capacity]
+system_tracks = 10
+sensor_tracks = 100
+# a second
+# source
+[[source]]
+name = "mlat"
+[source.recorded]
+file = "mlat.ast"
+editions = { "10" = "1.1" }
+[monitor]
+files = false
+"#;
+
+/// Bytes of CAT010: one target report each second from 00:01:40 on.
+fn recording() -> Vec<u8> {
+    let report = |seconds: u32| {
+        let time = (seconds * 128).to_be_bytes();
+        // Items I010/010, /000 and /140: sender, message type, time of day.
+        [10, 0, 10, 0b1101_0000, 0, 7, 1, time[1], time[2], time[3]]
+    };
+    (100..200).flat_map(report).collect()
+}
+
+/// A folder for instances and files of one test.
+struct Home(tempfile::TempDir);
+
+impl Home {
+    fn new() -> Self {
+        // Not in $TMPDIR: the paths of sockets must be short.
+        Self(tempfile::Builder::new().prefix("k").tempdir_in("/tmp").unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Writes a sound deployment after `change` has had its way with configuration and first recording.
+    fn write_site(&self, change: impl FnOnce(&mut String, &mut Vec<u8>)) {
+        let (mut text, mut bytes) = (SITE.to_owned(), recording());
+        change(&mut text, &mut bytes);
+        fs::write(self.path("site.toml"), text).unwrap();
+        fs::write(self.path("radar.ast"), bytes).unwrap();
+        fs::write(self.path("mlat.ast"), recording()).unwrap();
+    }
+
+    /// Writes a copy of the demonstration's configuration.
+    fn write_demo(&self) {
+        fs::write(self.path("copy.toml"), runtime::config::DEMO).unwrap();
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_koseki"));
+        command
+            .args(arguments)
+            .current_dir(self.0.path())
+            .env("XDG_RUNTIME_DIR", self.0.path())
+            .env_remove("KOSEKI_DATA")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    /// Runs a command to its end.
+    fn run(&self, arguments: &[&str]) -> Output {
+        let running = self.start(arguments);
+        let stdout = Arc::clone(&running.stdout);
+        let (status, said) = running.end();
+        let stdout = stdout.lock().unwrap().clone();
+        Output {
+            status,
+            stdout: stdout.into_bytes(),
+            stderr: said.into_bytes(),
+        }
+    }
+
+    fn start(&self, arguments: &[&str]) -> Running {
+        let mut child = self.command(arguments).spawn().unwrap();
+        let (stdout, stderr) = (Arc::default(), Arc::default());
+        let readers = vec![
+            read(child.stdout.take().unwrap(), Arc::clone(&stdout)),
+            read(child.stderr.take().unwrap(), Arc::clone(&stderr)),
+        ];
+        Running {
+            child,
+            stdout,
+            stderr,
+            readers,
+        }
+    }
+
+    /// A demonstration all of whose processes run.
+    fn demo(&self) -> Running {
+        let demo = self.start(&["demo"]);
+        demo.until_said("instance demo runs");
+        demo
+    }
+
+    fn status(&self) -> String {
+        let output = self.run(&["status"]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// What the status says of the child called `name`, when it runs.
+    fn status_row(&self, name: &str) -> Row {
+        let start = Instant::now();
+        loop {
+            let status = self.status();
+            let rows = status.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+            let mut rows = rows.filter(|words| words.first() == Some(&name) && words.len() >= 6);
+            if let Some(row) = rows.next()
+                && let Ok(pid) = row[1].parse()
+            {
+                return Row {
+                    pid,
+                    state: row[2].to_owned(),
+                    restarts: row[3].to_owned(),
+                    published: row[5].to_owned(),
+                };
+            }
+            assert!(start.elapsed() < PATIENCE, "no {name}: {status}");
+        }
+    }
+
+    /// Live processes that were started in this home.
+    fn processes(&self) -> Vec<String> {
+        let mark = format!("XDG_RUNTIME_DIR={}", self.0.path().display());
+        let mut found = Vec::new();
+        for entry in fs::read_dir("/proc").unwrap().flatten() {
+            let environment = fs::read(entry.path().join("environ")).unwrap_or_default();
+            if environment
+                .split(|byte| *byte == 0)
+                .any(|variable| variable == mark.as_bytes())
+            {
+                let command = fs::read(entry.path().join("cmdline")).unwrap_or_default();
+                found.push(String::from_utf8_lossy(&command).replace('\0', " "));
+            }
+        }
+        found
+    }
+
+    fn root(&self, instance: &str) -> Root {
+        Root::in_base(self.path("koseki"), instance).unwrap()
+    }
+
+    /// Names of the files that an instance has in shared memory.
+    fn shared_memory(&self, instance: &str) -> Vec<String> {
+        let root = self.root(instance);
+        fs::read_dir("/dev/shm")
+            .unwrap()
+            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+            .filter(|name| name.starts_with(root.prefix()))
+            .collect()
+    }
+
+    fn assert_nothing_is_left(&self, instance: &str) {
+        let root = self.root(instance);
+        assert_eq!(self.processes(), [""; 0]);
+        assert_eq!(self.shared_memory(instance), [""; 0]);
+        assert!(!root.path().exists(), "{} is left", root.path().display());
+        let lock = root.base().join(format!("{instance}.lock"));
+        assert!(!lock.exists(), "{} is left", lock.display());
+    }
+}
+
+impl Drop for Home {
+    /// A test that failed has killed its deployment, and must not leave memory behind either.
+    fn drop(&mut self) {
+        if !thread::panicking() {
+            return;
+        }
+        let start = Instant::now();
+        while !self.processes().is_empty() && start.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(2));
+        }
+        for instance in ["demo", "test", "beside"] {
+            for name in self.shared_memory(instance) {
+                let _ = fs::remove_file(Path::new("/dev/shm").join(name));
+            }
+        }
+    }
+}
+
+/// A line of `koseki status`.
+struct Row {
+    pid: u32,
+    state: String,
+    restarts: String,
+    published: String,
+}
+
+/// A `koseki` that runs. If the test fails, it is killed, and its children follow.
+struct Running {
+    child: Child,
+    stdout: Arc<Mutex<String>>,
+    stderr: Arc<Mutex<String>>,
+    readers: Vec<JoinHandle<()>>,
+}
+
+impl Running {
+    fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    fn signal(&self, signal: Signal) {
+        kill(self.pid(), signal);
+    }
+
+    /// Everything on standard error so far.
+    fn said(&self) -> String {
+        self.stderr.lock().unwrap().clone()
+    }
+
+    fn until_said(&self, words: &str) {
+        let start = Instant::now();
+        while !self.said().contains(words) {
+            assert!(start.elapsed() < PATIENCE, "not said: {words}\n{}", self.said());
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    fn stop(self) -> (ExitStatus, String) {
+        self.signal(Signal::TERM);
+        self.end()
+    }
+
+    /// Waits for the end; and, because they share its standard error, for that of all its children.
+    fn end(mut self) -> (ExitStatus, String) {
+        let mut status = None;
+        until("a command ends", || {
+            status = self.child.try_wait().unwrap();
+            status.is_some()
+        });
+        for reader in self.readers.drain(..) {
+            until("its children end", || reader.is_finished());
+            reader.join().unwrap();
+        }
+        (status.unwrap(), self.said())
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn read(mut from: impl std::io::Read + Send + 'static, into: Arc<Mutex<String>>) -> JoinHandle<()> {
+    thread::spawn(move || {
+        let mut bytes = [0; 4096];
+        while let Ok(count @ 1..) = from.read(&mut bytes) {
+            into.lock().unwrap().push_str(&String::from_utf8_lossy(&bytes[..count]));
+        }
+    })
+}
+
+fn kill(pid: u32, signal: Signal) {
+    kill_process(Pid::from_raw(pid as i32).unwrap(), signal).unwrap();
+}
+
+fn until(what: &str, mut condition: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !condition() {
+        assert!(start.elapsed() < PATIENCE, "never happened: {what}");
+        thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// The command ended with `code` after exactly one line on standard error, which contains everything `expected`.
+fn assert_refused(output: &Output, code: i32, expected: &[&str], case: &str) {
+    let line = String::from_utf8(output.stderr.clone()).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{case}: {line}");
+    assert_eq!(output.stdout, b"", "{case}");
+    assert_eq!(line.lines().count(), 1, "{case}: {line}");
+    assert!(line.starts_with("koseki: "), "{case}: {line}");
+    for each in expected {
+        assert!(line.contains(each), "{case}: \"{each}\" is not in: {line}");
+    }
+}
