@@ -28,6 +28,9 @@ const SEARCH_CELLS_MAX: i32 = 16;
 /// Variance added to a difference of velocities, m²/s²: smoothing lags in turns, whatever a source claims.
 const VELOCITY_FLOOR_M2PS2: f64 = 4.0;
 
+/// Variance added to a difference of heights, m²: pressure altitude comes in steps of 100 ft, and drifts with the weather.
+const HEIGHT_FLOOR_M2: f64 = 900.0;
+
 /// What a search needs to look at, borrowed from the engine.
 pub(crate) struct Search<'a> {
     pub(crate) settings: &'a Settings,
@@ -38,12 +41,14 @@ pub(crate) struct Search<'a> {
 /// How far a report is from a system track.
 #[derive(Clone, Copy, Debug)]
 struct Fit {
-    /// d² of position plus d² of velocity.
+    /// d² of position, of velocity, and of height where both know it.
     cost: f64,
     /// d² of position.
     position: f64,
     /// d² of velocity.
     velocity: f64,
+    /// d² of height; 0 where a side knows none.
+    height: f64,
     /// Horizontal distance, metres.
     metres: f64,
 }
@@ -87,7 +92,7 @@ impl Search<'_> {
         let now_ns = report.time_of_measurement_ns;
         let fit = self.fit(state, system, own)?;
         let near = match self.speaker(system, report.source, own, now_ns) {
-            Some(_) => fit.metres <= settings.target_extent_m,
+            Some(_) => fit.metres <= settings.target_extent_m && fit.height <= settings.join_gate,
             None => fit.position <= settings.join_gate,
         };
         (near && fit.velocity <= settings.velocity_gate).then_some(fit.cost)
@@ -122,10 +127,17 @@ impl Search<'_> {
             VELOCITY_FLOOR_M2PS2,
         );
         let velocity = distance::squared2(delta(state.velocity_mps, other.velocity_mps), s);
+        let height = if state.has_height && other.has_height {
+            let variance = state.covariance.get(2, 2) + other.covariance.get(2, 2) + HEIGHT_FLOOR_M2;
+            (state.position_m[2] - other.position_m[2]).powi(2) / variance
+        } else {
+            0.0
+        };
         Fit {
-            cost: position + velocity,
+            cost: position + velocity + height,
             position,
             velocity,
+            height,
             metres: apart[0].hypot(apart[1]),
         }
     }

@@ -94,6 +94,12 @@ impl Engine {
             return;
         }
         self.advance(report.time_of_measurement_ns, sink);
+        if report.state == TrackState::Coasted as u8 {
+            // The source has seen nothing. Its extrapolation agrees with itself perfectly, which says nothing about the
+            // target: scored like an observation, it would win. So it is a missing report (TI-4).
+            self.counts.add(report.source, Counter::Extrapolated);
+            return;
+        }
         let Some(sensor) = self.store(report) else {
             return;
         };
@@ -351,9 +357,7 @@ impl Engine {
         entry.state = fused;
         entry.last_report_ns = entry.last_report_ns.max(report.time_of_measurement_ns);
         entry.fresh_until_ns = fresh_until_ns;
-        if report.state != TrackState::Coasted as u8 {
-            entry.reports = entry.reports.saturating_add(1);
-        }
+        entry.reports = entry.reports.saturating_add(1);
         let (life, reports) = (entry.life, entry.reports);
         if life == TrackState::Coasted {
             self.systems.set_life(system, TrackState::Confirmed);
@@ -393,18 +397,23 @@ impl Engine {
     }
 
     fn candidate(&self, member: SensorSlot, state: &State, three_axes: bool) -> Candidate {
-        let source = self.sensors.get(member).latest.source;
-        let rule = &self.settings.rule;
+        let latest = &self.sensors.get(member).latest;
+        let (source, rule) = (latest.source, &self.settings.rule);
+        // A track that its source does not believe yet is scored like one with a single report (TI-10): its velocity
+        // is a guess.
+        let believed = latest.state != TrackState::Tentative as u8;
+        let residual = || {
+            self.sensors
+                .histories
+                .residual(member as usize, rule.residual, rule.recency, state.time_ns)
+        };
         Candidate {
             source,
             priority: self.settings.sources[usize::from(source)].priority,
             alpha: self
                 .accuracies
                 .alpha(&self.settings, source, state.position_m, state.speed_mps()),
-            residual: self
-                .sensors
-                .histories
-                .residual(member as usize, rule.residual, rule.recency, state.time_ns),
+            residual: believed.then(residual).flatten(),
             three_axes,
         }
     }

@@ -289,6 +289,34 @@ fn bad_reports_are_counted_and_change_nothing() {
 }
 
 #[test]
+fn an_extrapolation_is_no_observation_and_a_guessed_velocity_does_not_win() {
+    let mut harness = Harness::new(test_settings(2));
+    for step in 0..4 {
+        let time = f64::from(step);
+        let wander = if step % 2 == 0 { 3.0 } else { -3.0 };
+        harness.take(&report(0, 1, time, [0.0, wander], [100.0, 0.0]));
+        // Source 1 has seen the target once, believes it to stand still, and agrees with itself ever after.
+        let mut guess = report(1, 1, time + 0.1, [0.0, 0.0], [0.0, 0.0]);
+        guess.covariance = Covariance::diagonal([10.0, 10.0, 100.0], [150.0; 3]);
+        guess.state = if step == 0 {
+            TrackState::Tentative
+        } else {
+            TrackState::Coasted
+        } as u8;
+        harness.take(&guess);
+    }
+    assert_eq!(harness.count(Counter::Extrapolated), 3);
+    assert!(harness.published.iter().all(|track| track.selected_source == 0));
+    let mut second = report(1, 1, 3.5, [350.0, 0.0], [0.0, 0.0]);
+    second.state = TrackState::Tentative as u8;
+    assert_eq!(
+        harness.take(&second).unwrap().selected_source,
+        0,
+        "two reports, but not believed yet"
+    );
+}
+
+#[test]
 fn an_ended_sensor_track_stops_contributing_at_once() {
     let mut harness = Harness::new(test_settings(2));
     harness.take(&report(0, 1, 0.0, [0.0, 0.0], [0.0, 0.0]));
@@ -299,6 +327,28 @@ fn an_ended_sensor_track_stops_contributing_at_once() {
     harness.take(&last);
     let one = harness.take(&report(1, 1, 0.3, [0.0, 0.0], [0.0, 0.0])).unwrap();
     assert_eq!(sources_of(&one), [1]);
+}
+
+#[test]
+fn of_two_targets_one_above_the_other_height_decides() {
+    let at_height = |mut report: SensorTrack, height: f64| {
+        report.valid |= sensor_track_bits::HEIGHT;
+        report.position_m[2] = height;
+        report.covariance.set(2, 2, 400.0);
+        report
+    };
+    let mut harness = Harness::new(test_settings(2));
+    harness.take(&at_height(report(1, 1, 0.0, [0.0, 0.0], [0.0, 0.0]), 3000.0));
+    let upper = harness
+        .take(&at_height(report(1, 2, 0.0, [12.0, 0.0], [0.0, 0.0]), 3300.0))
+        .unwrap();
+    let joined = harness
+        .take(&at_height(report(0, 1, 0.1, [2.0, 0.0], [0.0, 0.0]), 3310.0))
+        .unwrap();
+    assert_eq!(
+        joined.track_number, upper.track_number,
+        "nearer in the plane to the lower one"
+    );
 }
 
 #[test]

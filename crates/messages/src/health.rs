@@ -248,6 +248,7 @@ counters! {
     TracksMerged = "tracks_merged", "System tracks found to be the same target as another, and merged into it.";
     ContributionsSplit = "contributions_split", "Sensor tracks taken out of a system track they no longer fitted.";
     Duplicates = "duplicates", "Reports of a second track of one source on one target: recognised, not used.";
+    Extrapolated = "extrapolated", "Reports that are their source's own extrapolation: no observation, so not used.";
     IdentityConflicts = "identity_conflicts", "Reports whose identity contradicted that of the system track they had belonged to.";
     HandOvers = "hand_overs", "Changes of the selected source.";
     LiveTracks = "live_tracks", "Level: system tracks that are confirmed or coasted now.";

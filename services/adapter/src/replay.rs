@@ -109,7 +109,7 @@ impl Replay {
     }
 
     /// Publishes the next `count` reports, and how far the source has got with them.
-    fn publish(&mut self, count: usize) -> anyhow::Result<()> {
+    fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()> {
         // The read-ahead is longer than a slice, so only the end of the recording has no next report.
         let next_ns = self
             .recording
@@ -123,7 +123,8 @@ impl Replay {
         let recording = &mut self.recording;
         self.publisher.send(mark, count, |_, _| {
             let mut report = recording.next().unwrap_or_default();
-            report.stages.ingested_ns = mark.sent_ns;
+            // A recorded report comes in when it is due, at the beginning of this turn.
+            report.stages.ingested_ns = now.mono_ns;
             report.stages.published_ns = mark.sent_ns;
             report
         })?;
@@ -149,7 +150,7 @@ impl Agent for Replay {
         if self.ended {
             // A consumer that was restarted has not heard it: said again now and then, until the launcher stops us.
             if now.mono_ns >= self.end_said_ns + END_REPEAT_NS && self.flow.may_send(sent) {
-                self.publish(0)?;
+                self.publish(0, now)?;
             }
             return Ok(Turn::Idle(PATIENCE));
         }
@@ -159,7 +160,7 @@ impl Agent for Replay {
         let Some(clock) = self.clock else {
             self.start(now);
             // Says where the source begins, so that the others need not wait for its first report.
-            self.publish(0)?;
+            self.publish(0, now)?;
             return Ok(Turn::Worked);
         };
         let count = self.due(clock, now);
@@ -170,7 +171,7 @@ impl Agent for Replay {
             self.waited += 1;
             return Ok(Turn::Idle(PATIENCE));
         }
-        self.publish(count)?;
+        self.publish(count, now)?;
         Ok(Turn::Worked)
     }
 

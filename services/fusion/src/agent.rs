@@ -85,7 +85,7 @@ impl<S: Transport> FusionAgent<S> {
             for _ in 0..SLICES_PER_SOURCE {
                 let (engine, output) = (&mut self.engine, &mut self.output);
                 let fuse = |report: &messages::SensorTrack| engine.take(report, &mut |track| output.push(track));
-                if !input.take_slice(mono_ns(), fuse, |_, _| {})? {
+                if !input.take_slice(mono_ns, fuse, |_, _| {})? {
                     break;
                 }
                 worked = true;
@@ -148,7 +148,7 @@ impl<S: Transport> FusionAgent<S> {
             let (counts, source) = (self.engine.counts_mut(), input.source);
             let mut taken_header = None;
             let took = input.take_slice(
-                mono_ns(),
+                mono_ns,
                 |report| match merger.push(index, report) {
                     Pushed::Waiting | Pushed::Repeated => {}
                     Pushed::DroppedOldest => counts.add(source, Counter::QueueFull),

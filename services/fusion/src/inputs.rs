@@ -35,16 +35,18 @@ impl<S: Transport> Input<S> {
         Ok(inputs)
     }
 
-    /// Takes one slice, if there is one. Each report is stamped with `taken_ns` and its source, and handed to `visit`
-    /// before the header is.
+    /// Takes one slice, if there is one. Each report is stamped with the time by `clock` and its source, and handed to
+    /// `visit` before the header is.
     pub(crate) fn take_slice(
         &mut self,
-        taken_ns: i64,
+        clock: fn() -> i64,
         mut visit: impl FnMut(&SensorTrack),
         mut header: impl FnMut(&BatchHeader, &[SensorTrack]),
     ) -> anyhow::Result<bool> {
         let (source, progress_ns) = (self.source, &mut self.progress_ns);
         let taken = self.subscriber.take(1, |batch, reports| {
+            // Read here, not before the take: between the two the slice may have been published.
+            let taken_ns = clock();
             for report in reports {
                 let mut report = *report;
                 report.stages.taken_ns = taken_ns;
