@@ -471,3 +471,63 @@ fn the_files_are_the_same_in_every_run_and_at_every_speed() {
     assert!(first == bytes_of(&second), "two runs at full speed differ");
     assert!(first == bytes_of(&paced), "the run at 600 times its own speed differs");
 }
+
+/// The child of `launcher` whose command line contains `words`, if it runs.
+fn child_of(launcher: u32, words: &str) -> Option<rustix::process::Pid> {
+    let children = std::fs::read_to_string(format!("/proc/{launcher}/task/{launcher}/children")).ok()?;
+    let runs =
+        |pid: &&str| std::fs::read_to_string(format!("/proc/{pid}/cmdline")).is_ok_and(|line| line.contains(words));
+    let pid = children.split_whitespace().find(runs)?;
+    rustix::process::Pid::from_raw(pid.parse().ok()?)
+}
+
+/// Waits, but not for ever.
+fn until<T>(what: &str, mut condition: impl FnMut() -> Option<T>) -> T {
+    let start = std::time::Instant::now();
+    while start.elapsed() < std::time::Duration::from_secs(60) {
+        if let Some(value) = condition() {
+            return value;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    panic!("waited in vain until {what}");
+}
+
+#[test]
+fn a_killed_adapter_leaves_no_trace_in_the_files() {
+    let Some(data) = data_folder("lebl2016") else { return };
+    let (_whole, undisturbed) = replay("bcn-d", &["--speed", "max"], &data);
+    let deployment = Deployment::new("bcn-e");
+    let out = deployment.folder().join("out");
+    let mut launcher = deployment
+        .koseki(&[
+            "up",
+            configuration().to_str().unwrap(),
+            "--instance",
+            "bcn-e",
+            "--speed",
+            "1500",
+        ])
+        .args(["--data", data.to_str().unwrap(), "--out", out.to_str().unwrap()])
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    for name in ["multilateration", "radar"] {
+        let file = out.join(format!("sensor_tracks_{name}.csv"));
+        // Killed in the middle of its work, not while it starts.
+        until("it has begun", || {
+            std::fs::metadata(&file).ok().filter(|file| file.len() > 200_000)
+        });
+        let victim = until("it runs", || child_of(launcher.id(), &format!("--name={name}")));
+        rustix::process::kill_process(victim, rustix::process::Signal::KILL).unwrap();
+        until("it is back", || {
+            child_of(launcher.id(), &format!("--name={name}")).filter(|pid| *pid != victim)
+        });
+    }
+    assert!(launcher.wait().unwrap().success());
+    deployment.assert_nothing_left();
+    assert!(bytes_of(&undisturbed) == bytes_of(&out), "the files differ");
+    let report = std::fs::read_to_string(out.join("report.json")).unwrap();
+    assert!(report.contains("SIGKILL"), "the report says so");
+}

@@ -1,6 +1,9 @@
 //! Sensor accuracy s and observation error coefficient alpha = k·s (TI-7, TI-8).
 
-use crate::settings::{AccuracyBase, Settings};
+use crate::settings::{AccuracyBase, Settings, SourceSettings};
+
+/// The condition that holds at the start.
+const NORMAL: &str = "normal";
 
 /// The sensor accuracies of all sources under the present condition.
 #[derive(Debug)]
@@ -19,8 +22,19 @@ impl Accuracies {
         }
     }
 
-    /// From now on condition `name` holds; sources that do not name it have factor 1.
-    pub(crate) fn set_condition(&mut self, settings: &Settings, name: &str) {
+    /// From now on condition `name` holds; sources that do not name it have factor 1. `false` if no source names it and
+    /// it is not [`NORMAL`]: then nothing changes.
+    pub(crate) fn set_condition(&mut self, settings: &Settings, name: &str) -> bool {
+        let names = |source: &SourceSettings| {
+            source
+                .accuracy
+                .conditions
+                .iter()
+                .any(|(condition, _)| condition == name)
+        };
+        if name != NORMAL && !settings.sources.iter().any(names) {
+            return false;
+        }
         for (factor, source) in self.factors.iter_mut().zip(&settings.sources) {
             let named = source
                 .accuracy
@@ -29,6 +43,7 @@ impl Accuracies {
                 .find(|(condition, _)| condition == name);
             *factor = named.map_or(1.0, |(_, factor)| *factor);
         }
+        true
     }
 
     /// Learns from a residual of `source` (horizontal, metres) where its accuracy is to be estimated.
@@ -102,13 +117,18 @@ mod tests {
         settings.sources[0].accuracy.conditions = vec![("rain".to_owned(), 3.0)];
         let mut accuracies = Accuracies::new(2);
         assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 15.0).abs() < 1e-9);
-        accuracies.set_condition(&settings, "rain");
+        assert!(accuracies.set_condition(&settings, "rain"));
         assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 45.0).abs() < 1e-9);
         assert!(
             (accuracies.alpha(&settings, 1, [0.0; 3], 50.0) - 10.0).abs() < 1e-9,
             "not named: factor 1"
         );
-        accuracies.set_condition(&settings, "clear");
+        assert!(
+            !accuracies.set_condition(&settings, "ran"),
+            "a slip of the pen changes nothing"
+        );
+        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 45.0).abs() < 1e-9);
+        assert!(accuracies.set_condition(&settings, "normal"));
         assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 15.0).abs() < 1e-9);
     }
 

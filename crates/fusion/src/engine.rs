@@ -72,9 +72,10 @@ impl Engine {
         &self.settings
     }
 
-    /// From now on the named condition (weather) holds (TI-7).
-    pub fn set_condition(&mut self, name: &str) {
-        self.accuracies.set_condition(&self.settings, name);
+    /// From now on the named condition (weather) holds (TI-7); "normal" at the start. `false` if no source names it: then
+    /// nothing changes.
+    pub fn set_condition(&mut self, name: &str) -> bool {
+        self.accuracies.set_condition(&self.settings, name)
     }
 
     /// Lets time pass up to `now_ns` (UTC): no report measured before that will follow. System tracks whose

@@ -255,5 +255,7 @@ counters! {
     TentativeTracks = "tentative_tracks", "Level: system tracks that are tentative now.";
     CoastedTracks = "coasted_tracks", "Level: system tracks that are coasted now.";
     DeadlineMisses = "deadline_misses", "Reports that took longer through fusion than the configured deadline.";
+    OrdersObeyed = "orders_obeyed", "Orders that fusion has obeyed.";
+    OrdersRefused = "orders_refused", "Orders that fusion has refused: unknown kinds, conditions that no source names.";
     RowsWritten = "rows_written", "Rows written to files.";
 }

@@ -71,8 +71,14 @@ impl<S: Transport> FusionAgent<S> {
     fn obey(&mut self) -> anyhow::Result<()> {
         let engine = &mut self.engine;
         self.control.take(usize::MAX, |_, orders| {
-            for order in orders.iter().filter(|order| order.kind == Control::CONDITION) {
-                engine.set_condition(order.name());
+            for order in orders {
+                let obeyed = order.kind == Control::CONDITION && engine.set_condition(order.name());
+                let counter = if obeyed {
+                    Counter::OrdersObeyed
+                } else {
+                    Counter::OrdersRefused
+                };
+                engine.counts_mut().add(NO_SOURCE, counter);
             }
         })?;
         Ok(())

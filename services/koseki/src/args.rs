@@ -50,6 +50,9 @@ pub(crate) enum Command {
     /// Show what runs on this machine
     #[command(after_help = STATUS_EXAMPLES)]
     Status(Status),
+    /// Tell a running deployment which condition (weather) holds from now on
+    #[command(after_help = CONDITION_EXAMPLES)]
+    Condition(Condition),
     /// Run the adapter of one source in a deployment that is up
     #[command(after_help = SERVE_EXAMPLES)]
     Adapter(Serve),
@@ -150,6 +153,24 @@ pub(crate) struct Status {
     /// Show only this instance
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: Option<String>,
+}
+
+const CONDITION_EXAMPLES: &str = "\
+Examples:
+  koseki condition rain --instance barcelona
+  koseki condition normal --instance barcelona
+
+Sources name conditions in their configuration: [source.accuracy] conditions = { rain = 3.0 } makes a sensor three times
+less accurate while it rains. \"normal\" holds at the start and has factor 1 everywhere.";
+
+/// `koseki condition`.
+#[derive(Debug, Args)]
+pub(crate) struct Condition {
+    /// The condition: a name that some source's accuracy has a factor for, or "normal"
+    pub(crate) name: String,
+    /// The instance that is told
+    #[arg(long, value_name = "NAME")]
+    pub(crate) instance: String,
 }
 
 const SERVE_EXAMPLES: &str = "\
