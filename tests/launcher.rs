@@ -114,6 +114,19 @@ enum Mistake {
 }
 
 #[test]
+fn a_folder_that_cannot_be_made_is_refused_before_anything_starts() {
+    let home = Home::new();
+    home.write_site(|_, _| ());
+    let output = home.run(&["up", "site.toml", "--data", ".", "--out", "/proc/none"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(
+        said.lines().count() == 1 && said.contains("--out /proc/none") && said.contains("name another"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_sound_deployment_is_summed_up() {
     let home = Home::new();
     home.write_site(|_, _| ());

@@ -70,6 +70,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Up(up) => {
             let (config, options) = args::deployment(&up.config, up.shared)?;
             recordings::inspect(&config, &options.data, Depth::Blocks)?;
+            make_out_folder(&config, &options)?;
             launch(&config, options, up.seconds)
         }
         Command::Check(check) => check::run(&check),
@@ -80,6 +81,20 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, monitor::run),
         Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, recorder::run),
     }
+}
+
+/// Makes the folder for what is recorded, before processes that need it fail one after the other.
+fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
+    if !config.recorder && !config.monitor.files {
+        return Ok(());
+    }
+    let out = &options.out;
+    std::fs::create_dir_all(out).map_err(|error| {
+        Usage(format!(
+            "--out {}: the folder cannot be made: {error}; name another",
+            out.display()
+        ))
+    })
 }
 
 fn launch(config: &Config, options: Options, run_for: Option<Duration>) -> anyhow::Result<()> {
