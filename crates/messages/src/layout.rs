@@ -35,7 +35,7 @@ pub struct Layout {
     pub fields: &'static [Field],
 }
 
-/// A type that [`sample!`] declared.
+/// A type that was declared as a sample.
 pub trait Sample: Copy {
     /// Its memory map.
     const LAYOUT: Layout;

@@ -1,7 +1,7 @@
 //! The adapter process: one per sensor, it turns the sensor's data into sensor tracks and publishes them.
 //!
-//! Where the data come from is one file each: [`recording`] decodes a recorded file, [`replay`] paces it by its own
-//! times, [`simulation`] observes a simulated world.
+//! Where the data come from is one file each: `recording` decodes a recorded file, `replay` paces it by its own
+//! times, `simulation` observes a simulated world.
 
 #![forbid(unsafe_code)]
 
