@@ -4,8 +4,8 @@ use messages::{Identity, TrackState};
 
 use crate::asterix::Record;
 use crate::asterix::typed::fields::{
-    CartesianPosition, CartesianVelocity, Extrapolation, GeodeticPosition, Mode3A, PolarPosition, PolarVelocity,
-    TimeOfDay, TrackStatus,
+    Callsign, CartesianPosition, CartesianVelocity, Extrapolation, GeodeticPosition, Mode3A, PolarPosition,
+    PolarVelocity, TimeOfDay, TrackStatus,
 };
 use crate::asterix::typed::{cat010, cat019, cat020, cat021_v0_23};
 
@@ -103,13 +103,7 @@ pub fn read(record: &Record<'_>) -> Reading {
 }
 
 fn of_cat010(report: &cat010::TargetReport) -> Observation {
-    let mut identity = mode_3a(report.mode_3a);
-    if let Some(address) = report.address {
-        identity = identity.with_address(address);
-    }
-    if let Some(callsign) = report.identification.and_then(|identification| identification.callsign) {
-        identity = identity.with_callsign(*callsign.as_bytes());
-    }
+    let callsign = report.identification.and_then(|identification| identification.callsign);
     let descriptor = report.descriptor;
     Observation {
         sac_sic: report.source.map(|source| (source.sac, source.sic)),
@@ -117,7 +111,7 @@ fn of_cat010(report: &cat010::TargetReport) -> Observation {
         field_monitor: descriptor.is_some_and(|descriptor| descriptor.field_monitor),
         test: descriptor.is_some_and(|descriptor| descriptor.simulated || descriptor.test),
         track_number: report.track_number.map(u32::from),
-        identity,
+        identity: identity(report.mode_3a, report.address, callsign),
         cartesian: report.cartesian_position.map(cartesian),
         polar: report.polar_position.map(polar),
         geodetic: report.geodetic_position.map(geodetic),
@@ -144,13 +138,7 @@ fn of_cat010(report: &cat010::TargetReport) -> Observation {
 }
 
 fn of_cat020(report: &cat020::TargetReport) -> Observation {
-    let mut identity = mode_3a(report.mode_3a);
-    if let Some(address) = report.address {
-        identity = identity.with_address(address);
-    }
-    if let Some(callsign) = report.identification.and_then(|identification| identification.callsign) {
-        identity = identity.with_callsign(*callsign.as_bytes());
-    }
+    let callsign = report.identification.and_then(|identification| identification.callsign);
     let descriptor = report.descriptor;
     Observation {
         sac_sic: report.source.map(|source| (source.sac, source.sic)),
@@ -158,7 +146,7 @@ fn of_cat020(report: &cat020::TargetReport) -> Observation {
         field_monitor: descriptor.is_some_and(|descriptor| descriptor.field_monitor),
         test: descriptor.is_some_and(|descriptor| descriptor.simulated || descriptor.test),
         track_number: report.track_number.map(u32::from),
-        identity,
+        identity: identity(report.mode_3a, report.address, callsign),
         cartesian: report.cartesian_position.map(cartesian),
         polar: None,
         geodetic: report.geodetic_position.map(geodetic),
@@ -197,13 +185,6 @@ fn cat020_quality(report: &cat020::TargetReport) -> Quality {
 }
 
 fn of_cat021_v0_23(report: &cat021_v0_23::TargetReport) -> Observation {
-    let mut identity = Identity::default();
-    if let Some(address) = report.address {
-        identity = identity.with_address(address);
-    }
-    if let Some(callsign) = report.callsign {
-        identity = identity.with_callsign(*callsign.as_bytes());
-    }
     let descriptor = report.descriptor;
     Observation {
         sac_sic: report.source.map(|source| (source.sac, source.sic)),
@@ -212,7 +193,7 @@ fn of_cat021_v0_23(report: &cat021_v0_23::TargetReport) -> Observation {
         test: descriptor.is_some_and(|descriptor| descriptor.simulated || descriptor.test),
         // The edition has no track number: a transmitter is its own track.
         track_number: report.address,
-        identity,
+        identity: identity(None, report.address, report.callsign),
         cartesian: None,
         polar: None,
         geodetic: report.geodetic_position.map(geodetic),
@@ -249,11 +230,18 @@ fn nanoseconds(time: TimeOfDay) -> i64 {
     frames::time::time_of_day_ns(time.ticks)
 }
 
-fn mode_3a(code: Option<Mode3A>) -> Identity {
-    match code {
-        Some(code) if !code.not_validated && !code.garbled => Identity::default().with_mode_3a(code.code),
-        _ => Identity::default(),
+fn identity(code: Option<Mode3A>, address: Option<u32>, callsign: Option<Callsign>) -> Identity {
+    let mut identity = Identity::default();
+    if let Some(code) = code.filter(|code| !code.not_validated && !code.garbled) {
+        identity = identity.with_mode_3a(code.code);
     }
+    if let Some(address) = address {
+        identity = identity.with_address(address);
+    }
+    if let Some(callsign) = callsign {
+        identity = identity.with_callsign(*callsign.as_bytes());
+    }
+    identity
 }
 
 fn state(status: Option<TrackStatus>) -> TrackState {

@@ -1,0 +1,468 @@
+//! Checking what the file says, and turning it into what the processes work with.
+//!
+//! Each check names its key as the file spells it, so that the error can name the line.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use bus::WaitMode;
+use formats::asterix::{Edition, registry};
+use formats::reports::{CovarianceModel, Limits, SourceModel};
+use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
+use fusion::settings as engine;
+use messages::NS_PER_S;
+
+use super::raw::{AccuracyModel, RawAccuracy, RawConfig, RawPlace, RawRecorded, RawResidual, RawSource, RawTie};
+use super::{Config, Fusion, Input, Monitor, Order, Recorded, Source};
+use crate::cores::{self, Placement};
+
+/// What is wrong with the value at a key.
+pub(super) struct Problem {
+    pub(super) key: String,
+    pub(super) what: String,
+}
+
+type Checked<T> = Result<T, Problem>;
+
+fn problem(key: impl Into<String>, what: impl Into<String>) -> Problem {
+    Problem {
+        key: key.into(),
+        what: what.into(),
+    }
+}
+
+fn simulated_problem(key: &str, error: &scenario::SettingsError) -> Problem {
+    problem(
+        format!("{key}.{}", error.key),
+        format!("{}: must be {}", error.value, error.limit),
+    )
+}
+
+fn within(key: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
+    // Written so that NaN is refused.
+    if (low..=high).contains(&value) {
+        return Ok(value);
+    }
+    Err(problem(
+        key,
+        format!("{value} is out of range; it must lie between {low} and {high}"),
+    ))
+}
+
+fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * NS_PER_S).round() as i64
+}
+
+fn check_name(key: &str, name: &str) -> Checked<()> {
+    let fits = (1..=31).contains(&name.len())
+        && name
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
+    if fits {
+        return Ok(());
+    }
+    Err(problem(
+        key,
+        format!("\"{name}\" cannot be a name: use 1 to 31 letters, digits, - and _"),
+    ))
+}
+
+/// The checked deployment that `raw`, read from `path`, describes.
+pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
+    check_name("name", &raw.name)?;
+    let frame = SystemFrame::at(place("frame", &raw.frame)?);
+    if raw.sources.is_empty() {
+        return Err(problem("", "there is no [[source]]: a deployment needs at least one"));
+    }
+    let mut names = BTreeSet::new();
+    for (index, source) in raw.sources.iter().enumerate() {
+        let key = format!("source[{index}].name");
+        check_name(&key, &source.name)?;
+        if !names.insert(source.name.clone()) {
+            return Err(problem(
+                key,
+                format!(
+                    "\"{}\" is the name of an earlier source; give each its own",
+                    source.name
+                ),
+            ));
+        }
+    }
+    let mut sources = Vec::new();
+    let mut weighing = Vec::new();
+    for (index, source) in raw.sources.iter().enumerate() {
+        let (source, weighed) = check_source(index, source, &frame, &raw.frame)?;
+        sources.push(source);
+        weighing.push(weighed);
+    }
+    let first_day_ns = first_day(&raw, &sources)?;
+    let scenario = check_scenario(&raw, &sources)?;
+    if sources.iter().any(|source| matches!(source.input, Input::Simulated(_))) && raw.time.order == Order::Time {
+        return Err(problem(
+            "time.order",
+            "\"time\" is for recorded inputs; simulated sensors are live: use \"arrival\"",
+        ));
+    }
+    Ok(Config {
+        fusion: check_fusion(&raw, weighing)?,
+        monitor: Monitor {
+            interval_ns: nanoseconds(within("monitor.interval_s", raw.monitor.interval_s, 0.1, 3600.0)?),
+            files: raw.monitor.files,
+        },
+        name: raw.name,
+        path: path.to_owned(),
+        frame,
+        order: raw.time.order,
+        first_day_ns,
+        sources,
+        scenario,
+        recorder: raw.recorder.enabled,
+    })
+}
+
+fn place(key: &str, raw: &RawPlace) -> Checked<Geodetic> {
+    Geodetic::from_degrees(raw.latitude_deg, raw.longitude_deg, raw.height_m).map_err(|error| {
+        let part = match error {
+            frames::GeodeticError::Latitude(_) => "latitude_deg",
+            frames::GeodeticError::Longitude(_) => "longitude_deg",
+            frames::GeodeticError::Height(_) => "height_m",
+        };
+        problem(format!("{key}.{part}"), error.to_string())
+    })
+}
+
+fn check_source(
+    index: usize,
+    raw: &RawSource,
+    system: &SystemFrame,
+    origin: &RawPlace,
+) -> Checked<(Source, engine::SourceSettings)> {
+    let key = |part: &str| format!("source[{index}].{part}");
+    let sensor_place = raw.place.as_ref().unwrap_or(origin);
+    let turned = within(
+        &key("place.north_offset_deg"),
+        sensor_place.north_offset_deg,
+        -360.0,
+        360.0,
+    )?;
+    let origin = place(&key("place"), sensor_place)?;
+    let input = match (&raw.recorded, &raw.simulated) {
+        (Some(recorded), None) => Input::Recorded(check_recorded(index, recorded)?),
+        (None, Some(simulated)) => {
+            simulated
+                .validate()
+                .map_err(|error| simulated_problem(&key("simulated"), &error))?;
+            Input::Simulated(Box::new(simulated.clone()))
+        }
+        _ => {
+            let what = format!(
+                "\"{}\" needs exactly one of [source.recorded] and [source.simulated]",
+                raw.name
+            );
+            return Err(problem(key("name"), what));
+        }
+    };
+    let limits = &raw.limits;
+    let limits = Limits {
+        range_m: within(&key("limits.range_m"), limits.range_m, 1.0, 2e6)?,
+        height_min_m: within(&key("limits.height_min_m"), limits.height_min_m, -1e4, 1e5)?,
+        height_max_m: within(
+            &key("limits.height_max_m"),
+            limits.height_max_m,
+            limits.height_min_m,
+            1e5,
+        )?,
+        speed_mps: within(&key("limits.speed_mps"), limits.speed_mps, 0.1, 2e4)?,
+        jump_m: within(&key("limits.jump_m"), limits.jump_m, 0.0, 1e6)?,
+        time_step_ns: nanoseconds(within(&key("limits.time_step_s"), limits.time_step_s, 0.01, 40e3)?),
+        tracks: within(&key("limits.tracks"), limits.tracks as f64, 1.0, 1e6)? as usize,
+    };
+    let period_s = within(&key("period_s"), raw.period_s, 1e-3, 3600.0)?;
+    let source = Source {
+        number: index as u16,
+        name: raw.name.clone(),
+        input,
+        model: SourceModel {
+            number: index as u16,
+            sac_sic: check_sac_sic(index, raw)?,
+            positions: raw
+                .recorded
+                .as_ref()
+                .map(|recorded| recorded.positions)
+                .unwrap_or_default(),
+            frame: SensorFrame::new(system, origin, turned.to_radians()),
+            system: *system,
+            height_m: sensor_place.height_m,
+            limits,
+            covariance: check_covariance(index, raw)?,
+        },
+    };
+    let weighed = engine::SourceSettings {
+        name: raw.name.clone(),
+        period_ns: nanoseconds(period_s),
+        fresh_ns: nanoseconds(within(
+            &key("fresh_s"),
+            raw.fresh_s.unwrap_or(2.5 * period_s),
+            period_s,
+            1e5,
+        )?),
+        accuracy: accuracy(&raw.accuracy, &source.model.frame),
+        adjustment: raw.accuracy.adjustment,
+        priority: raw.priority.unwrap_or(index as u32),
+        ceiling_m: raw.ceiling_m.unwrap_or(f64::INFINITY),
+    };
+    Ok((source, weighed))
+}
+
+fn check_covariance(index: usize, raw: &RawSource) -> Checked<CovarianceModel> {
+    let key = |part: &str| format!("source[{index}].covariance.{part}");
+    let raw = &raw.covariance;
+    let polar = match (raw.range_sigma_m, raw.azimuth_sigma_deg) {
+        (None, None) => None,
+        (Some(range_m), Some(azimuth_deg)) => Some(PolarSigma {
+            range_m: within(&key("range_sigma_m"), range_m, 1e-3, 1e5)?,
+            azimuth_rad: within(&key("azimuth_sigma_deg"), azimuth_deg, 1e-6, 45.0)?.to_radians(),
+        }),
+        (None, Some(_)) => return Err(problem(key("azimuth_sigma_deg"), "needs range_sigma_m beside it")),
+        (Some(_), None) => return Err(problem(key("range_sigma_m"), "needs azimuth_sigma_deg beside it")),
+    };
+    Ok(CovarianceModel {
+        from: raw.from,
+        position_sigma_m: within(&key("position_sigma_m"), raw.position_sigma_m, 1e-3, 1e5)?,
+        velocity_sigma_mps: within(&key("velocity_sigma_mps"), raw.velocity_sigma_mps, 1e-3, 1e4)?,
+        height_sigma_m: within(&key("height_sigma_m"), raw.height_sigma_m, 1e-3, 1e5)?,
+        polar,
+        poor_quality: raw.poor_quality,
+    })
+}
+
+fn check_recorded(index: usize, raw: &RawRecorded) -> Checked<Recorded> {
+    let key = |part: &str| format!("source[{index}].recorded.{part}");
+    let mut tables = Vec::new();
+    for (category, edition) in &raw.editions {
+        let number: u8 = category.parse().map_err(|_| {
+            problem(
+                key("editions"),
+                format!("\"{category}\" is not an ASTERIX category: write \"21\" = \"0.23\""),
+            )
+        })?;
+        let table = edition
+            .parse::<Edition>()
+            .ok()
+            .and_then(|edition| registry::find(number, edition));
+        tables.push(table.ok_or_else(|| {
+            let known: Vec<String> = registry::REGISTRY.iter().map(|table| table.to_string()).collect();
+            problem(
+                key("editions"),
+                format!(
+                    "category {number} edition \"{edition}\" is not known; there are: {}",
+                    known.join(", ")
+                ),
+            )
+        })?);
+    }
+    Ok(Recorded {
+        file: PathBuf::from(&raw.file),
+        tables,
+        reorder_ns: nanoseconds(within(&key("reorder_s"), raw.reorder_s, 0.0, 60.0)?),
+        truncated: raw.truncated,
+    })
+}
+
+fn check_sac_sic(index: usize, raw: &RawSource) -> Checked<Option<(u8, u8)>> {
+    match raw.recorded.as_ref().map(|recorded| (recorded.sac, recorded.sic)) {
+        None | Some((None, None)) => Ok(None),
+        Some((Some(sac), Some(sic))) => Ok(Some((sac, sic))),
+        Some(_) => Err(problem(
+            format!("source[{index}].recorded"),
+            "sac and sic go together: give both or neither",
+        )),
+    }
+}
+
+fn accuracy(raw: &RawAccuracy, frame: &SensorFrame) -> engine::Accuracy {
+    engine::Accuracy {
+        base: match raw.model {
+            AccuracyModel::Constant => engine::AccuracyBase::Constant { sigma_m: raw.sigma_m },
+            AccuracyModel::Polar => engine::AccuracyBase::Polar {
+                place_m: frame.place(),
+                range_sigma_m: raw.range_sigma_m,
+                azimuth_sigma_rad: raw.azimuth_sigma_deg.to_radians(),
+            },
+            AccuracyModel::Estimated => engine::AccuracyBase::Estimated {
+                initial_m: raw.initial_m,
+                memory: raw.memory,
+            },
+        },
+        per_speed_s: raw.per_speed_s,
+        conditions: raw
+            .conditions
+            .iter()
+            .map(|(name, factor)| (name.clone(), *factor))
+            .collect(),
+    }
+}
+
+fn first_day(raw: &RawConfig, sources: &[Source]) -> Checked<Option<i64>> {
+    let recorded = sources.iter().any(|source| matches!(source.input, Input::Recorded(_)));
+    match &raw.time.date {
+        Some(date) => {
+            let day: jiff::civil::Date = date.parse().map_err(|_| {
+                problem(
+                    "time.date",
+                    format!("\"{date}\" is not a date: write year-month-day, as in \"2016-05-10\""),
+                )
+            })?;
+            let midnight = day
+                .to_zoned(jiff::tz::TimeZone::UTC)
+                .map_err(|error| problem("time.date", error.to_string()))?;
+            Ok(Some(midnight.timestamp().as_nanosecond() as i64))
+        }
+        None if recorded => Err(problem(
+            "time.date",
+            "missing: recordings carry the time of day only, so give their first day (UTC)",
+        )),
+        None => Ok(None),
+    }
+}
+
+fn check_scenario(raw: &RawConfig, sources: &[Source]) -> Checked<Option<scenario::ScenarioSettings>> {
+    let simulated = sources
+        .iter()
+        .find(|source| matches!(source.input, Input::Simulated(_)));
+    match (&raw.scenario, simulated) {
+        (Some(settings), _) => {
+            settings
+                .validate()
+                .map_err(|error| simulated_problem("scenario", &error))?;
+            Ok(Some(settings.clone()))
+        }
+        (None, Some(source)) => {
+            let what = "is simulated, but there is no [scenario] to observe";
+            Err(problem(format!("source[{}].name", source.number), what))
+        }
+        (None, None) => Ok(None),
+    }
+}
+
+fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checked<Fusion> {
+    let fusion = &raw.fusion;
+    let wait = match fusion.wait.as_str() {
+        "spin" => WaitMode::Spin,
+        "event" => WaitMode::Event,
+        "hybrid" => {
+            let spin_us = within("fusion.hybrid_spin_us", fusion.hybrid_spin_us, 0.1, 1e6)?;
+            WaitMode::Hybrid {
+                spin_ns: (spin_us * 1e3) as u64,
+            }
+        }
+        other => {
+            let what = format!("\"{other}\" is no wait mode; there are \"spin\", \"event\" and \"hybrid\"");
+            return Err(problem("fusion.wait", what));
+        }
+    };
+    if let Some(core) = fusion.core
+        && !cores::available().contains(&core)
+    {
+        let what = format!(
+            "{core} does not exist or may not be used; this machine offers cores {:?}",
+            cores::available()
+        );
+        return Err(problem("fusion.core", what));
+    }
+    if let Some(priority) = fusion.realtime_priority {
+        within("fusion.realtime_priority", f64::from(priority), 1.0, 99.0)?;
+    }
+    let settings = engine::Settings {
+        rule: check_rule(raw, &sources)?,
+        sources,
+        capacity: engine::Capacity {
+            system_tracks: fusion.capacity.system_tracks,
+            sensor_tracks: fusion.capacity.sensor_tracks,
+            stored_reports: fusion.capacity.stored_reports,
+        },
+        association: check_association(raw)?,
+        life: engine::LifeSettings {
+            confirm_reports: fusion.life.confirm_reports,
+            terminate_ns: nanoseconds(fusion.life.terminate_s),
+            tentative_ns: nanoseconds(fusion.life.tentative_s),
+        },
+        process_noise_m2ps3: fusion.process_noise_m2ps3,
+    };
+    settings
+        .check()
+        .map_err(|error| problem(&error.key, format!("{}: {}", error.value, error.reason)))?;
+    // A source must be able to hand over a whole slice at any time.
+    let queue = within("fusion.capacity.queue", fusion.capacity.queue as f64, 128.0, 1e7)? as usize;
+    Ok(Fusion {
+        settings,
+        wait,
+        placement: Placement {
+            core: fusion.core,
+            realtime_priority: fusion.realtime_priority,
+            lock_memory: fusion.lock_memory,
+        },
+        required: fusion.required,
+        queue,
+        deadline_ns: (within("fusion.deadline_us", fusion.deadline_us, 0.1, 1e9)? * 1e3) as i64,
+    })
+}
+
+fn check_association(raw: &RawConfig) -> Checked<engine::AssociationSettings> {
+    let raw = &raw.fusion.association;
+    let gate = |key: &str, probability: f64| -> Checked<f64> {
+        let probability = within(&format!("fusion.association.{key}"), probability, 0.5, 1.0 - 1e-12)?;
+        Ok(-2.0 * (1.0 - probability).ln())
+    };
+    Ok(engine::AssociationSettings {
+        use_identity: raw.use_identity,
+        join_gate: gate("join_probability", raw.join_probability)?,
+        keep_gate: raw.keep_gate,
+        velocity_gate: gate("velocity_probability", raw.velocity_probability)?,
+        extent_sigma_m: raw.extent_sigma_m,
+        target_extent_m: raw.target_extent_m,
+        height_gate_m: raw.height_gate_m,
+        split_reports: raw.split_reports,
+        merge_reports: raw.merge_reports,
+        cell_m: raw.cell_m,
+    })
+}
+
+fn check_rule(raw: &RawConfig, sources: &[engine::SourceSettings]) -> Checked<engine::RuleSettings> {
+    let raw = &raw.fusion.rule;
+    let rule = fusion::rules::find(&raw.name).ok_or_else(|| {
+        let known: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name).collect();
+        problem(
+            "fusion.rule.name",
+            format!("\"{}\" is no fusion rule; there are: {}", raw.name, known.join(", ")),
+        )
+    })?;
+    let reference_source = match &raw.reference_source {
+        None => None,
+        Some(name) => {
+            let number = sources.iter().position(|source| source.name == *name);
+            let number = number.ok_or_else(|| {
+                problem(
+                    "fusion.rule.reference_source",
+                    format!("there is no source named \"{name}\""),
+                )
+            })?;
+            Some(number as u16)
+        }
+    };
+    Ok(engine::RuleSettings {
+        rule,
+        residual: match raw.residual {
+            RawResidual::Position => engine::Residual::Position,
+            RawResidual::Velocity => engine::Residual::Velocity,
+            RawResidual::PerAxis => engine::Residual::PerAxis,
+            RawResidual::Innovation => engine::Residual::Innovation,
+        },
+        recency: raw.recency,
+        reference_source,
+        tie: match raw.tie {
+            RawTie::LastThenPriority => engine::Tie::LastThenPriority,
+            RawTie::Priority => engine::Tie::Priority,
+        },
+    })
+}
