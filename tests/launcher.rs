@@ -326,6 +326,28 @@ fn a_reader_gets_system_tracks_and_learns_of_the_end() {
 // ---------------------------------------------------------------------------------------------------------------------
 
 #[test]
+fn a_condition_is_ordered_while_running_and_a_slip_of_the_pen_is_refused() {
+    let home = Home::new();
+    let demo = home.demo();
+    let order = |name: &str| home.run(&["condition", name, "--instance", "demo"]);
+    let normal = order("normal");
+    assert!(normal.status.success(), "{}", String::from_utf8_lossy(&normal.stderr));
+    assert_eq!(
+        String::from_utf8(normal.stdout).unwrap(),
+        "demo: condition normal holds\n"
+    );
+    let unknown = order("hailstorm");
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(
+        String::from_utf8(unknown.stderr)
+            .unwrap()
+            .contains("no source of instance demo")
+    );
+    demo.stop();
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
 fn killed_children_are_restarted_and_counted() {
     let home = Home::new();
     let demo = home.demo();

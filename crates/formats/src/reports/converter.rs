@@ -532,6 +532,32 @@ mod tests {
     }
 
     #[test]
+    fn polar_and_cartesian_forms_of_one_plot_are_the_same_place() {
+        // A plot of the Barcelona surface radar carries both.
+        let both = Observation {
+            cartesian: Some([-673.0, -823.0]),
+            polar: Some([1063.0, 219.309_082_031_25f64.to_radians()]),
+            ..observation(1.0)
+        };
+        let place = |form: PositionForm| {
+            let mut converter = converter();
+            converter.model.positions = form;
+            converter.convert(&both, 0).unwrap().position_m
+        };
+        let (cartesian, polar) = (place(PositionForm::Cartesian), place(PositionForm::Polar));
+        assert_eq!(place(PositionForm::Any), cartesian);
+        assert_ne!(polar, cartesian, "each form is really used");
+        assert!((polar[0] - cartesian[0]).hypot(polar[1] - cartesian[1]) < 1.0);
+        let mut converter = converter();
+        converter.model.positions = PositionForm::Polar;
+        assert_eq!(
+            converter.convert(&Observation { polar: None, ..both }, 0),
+            None,
+            "the other form is not wanted"
+        );
+    }
+
+    #[test]
     fn an_end_without_position_ends_where_the_track_was() {
         let mut converter = converter();
         converter.convert(&observation(1.0), 0).unwrap();
