@@ -145,10 +145,9 @@ impl<S: Transport> FusionAgent<S> {
     /// memory, and its producer waits.
     fn queue_reports(&mut self, index: usize, merger: &mut Merger) -> anyhow::Result<bool> {
         let input = &mut self.inputs[index];
-        let slice_len = messages::sensor_tracks("").capacity.slice_len;
         let mut worked = false;
         for _ in 0..SLICES_PER_SOURCE {
-            if self.reached.is_some() && merger.room(index) < slice_len {
+            if self.reached.is_some() && merger.room(index) < input.slice_len {
                 break;
             }
             let (counts, source) = (self.engine.counts_mut(), input.source);

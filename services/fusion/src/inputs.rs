@@ -9,6 +9,8 @@ use runtime::config::Config;
 pub(crate) struct Input<S: Transport> {
     pub(crate) source: u16,
     subscriber: Subscriber<S, SensorTrack>,
+    /// Most samples in one slice of the topic.
+    pub(crate) slice_len: usize,
     /// Latest progress mark, UTC, nanoseconds.
     pub(crate) progress_ns: i64,
 }
@@ -29,6 +31,7 @@ impl<S: Transport> Input<S> {
             inputs.push(Self {
                 source: source.number,
                 subscriber,
+                slice_len: topic.capacity.slice_len,
                 progress_ns: i64::MIN,
             });
         }
