@@ -3,6 +3,8 @@
 mod agreement;
 mod allocation;
 mod decoder;
+mod encoding;
+mod encoding_errors;
 mod errors;
 mod generator;
 mod item_kinds;

@@ -2,7 +2,7 @@
 
 use formats::asterix::table::Layout::{Compound, Element, Explicit, Extended, Group, Repetitive, RepetitiveFx};
 use formats::asterix::table::*;
-use formats::asterix::{Block, Error, Mode, NamedRecord, Record, Value, blocks};
+use formats::asterix::{Block, EncodeError, Error, Mode, NamedRecord, Record, Value, blocks};
 
 const ITEMS: &[Item] = &[
     Item::new(
@@ -171,4 +171,11 @@ fn fspec(name: &str) -> Vec<u8> {
         0..7 => vec![0x80 >> position],
         _ => vec![0x01, 0x80 >> (position - 7)],
     }
+}
+
+/// The octets of one item of the sample category, or what is wrong with its value.
+pub(crate) fn encode_item(name: &'static str, value: Value) -> Result<Vec<u8>, EncodeError> {
+    let mut octets = vec![];
+    let encoded = NamedRecord::of(SAMPLE.number, [(name, value)]).encode(&SAMPLE, &mut octets);
+    encoded.map(|()| octets.split_off(fspec(name).len()))
 }
