@@ -17,7 +17,7 @@ impl<'a> Entropy<'a> {
         Self { octets, at: 0 }
     }
 
-    fn octet(&mut self) -> u8 {
+    pub(crate) fn octet(&mut self) -> u8 {
         self.at += 1;
         self.octets[(self.at - 1) % self.octets.len()]
     }
@@ -101,7 +101,8 @@ impl<'a> Entropy<'a> {
     }
 }
 
-fn fspec(present: &[bool]) -> Vec<u8> {
+/// The least octets that announce these.
+pub(crate) fn fspec(present: &[bool]) -> Vec<u8> {
     let mut octets: Vec<u8> = present
         .chunks(7)
         .map(|seven| {

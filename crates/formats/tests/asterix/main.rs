@@ -2,13 +2,18 @@
 
 mod agreement;
 mod allocation;
+mod canonical;
 mod decoder;
 mod encoding;
 mod encoding_errors;
 mod errors;
+#[path = "../files/mod.rs"]
+mod files;
 mod generator;
 mod item_kinds;
 mod properties;
 mod recordings;
+mod round_trip;
 mod sample;
 mod tables;
+mod values;

@@ -1,30 +1,16 @@
 //! Whole recordings of an airport's sensors: known totals, and the two ways of decoding compared on every record.
-//!
-//! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
-//! workspace; where they are absent the tests say so and pass.
 
 use std::collections::BTreeSet;
-use std::env;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 use formats::asterix::typed::fields::{Availability, Callsign};
 use formats::asterix::typed::{cat010, cat019, cat020, cat021_v0_23};
 use formats::asterix::{Counts, Decoder, Mode, NamedRecord, Record, Value};
 
 use crate::agreement;
+use crate::files;
 
 fn recording(name: &str) -> Option<Vec<u8>> {
-    let folder = env::var_os("KOSEKI_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let path = folder.join("lebl2016").join(name);
-    let bytes = fs::read(&path).ok();
-    if bytes.is_none() {
-        println!("skipped: no recording {}", path.display());
-    }
-    bytes
+    files::recording(&format!("lebl2016/{name}"))
 }
 
 /// Every record, decoded in both ways; what was counted; and how many values both ways have.
