@@ -2,6 +2,8 @@
 
 mod agreement;
 mod allocation;
+#[path = "../any_bytes/mod.rs"]
+mod any_bytes;
 mod canonical;
 mod decoder;
 mod encoding;

@@ -1,5 +1,6 @@
 //! An invented category with an item of every kind, and blocks of it.
 
+pub(crate) use crate::any_bytes::block;
 use formats::asterix::table::Layout::{Compound, Element, Explicit, Extended, Group, Repetitive, RepetitiveFx};
 use formats::asterix::table::*;
 use formats::asterix::{Block, EncodeError, Error, Mode, NamedRecord, Record, Value, blocks};
@@ -124,12 +125,6 @@ pub(crate) static PLOT_OR_TRACK: Category = Category {
         ],
     },
 };
-
-/// A block with this body.
-pub(crate) fn block(category: u8, body: &[u8]) -> Vec<u8> {
-    let [high, low] = (body.len() as u16 + 3).to_be_bytes();
-    [&[category, high, low], body].concat()
-}
 
 /// Reads the only block in `bytes`.
 pub(crate) fn only_block(bytes: &[u8]) -> Block<'_> {
