@@ -121,7 +121,7 @@ fn an_item_ends_within_its_block() {
         message(
             &error(Lenient, name, octets),
             offset,
-            &format!("byte {offset}: I250/{name} takes at least {needed} octets, {left} left in the block"),
+            &format!("byte {offset}: I250/{name} takes at least {needed} octets, {left} left"),
         );
     };
     truncated("020", &[1], 4, 2);
