@@ -1,11 +1,11 @@
 //! Decodes a file of ASTERIX blocks to one JSON object a line, and says what it met.
 //!
 //! ```text
-//! cargo run --release -p formats --example decode_json -- FILE OUT.jsonl [CATEGORY=EDITION ...] [CATEGORY/RE=EDITION ...]
+//! cargo run --release -p formats --example decode_json -- FILE OUT.jsonl [CATEGORY=EDITION ...]
 //! ```
 //!
-//! `48/RE=1.13` decodes the content of the reserved expansion field by this edition of its coding rules; otherwise the
-//! field is shown as octets.
+//! `48=1.32` reads category 048 with this edition's table instead of the default. `48/RE=1.13` decodes the content of the
+//! reserved expansion field by this edition of its coding rules; otherwise the field is shown as octets.
 
 use std::error::Error;
 use std::fs;
