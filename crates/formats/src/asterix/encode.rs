@@ -11,9 +11,9 @@
 
 use super::bits::{fspec_octet, goes_on, put};
 use super::encode_error::{EncodeError, EncodeFault, Place};
-use super::extent::{MAX_UNKNOWN_EXTENSION_OCTETS, part_octets};
+use super::extent::MAX_UNKNOWN_EXTENSION_OCTETS;
 use super::named::{NamedRecord, UNKNOWN_EXTENSION, Value, find};
-use super::table::{Category, Content, Frn, Item, Layout, MAX_FRN, Part, Profile, Uap};
+use super::table::{Category, Content, Frn, Item, Layout, MAX_FRN, Part, Profile, Uap, extent_of_part};
 use super::text;
 
 /// The most that an octet can count, or give as a length.
@@ -27,7 +27,7 @@ impl NamedRecord {
     /// If the record has no item, or a name or value that the table has no place for; `octets` is then unchanged.
     pub fn encode(&self, table: &'static Category, octets: &mut Vec<u8>) -> Result<(), EncodeError> {
         let begin = octets.len();
-        record(self, table, octets).map_err(|failure| {
+        encode(self, table, octets).map_err(|failure| {
             octets.truncate(begin);
             failure.into_error(table.number)
         })
@@ -75,7 +75,7 @@ impl From<EncodeFault> for Failure {
     }
 }
 
-fn record(record: &NamedRecord, table: &'static Category, out: &mut Vec<u8>) -> Encoded {
+fn encode(record: &NamedRecord, table: &'static Category, out: &mut Vec<u8>) -> Encoded {
     if record.category != table.number {
         return Err(EncodeFault::CategoryDiffers { found: record.category }.into());
     }
@@ -85,11 +85,13 @@ fn record(record: &NamedRecord, table: &'static Category, out: &mut Vec<u8>) -> 
     let uap = choose_profile(record, table)?;
     let announced = Announced::new(&record.items, uap.order.len(), |i| uap.order[i])?;
     announced.write_fspec(out);
+    let mut encode = Encode { uap, out };
     for (i, (name, value)) in announced.members() {
-        let Some(item) = uap.item(table.items, Frn(i as u8 + 1)) else {
-            return Err(Failure::at(name, EncodeFault::Unknown));
-        };
-        layout(&item.layout, value, out).map_err(|failure| failure.within(name))?;
+        let item = uap.item(Frn(i as u8 + 1));
+        let item = item.ok_or_else(|| Failure::at(name, EncodeFault::Unknown))?;
+        encode
+            .layout(&item.layout, value)
+            .map_err(|failure| failure.within(name))?;
     }
     Ok(())
 }
@@ -160,49 +162,161 @@ impl<'v> Announced<'v> {
     }
 }
 
-fn layout(layout: &'static Layout, value: &Value, out: &mut Vec<u8>) -> Encoded {
-    match layout {
-        Layout::Element(..) | Layout::Group(_) => fixed(layout, value, layout.bit_count() as usize / 8, out),
-        Layout::Extended(extension) => extended(extension, value, out),
-        Layout::Repetitive(inner) => repetitive(inner, value, out),
-        Layout::RepetitiveFx(inner) => repetitive_fx(inner, value, out),
-        Layout::Explicit => explicit(value, out),
-        Layout::Compound(subitems) => compound(subitems, value, out),
-    }
+/// Appends items.
+struct Encode<'o> {
+    uap: &'static Uap,
+    out: &'o mut Vec<u8>,
 }
 
-/// Writes an element or a group into so many new octets; what bits are left over at their end stay zero.
-fn fixed(layout: &'static Layout, value: &Value, octets: usize, out: &mut Vec<u8>) -> Encoded {
-    let bytes = zeros(octets, out);
-    match layout {
-        Layout::Element(width, content) => element(content, *width, value, &[], bytes, 0),
-        Layout::Group(elements) => group(elements, value, bytes, 0).map(|_| ()),
-        _ => unreachable!("the callers have an element or a group; no other layout has a number of bits"),
-    }
-}
-
-fn extended(extension: &'static [&'static [Part]], value: &Value, out: &mut Vec<u8>) -> Encoded {
-    let members = group_members(value)?;
-    let beyond = find(members, UNKNOWN_EXTENSION);
-    let elements = members.len() - usize::from(beyond.is_some());
-    let sent = match beyond {
-        Some(_) => extension,
-        None => &extension[..part_count(extension, elements)],
-    };
-    if sent.iter().map(|part| element_count(part)).sum::<usize>() != elements {
-        return Err(misfit(members, extension, UNKNOWN_EXTENSION));
-    }
-    let mut members = Members::new(members);
-    for (i, part) in sent.iter().enumerate() {
-        let bytes = zeros(part_octets(part), out);
-        parts(part, &mut members, bytes, 0)?.ok_or_else(|| misfit(members.all, extension, UNKNOWN_EXTENSION))?;
-        if i + 1 < sent.len() || beyond.is_some() {
-            *bytes.last_mut().expect("a part has an octet") |= 1;
+impl Encode<'_> {
+    fn layout(&mut self, layout: &'static Layout, value: &Value) -> Encoded {
+        match layout {
+            Layout::Element(..) | Layout::Group(_) => self.fixed(layout, value, layout.bit_count() as usize / 8),
+            Layout::Extended(extension) => self.extended(extension, value),
+            Layout::Repetitive(inner) => {
+                let values = self.count(value)?;
+                each(values, |value| self.layout(inner, value))
+            }
+            Layout::RepetitiveFx(inner) => self.repetitive_fx(inner, value),
+            Layout::Explicit => self.explicit(value),
+            Layout::Compound(subitems) => self.compound(subitems, value),
+            Layout::RandomSequence => {
+                let values = self.count(value)?;
+                each(values, |value| self.item_of_sequence(value))
+            }
         }
     }
-    match beyond {
-        Some(octets) => unknown_extension(octets, out).map_err(|failure| failure.within(UNKNOWN_EXTENSION)),
-        None => Ok(()),
+
+    /// Writes an element or a group into so many octets; what bits are left over at their end stay zero.
+    fn fixed(&mut self, layout: &'static Layout, value: &Value, octets: usize) -> Encoded {
+        let bytes = zeros(octets, self.out);
+        match layout {
+            Layout::Element(width, content) => element(content, *width, value, &[], bytes, 0),
+            Layout::Group(elements) => group(elements, value, bytes, 0).map(|_| ()),
+            _ => unreachable!("no other layout has a number of bits, which the callers asked for"),
+        }
+    }
+
+    fn extended(&mut self, extension: &'static [&'static [Part]], value: &Value) -> Encoded {
+        let members = group_members(value)?;
+        let beyond = find(members, UNKNOWN_EXTENSION);
+        let elements = members.len() - usize::from(beyond.is_some());
+        let sent = match beyond {
+            Some(_) => extension,
+            None => &extension[..part_count(extension, elements)],
+        };
+        if sent.iter().map(|part| element_count(part)).sum::<usize>() != elements {
+            return Err(misfit(members, extension, UNKNOWN_EXTENSION));
+        }
+        let mut members = Members::new(members);
+        for (i, part) in sent.iter().enumerate() {
+            let (octets, ends_in_fx) = extent_of_part(part);
+            let bytes = zeros(octets, self.out);
+            parts(part, &mut members, bytes, 0)?.ok_or_else(|| misfit(members.all, extension, UNKNOWN_EXTENSION))?;
+            if i + 1 < sent.len() || beyond.is_some() {
+                if !ends_in_fx {
+                    return Err(Failure::at(UNKNOWN_EXTENSION, EncodeFault::Unknown)); // nothing can follow this part
+                }
+                bytes[octets - 1] |= 1;
+            }
+        }
+        match beyond {
+            Some(octets) => self
+                .unknown_extension(octets)
+                .map_err(|failure| failure.within(UNKNOWN_EXTENSION)),
+            None => Ok(()),
+        }
+    }
+
+    fn unknown_extension(&mut self, value: &Value) -> Encoded {
+        let octets = bytes_of(value)?;
+        let is_read_to_its_end = octets
+            .split_last()
+            .is_some_and(|(last, before)| before.iter().all(|octet| goes_on(*octet)) && !goes_on(*last));
+        if !is_read_to_its_end || octets.len() > MAX_UNKNOWN_EXTENSION_OCTETS {
+            return Err(EncodeFault::UnknownExtension {
+                octets: octets.to_vec(),
+                greatest: MAX_UNKNOWN_EXTENSION_OCTETS,
+            }
+            .into());
+        }
+        self.out.extend(octets);
+        Ok(())
+    }
+
+    /// Writes the number of values in a list, and gives them.
+    fn count<'v>(&mut self, value: &'v Value) -> Result<&'v [Value], Failure> {
+        let values = list(value)?;
+        let count = values.len();
+        if count > MAX_OCTET {
+            return Err(EncodeFault::Repetitions {
+                count,
+                greatest: MAX_OCTET,
+            }
+            .into());
+        }
+        self.out.push(count as u8);
+        Ok(values)
+    }
+
+    fn repetitive_fx(&mut self, inner: &'static Layout, value: &Value) -> Encoded {
+        let octets = inner.bit_count() as usize / 8 + 1;
+        let values = list(value)?;
+        if values.is_empty() {
+            return Err(EncodeFault::NoRepetition.into());
+        }
+        each(values, |value| {
+            self.fixed(inner, value, octets)?;
+            *self.last() |= 1;
+            Ok(())
+        })?;
+        *self.last() &= !1;
+        Ok(())
+    }
+
+    fn explicit(&mut self, value: &Value) -> Encoded {
+        let content = bytes_of(value)?;
+        if content.len() >= MAX_OCTET {
+            return Err(EncodeFault::ExplicitLength {
+                octets: content.len(),
+                greatest: MAX_OCTET - 1,
+            }
+            .into());
+        }
+        self.out.push(content.len() as u8 + 1);
+        self.out.extend(content);
+        Ok(())
+    }
+
+    fn compound(&mut self, subitems: &'static [Option<Item>], value: &Value) -> Encoded {
+        let positions = subitems.len().min(MAX_FRN);
+        let name_at = |i: usize| subitems[i].as_ref().map_or("", |subitem| subitem.name);
+        let announced = Announced::new(group_members(value)?, positions, name_at)?;
+        announced.write_fspec(self.out);
+        for (i, (name, value)) in announced.members() {
+            if let Some(subitem) = &subitems[i] {
+                self.layout(&subitem.layout, value)
+                    .map_err(|failure| failure.within(name))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes an item of a random field sequence, the only member of a group, behind its field reference number.
+    fn item_of_sequence(&mut self, value: &Value) -> Encoded {
+        let [(name, value)] = group_members(value)? else {
+            return Err(other_kind("a group of one item", value));
+        };
+        let position = self.uap.order.iter().position(|candidate| candidate == name);
+        let frn = position.map_or(0, |position| position as u8 + 1);
+        let item = self.uap.item_in_sequence(frn);
+        let item = item.ok_or_else(|| Failure::at(name, EncodeFault::Unknown))?;
+        self.out.push(frn);
+        self.layout(&item.layout, value).map_err(|failure| failure.within(name))
+    }
+
+    fn last(&mut self) -> &mut u8 {
+        self.out.last_mut().expect("an octet was written")
     }
 }
 
@@ -214,77 +328,6 @@ fn part_count(extension: &[&[Part]], elements: usize) -> usize {
         sum >= elements
     });
     enough.map_or(extension.len(), |last| last + 1)
-}
-
-fn unknown_extension(value: &Value, out: &mut Vec<u8>) -> Encoded {
-    let octets = bytes_of(value)?;
-    let ends_where_it_should = octets
-        .split_last()
-        .is_some_and(|(last, before)| before.iter().all(|octet| goes_on(*octet)) && !goes_on(*last));
-    if !ends_where_it_should || octets.len() > MAX_UNKNOWN_EXTENSION_OCTETS {
-        return Err(EncodeFault::UnknownExtension {
-            octets: octets.to_vec(),
-            greatest: MAX_UNKNOWN_EXTENSION_OCTETS,
-        }
-        .into());
-    }
-    out.extend(octets);
-    Ok(())
-}
-
-fn repetitive(inner: &'static Layout, value: &Value, out: &mut Vec<u8>) -> Encoded {
-    let values = list(value)?;
-    if values.len() > MAX_OCTET {
-        return Err(EncodeFault::Repetitions {
-            count: values.len(),
-            greatest: MAX_OCTET,
-        }
-        .into());
-    }
-    out.push(values.len() as u8);
-    each(values, |value| layout(inner, value, out))
-}
-
-fn repetitive_fx(inner: &'static Layout, value: &Value, out: &mut Vec<u8>) -> Encoded {
-    let octets = inner.bit_count() as usize / 8 + 1;
-    let values = list(value)?;
-    if values.is_empty() {
-        return Err(EncodeFault::NoRepetition.into());
-    }
-    each(values, |value| {
-        fixed(inner, value, octets, out)?;
-        *out.last_mut().expect("an octet was written") |= 1;
-        Ok(())
-    })?;
-    *out.last_mut().expect("there is at least one value") &= !1;
-    Ok(())
-}
-
-fn explicit(value: &Value, out: &mut Vec<u8>) -> Encoded {
-    let content = bytes_of(value)?;
-    if content.len() >= MAX_OCTET {
-        return Err(EncodeFault::ExplicitLength {
-            octets: content.len(),
-            greatest: MAX_OCTET - 1,
-        }
-        .into());
-    }
-    out.push(content.len() as u8 + 1);
-    out.extend(content);
-    Ok(())
-}
-
-fn compound(subitems: &'static [Option<Item>], value: &Value, out: &mut Vec<u8>) -> Encoded {
-    let positions = subitems.len().min(MAX_FRN);
-    let name_at = |i: usize| subitems[i].as_ref().map_or("", |subitem| subitem.name);
-    let announced = Announced::new(group_members(value)?, positions, name_at)?;
-    announced.write_fspec(out);
-    for (i, (name, value)) in announced.members() {
-        if let Some(subitem) = &subitems[i] {
-            layout(&subitem.layout, value, out).map_err(|failure| failure.within(name))?;
-        }
-    }
-    Ok(())
 }
 
 /// Writes a group from bit `at` on, where there are zeros; gives the bit behind it.

@@ -19,6 +19,9 @@
 //! - *explicit*: an octet with the item's own length, itself included, and content agreed upon elsewhere;
 //! - *compound*: an FSPEC of its own and subitems in these same layouts.
 //!
+//! In the oldest categories one FRN stands for a *random field sequence* instead: a count, and so many times an FRN and
+//! its item, for items in another order or given more than once.
+//!
 //! # The module
 //!
 //! ```text
@@ -31,7 +34,8 @@
 //! A [`Record`] knows where each of its items lies and has decoded none of them. From there two ways lead on, which
 //! share nothing but the record and so can check each other: [`NamedRecord`] decodes every item as the table says,
 //! into a tree of names and values with the document's units; [`typed`] reads the fields a tracker needs straight
-//! from the bytes, without allocating.
+//! from the bytes, without allocating. The content of a reserved expansion field has editions of its own and is
+//! decoded apart, see [`expansion`].
 //!
 //! The way back, [`NamedRecord::encode`], is the exact inverse: the tree of a record becomes the record's octets, save
 //! for what the tree does not hold (spare bits that were set, FSPEC octets that announced nothing).
@@ -50,6 +54,7 @@ pub mod categories;
 pub mod decoder;
 pub mod encode_error;
 pub mod error;
+pub mod expansion;
 pub mod named;
 pub mod record;
 pub mod registry;
@@ -66,6 +71,7 @@ pub use block::{Block, BlockWriter, Blocks, blocks};
 pub use decoder::{Counts, Decoder};
 pub use encode_error::EncodeError;
 pub use error::Error;
+pub use expansion::Expansion;
 pub use named::{NamedRecord, Value};
 pub use record::{Mode, Record, Records};
 pub use table::{Category, Edition, Frn};

@@ -4,7 +4,7 @@
 
 use formats::asterix::encode_error::EncodeFault;
 use formats::asterix::text::UNDEFINED;
-use formats::asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value};
+use formats::asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value, registry};
 use formats::reports::observation;
 
 /// No octet makes more values than this: eight flags, and the groups around them.
@@ -79,6 +79,11 @@ fn check_record(record: &Record<'_>, named: &NamedRecord, mode: Mode, bytes: &[u
     named.write_json(&mut line);
     assert!(!line.contains(&b'\n'), "one line");
     assert_eq!(observation::read(record), observation::read(record), "typed, again");
+    for expansion in registry::EXPANSIONS {
+        if let Ok(Some(content)) = expansion.read(record) {
+            assert!(count(&content) <= VALUES_PER_OCTET_MAX * octets.len(), "{content:?}");
+        }
+    }
     check_encoding(record, named, mode);
 }
 

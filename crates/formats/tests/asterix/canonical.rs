@@ -1,12 +1,11 @@
 //! Octets in canonical form, put together bit by bit: no spare bit set, no octet of an FSPEC too many, no code
 //! without a character. Their values have this encoding and no other.
 
-use formats::asterix::table::{Category, Content, Layout, Part, Uap};
+use formats::asterix::table::{Category, Content, Layout, Part, TextCoding, Uap};
 use formats::asterix::text::icao_code;
 
 use crate::generator::{Entropy, fspec};
-use crate::values::{bits_each, decision, parts_sent};
-use formats::asterix::table::TextCoding;
+use crate::values::{bits_each, decision, ends_in_fx, parts_sent};
 
 /// Bits, the most significant first.
 #[derive(Default)]
@@ -38,13 +37,20 @@ impl Entropy<'_> {
             let wanted = name == kept || self.octet().is_multiple_of(3) || decision.is_some();
             present.push(wanted && item.is_some());
             if let Some(item) = item.filter(|_| wanted) {
-                self.canonical_item(&item.layout, decision, &mut items);
+                self.canonical_item(table, uap, &item.layout, decision, &mut items);
             }
         }
         [fspec(&present), items].concat()
     }
 
-    fn canonical_item(&mut self, layout: &Layout, decision: Option<(&str, u64)>, out: &mut Vec<u8>) {
+    fn canonical_item(
+        &mut self,
+        table: &'static Category,
+        uap: &'static Uap,
+        layout: &Layout,
+        decision: Option<(&str, u64)>,
+        out: &mut Vec<u8>,
+    ) {
         let mut bits = Bits::default();
         match layout {
             Layout::Element(..) | Layout::Group(_) => {
@@ -56,14 +62,16 @@ impl Entropy<'_> {
                 let mut before = vec![];
                 for (i, parts) in extension[..count].iter().enumerate() {
                     self.canonical_bits(&Layout::Group(parts), decision, &mut before, &mut bits);
-                    bits.put(1, u64::from(i + 1 < count));
+                    if ends_in_fx(parts) {
+                        bits.put(1, u64::from(i + 1 < count));
+                    }
                 }
                 out.extend(bits.octets());
             }
             Layout::Repetitive(inner) => {
                 let count = self.octet() % 4;
                 out.push(count);
-                (0..count).for_each(|_| self.canonical_item(inner, None, out));
+                (0..count).for_each(|_| self.canonical_item(table, uap, inner, None, out));
             }
             Layout::RepetitiveFx(inner) => {
                 for more in (0..1 + self.octet() % 4).rev() {
@@ -85,7 +93,16 @@ impl Entropy<'_> {
                 out.extend(fspec(&present));
                 for (subitem, _) in subitems.iter().zip(present).filter(|(_, present)| *present) {
                     let layout = &subitem.as_ref().expect("one that is present").layout;
-                    self.canonical_item(layout, None, out);
+                    self.canonical_item(table, uap, layout, None, out);
+                }
+            }
+            Layout::RandomSequence => {
+                let count = self.octet() % 4;
+                out.push(count);
+                for _ in 0..count {
+                    let (frn, item) = self.item_of_sequence(table, uap);
+                    out.push(frn);
+                    self.canonical_item(table, uap, &item.layout, None, out);
                 }
             }
         }

@@ -147,6 +147,20 @@ fn an_explicit_item_counts_its_length_octet() {
 }
 
 #[test]
+fn a_random_field_sequence_names_each_item_by_its_number() {
+    let field = |name, value| Value::group([(name, value)]);
+    let long = Value::group([("A", 5u64.into()), ("B", (-2.0).into())]);
+    let short = Value::group([("A", 1u64.into())]);
+    let value = Value::list([field("060", long), field("020", 2.0.into()), field("060", short)]);
+    assert_eq!(
+        item("RFS", value),
+        [3, 6, 0x0B, 0xFF, 0xFC, 2, 0x00, 0x04, 6, 0x02],
+        "in the order given"
+    );
+    assert_eq!(item("RFS", list(&[])), [0]);
+}
+
+#[test]
 fn a_record_announces_its_items_in_the_profiles_order() {
     let record = NamedRecord::of(
         250,

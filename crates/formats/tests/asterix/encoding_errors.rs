@@ -267,6 +267,28 @@ fn lists_and_contents_have_the_length_that_can_be_given() {
 }
 
 #[test]
+fn a_random_field_sequence_holds_single_items_of_the_profile_and_no_sequence() {
+    let field = |name, value| Value::list([Value::group([(name, value)])]);
+    let unknown = |name: &'static str| {
+        let expected = format!("I250/RFS [1] {name}: the edition defines nothing of this name here");
+        refused("RFS", field(name, 1.0.into()), &expected);
+    };
+    unknown("025");
+    unknown("");
+    unknown("RFS");
+    refused(
+        "RFS",
+        Value::list([Value::group([])]),
+        "I250/RFS [1]: takes a group of one item, found a group",
+    );
+    refused(
+        "RFS",
+        field("020", 1u64.into()),
+        "I250/RFS [1] 020: takes a quantity, found a number without sign",
+    );
+}
+
+#[test]
 fn a_place_within_a_list_or_a_subitem_is_named_by_the_way_to_it() {
     refused(
         "070",

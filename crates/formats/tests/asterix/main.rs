@@ -9,6 +9,7 @@ mod decoder;
 mod encoding;
 mod encoding_errors;
 mod errors;
+mod expansions;
 #[path = "../files/mod.rs"]
 mod files;
 mod generator;

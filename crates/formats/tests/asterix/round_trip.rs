@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use formats::asterix::categories::CAT021_V0_23;
 use formats::asterix::encode_error::EncodeFault;
 use formats::asterix::table::Uap;
 use formats::asterix::text::UNDEFINED;
@@ -87,16 +88,25 @@ proptest! {
     }
 }
 
-/// A recording; how many of its records are written as they were read; and what the others have that is not written.
-/// Everything else in them comes back.
-type Expected = (&'static str, usize, &'static [(&'static str, usize)]);
+/// A recording; the tables it is read with where they are not the default; how many of its records are written as they
+/// were read; and what the others have that is not written. Everything else in them comes back.
+type Expected = (
+    &'static str,
+    &'static [&'static Category],
+    usize,
+    &'static [(&'static str, usize)],
+);
 
 #[rustfmt::skip]
-const RECORDINGS: &[Expected] = &[
-    ("lebl2016/160510-lebl-220001_SMR_cat10.ast", 77_345, &[]),
-    ("lebl2016/160510-lebl-220001_MLAT_cat10.ast", 84_453, &[]),
-    ("lebl2016/160510-lebl-220001_MLAT_cat20.ast", 77_314, &[]),
-    ("lebl2016/160510-lebl-220001_ADSB_cat21_v023.ast", 42_491, &[(SPARE_BIT, 948), (UNDEFINED_CHARACTER, 5891)]),
+static RECORDINGS: &[Expected] = &[
+    ("lebl2016/160510-lebl-220001_SMR_cat10.ast", &[], 77_345, &[]),
+    ("lebl2016/160510-lebl-220001_MLAT_cat10.ast", &[], 84_453, &[]),
+    ("lebl2016/160510-lebl-220001_MLAT_cat20.ast", &[], 77_314, &[]),
+    ("lebl2016/160510-lebl-220001_ADSB_cat21_v023.ast", &[&CAT021_V0_23], 42_491, &[(SPARE_BIT, 948), (UNDEFINED_CHARACTER, 5891)]),
+    ("akapetanovic/Jahorina.raw", &[], 2119, &[]),
+    ("cro/cat048.raw", &[], 1, &[]),
+    ("cro/cat062cat065.raw", &[], 2, &[(UNDEFINED_CHARACTER, 1)]),
+    ("cro/cat21_re.ast", &[], 2, &[]),
 ];
 
 const SPARE_BIT: &str = "spare bits that are set";
@@ -105,12 +115,14 @@ const EMPTY_FSPEC_OCTET: &str = "FSPEC octets that announce nothing";
 
 #[test]
 fn recordings_come_back_octet_by_octet() {
-    for (name, alike, others) in RECORDINGS {
+    for (name, tables, alike, others) in RECORDINGS {
         let Some(bytes) = files::recording(name) else {
             continue;
         };
         let mut written = BTreeMap::new();
-        for record in Decoder::new(Mode::Lenient).records(&bytes) {
+        let decoder = Decoder::new(Mode::Lenient);
+        let mut decoder = tables.iter().fold(decoder, |decoder, table| decoder.with_table(table));
+        for record in decoder.records(&bytes) {
             *written.entry(write_again(&record.unwrap())).or_insert(0) += 1;
         }
         let expected = others.iter().map(|(reason, count)| (Some(*reason), *count));

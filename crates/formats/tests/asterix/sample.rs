@@ -1,7 +1,9 @@
 //! An invented category with an item of every kind, and blocks of it.
 
 pub(crate) use crate::any_bytes::block;
-use formats::asterix::table::Layout::{Compound, Element, Explicit, Extended, Group, Repetitive, RepetitiveFx};
+use formats::asterix::table::Layout::{
+    Compound, Element, Explicit, Extended, Group, RandomSequence, Repetitive, RepetitiveFx,
+};
 use formats::asterix::table::*;
 use formats::asterix::{Block, EncodeError, Error, Mode, NamedRecord, Record, Value, blocks};
 
@@ -81,7 +83,13 @@ const ITEMS: &[Item] = &[
             spare(3),
         ]]),
     ),
+    Item::new(
+        "130",
+        "Extended, the last part without FX bit",
+        Extended(&[&[element("A", 7, RAW)], &[element("B", 8, RAW)]]),
+    ),
     Item::new("RE", "Reserved Expansion Field", Explicit),
+    Item::new("RFS", "Random Field Sequencing", RandomSequence),
 ];
 
 const SPEED_CASES: &[(u64, Content)] = &[(0, unsigned(0.5, "m/s")), (1, unsigned(0.001, "Mach"))];
@@ -90,6 +98,7 @@ const SPEED_CASES: &[(u64, Content)] = &[(0, unsigned(0.5, "m/s")), (1, unsigned
 const ORDER: &[&str] = &[
     "010", "020", "030", "040", "050", "060", "070",
     "080", "090", "100", "110", "120", SPARE, "RE",
+    "130", "RFS",
 ];
 
 /// Every kind of item.
@@ -162,10 +171,9 @@ pub(crate) fn error(mode: Mode, name: &str, octets: &[u8]) -> Error {
 /// The FSPEC that announces one item of the sample category.
 fn fspec(name: &str) -> Vec<u8> {
     let position = ORDER.iter().position(|candidate| *candidate == name).expect("a name");
-    match position {
-        0..7 => vec![0x80 >> position],
-        _ => vec![0x01, 0x80 >> (position - 7)],
-    }
+    let mut octets = vec![0x01; position / 7];
+    octets.push(0x80 >> (position % 7));
+    octets
 }
 
 /// The octets of one item of the sample category, or what is wrong with its value.

@@ -5,7 +5,7 @@ use formats::asterix::table::{Category, Content, Item, Layout, Part, Profile, Te
 use formats::asterix::text::icao_character;
 use formats::asterix::{NamedRecord, Value};
 
-use crate::generator::Entropy;
+use crate::generator::{Entropy, bit_count};
 
 impl Entropy<'_> {
     /// A record of some of a profile's items, at least one.
@@ -28,7 +28,7 @@ impl Entropy<'_> {
             let item = table.item(name).expect("a profile names items");
             let decision = decision(table, uap, item);
             if names.contains(name) || decision.is_some() {
-                let mut value = self.value(&item.layout);
+                let mut value = self.value(table, uap, &item.layout);
                 if let Some((element, number)) = decision {
                     set(&mut value, element, number);
                 }
@@ -38,18 +38,18 @@ impl Entropy<'_> {
         record
     }
 
-    fn value(&mut self, layout: &'static Layout) -> Value {
+    fn value(&mut self, table: &'static Category, uap: &'static Uap, layout: &'static Layout) -> Value {
         match layout {
             Layout::Element(bits, content) => self.content(content, *bits, &[]),
             Layout::Group(parts) => self.group(parts),
             Layout::Extended(extension) => self.extended(extension),
             Layout::Repetitive(inner) => {
                 let count = self.count(255);
-                Value::list((0..count).map(|_| self.value(inner)))
+                Value::list((0..count).map(|_| self.value(table, uap, inner)))
             }
             Layout::RepetitiveFx(inner) => {
                 let count = 1 + self.count(300);
-                Value::list((0..count).map(|_| self.value(inner)))
+                Value::list((0..count).map(|_| self.value(table, uap, inner)))
             }
             Layout::Explicit => {
                 let count = self.count(254);
@@ -59,12 +59,29 @@ impl Entropy<'_> {
                 let mut members = vec![];
                 for subitem in subitems.iter().flatten() {
                     if self.octet().is_multiple_of(2) {
-                        members.push((subitem.name, self.value(&subitem.layout)));
+                        members.push((subitem.name, self.value(table, uap, &subitem.layout)));
                     }
                 }
                 Value::Group(members)
             }
+            Layout::RandomSequence => {
+                let count = self.octet() % 4;
+                Value::list((0..count).map(|_| {
+                    let item = self.item_of_sequence(table, uap).1;
+                    Value::group([(item.name, self.value(table, uap, &item.layout))])
+                }))
+            }
         }
+    }
+
+    /// An item that can be in a random field sequence, and its field reference number.
+    pub(crate) fn item_of_sequence(&mut self, table: &'static Category, uap: &Uap) -> (u8, &'static Item) {
+        let items: Vec<_> = (1..)
+            .zip(uap.order)
+            .filter_map(|(frn, name)| Some((frn, table.item(name)?)))
+            .filter(|(_, item)| !matches!(item.layout, Layout::RandomSequence))
+            .collect();
+        items[usize::from(self.octet()) % items.len()]
     }
 
     /// A few, now and then the most there can be.
@@ -87,7 +104,8 @@ impl Entropy<'_> {
         extension[..count]
             .iter()
             .for_each(|parts| self.members(parts, &mut members));
-        if count == extension.len() && self.octet().is_multiple_of(4) {
+        let may_go_on = count == extension.len() && ends_in_fx(extension[count - 1]);
+        if may_go_on && self.octet().is_multiple_of(4) {
             let mut octets: Vec<u8> = (0..1 + self.octet() % 4).map(|_| self.octet() | 1).collect();
             *octets.last_mut().expect("an octet") &= 0xFE;
             members.push((UNKNOWN_EXTENSION, Value::Bytes(octets)));
@@ -174,6 +192,11 @@ pub(crate) fn parts_sent(extension: &[&[Part]], choice: u8) -> usize {
         count -= 1;
     }
     count
+}
+
+/// Whether a part of an extended item has an FX bit, as the last may not have.
+pub(crate) fn ends_in_fx(part: &[Part]) -> bool {
+    !bit_count(part).is_multiple_of(8)
 }
 
 /// The element of this item that decides for this profile, and the value with which it does.
