@@ -6,11 +6,13 @@
 //! passed.
 //!
 //! - [`asterix`]: EUROCONTROL's binary format for surveillance data (radar, multilateration, ADS-B);
+//! - [`containers`]: what recordings of it come packed in: captures of networks, recorders' frames;
 //! - [`reports`]: what their records mean to the pipeline: checked sensor tracks in the system frame;
 //! - [`tracks_csv`]: sensor tracks and system tracks as rows of text.
 
 #![forbid(unsafe_code)]
 
 pub mod asterix;
+pub mod containers;
 pub mod reports;
 pub mod tracks_csv;
