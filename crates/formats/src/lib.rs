@@ -7,6 +7,7 @@
 //!
 //! - [`asterix`]: EUROCONTROL's binary format for surveillance data (radar, multilateration, ADS-B);
 //! - [`containers`]: what recordings of it come packed in: captures of networks, recorders' frames;
+//! - [`recording`]: a recording as a whole: which of its records can be believed, and statistics of them;
 //! - [`reports`]: what their records mean to the pipeline: checked sensor tracks in the system frame;
 //! - [`tracks_csv`]: sensor tracks and system tracks as rows of text.
 
@@ -14,5 +15,6 @@
 
 pub mod asterix;
 pub mod containers;
+pub mod recording;
 pub mod reports;
 pub mod tracks_csv;

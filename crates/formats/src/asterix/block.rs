@@ -12,7 +12,7 @@ pub const HEADER_OCTETS: usize = 3;
 pub struct Block<'a> {
     /// The category of its records.
     pub category: u8,
-    /// Where it begins in the bytes passed to [`blocks`].
+    /// Where it begins in the bytes passed to [`blocks`], or in what they are a part of.
     pub offset: usize,
     /// All its octets, with the header.
     pub bytes: &'a [u8],
@@ -35,12 +35,19 @@ impl<'a> Block<'a> {
 /// A block whose length can not be right is an error and the end: nothing in the format marks where the next one
 /// begins.
 pub fn blocks(bytes: &[u8]) -> Blocks<'_> {
-    Blocks { bytes, at: 0 }
+    blocks_at(0, bytes)
+}
+
+/// The same for bytes that are a part of something, from its octet `begin` on: offsets of blocks, records and errors
+/// count from the begin of the whole.
+pub fn blocks_at(begin: usize, bytes: &[u8]) -> Blocks<'_> {
+    Blocks { begin, bytes, at: 0 }
 }
 
 /// The iterator that [`blocks`] returns.
 #[derive(Debug, Clone)]
 pub struct Blocks<'a> {
+    begin: usize,
     bytes: &'a [u8],
     at: usize,
 }
@@ -53,7 +60,7 @@ impl<'a> Iterator for Blocks<'a> {
         if rest.is_empty() {
             return None;
         }
-        let block = first_block(rest, self.at);
+        let block = first_block(rest, self.begin + self.at);
         self.at = match &block {
             Ok(block) => self.at + block.bytes.len(),
             Err(_) => self.bytes.len(),

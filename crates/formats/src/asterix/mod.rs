@@ -55,7 +55,7 @@ mod bits;
 mod extent;
 mod spare;
 
-pub use block::{Block, Blocks, blocks};
+pub use block::{Block, Blocks, blocks, blocks_at};
 pub use decoder::{Counts, Decoder};
 pub use error::Error;
 pub use named::{NamedRecord, Value};

@@ -4,9 +4,9 @@
 //! any order, mixed with those of other datagrams, and some never come. So a limited number of datagrams is kept open;
 //! where one more is begun, the oldest is given up.
 
+use core::net::IpAddr;
 use std::borrow::Cow;
 use std::collections::VecDeque;
-use std::net::IpAddr;
 
 use etherparse::defrag::IpDefragBuf;
 use etherparse::{IpFragOffset, IpNumber};

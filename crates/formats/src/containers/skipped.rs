@@ -126,7 +126,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// A label that is the same for all parts skipped for the same reason, whatever the numbers in it.
+    /// What is wrong in a few words, the same for all parts skipped for the same reason: to count them by.
     pub fn label(&self) -> &'static str {
         match self {
             Self::OtherContainer { .. } => "other container",
@@ -142,14 +142,6 @@ impl Reason {
             Self::EtherType { .. } | Self::LogicalLink { .. } | Self::Transport { .. } => "other protocol",
             Self::Fragments { .. } => "incomplete fragments",
         }
-    }
-
-    /// Whether the part was sound and simply none of ours: no loss.
-    pub fn is_other_traffic(&self) -> bool {
-        matches!(
-            self,
-            Self::EtherType { .. } | Self::LogicalLink { .. } | Self::Transport { .. }
-        )
     }
 }
 
