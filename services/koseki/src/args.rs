@@ -5,6 +5,9 @@ use std::time::Duration;
 
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use formats::asterix::table::EditionError;
+use formats::asterix::{Category, Edition, registry};
+use formats::containers::Container;
 use runtime::config::Config;
 use runtime::{ConfigError, Now, Options, Speed};
 
@@ -32,6 +35,7 @@ Examples:
   koseki check config/barcelona.toml            is this configuration sound, and are its recordings there?
   koseki up config/barcelona.toml --speed max   the recorded airport, as fast as this machine can
   koseki status                                 what runs, in another terminal
+  koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
 
 Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
 
@@ -53,6 +57,9 @@ pub(crate) enum Command {
     /// Tell a running deployment which condition (weather) holds from now on
     #[command(after_help = CONDITION_EXAMPLES)]
     Condition(Condition),
+    /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
+    #[command(after_help = DECODE_EXAMPLES)]
+    Decode(Decode),
     /// Run the adapter of one source in a deployment that is up
     #[command(after_help = SERVE_EXAMPLES)]
     Adapter(Serve),
@@ -173,6 +180,46 @@ pub(crate) struct Condition {
     pub(crate) instance: String,
 }
 
+const DECODE_EXAMPLES: &str = "\
+Examples:
+  koseki decode radar.pcap --out radar.jsonl
+  koseki decode adsb.ast --edition 21=0.23 --out - | head -1
+  koseki decode night.ff --statistics --json night.json
+
+FILE holds data blocks and nothing else, or is a capture (pcap, pcapng), or has frames of the final format; its first
+octets tell. A line of output has the item numbers of a record as keys, \"_c\" for its category and \"_ts\" for the
+second in which it was recorded, where that is known.
+
+What cannot be decoded is summed up on standard error, and is no failure. Only blocks that fit their edition to the last
+octet are given, and only categories of which half of the blocks do: the others were made by another edition. The file
+is read into memory whole.";
+
+/// `koseki decode`.
+#[derive(Debug, Args)]
+pub(crate) struct Decode {
+    /// The recording
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Read a category by this edition, as in 21=0.23 (repeatable) [default: see --help]
+    #[arg(long = "edition", value_name = "CAT=ED", value_parser = edition, long_help = editions_help())]
+    pub(crate) editions: Vec<&'static Category>,
+    /// Kind of the recording: raw, pcap, pcapng or final [default: what its first octets tell]
+    #[arg(long, value_name = "KIND")]
+    pub(crate) container: Option<Container>,
+    /// Refuse blocks with spare bits set, or with items that go on beyond their edition
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// File for the records, one JSON object a line; - for standard output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print who sent how much and when, and what was refused
+    #[arg(long)]
+    pub(crate) statistics: bool,
+    /// File for the same statistics as JSON
+    #[arg(long, value_name = "FILE", requires = "statistics")]
+    pub(crate) json: Option<PathBuf>,
+}
+
 const SERVE_EXAMPLES: &str = "\
 Examples:
   koseki adapter --config config/barcelona.toml --name radar
@@ -289,6 +336,43 @@ pub(crate) fn usage_line(error: &clap::Error) -> String {
     }
 }
 
+/// The table that `CAT=ED` names.
+fn edition(text: &str) -> Result<&'static Category, String> {
+    let (category, edition) = text
+        .split_once('=')
+        .ok_or("write a category and its edition, as in 21=0.23")?;
+    let number: u8 = category.parse().map_err(|_| "a category is a number up to 255")?;
+    let edition: Edition = edition.parse().map_err(|error: EditionError| error.to_string())?;
+    registry::find(number, edition).ok_or_else(|| match editions_of(number).as_str() {
+        "" => format!("there is no table of category {number:03}; there are {}", categories()),
+        editions => format!("category {number:03} has no such edition here; there are {editions}"),
+    })
+}
+
+/// The editions of a category that there are tables for, the default first.
+fn editions_of(category: u8) -> String {
+    let editions: Vec<String> = registry::editions(category)
+        .map(|table| table.edition.to_string())
+        .collect();
+    editions.join(", ")
+}
+
+fn categories() -> String {
+    let numbers: Vec<String> = registry::defaults()
+        .map(|table| format!("{:03}", table.number))
+        .collect();
+    numbers.join(", ")
+}
+
+fn editions_help() -> String {
+    let mut text =
+        "Read a category by this edition, as in 21=0.23 (repeatable). The first one of each is the default:".to_owned();
+    for table in registry::defaults() {
+        text.push_str(&format!("\n  {:03}: {}", table.number, editions_of(table.number)));
+    }
+    text
+}
+
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "write a number of seconds".to_owned())?;
     if seconds > 0.0 && seconds <= SECONDS_MAX {
@@ -327,6 +411,23 @@ mod tests {
         assert_eq!(seconds("1.5"), Ok(Duration::from_millis(1500)));
         for wrong in ["0", "-1", "nan", "inf", "1e30", "soon"] {
             assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn editions_are_found_or_the_ones_there_are_named() {
+        let table = edition("21=0.23").unwrap();
+        assert_eq!((table.number, table.edition), (21, Edition::new(0, 23)));
+        for (wrong, expected) in [
+            ("21", "as in 21=0.23"),
+            ("x=1.0", "a number up to 255"),
+            ("300=1.0", "a number up to 255"),
+            ("21=023", "is no edition"),
+            ("21=9.9", "there are 2.4, 2.1"),
+            ("99=1.0", "there are 010, 019"),
+        ] {
+            let line = edition(wrong).unwrap_err();
+            assert!(line.contains(expected), "{line}");
         }
     }
 
