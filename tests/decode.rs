@@ -107,6 +107,7 @@ fn what_cannot_be_decoded_is_summed_up_and_no_failure() {
         report(2.0),
         report(3.0),
         early_report(),
+        vec![250, 0, 4, 0],
         vec![9, 0],
     ]
     .concat();
@@ -114,12 +115,13 @@ fn what_cannot_be_decoded_is_summed_up_and_no_failure() {
     let (_, said) = home.run(&["mixed.ast", "--out", "mixed.jsonl"]);
     assert_eq!(home.lines("mixed.jsonl").len(), 3);
     let expected = [
-        "mixed.ast: 3 records of 6 blocks in 1 datagram (raw)",
+        "mixed.ast: 3 records of 7 blocks in 1 datagram (raw)",
         "category 010: 2 of 5 blocks do not fit edition 1.1: they are left out",
         "category 021: 1 of 1 block does not fit edition 2.4: none of its records is given, since those that fit may do \
          so by accident; edition 0.23 fits 1 of them (so do 0.24, 0.25, 0.26): try --edition 21=0.23",
+        "left out, since there is no table of the category: 250 (1 block)",
         "2 x item cut in I010/140 (16 octets), the first: byte 17: I010/140 takes at least 3 octets, 1 left",
-        "1 x block header cut (2 octets), the first: byte 57: a block header takes 3 octets, 2 left",
+        "1 x block header cut (2 octets), the first: byte 61: a block header takes 3 octets, 2 left",
     ];
     for line in expected {
         assert!(said.contains(&format!("koseki: {line}")), "{line}\n{said}");
@@ -153,6 +155,31 @@ fn statistics_are_a_table_and_a_file() {
     assert_eq!(found["senders"], json!([sender]));
     assert_eq!(found["refusals"][0]["first_offset"], 53);
     assert_eq!(found["categories"][0]["blocks_refused"], 1);
+}
+
+/// A CAT048 record of nothing but a source and a reserved expansion field.
+#[test]
+fn expansion_fields_are_octets_unless_their_rules_are_named() {
+    // FSPEC of four octets: FRN 1, and FRN 28.
+    let record = |content: &[u8]| {
+        let mut bytes = vec![0x81, 0x01, 0x01, 0x02, 25, 11, content.len() as u8 + 1];
+        bytes.extend(content);
+        let mut block = vec![48, 0, bytes.len() as u8 + 3];
+        block.extend(bytes);
+        block
+    };
+    // Rules ed 1.13: the first subitem, MD5, is compound; here with its first part. No subitem has the eighth flag.
+    let home = Home::with("x.ast", &[record(&[0x80, 0x80, 0x01]), record(&[0x01])].concat());
+    let (_, said) = home.run(&["x.ast", "--out", "octets"]);
+    assert_eq!(said.lines().count(), 1, "{said}");
+    let octets = home.lines("octets");
+    assert_eq!((&octets[0]["RE"], &octets[1]["RE"]), (&json!("808001"), &json!("01")));
+    let (_, said) = home.run(&["x.ast", "--edition", "48/RE=1.13", "--out", "decoded"]);
+    let decoded = home.lines("decoded");
+    assert_eq!(decoded[1], octets[1]);
+    assert!(decoded[0]["RE"]["MD5"]["SUM"].is_object(), "{}", decoded[0]);
+    let expected = "I048/RE: 1 field does not follow the coding rules ed 1.13 (left as octets), the first: byte 24: ";
+    assert!(said.contains(expected), "{said}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use formats::asterix::table::EditionError;
-use formats::asterix::{Category, Edition, registry};
+use formats::asterix::{Category, Edition, Expansion, registry};
 use formats::containers::Container;
 use runtime::config::Config;
 use runtime::{ConfigError, Now, Options, Speed};
@@ -202,7 +202,7 @@ pub(crate) struct Decode {
     pub(crate) file: PathBuf,
     /// Read a category by this edition, as in 21=0.23 (repeatable) [default: see --help]
     #[arg(long = "edition", value_name = "CAT=ED", value_parser = edition, long_help = editions_help())]
-    pub(crate) editions: Vec<&'static Category>,
+    pub(crate) editions: Vec<ChosenEdition>,
     /// Kind of the recording: raw, pcap, pcapng or final [default: what its first octets tell]
     #[arg(long, value_name = "KIND")]
     pub(crate) container: Option<Container>,
@@ -218,6 +218,15 @@ pub(crate) struct Decode {
     /// File for the same statistics as JSON
     #[arg(long, value_name = "FILE", requires = "statistics")]
     pub(crate) json: Option<PathBuf>,
+}
+
+/// What `--edition` chooses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum ChosenEdition {
+    /// The table of a category.
+    Category(&'static Category),
+    /// The coding rules of its reserved expansion field.
+    Expansion(&'static Expansion),
 }
 
 const SERVE_EXAMPLES: &str = "\
@@ -336,40 +345,62 @@ pub(crate) fn usage_line(error: &clap::Error) -> String {
     }
 }
 
-/// The table that `CAT=ED` names.
-fn edition(text: &str) -> Result<&'static Category, String> {
+/// What `CAT=ED` or `CAT/RE=ED` chooses.
+fn edition(text: &str) -> Result<ChosenEdition, String> {
     let (category, edition) = text
         .split_once('=')
         .ok_or("write a category and its edition, as in 21=0.23")?;
+    let (category, is_expansion) = match category.strip_suffix("/RE") {
+        Some(category) => (category, true),
+        None => (category, false),
+    };
     let number: u8 = category.parse().map_err(|_| "a category is a number up to 255")?;
     let edition: Edition = edition.parse().map_err(|error: EditionError| error.to_string())?;
-    registry::find(number, edition).ok_or_else(|| match editions_of(number).as_str() {
-        "" => format!("there is no table of category {number:03}; there are {}", categories()),
-        editions => format!("category {number:03} has no such edition here; there are {editions}"),
+    let (chosen, what, there_are) = match is_expansion {
+        true => (
+            registry::find_expansion(number, edition).map(ChosenEdition::Expansion),
+            "reserved expansion field of category",
+            expansions_of(number),
+        ),
+        false => (
+            registry::find(number, edition).map(ChosenEdition::Category),
+            "category",
+            editions_of(number),
+        ),
+    };
+    chosen.ok_or_else(|| match there_are.as_str() {
+        "" => format!("there is no table for the {what} {number:03}; see `koseki decode --help`"),
+        editions => format!("{what} {number:03} has no such edition here; there are {editions}"),
     })
 }
 
 /// The editions of a category that there are tables for, the default first.
 fn editions_of(category: u8) -> String {
-    let editions: Vec<String> = registry::editions(category)
-        .map(|table| table.edition.to_string())
-        .collect();
-    editions.join(", ")
+    let editions = registry::editions(category).map(|table| table.edition.to_string());
+    editions.collect::<Vec<_>>().join(", ")
 }
 
-fn categories() -> String {
-    let numbers: Vec<String> = registry::defaults()
-        .map(|table| format!("{:03}", table.number))
-        .collect();
-    numbers.join(", ")
+/// The same of the coding rules of its reserved expansion field.
+fn expansions_of(category: u8) -> String {
+    let expansions = registry::EXPANSIONS.iter().filter(|rules| rules.number == category);
+    let editions = expansions.map(|rules| rules.edition.to_string());
+    editions.collect::<Vec<_>>().join(", ")
 }
 
 fn editions_help() -> String {
     let mut text =
-        "Read a category by this edition, as in 21=0.23 (repeatable). The first one of each is the default:".to_owned();
+        "Read a category by this edition, as in 21=0.23 (repeatable). The first of each is the default:".to_owned();
     for table in registry::defaults() {
-        text.push_str(&format!("\n  {:03}: {}", table.number, editions_of(table.number)));
+        let number = table.number;
+        text.push_str(&format!("\n  {number:03}: {}", editions_of(number)));
+        let expansions = expansions_of(number);
+        if !expansions.is_empty() {
+            text.push_str(&format!("\n  {number:03}/RE: {expansions}"));
+        }
     }
+    text.push_str(
+        "\nReserved expansion fields (RE) are shown as octets unless an edition of their coding rules is named.",
+    );
     text
 }
 
@@ -416,15 +447,19 @@ mod tests {
 
     #[test]
     fn editions_are_found_or_the_ones_there_are_named() {
-        let table = edition("21=0.23").unwrap();
-        assert_eq!((table.number, table.edition), (21, Edition::new(0, 23)));
+        let chosen = edition("21=0.23").unwrap();
+        assert!(matches!(chosen, ChosenEdition::Category(table) if table.to_string() == "CAT021 ed 0.23"));
+        let chosen = edition("048/RE=1.13").unwrap();
+        assert!(matches!(chosen, ChosenEdition::Expansion(rules) if rules.edition == Edition::new(1, 13)));
         for (wrong, expected) in [
             ("21", "as in 21=0.23"),
             ("x=1.0", "a number up to 255"),
             ("300=1.0", "a number up to 255"),
             ("21=023", "is no edition"),
             ("21=9.9", "there are 2.4, 2.1"),
-            ("99=1.0", "there are 010, 019"),
+            ("99=1.0", "no table for the category 099"),
+            ("48/RE=1.31", "there are 1.11, 1.12, 1.13"),
+            ("10/RE=1.1", "no table for the reserved expansion field of category 010"),
         ] {
             let line = edition(wrong).unwrap_err();
             assert!(line.contains(expected), "{line}");

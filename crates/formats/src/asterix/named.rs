@@ -136,16 +136,8 @@ impl Serialize for NamedRecord {
 }
 
 /// Decodes the octets of an item, as many as it has.
-fn decode(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> Value {
+pub(super) fn decode(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> Value {
     Decode { uap, bytes, at: 0 }.layout(&item.layout)
-}
-
-/// The number in one element of an item: for what depends on it.
-pub(super) fn element_of(item: &'static Item, uap: &'static Uap, bytes: &[u8], element: &str) -> Option<u64> {
-    match decode(item, uap, bytes).get(element) {
-        Some(Value::Unsigned(number)) => Some(*number),
-        _ => None,
-    }
 }
 
 /// A position within an item that has been measured, so that every octet the layout asks for is there.

@@ -3,13 +3,12 @@
 //! Reading a record here means finding its items, not decoding them: one pass over the FSPEC and the lengths, into
 //! a fixed array of offsets. That is all the hot path pays for the items it does not use.
 
-use super::bits::{fspec_bits, goes_on};
+use super::bits::{bits, fspec_bits, goes_on};
 use super::block::{Block, HEADER_OCTETS};
 use super::error::Error;
 use super::extent;
-use super::named;
 use super::spare;
-use super::table::{Category, Frn, Item, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap};
+use super::table::{Category, Frn, Item, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap, first_element};
 
 /// How closely bytes must follow the edition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -72,7 +71,19 @@ impl<'a> Record<'a> {
 
     /// The octets of an item, by name; slower than [`item`](Self::item).
     pub fn item_named(&self, name: &str) -> Option<&'a [u8]> {
-        self.items().find(|(item, _)| item.name == name).map(|(_, bytes)| bytes)
+        self.item_at(name).map(|(_, bytes)| bytes)
+    }
+
+    /// A named item's octets, and where they begin in the bytes the caller passed.
+    pub(super) fn item_at(&self, name: &str) -> Option<(usize, &'a [u8])> {
+        let mut offset = self.offset + usize::from(self.starts[0]);
+        for (item, bytes) in self.items() {
+            if item.name == name {
+                return Some((offset, bytes));
+            }
+            offset += bytes.len();
+        }
+        None
     }
 
     /// The items present and their octets, in the order sent.
@@ -261,7 +272,7 @@ fn decide_profile(table: &'static Category, mode: Mode, bytes: &[u8], offset: us
         };
         let octets = extent::measure(item, first, &bytes[at..], mode, category, offset + at)?.octets;
         if item.name == *decider {
-            let value = named::element_of(item, first, &bytes[at..at + octets], element);
+            let value = first_element(&item.layout, element).map(|(begin, width)| bits(bytes, 8 * at + begin, width));
             let case = cases.iter().find(|(case, _)| Some(*case) == value);
             return case.map(|(_, uap)| uap).ok_or_else(|| undecided(value));
         }

@@ -1,16 +1,20 @@
 //! The tables there are: one line for each category.
 
 use super::categories::*;
+use super::expansion::Expansion;
 use super::table::{Category, Edition};
 
 /// Every table, by category. The first of a category is its default edition.
 #[rustfmt::skip]
 pub static REGISTRY: &[&Category] = &[
+    &CAT001_V1_4, &CAT001_V1_3, &CAT001_V1_2,
+    &CAT002_V1_2, &CAT002_V1_1, &CAT002_V1_0,
     &CAT010_V1_1,
     &CAT019_V1_3,
     &CAT020_V1_9, &CAT020_V1_10, &CAT020_V1_11,
     &CAT021_V2_4, &CAT021_V2_1, &CAT021_V2_2, &CAT021_V2_3, &CAT021_V2_5, &CAT021_V2_6, &CAT021_V2_7,
     &CAT021_V0_23, &CAT021_V0_24, &CAT021_V0_25, &CAT021_V0_26,
+    &CAT023_V1_3, &CAT023_V1_2,
     &CAT034_V1_29, &CAT034_V1_28, &CAT034_V1_27,
     &CAT048_V1_31, &CAT048_V1_32, &CAT048_V1_30, &CAT048_V1_29, &CAT048_V1_28, &CAT048_V1_27,
     &CAT062_V1_18, &CAT062_V1_21, &CAT062_V1_20, &CAT062_V1_19, &CAT062_V1_17, &CAT062_V1_16,
@@ -18,9 +22,23 @@ pub static REGISTRY: &[&Category] = &[
     &CAT065_V1_5, &CAT065_V1_6, &CAT065_V1_4,
 ];
 
+/// What is known of the content of reserved expansion fields.
+#[rustfmt::skip]
+pub static EXPANSIONS: &[&Expansion] = &[
+    &CAT021_RE_V1_4, &CAT021_RE_V1_5,
+    &CAT048_RE_V1_11, &CAT048_RE_V1_12, &CAT048_RE_V1_13,
+    &CAT062_RE_V1_2, &CAT062_RE_V1_3,
+];
+
 /// The table of one edition.
 pub fn find(number: u8, edition: Edition) -> Option<&'static Category> {
     editions(number).find(|table| table.edition == edition)
+}
+
+/// What a category's reserved expansion field holds in one edition of its coding rules.
+pub fn find_expansion(number: u8, edition: Edition) -> Option<&'static Expansion> {
+    let is_it = |expansion: &&&Expansion| expansion.number == number && expansion.edition == edition;
+    EXPANSIONS.iter().find(is_it).copied()
 }
 
 /// The table of a category's default edition.

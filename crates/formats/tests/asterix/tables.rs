@@ -2,8 +2,9 @@
 
 use std::collections::HashSet;
 
+use formats::asterix::categories::*;
 use formats::asterix::table::{Content, Item, Layout, MAX_FRN, Part, TextCoding};
-use formats::asterix::{Category, Edition, registry};
+use formats::asterix::{Edition, registry};
 
 #[test]
 fn item_names_are_unique_and_every_item_has_its_place_in_a_profile() {
@@ -25,11 +26,18 @@ fn item_names_are_unique_and_every_item_has_its_place_in_a_profile() {
 #[test]
 fn elements_are_named_once_and_depend_on_elements_before_them() {
     for table in registry::REGISTRY {
-        table.items.iter().for_each(|item| check_item(table, item));
+        table.items.iter().for_each(|item| check_item(&table.to_string(), item));
+    }
+    for expansion in registry::EXPANSIONS {
+        let place = format!("CAT{:03}/RE ed {}", expansion.number, expansion.edition);
+        let items = || expansion.items.iter().flatten();
+        let names: HashSet<_> = items().map(|item| item.name).collect();
+        assert_eq!(names.len(), items().count(), "{place}: an item twice");
+        items().for_each(|item| check_item(&place, item));
     }
 }
 
-fn check_item(table: &Category, item: &Item) {
+fn check_item(table: &str, item: &Item) {
     assert!(
         !item.name.is_empty() && !item.title.is_empty(),
         "{table}: an item without name"
@@ -37,7 +45,7 @@ fn check_item(table: &Category, item: &Item) {
     check_layout(table, item.name, &item.layout);
 }
 
-fn check_layout(table: &Category, item: &str, layout: &Layout) {
+fn check_layout(table: &str, item: &str, layout: &Layout) {
     let place = format!("{table} item {item}");
     match layout {
         Layout::Element(bits, content) => check_content(&place, *bits, content, &[]),
@@ -121,6 +129,49 @@ fn the_registry_finds_editions_and_defaults() {
     let numbers: Vec<_> = registry::defaults().map(|table| table.number).collect();
     let distinct: HashSet<_> = numbers.iter().collect();
     assert_eq!(distinct.len(), numbers.len(), "two defaults for a category");
+}
+
+#[test]
+fn every_edition_of_a_category_is_registered() {
+    let families = [
+        CAT001, CAT002, CAT020, CAT021_V0, CAT021_V2, CAT023, CAT034, CAT048, CAT062, CAT063, CAT065,
+    ];
+    for family in families {
+        for table in family {
+            assert!(table.is_one_of(registry::REGISTRY), "{table}");
+            assert_eq!(
+                table.uap().order[0],
+                family[0].uap().order[0],
+                "{table}: no edition of its family"
+            );
+        }
+    }
+    let singles = [&CAT010_V1_1, &CAT019_V1_3];
+    let count = families.iter().map(|family| family.len()).sum::<usize>() + singles.len();
+    assert_eq!(registry::REGISTRY.len(), count);
+}
+
+#[test]
+fn editions_that_only_add_have_the_same_field_reference_numbers() {
+    for family in [
+        CAT001, CAT002, CAT020, CAT021_V2, CAT023, CAT034, CAT048, CAT062, CAT063, CAT065,
+    ] {
+        for table in family {
+            for (uap, first) in table.uaps().zip(family[0].uaps()) {
+                assert_eq!(uap.order, first.order, "{table}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_registry_finds_expansions() {
+    for expansion in registry::EXPANSIONS {
+        let found = registry::find_expansion(expansion.number, expansion.edition).expect("a registered expansion");
+        assert!(std::ptr::eq(found, *expansion), "{} twice", expansion.edition);
+        assert!(registry::default_edition(expansion.number).is_some());
+    }
+    assert!(registry::find_expansion(48, Edition::new(9, 9)).is_none());
 }
 
 #[test]

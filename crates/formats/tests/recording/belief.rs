@@ -166,7 +166,7 @@ proptest! {
         bodies in vec((prop::sample::select(vec![10, 19, 20, 21, 34, 48, 62, 250]), vec(any::<u8>(), 0..60)), 0..8),
         tail in vec(any::<u8>(), 0..6),
     ) {
-        let blocks: Vec<u8> = bodies.iter().flat_map(|(category, body)| block(*category, &[body.clone()])).collect();
+        let blocks: Vec<u8> = bodies.iter().flat_map(|(category, body)| block(*category, std::slice::from_ref(body))).collect();
         read(&Recording::new(&[blocks, tail].concat()));
     }
 }

@@ -3,7 +3,11 @@
 //! EUROCONTROL-SPEC-0149-9, ed 1.16 to 1.21 (June 2025), with one order of items: what was spare in I062/060 and 080
 //! got a meaning, the height in I062/340 a sign, and one subitem of I062/380 another name.
 
-use super::{RE, SP};
+mod re;
+
+pub use re::{CAT062_RE_V1_2, CAT062_RE_V1_3};
+
+use crate::asterix::categories::{RE, SP};
 use crate::asterix::table::Layout::{Compound, Element, Extended, Group, Repetitive, RepetitiveFx};
 use crate::asterix::table::*;
 
@@ -53,7 +57,7 @@ const I080_PART_1: &[Part] = &[
     flag("MON"),            // 0 several sensors, 1 one sensor
     flag("SPI"),            // special position identification in the last report
     flag("MRH"),            // more reliable height: 0 barometric, 1 geometric
-    element("SRC", 3, RAW), // of I062/130: 0 none, 1 GNSS, 2 radar, 3 triangulation, 4 coverage, 5 speed, 6 default, 7 mlat
+    element("SRC", 3, RAW), // of I062/130: 0 none, 1 GNSS, 2 radar, 3 triangulation, 4 coverage, 5 speed, 6 default, …
     flag("CNF"),            // 0 confirmed, 1 tentative
 ];
 
@@ -748,7 +752,7 @@ const I390: Item = Item::new(
             "TOD",
             "Time of Departure / Arrival",
             Repetitive(&Group(&[
-                element("TYP", 5, RAW), // 0 scheduled and 1 estimated off-block, 2 estimated take-off, … 8 estimated arrival, …
+                element("TYP", 5, RAW), // 0 scheduled, 1 estimated off-block, 2 estimated take-off, … 8 arrival, …
                 element("DAY", 2, RAW), // 0 today, 1 yesterday, 2 tomorrow
                 spare(4),
                 element("HOR", 5, NUMBER),
