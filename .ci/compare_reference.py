@@ -40,7 +40,7 @@ KNOWN = {
     (21, '150/AS'): (air_speed, 'the reference gives the number sent where the LSB depends on another element'),
     (62, '380/IAS/IAS'): (air_speed, 'the reference gives the number sent where the LSB depends on another element'),
 }
-UNDEFINED_CHARACTER = 'a code without a character: the reference leaves it out or sends it on, ours shows that it is one'
+UNDEFINED_CHARACTER = 'the reference leaves out or passes on codes without a character, ours shows them'
 REFUSED_EXTENSION = 'the reference refuses a block with an item that goes on beyond its edition'
 
 
@@ -54,9 +54,9 @@ def is_number(x):
 
 def undefined_characters(ours, reference):
     """Six-bit codes are left out, eight-bit codes become control and other characters."""
-    left_out = ours.replace(UNDEFINED, '') == reference
-    same_length = len(ours) == len(reference)
-    return left_out or same_length and all(a == b or a == UNDEFINED and not ' ' <= b <= '~' for a, b in zip(ours, reference))
+    if len(ours) != len(reference):
+        return ours.replace(UNDEFINED, '') == reference
+    return all(a == b or a == UNDEFINED and not ' ' <= b <= '~' for a, b in zip(ours, reference))
 
 
 class Comparison:

@@ -3,9 +3,10 @@
 
 usage: random_records.py FOLDER CATEGORY ...
 
-For each edition of these categories two files are written, named after both as in 048=1.31: .ast, with one record in each
-block, and .reference, with one JSON object a line as compare_reference.py takes them.  Each edition of coding rules for a reserved
-expansion field is tried with the newest edition of its category, as in 048=1.32,048~RE=1.13.  Every run writes the same.
+For each edition of these categories two files are written, named after both as in 048=1.31: .ast, with one record in
+each block, and .reference, with one JSON object a line as compare_reference.py takes them.  Each edition of coding
+rules for a reserved expansion field is tried with its category's newest edition, as in 048=1.32,048~RE=1.13.  Every
+run writes the same.
 """
 import json
 import os

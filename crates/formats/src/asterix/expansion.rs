@@ -2,11 +2,11 @@
 //!
 //! Most profiles end in a *reserved expansion field*, RE: an explicit item, so that those who do not know its content
 //! can step over it. EUROCONTROL uses it to add to a category without a new edition, and has documents of its own for
-//! the content, *coding rules* with editions of their own. In a record nothing says which of them its sender follows. So
-//! the content is kept as octets ([`Value::Bytes`]) where a whole record is decoded, and decoded here for a caller who
-//! knows: an octet with eight flags, most significant first, and then the subitems that they announce.
+//! the content, *coding rules* with editions of their own. In a record nothing says which of them its sender follows.
+//! So the content is kept as octets ([`Value::Bytes`]) where a whole record is decoded, and decoded here for a caller
+//! who knows: an octet with eight flags, most significant first, and then the subitems that they announce.
 //!
-//! The *special purpose field*, SP, is explicit as well. Its content is a matter of the sender, and there are no tables.
+//! The *special purpose field*, SP, is explicit as well. Its content is a matter of the sender: there are no tables.
 
 use super::error::Error;
 use super::extent;

@@ -19,6 +19,9 @@
 //! - *explicit*: an octet with the item's own length, itself included, and content agreed upon elsewhere;
 //! - *compound*: an FSPEC of its own and subitems in these same layouts.
 //!
+//! In the oldest categories one FRN stands for a *random field sequence* instead: a count, and so many times an FRN and
+//! its item, for items in another order or given more than once.
+//!
 //! # The module
 //!
 //! ```text

@@ -1,7 +1,6 @@
-//! What the reserved expansion field I048/RE holds in editions 1.11 to 1.13 of its coding rules, each an addition to the
-//! one before.
+//! What the reserved expansion field I048/RE holds in editions 1.11 to 1.13 of its coding rules.
 //!
-//! EUROCONTROL-SPEC-0149-4A.
+//! EUROCONTROL-SPEC-0149-4A. Each edition is an addition to the one before.
 
 use crate::asterix::expansion::Expansion;
 use crate::asterix::table::Layout::{Compound, Element, Extended, Group, Repetitive};

@@ -77,7 +77,7 @@ const V3: Option<Item> = subitem(
                 group("RCE", &[flag("EP"), element("VAL", 2, RAW)]), // reduced capability equipment: 1 TABS, 3 other
                 group("RRL", &[flag("EP"), flag("VAL")]),            // reply rate limiting active
                 group("TPW", &[flag("EP"), element("VAL", 2, RAW)]), // transmit power in W: 1 70, 2 125, 3 200
-                group("TSI", &[flag("EP"), element("VAL", 2, RAW)]), // transponder: 0 unknown, 1 left, 2 right, 3 backup
+                group("TSI", &[flag("EP"), element("VAL", 2, RAW)]), // transponder: 1 left, 2 right, 3 backup
                 group(
                     "TAO",
                     &[
