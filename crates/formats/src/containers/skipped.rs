@@ -118,7 +118,7 @@ pub enum Reason {
         protocol: u8,
     },
     /// Fragments of an IP packet of which others are missing or contradict them.
-    #[error("{fragments} fragments of an IP packet that is not complete")]
+    #[error("IP packet that is not complete; fragments captured: {fragments}")]
     Fragments {
         /// The fragments that were captured.
         fragments: usize,
