@@ -24,6 +24,18 @@ impl<'a> Block<'a> {
         &self.bytes[HEADER_OCTETS..]
     }
 
+    /// System area code and system identification code of its first record: who sent it. Item 010, which holds them, is
+    /// the first of every category; `None` if the record has none.
+    pub fn sender(&self) -> Option<(u8, u8)> {
+        const FIRST_ITEM: u8 = 0x80;
+        let body = self.body();
+        let fspec_octets = body.iter().position(|octet| octet & 1 == 0)? + 1;
+        match body.get(fspec_octets..)? {
+            [sac, sic, ..] if body[0] & FIRST_ITEM != 0 => Some((*sac, *sic)),
+            _ => None,
+        }
+    }
+
     /// The records, read with one edition's table. The caller has chosen a table of the block's category.
     pub fn records(&self, table: &'static Category, mode: Mode) -> Records<'a> {
         Records::new(self, table, mode)

@@ -65,6 +65,8 @@ pub struct Converter {
     model: SourceModel,
     day: Option<DayUnroller>,
     first_day_ns: i64,
+    /// Time of receipt of what is converted now, UTC, nanoseconds; `None` for recordings.
+    received_ns: Option<i64>,
     time_check: TimeCheck,
     tracks: FxHashMap<u32, TrackMemory>,
     counters: [u64; COUNTERS_MAX],
@@ -77,10 +79,18 @@ impl Converter {
             model,
             day: None,
             first_day_ns,
+            received_ns: None,
             time_check: TimeCheck::new(),
             tracks: FxHashMap::default(),
             counters: [0; COUNTERS_MAX],
         }
+    }
+
+    /// What follows was received at `received_ns` (UTC, nanoseconds). From now on that is what times of day are compared
+    /// with: they are of the day that brings them nearest to it, and refused if they are farther from it than the limit
+    /// on time steps. A recording has no such time; there the source's running time takes its place.
+    pub fn received(&mut self, received_ns: i64) {
+        self.received_ns = Some(received_ns);
     }
 
     /// What has been counted, indexed by [`Counter`].
@@ -185,6 +195,16 @@ impl Converter {
     fn utc(&mut self, time_of_day_ns: i64) -> Result<i64, Counter> {
         if !(0..=frames::time::NS_PER_DAY).contains(&time_of_day_ns) {
             return Err(Counter::RejectedTime);
+        }
+        if let Some(received_ns) = self.received_ns {
+            let utc_ns = DayUnroller::near(received_ns).utc_ns(time_of_day_ns);
+            if (utc_ns - received_ns).abs() > self.model.limits.time_step_ns {
+                return Err(Counter::RejectedTime);
+            }
+            self.day
+                .get_or_insert_with(|| DayUnroller::near(utc_ns))
+                .advance(utc_ns);
+            return Ok(utc_ns);
         }
         let first_ns = self.first_day_ns + time_of_day_ns;
         let day = self.day.get_or_insert_with(|| DayUnroller::near(first_ns));
@@ -398,6 +418,32 @@ mod tests {
         assert!(track.has(bits::HEIGHT | bits::VELOCITY));
         assert!(!track.has(bits::OWN_COVARIANCE));
         assert_eq!(track.covariance.get(0, 0), 25.0);
+    }
+
+    #[test]
+    fn live_stamps_are_judged_by_the_time_of_receipt() {
+        let mut converter = converter();
+        let midnight = DAY + 5 * 86_400 * S;
+        converter.received(midnight + S / 2);
+        let before = converter.convert(&observation(86_399.5), 0).unwrap();
+        assert_eq!(
+            before.time_of_measurement_ns,
+            midnight - S / 2,
+            "late, of the day before"
+        );
+        let early = converter.convert(&observation(1.0), 0).unwrap();
+        assert_eq!(early.time_of_measurement_ns, midnight + S, "its clock is ahead");
+        let count = |converter: &Converter| converter.counters()[Counter::RejectedTime as usize];
+        for (refused, time_s) in [(1, 61.0), (2, 62.0), (3, 43_000.0)] {
+            assert_eq!(
+                converter.convert(&observation(time_s), 0),
+                None,
+                "however often it insists"
+            );
+            assert_eq!(count(&converter), refused);
+        }
+        converter.received(midnight + 61 * S);
+        assert!(converter.convert(&observation(61.0), 0).is_some());
     }
 
     #[test]
