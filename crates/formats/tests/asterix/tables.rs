@@ -50,7 +50,7 @@ fn check_layout(table: &Category, item: &str, layout: &Layout) {
                 .for_each(|parts| check_parts(&place, parts, &mut before));
         }
         Layout::Repetitive(inner) | Layout::RepetitiveFx(inner) => check_layout(table, item, inner),
-        Layout::Explicit => {}
+        Layout::Explicit | Layout::RandomSequence => {}
         Layout::Compound(subitems) => {
             let mut names = HashSet::new();
             for subitem in subitems.iter().flatten() {
