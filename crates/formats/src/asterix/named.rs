@@ -140,14 +140,6 @@ fn decode(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> Value {
     Decode { uap, bytes, at: 0 }.layout(&item.layout)
 }
 
-/// The number in one element of an item: for what depends on it.
-pub(super) fn element_of(item: &'static Item, uap: &'static Uap, bytes: &[u8], element: &str) -> Option<u64> {
-    match decode(item, uap, bytes).get(element) {
-        Some(Value::Unsigned(number)) => Some(*number),
-        _ => None,
-    }
-}
-
 /// A position within an item that has been measured, so that every octet the layout asks for is there.
 struct Decode<'a> {
     uap: &'static Uap,

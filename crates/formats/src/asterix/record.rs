@@ -3,13 +3,12 @@
 //! Reading a record here means finding its items, not decoding them: one pass over the FSPEC and the lengths, into
 //! a fixed array of offsets. That is all the hot path pays for the items it does not use.
 
-use super::bits::{fspec_bits, goes_on};
+use super::bits::{bits, fspec_bits, goes_on};
 use super::block::{Block, HEADER_OCTETS};
 use super::error::Error;
 use super::extent;
-use super::named;
 use super::spare;
-use super::table::{Category, Frn, Item, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap};
+use super::table::{Category, Frn, Item, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap, first_element};
 
 /// How closely bytes must follow the edition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -261,7 +260,7 @@ fn decide_profile(table: &'static Category, mode: Mode, bytes: &[u8], offset: us
         };
         let octets = extent::measure(item, first, &bytes[at..], mode, category, offset + at)?.octets;
         if item.name == *decider {
-            let value = named::element_of(item, first, &bytes[at..at + octets], element);
+            let value = first_element(&item.layout, element).map(|(begin, width)| bits(bytes, 8 * at + begin, width));
             let case = cases.iter().find(|(case, _)| Some(*case) == value);
             return case.map(|(_, uap)| uap).ok_or_else(|| undecided(value));
         }

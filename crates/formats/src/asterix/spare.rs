@@ -53,7 +53,10 @@ impl Walk<'_> {
                     return;
                 }
             },
-            Layout::Explicit => self.at = self.bytes.len(),
+            Layout::Explicit => {
+                let length = usize::from(self.octet());
+                self.at += length - 1;
+            }
             Layout::Compound(subitems) => {
                 let mut positions = subitems.iter();
                 let mut present = Vec::new();

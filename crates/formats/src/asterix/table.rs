@@ -120,7 +120,7 @@ pub enum Profile {
     Depends {
         /// The deciding item.
         item: &'static str,
-        /// The deciding element in it.
+        /// The deciding element in it, which every such item has: one of a group, or of an extended item's first part.
         element: &'static str,
         /// The value of that element, and its profile.
         cases: &'static [(u64, Uap)],
@@ -426,6 +426,23 @@ pub const fn pow2(exponent: u32) -> f64 {
 pub(super) fn extent_of_part(part: &[Part]) -> (usize, bool) {
     let bits = bit_count(part) as usize;
     (bits.div_ceil(8), !bits.is_multiple_of(8))
+}
+
+/// The first bit and the width of an element that every item of this layout has: one of a group, or of the first part
+/// of an extended item.
+pub(super) fn first_element(layout: &Layout, name: &str) -> Option<(usize, usize)> {
+    let parts = match layout {
+        Layout::Group(parts) | Layout::Extended([parts, ..]) => parts,
+        _ => return None,
+    };
+    let mut at = 0;
+    for part in *parts {
+        match part {
+            Part::Element { name: found, bits, .. } if *found == name => return Some((at, usize::from(*bits))),
+            _ => at += bit_count(std::slice::from_ref(part)) as usize,
+        }
+    }
+    None
 }
 
 const fn bit_count(parts: &[Part]) -> u32 {

@@ -1,6 +1,6 @@
 //! Well-formed records of any table, with any content.
 
-use formats::asterix::table::{Category, Layout, Part, Uap};
+use formats::asterix::table::{Category, Layout, Part, Profile, Uap};
 
 /// The item that says whether there is a target report. Made of anything, it would hardly ever say so.
 const MESSAGE_TYPE: &str = "000";
@@ -98,11 +98,22 @@ impl<'a> Entropy<'a> {
 
     /// A record with some of a profile's items, at least one, and these items.
     pub(crate) fn record(&mut self, table: &'static Category) -> (Vec<u8>, Vec<(&'static str, Vec<u8>)>) {
-        let uap = table.uaps().next().expect("a profile");
+        let choice = match &table.profile {
+            Profile::Single(_) => None,
+            Profile::Depends { item, element, cases } => {
+                let (value, uap) = &cases[usize::from(self.octet()) % cases.len()];
+                Some((*item, *element, *value, uap))
+            }
+        };
+        let uap = choice.map_or(table.uap(), |(.., uap)| uap);
+        let decider = choice.map(|(item, ..)| item);
         let mut present: Vec<bool> = uap
             .order
             .iter()
-            .map(|name| *name == MESSAGE_TYPE || !name.is_empty() && self.octet().is_multiple_of(3))
+            .map(|name| {
+                let must_be = *name == MESSAGE_TYPE || Some(*name) == decider;
+                must_be || !name.is_empty() && self.octet().is_multiple_of(3)
+            })
             .collect();
         if !present.contains(&true) {
             present[0] = true;
@@ -115,11 +126,33 @@ impl<'a> Entropy<'a> {
             if item.name == MESSAGE_TYPE {
                 octets[0] %= 5;
             }
+            if let Some((decider, element, value, _)) = choice
+                && item.name == decider
+            {
+                set_element(&item.layout, element, value, &mut octets);
+            }
             items.push((item.name, octets));
         }
         let mut record = fspec(&present);
         items.iter().for_each(|(_, octets)| record.extend(octets));
         (record, items)
+    }
+}
+
+/// Gives a value to an element of a group, or of the first part of an extended item.
+fn set_element(layout: &Layout, element: &str, value: u64, octets: &mut [u8]) {
+    let (Layout::Group(parts) | Layout::Extended([parts, ..])) = layout else {
+        panic!("{layout:?} has no element that is always there");
+    };
+    let is_element = |part: &&Part| matches!(part, Part::Element { name, .. } if *name == element);
+    let position = parts
+        .iter()
+        .position(|part| is_element(&part))
+        .expect("the deciding element");
+    let end = bit_count(&parts[..=position]);
+    for (i, at) in (bit_count(&parts[..position])..end).rev().enumerate() {
+        let bit = 0x80 >> (at % 8);
+        octets[at / 8] = octets[at / 8] & !bit | if value >> i & 1 == 1 { bit } else { 0 };
     }
 }
 

@@ -3,7 +3,7 @@
 //! EUROCONTROL-SPEC-0149-14 (SUR.ET1.ST05.2000-STD-14-02), ed 1.9 (March 2015), 1.10 and 1.11 (July 2025), with one
 //! order of items: the later ones add a part to I020/020, use spare bits of I020/230 and rename an element of I020/250.
 
-use super::{RE, SP};
+use super::{MODE_C, RE, SP};
 use crate::asterix::table::Layout::{Compound, Element, Extended, Group, Repetitive, RepetitiveFx};
 use crate::asterix::table::*;
 
@@ -113,29 +113,7 @@ const I090: Item = Item::new(
     ]),
 );
 
-const I100: Item = Item::new(
-    "100",
-    "Mode C Code",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        spare(2),
-        element("MODEC", 12, RAW), // Gray code
-        spare(4),
-        flag("QC1"), // this and the following: 1 for a low quality pulse
-        flag("QA1"),
-        flag("QC2"),
-        flag("QA2"),
-        flag("QC4"),
-        flag("QA4"),
-        flag("QB1"),
-        flag("QD1"),
-        flag("QB2"),
-        flag("QD2"),
-        flag("QB4"),
-        flag("QD4"),
-    ]),
-);
+const I100: Item = Item::new("100", "Mode C Code", Group(MODE_C));
 
 const I105: Item = Item::new("105", "Geometric Height (WGS-84)", Element(16, signed(6.25, "ft")));
 

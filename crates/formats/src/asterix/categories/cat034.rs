@@ -191,25 +191,25 @@ const ORDER: &[&str] = &[
     "070", "100", "110", "120", "090", "RE",  "SP",  //      8 to 14
 ];
 
-const fn edition(minor: u8, items: &'static [Item]) -> Category {
+const fn edition(minor: u8) -> Category {
     Category {
         number: 34,
         edition: Edition::new(1, minor),
         title: "Transmission of Monoradar Service Messages",
         document: "EUROCONTROL-SPEC-0149-2b",
-        items,
-        profile: Profile::Single(Uap::new(items, ORDER)),
+        items: ITEMS,
+        profile: Profile::Single(Uap::new(ITEMS, ORDER)),
     }
 }
 
 /// Monoradar service messages, ed 1.27.
-pub static CAT034_V1_27: Category = edition(27, ITEMS);
+pub static CAT034_V1_27: Category = edition(27);
 
 /// Monoradar service messages, ed 1.28.
-pub static CAT034_V1_28: Category = edition(28, ITEMS);
+pub static CAT034_V1_28: Category = edition(28);
 
 /// Monoradar service messages, ed 1.29.
-pub static CAT034_V1_29: Category = edition(29, ITEMS);
+pub static CAT034_V1_29: Category = edition(29);
 
 /// Every edition of the category.
 pub static CAT034: &[&Category] = &[&CAT034_V1_27, &CAT034_V1_28, &CAT034_V1_29];

@@ -4,7 +4,7 @@
 //! are further parts of I048/020, and codes of I048/030. Ed 1.32 says that the flight level in I048/090 is in two's
 //! complement; before, the document said nothing of a sign, and these tables have none.
 
-use super::{RE, SP};
+use super::{MODE_C, PULSE_QUALITY, RE, SP};
 use crate::asterix::table::Layout::{Compound, Element, Extended, Group, Repetitive, RepetitiveFx};
 use crate::asterix::table::*;
 
@@ -123,16 +123,6 @@ const I055: Item = Item::new(
     ]),
 );
 
-/// Of the pulses of a Mode 2 or Mode 3/A code: 1 low.
-#[rustfmt::skip]
-const PULSE_QUALITY: &[Part] = &[
-    spare(4),
-    flag("QA4"), flag("QA2"), flag("QA1"),
-    flag("QB4"), flag("QB2"), flag("QB1"),
-    flag("QC4"), flag("QC2"), flag("QC1"),
-    flag("QD4"), flag("QD2"), flag("QD1"),
-];
-
 const I060: Item = Item::new("060", "Mode-2 Code Confidence Indicator", Group(PULSE_QUALITY));
 
 const I065: Item = Item::new(
@@ -182,29 +172,7 @@ const I090_V1_32: Item = Item::new(
     ]),
 );
 
-const I100: Item = Item::new(
-    "100",
-    "Mode-C Code and Code Confidence Indicator",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        spare(2),
-        element("MODEC", 12, RAW), // Gray code
-        spare(4),
-        flag("QC1"), // 1 low quality of this pulse
-        flag("QA1"),
-        flag("QC2"),
-        flag("QA2"),
-        flag("QC4"),
-        flag("QA4"),
-        flag("QB1"),
-        flag("QD1"),
-        flag("QB2"),
-        flag("QD2"),
-        flag("QB4"),
-        flag("QD4"),
-    ]),
-);
+const I100: Item = Item::new("100", "Mode-C Code and Code Confidence Indicator", Group(MODE_C));
 
 const I110: Item = Item::new(
     "110",

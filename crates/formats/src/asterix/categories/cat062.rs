@@ -53,7 +53,7 @@ const I080_PART_1: &[Part] = &[
     flag("MON"),            // 0 several sensors, 1 one sensor
     flag("SPI"),            // special position identification in the last report
     flag("MRH"),            // more reliable height: 0 barometric, 1 geometric
-    element("SRC", 3, RAW), // of I062/130: 0 none, 1 GNSS, 2 radar, 3 triangulation, 4 coverage, 5 speed, 6 default, 7 mlat
+    element("SRC", 3, RAW), // of I062/130: 0 none, 1 GNSS, 2 radar, 3 triangulation, 4 coverage, 5 speed, 6 default, …
     flag("CNF"),            // 0 confirmed, 1 tentative
 ];
 
@@ -748,7 +748,7 @@ const I390: Item = Item::new(
             "TOD",
             "Time of Departure / Arrival",
             Repetitive(&Group(&[
-                element("TYP", 5, RAW), // 0 scheduled and 1 estimated off-block, 2 estimated take-off, … 8 estimated arrival, …
+                element("TYP", 5, RAW), // 0 scheduled, 1 estimated off-block, 2 estimated take-off, … 8 arrival, …
                 element("DAY", 2, RAW), // 0 today, 1 yesterday, 2 tomorrow
                 spare(4),
                 element("HOR", 5, NUMBER),

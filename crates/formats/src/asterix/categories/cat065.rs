@@ -53,25 +53,25 @@ const ORDER: &[&str] = &[
     SPARE, SPARE, SPARE, SPARE, SPARE, "RE",  "SP",  //      8 to 14
 ];
 
-const fn edition(minor: u8, items: &'static [Item]) -> Category {
+const fn edition(minor: u8) -> Category {
     Category {
         number: 65,
         edition: Edition::new(1, minor),
         title: "SDPS Service Status Reports",
         document: "EUROCONTROL-SPEC-0149-15",
-        items,
-        profile: Profile::Single(Uap::new(items, ORDER)),
+        items: ITEMS,
+        profile: Profile::Single(Uap::new(ITEMS, ORDER)),
     }
 }
 
 /// System service status reports, ed 1.4.
-pub static CAT065_V1_4: Category = edition(4, ITEMS);
+pub static CAT065_V1_4: Category = edition(4);
 
 /// System service status reports, ed 1.5.
-pub static CAT065_V1_5: Category = edition(5, ITEMS);
+pub static CAT065_V1_5: Category = edition(5);
 
 /// System service status reports, ed 1.6.
-pub static CAT065_V1_6: Category = edition(6, ITEMS);
+pub static CAT065_V1_6: Category = edition(6);
 
 /// Every edition of the category.
 pub static CAT065: &[&Category] = &[&CAT065_V1_4, &CAT065_V1_5, &CAT065_V1_6];
