@@ -7,7 +7,7 @@ use crate::asterix::typed::fields::{
     Callsign, CartesianPosition, CartesianVelocity, Extrapolation, GeodeticPosition, Mode3A, PolarPosition,
     PolarVelocity, TimeOfDay, TrackStatus,
 };
-use crate::asterix::typed::{cat010, cat019, cat020, cat021_v0_23};
+use crate::asterix::typed::{cat010, cat019, cat020, cat021_v0};
 
 /// A target report in the sensor's own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -93,7 +93,7 @@ pub fn read(record: &Record<'_>) -> Reading {
     if let Some(report) = cat020::TargetReport::read(record) {
         return Reading::Target(of_cat020(&report));
     }
-    if let Some(report) = cat021_v0_23::TargetReport::read(record) {
+    if let Some(report) = cat021_v0::TargetReport::read(record) {
         return Reading::Target(of_cat021_v0_23(&report));
     }
     match cat019::ServiceMessage::read(record) {
@@ -184,7 +184,7 @@ fn cat020_quality(report: &cat020::TargetReport) -> Quality {
     }
 }
 
-fn of_cat021_v0_23(report: &cat021_v0_23::TargetReport) -> Observation {
+fn of_cat021_v0_23(report: &cat021_v0::TargetReport) -> Observation {
     let descriptor = report.descriptor;
     Observation {
         sac_sic: report.source.map(|source| (source.sac, source.sic)),

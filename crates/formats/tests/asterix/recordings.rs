@@ -1,4 +1,4 @@
-//! Whole recordings of an airport's sensors: known totals, and the two ways of decoding compared on every record.
+//! Whole recordings: known totals, and the two ways of decoding compared on every record.
 //!
 //! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
 //! workspace; where they are absent the tests say so and pass.
@@ -10,17 +10,22 @@ use std::path::{Path, PathBuf};
 
 use formats::asterix::categories::CAT021_V0_23;
 use formats::asterix::typed::fields::{Availability, Callsign};
-use formats::asterix::typed::{cat010, cat019, cat020, cat021_v0_23};
+use formats::asterix::typed::{cat010, cat019, cat020, cat021_v0, cat021_v2, cat034, cat048, cat062, cat065};
 use formats::asterix::{Counts, Decoder, Mode, NamedRecord, Record, Value};
 
 use crate::agreement;
 
+/// A recording of an airport's sensors.
 fn recording(name: &str) -> Option<Vec<u8>> {
+    file(&format!("lebl2016/{name}"))
+}
+
+fn file(name: &str) -> Option<Vec<u8>> {
     let folder = env::var_os("KOSEKI_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
         PathBuf::from,
     );
-    let path = folder.join("lebl2016").join(name);
+    let path = folder.join(name);
     let bytes = fs::read(&path).ok();
     if bytes.is_none() {
         println!("skipped: no recording {}", path.display());
@@ -29,8 +34,11 @@ fn recording(name: &str) -> Option<Vec<u8>> {
 }
 
 /// Every record, decoded in both ways; what was counted; and how many values both ways have.
-fn for_each(bytes: &[u8], mut see: impl FnMut(&Record<'_>)) -> (Counts, usize) {
-    let mut decoder = Decoder::new(Mode::Lenient).with_table(&CAT021_V0_23); // not the category's default
+fn for_each(bytes: &[u8], see: impl FnMut(&Record<'_>)) -> (Counts, usize) {
+    for_each_with(Decoder::new(Mode::Lenient), bytes, see)
+}
+
+fn for_each_with(mut decoder: Decoder, bytes: &[u8], mut see: impl FnMut(&Record<'_>)) -> (Counts, usize) {
     let mut compared = 0;
     for record in decoder.records(bytes) {
         let record = record.unwrap();
@@ -200,15 +208,92 @@ fn ads_b() {
     let mut addresses = BTreeSet::new();
     let mut callsigns = BTreeSet::<Callsign>::new();
     let mut without_callsign = 0;
-    let (counted, compared) = for_each(&bytes, |record| {
-        let report = cat021_v0_23::TargetReport::read(record).unwrap();
+    let decoder = Decoder::new(Mode::Lenient).with_table(&CAT021_V0_23); // not the category's default
+    let (counted, compared) = for_each_with(decoder, &bytes, |record| {
+        let report = cat021_v0::TargetReport::read(record).unwrap();
         addresses.extend(report.address);
         callsigns.extend(report.callsign);
-        let sent = record.item(cat021_v0_23::item::CALLSIGN);
+        let sent = record.item(cat021_v0::item::CALLSIGN);
         without_callsign += usize::from(sent.is_some() && report.callsign.is_none());
     });
     assert_eq!(counted, counts(49_330));
     assert_eq!((addresses.len(), without_callsign), (47, 5891));
     assert!(callsigns.iter().any(|callsign| callsign.as_str() == "IBK3ZR"));
     assert!(compared > 1_000_000, "{compared}");
+}
+
+#[test]
+fn en_route_radar() {
+    let Some(bytes) = file("akapetanovic/Jahorina.raw") else {
+        return;
+    };
+    let (mut plots, mut sectors, mut registers) = (0, 0, 0);
+    let mut addresses = BTreeSet::new();
+    let (counted, compared) = for_each(&bytes, |record| {
+        if let Some(report) = cat048::TargetReport::read(record) {
+            plots += 1;
+            addresses.extend(report.address);
+            assert_eq!(report.track_number, None, "the radar sends plots");
+            let slant_m = report.slant_position.unwrap().range_m;
+            assert!((5.0 * 1852.0..181.0 * 1852.0).contains(&slant_m), "{slant_m}");
+            registers += cat048::registers(record).count();
+        }
+        if let Some(message) = cat034::ServiceMessage::read(record) {
+            assert_eq!(message.message_type, Some(cat034::MessageType::NorthMarker));
+            assert!((5.0..5.1).contains(&message.antenna_period_s.unwrap()), "{message:?}");
+            assert!(!message.status.unwrap().unreleased);
+            sectors += 1;
+        }
+    });
+    assert_eq!((counted.records, counted.octets_skipped), (2119, 0));
+    assert_eq!((plots, sectors, addresses.len()), (2099, 20, 106));
+    assert!(registers > 1000, "{registers}");
+    assert!(compared > 50_000, "{compared}");
+}
+
+#[test]
+fn single_messages_of_other_systems() {
+    let Some(radar) = file("cro/cat048.raw") else { return };
+    let (_, compared) = for_each(&radar, |record| {
+        let report = cat048::TargetReport::read(record).unwrap();
+        assert_eq!((report.track_number, report.address), (Some(3563), Some(3_958_284)));
+        assert!((report.slant_position.unwrap().range_m - 197.683_593_75 * 1852.0).abs() < 1e-6);
+        assert!(!report.track_status.unwrap().slant_corrected);
+    });
+    assert_eq!(compared, 30);
+
+    let Some(system) = file("cro/cat062cat065.raw") else {
+        return;
+    };
+    let (mut tracks, mut batches) = (vec![], vec![]);
+    for_each(&system, |record| {
+        tracks.extend(cat062::TrackMessage::read(record));
+        batches.extend(cat065::ServiceMessage::read(record));
+    });
+    let numbers: Vec<_> = tracks.iter().map(|track| track.track_number).collect();
+    assert_eq!(numbers, [Some(4980), Some(7977)]);
+    let aircraft = tracks[1].aircraft;
+    assert_eq!(
+        (aircraft.address, aircraft.callsign.unwrap().as_str()),
+        (Some(3_934_805), "SXD4723")
+    );
+    assert_eq!(tracks[0].vertical_rate_m_s, Some(-443.75 * 0.3048 / 60.0));
+    assert_eq!(batches[0].message_type, Some(cat065::MessageType::EndOfBatch));
+    assert_eq!(batches[0].batch, Some(24));
+
+    let Some(ads_b) = file("cro/cat21_re.ast") else { return };
+    let mut fractions = vec![];
+    for_each(&ads_b, |record| {
+        let report = cat021_v2::TargetReport::read(record).unwrap();
+        assert!(report.descriptor.unwrap().ground_bit);
+        fractions.extend(report.position_reception_fraction);
+    });
+    let seconds: Vec<_> = fractions
+        .iter()
+        .map(|time| f64::from(time.fraction) / (1u32 << 30) as f64)
+        .collect();
+    assert!(
+        (seconds[0] - 0.9196).abs() < 1e-6 && (seconds[1] - 0.160_666).abs() < 1e-6,
+        "{seconds:?}"
+    );
 }
