@@ -16,6 +16,7 @@ const ORDER: &[&str] = &[
     "scenario",
     "fusion",
     "bus",
+    "net",
     "runtime",
     "adapter",
     "fusion-service",
@@ -31,6 +32,7 @@ const SERVICES: &[&str] = &["adapter", "fusion-service", "monitor", "recorder", 
 /// Crates that may know the outside world; all others are pure.
 const OUTSIDE: &[&str] = &[
     "bus",
+    "net",
     "runtime",
     "adapter",
     "fusion-service",
@@ -41,7 +43,7 @@ const OUTSIDE: &[&str] = &[
 ];
 
 /// Crates that may hold `unsafe`, each use with its reason.
-const MAY_BE_UNSAFE: &[&str] = &["bus", "frames", "messages"];
+const MAY_BE_UNSAFE: &[&str] = &["bus", "frames", "messages", "net"];
 
 fn workspace() -> Metadata {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../Cargo.toml");
