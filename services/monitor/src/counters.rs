@@ -23,11 +23,12 @@ pub(crate) const REJECTIONS: [Counter; 12] = [
 ];
 
 /// What else an adapter says of records that it did not, or not wholly, turn into reports.
-pub(crate) const ADAPTER_REMARKS: [Counter; 4] = [
+pub(crate) const ADAPTER_REMARKS: [Counter; 5] = [
     Counter::ServiceMessages,
     Counter::BlocksRefused,
     Counter::BytesRefused,
     Counter::RejectedHeight,
+    Counter::HeightAssumed,
 ];
 
 /// Reports that fusion took, but did not use.

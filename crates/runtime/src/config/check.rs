@@ -193,6 +193,9 @@ fn check_source(
             frame: SensorFrame::new(system, origin, turned.to_radians()),
             system: *system,
             height_m: sensor_place.height_m,
+            assumed_height_m: within(&key("assumed_height_m"), raw.assumed_height_m, -500.0, 20e3)?,
+            // The lowest and the highest that were ever measured at sea level are 870 and 1084 hPa.
+            qnh_hpa: within(&key("qnh_hpa"), raw.qnh_hpa, 850.0, 1100.0)?,
             limits,
             covariance: check_covariance(index, raw)?,
         },

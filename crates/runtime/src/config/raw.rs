@@ -55,6 +55,12 @@ pub(crate) struct RawSource {
     #[serde(default)]
     pub(crate) priority: Option<u32>,
     pub(crate) ceiling_m: Option<f64>,
+    /// For slant ranges of targets without height.
+    #[serde(default = "five_kilometres")]
+    pub(crate) assumed_height_m: f64,
+    /// For pressure altitudes.
+    #[serde(default = "standard_pressure")]
+    pub(crate) qnh_hpa: f64,
     pub(crate) place: Option<RawPlace>,
     pub(crate) recorded: Option<RawRecorded>,
     pub(crate) simulated: Option<scenario::SensorSettings>,
@@ -353,4 +359,13 @@ fn one() -> f64 {
 
 fn half() -> f64 {
     0.5
+}
+
+/// Between the low fliers without transponder and the high ones; see `formats::reports`.
+fn five_kilometres() -> f64 {
+    5000.0
+}
+
+fn standard_pressure() -> f64 {
+    formats::reports::STANDARD_PRESSURE_HPA
 }
