@@ -1,5 +1,6 @@
 //! CAT021 before ed 1: ADS-B.
 
+use super::navigation::{covariance_of_velocity_category, radius_of_nucp};
 use super::*;
 use crate::asterix::typed::cat021_v0::TargetReport;
 

@@ -5,6 +5,7 @@
 //! radius is one that the error exceeds once in ten million flight hours; as an error with 95 % probability it is far
 //! too large, and used only where there is nothing else.
 
+use super::navigation::{covariance_of_velocity_category, radius_of_nacp, radius_of_nic, radius_of_nucp};
 use super::*;
 use crate::asterix::typed::cat021_v2::{FineTime, QualityIndicators, SurveillanceStatus, TargetReport, TargetStatus};
 use frames::time::NS_PER_S;
@@ -94,43 +95,5 @@ fn position_quality(version: Option<u8>, quality: QualityIndicators) -> Quality 
         (0, _) => radius_of_nucp(quality.integrity_category),
         (_, Some(category)) => radius_of_nacp(category),
         (_, None) => radius_of_nic(quality.integrity_category),
-    }
-}
-
-/// Radius of 95 % containment for a navigation accuracy category (NACp): RTCA DO-260B, table of the estimated position
-/// uncertainty.
-fn radius_of_nacp(category: u8) -> Quality {
-    match category {
-        11 => Quality::Radius95(3.0),
-        10 => Quality::Radius95(10.0),
-        9 => Quality::Radius95(30.0),
-        8 => Quality::Radius95(0.05 * NAUTICAL_MILE_M),
-        7 => Quality::Radius95(0.1 * NAUTICAL_MILE_M),
-        6 => Quality::Radius95(0.3 * NAUTICAL_MILE_M),
-        5 => Quality::Radius95(0.5 * NAUTICAL_MILE_M),
-        4 => Quality::Radius95(NAUTICAL_MILE_M),
-        3 => Quality::Radius95(2.0 * NAUTICAL_MILE_M),
-        2 => Quality::Radius95(4.0 * NAUTICAL_MILE_M),
-        1 => Quality::Radius95(10.0 * NAUTICAL_MILE_M),
-        _ => Quality::Unknown,
-    }
-}
-
-/// Radius of containment for a navigation integrity category (NIC): RTCA DO-260B; of those that the supplements tell
-/// apart, the larger.
-fn radius_of_nic(category: u8) -> Quality {
-    match category {
-        11 => Quality::Radius95(7.5),
-        10 => Quality::Radius95(25.0),
-        9 => Quality::Radius95(75.0),
-        8 => Quality::Radius95(0.1 * NAUTICAL_MILE_M),
-        7 => Quality::Radius95(0.2 * NAUTICAL_MILE_M),
-        6 => Quality::Radius95(0.6 * NAUTICAL_MILE_M),
-        5 => Quality::Radius95(NAUTICAL_MILE_M),
-        4 => Quality::Radius95(2.0 * NAUTICAL_MILE_M),
-        3 => Quality::Radius95(4.0 * NAUTICAL_MILE_M),
-        2 => Quality::Radius95(8.0 * NAUTICAL_MILE_M),
-        1 => Quality::Radius95(20.0 * NAUTICAL_MILE_M),
-        _ => Quality::Unknown,
     }
 }

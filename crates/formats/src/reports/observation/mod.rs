@@ -10,6 +10,7 @@ mod cat021_v0;
 mod cat021_v2;
 mod cat048;
 mod cat062;
+mod navigation;
 
 use messages::{Identity, TrackState, alert_bits};
 
@@ -19,9 +20,6 @@ use crate::asterix::typed::fields::{
     GeodeticPosition, Mode3A, PolarPosition, PolarVelocity, ResolutionAdvisory, Source, TimeOfDay, TrackStatus,
 };
 use crate::asterix::typed::{cat002, cat019, cat023, cat034, cat063, cat065};
-
-/// Metres in a nautical mile.
-const NAUTICAL_MILE_M: f64 = 1852.0;
 
 /// A target report in the sensor's own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -180,37 +178,6 @@ pub fn read(record: &Record<'_>) -> Reading {
         _ => None,
     };
     reading.unwrap_or(Reading::Other)
-}
-
-/// Radius of 95 % containment for a navigation uncertainty category (NUCp): RTCA DO-260, table of horizontal position
-/// error.
-fn radius_of_nucp(category: u8) -> Quality {
-    match category {
-        9 => Quality::Radius95(3.0),
-        8 => Quality::Radius95(10.0),
-        7 => Quality::Radius95(0.05 * NAUTICAL_MILE_M),
-        6 => Quality::Radius95(0.1 * NAUTICAL_MILE_M),
-        5 => Quality::Radius95(0.25 * NAUTICAL_MILE_M),
-        4 => Quality::Radius95(0.5 * NAUTICAL_MILE_M),
-        3 => Quality::Radius95(NAUTICAL_MILE_M),
-        2 => Quality::Radius95(5.0 * NAUTICAL_MILE_M),
-        1 => Quality::Radius95(10.0 * NAUTICAL_MILE_M),
-        _ => Quality::Unknown,
-    }
-}
-
-/// Covariance for a category of velocity, NUCr or NACv: RTCA DO-260, DO-260A and DO-260B give both the same horizontal
-/// errors with 95 % probability. `None` for a category that says nothing.
-fn covariance_of_velocity_category(category: u8) -> Option<[f64; 3]> {
-    let error_mps = match category {
-        4 => 0.3,
-        3 => 1.0,
-        2 => 3.0,
-        1 => 10.0,
-        _ => return None,
-    };
-    let variance = (error_mps / super::RADIUS95_SIGMAS).powi(2);
-    Some([variance, 0.0, variance])
 }
 
 /// Covariance from standard deviations and correlation, if neither deviation is zero: senders mean "not given" by that.
