@@ -129,10 +129,10 @@ fn sensor_position(model: &SourceModel, placed: &Placed) -> Horizontal {
     along_and_across(offset, along_m2.max(sigma.range_m.powi(2)), across_m2)
 }
 
-/// With what an assumed height may be wrong by along the line of sight.
+/// With what a height other than the target's own may be wrong by along the line of sight.
 fn wider([xx, xy, yy]: Horizontal, model: &SourceModel, placed: &Placed) -> Horizontal {
-    let assumption_m2 = placed.slant.map_or(0.0, |slant| slant.assumption_m2());
-    let [more_xx, more_xy, more_yy] = along_and_across(from_sensor(model, placed), assumption_m2, 0.0);
+    let along_m2 = placed.slant.map_or(0.0, |slant| slant.height_error_m2());
+    let [more_xx, more_xy, more_yy] = along_and_across(from_sensor(model, placed), along_m2, 0.0);
     [xx + more_xx, xy + more_xy, yy + more_yy]
 }
 

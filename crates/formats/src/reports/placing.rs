@@ -14,6 +14,9 @@
 //!
 //! which is added to the variance along the line of sight. The default of 5 km divides the error: targets without
 //! height are mostly low, without transponder; the fast ones among them are not.
+//!
+//! A track that had a height some seconds ago is near it still: that height is used instead, and is less certain by what
+//! the target may have climbed.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -27,6 +30,37 @@ use super::observation::{Plane, Position};
 const UNKNOWN_HEIGHT_MAX_M: f64 = 12_000.0;
 /// Mean radius of the earth, metres: what a map's scale depends on only weakly.
 const EARTH_RADIUS_M: f64 = 6_371_000.0;
+
+/// What is known of a target's height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Height {
+    /// From the report, metres.
+    Known(f64),
+    /// From an earlier report of the track.
+    Remembered {
+        /// What it was, metres.
+        height_m: f64,
+        /// What it may be off by now, metres.
+        off_m: f64,
+    },
+    /// Nothing.
+    Unknown,
+}
+
+impl Height {
+    /// Where the target is, as far as anybody has said, metres.
+    fn value_m(self) -> Option<f64> {
+        match self {
+            Self::Known(height_m) | Self::Remembered { height_m, .. } => Some(height_m),
+            Self::Unknown => None,
+        }
+    }
+
+    /// Whether the report says it.
+    pub(crate) fn is_known(self) -> bool {
+        matches!(self, Self::Known(_))
+    }
+}
 
 /// A position in the system frame.
 #[derive(Clone, Copy, Debug)]
@@ -42,31 +76,35 @@ pub(crate) struct Slant {
     range_m: f64,
     /// Of the target above the sensor.
     up_m: f64,
-    /// Where the height was not known: of the sensor.
-    assumed_from_m: Option<f64>,
+    /// Of the sensor.
+    sensor_height_m: f64,
+    height: Height,
 }
 
-/// Places a position whose height is `height_m`, if that is known.
-pub(crate) fn place(model: &SourceModel, position: Position, height_m: Option<f64>) -> Result<Placed, Counter> {
+/// Places a position.
+pub(crate) fn place(model: &SourceModel, position: Position, height: Height) -> Result<Placed, Counter> {
+    let height_m = height.value_m().unwrap_or(model.height_m);
     let above = |offset: [f64; 2]| Placed {
-        position_m: model.frame.above(offset, height_m.unwrap_or(model.height_m)),
+        position_m: model.frame.above(offset, height_m),
         slant: None,
     };
-    let placed = match position {
+    let mut placed = match position {
         Position::Cartesian(offset, Plane::Tangent) => above(offset),
-        Position::Cartesian(offset, Plane::Slant) => slant(model, to_polar(offset), height_m),
+        Position::Cartesian(offset, Plane::Slant) => slant(model, to_polar(offset), height),
         Position::Cartesian(offset, Plane::Stereographic) => stereographic(model, offset, height_m),
         Position::Polar(polar) => above(to_cartesian(polar)),
-        Position::Slant(polar) => slant(model, polar, height_m),
+        Position::Slant(polar) => slant(model, polar, height),
         Position::Geodetic([latitude, longitude]) => {
-            let height = height_m.unwrap_or(model.height_m);
-            let place = Geodetic::from_degrees(latitude.to_degrees(), longitude.to_degrees(), height);
+            let place = Geodetic::from_degrees(latitude.to_degrees(), longitude.to_degrees(), height_m);
             Placed {
                 position_m: model.system.to_local(place.map_err(|_| Counter::RejectedPosition)?),
                 slant: None,
             }
         }
     };
+    if !height.is_known() {
+        placed.position_m[2] = 0.0; // what the report does not say is not passed on
+    }
     let [x0, y0] = model.frame.place();
     // Written so that NaN is refused.
     if (placed.position_m[0] - x0).hypot(placed.position_m[1] - y0) <= model.limits.range_m {
@@ -76,33 +114,29 @@ pub(crate) fn place(model: &SourceModel, position: Position, height_m: Option<f6
     }
 }
 
-fn slant(model: &SourceModel, [range_m, azimuth_rad]: [f64; 2], height_m: Option<f64>) -> Placed {
+fn slant(model: &SourceModel, [range_m, azimuth_rad]: [f64; 2], height: Height) -> Placed {
     let highest_m = model.height_m + 0.5 * range_m;
-    let height = height_m.unwrap_or(model.assumed_height_m.min(highest_m));
-    let mut position_m = model.frame.slant(range_m, azimuth_rad, height);
-    if height_m.is_none() {
-        position_m[2] = 0.0; // what is assumed is not passed on
-    }
+    let height_m = height.value_m().unwrap_or(model.assumed_height_m.min(highest_m));
     Placed {
-        position_m,
+        position_m: model.frame.slant(range_m, azimuth_rad, height_m),
         slant: Some(Slant {
             range_m,
-            up_m: height - model.height_m,
-            assumed_from_m: height_m.is_none().then_some(model.height_m),
+            up_m: height_m - model.height_m,
+            sensor_height_m: model.height_m,
+            height,
         }),
     }
 }
 
 /// On a sphere of radius R, a point at distance d on the map is at the angle c = 2·atan(d/2R) from its middle. The
 /// straight distance to what flies above it follows, and with it the place on the ellipsoid.
-fn stereographic(model: &SourceModel, [x, y]: [f64; 2], height_m: Option<f64>) -> Placed {
-    let height = height_m.unwrap_or(model.height_m);
-    let (near, far) = (EARTH_RADIUS_M + model.height_m, EARTH_RADIUS_M + height);
+fn stereographic(model: &SourceModel, [x, y]: [f64; 2], height_m: f64) -> Placed {
+    let (near, far) = (EARTH_RADIUS_M + model.height_m, EARTH_RADIUS_M + height_m);
     let tangent = x.hypot(y) / (2.0 * EARTH_RADIUS_M);
     let sine_squared = tangent * tangent / (1.0 + tangent * tangent);
     let range_m = ((far - near).powi(2) + 4.0 * near * far * sine_squared).sqrt();
     Placed {
-        position_m: model.frame.slant(range_m, x.atan2(y), height),
+        position_m: model.frame.slant(range_m, x.atan2(y), height_m),
         slant: None,
     }
 }
@@ -119,7 +153,7 @@ fn to_cartesian([range, azimuth]: [f64; 2]) -> [f64; 2] {
 impl Slant {
     /// Whether the height was assumed.
     pub(crate) fn is_assumed(&self) -> bool {
-        self.assumed_from_m.is_some()
+        self.height == Height::Unknown
     }
 
     /// The straight distance, metres.
@@ -136,14 +170,20 @@ impl Slant {
         (by_range * by_range + by_height * by_height) / 4.0
     }
 
-    /// Mean square of the error that the assumed height makes in the ground range, square metres; 0 for a known one.
-    pub(crate) fn assumption_m2(&self) -> f64 {
-        let Some(sensor_height_m) = self.assumed_from_m else {
-            return 0.0;
-        };
-        let [low, high] = [0.0, UNKNOWN_HEIGHT_MAX_M].map(|height| ground_m(self.range_m, height - sensor_height_m));
-        let off = (low + high) / 2.0 - ground_m(self.range_m, self.up_m);
-        (low - high).powi(2) / 12.0 + off * off
+    /// Mean square of the error that a height other than the target's own makes in the ground range, square metres.
+    pub(crate) fn height_error_m2(&self) -> f64 {
+        let ground_m = |up_m: f64| ground_m(self.range_m, up_m);
+        match self.height {
+            Height::Known(_) => 0.0,
+            Height::Remembered { off_m, .. } => {
+                (ground_m(self.up_m + off_m) - ground_m(self.up_m - off_m)).powi(2) / 4.0
+            }
+            Height::Unknown => {
+                let [low, high] = [0.0, UNKNOWN_HEIGHT_MAX_M].map(|height_m| ground_m(height_m - self.sensor_height_m));
+                let off = (low + high) / 2.0 - ground_m(self.up_m);
+                (low - high).powi(2) / 12.0 + off * off
+            }
+        }
     }
 }
 

@@ -10,11 +10,15 @@ use rustc_hash::FxHashMap;
 use super::accuracy::{self, UNKNOWN_POSITION_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS, Velocity};
 use super::atmosphere::altitude_correction_m;
 use super::observation::{Axes, Observation, Position};
-use super::placing::{Placed, place};
+use super::placing::{Height, Placed, place};
 use super::plausibility::{TimeCheck, TrackMemory};
 use super::truncated_time::complete;
 use super::{PositionForm, SourceModel};
 
+/// A track's last height is used for so long where its reports have none, nanoseconds.
+const HEIGHT_AGE_MAX_NS: i64 = 30_000_000_000;
+/// How fast an airliner may climb or descend, metres per second.
+const CLIMB_MAX_MPS: f64 = 20.0;
 /// Tracks silent for this long are forgotten when room is needed, nanoseconds.
 const FORGET_NS: i64 = 120_000_000_000;
 
@@ -107,17 +111,17 @@ impl Converter {
             return Err(Counter::RejectedTestTarget);
         }
         let number = observation.track_number.ok_or(Counter::RejectedNoTrackNumber)?;
-        let height_m = self.height(observation);
+        let height = self.height(observation, number, time_ns);
         let Some(used) = self.position(observation) else {
             return match observation.state {
                 TrackState::Terminated => self.end(number, time_ns, ingested_ns),
                 _ => Err(Counter::RejectedNoPosition),
             };
         };
-        let placed = place(&self.model, used, height_m)?;
+        let placed = place(&self.model, used, height)?;
         let delivered = self.velocity(observation, &placed)?;
         let own = accuracy::own_position(&self.model, observation, used)?;
-        let velocity = self.remember(number, time_ns, &placed, delivered)?;
+        let velocity = self.remember(number, time_ns, &placed, height, delivered)?;
         if placed.slant.is_some_and(|slant| slant.is_assumed()) {
             self.count(Counter::HeightAssumed);
         }
@@ -126,9 +130,9 @@ impl Converter {
         track.position_m = placed.position_m;
         track.state = observation.state as u8;
         track.alerts = observation.alerts | alerts_of_code(observation.identity.mode_3a());
-        track.covariance = accuracy::covariance(&self.model, &placed, own, height_m.is_some(), velocity);
+        track.covariance = accuracy::covariance(&self.model, &placed, own, height.is_known(), velocity);
         let mut set = |condition: bool, bit: u16| track.valid |= if condition { bit } else { 0 };
-        set(height_m.is_some(), bits::HEIGHT);
+        set(height.is_known(), bits::HEIGHT);
         set(velocity != Velocity::Unknown, bits::VELOCITY);
         set(matches!(velocity, Velocity::Derived(_)), bits::DERIVED_VELOCITY);
         set(observation.vertical_rate_mps.is_some(), bits::VERTICAL_RATE);
@@ -140,7 +144,7 @@ impl Converter {
             Velocity::Unknown => [0.0; 2],
         };
         track.velocity_mps = [vx, vy, observation.vertical_rate_mps.unwrap_or_default()];
-        if let Some(measured_m) = self.measured(observation, used, height_m) {
+        if let Some(measured_m) = self.measured(observation, used, height) {
             track.measured_m = measured_m;
             track.valid |= bits::MEASURED;
         }
@@ -187,18 +191,30 @@ impl Converter {
         Ok(utc_ns)
     }
 
-    /// The height, if it is known and possible: by the pressure first, which all sources have in common.
-    fn height(&mut self, observation: &Observation) -> Option<f64> {
+    /// The height: by the pressure first, which all sources have in common.
+    fn height(&mut self, observation: &Observation, number: u32, time_ns: i64) -> Height {
         let by_pressure = observation
             .pressure_altitude_m
             .map(|altitude_m| altitude_m + self.altitude_correction_m);
-        let height = by_pressure.or(observation.geometric_height_m)?;
         let limits = &self.model.limits;
-        if (limits.height_min_m..=limits.height_max_m).contains(&height) {
-            return Some(height);
+        match by_pressure.or(observation.geometric_height_m) {
+            Some(height_m) if (limits.height_min_m..=limits.height_max_m).contains(&height_m) => {
+                return Height::Known(height_m);
+            }
+            Some(_) => self.count(Counter::RejectedHeight),
+            None => {}
         }
-        self.count(Counter::RejectedHeight);
-        None
+        let last = self.tracks.get(&number).and_then(|memory| memory.last_height);
+        match last {
+            Some((last_ns, height_m)) if (0..=HEIGHT_AGE_MAX_NS).contains(&(time_ns - last_ns)) => {
+                let age_s = (time_ns - last_ns) as f64 / messages::NS_PER_S;
+                Height::Remembered {
+                    height_m,
+                    off_m: CLIMB_MAX_MPS * age_s,
+                }
+            }
+            _ => Height::Unknown,
+        }
     }
 
     /// The position that is used; `None` if the report has none in a form that may be used.
@@ -238,6 +254,7 @@ impl Converter {
         number: u32,
         time_ns: i64,
         placed: &Placed,
+        height: Height,
         delivered: Velocity,
     ) -> Result<Velocity, Counter> {
         self.make_room(number, time_ns)?;
@@ -247,6 +264,9 @@ impl Converter {
             return Err(Counter::RejectedJump);
         }
         memory.last_position_m = placed.position_m;
+        if let Height::Known(height_m) = height {
+            memory.last_height = Some((time_ns, height_m));
+        }
         Ok(match delivered {
             Velocity::Unknown => memory.positions.velocity().map_or(Velocity::Unknown, Velocity::Derived),
             delivered => delivered,
@@ -254,12 +274,12 @@ impl Converter {
     }
 
     /// What the sensor measured, where the position used is that of its track.
-    fn measured(&self, observation: &Observation, used: Position, height_m: Option<f64>) -> Option<[f64; 3]> {
+    fn measured(&self, observation: &Observation, used: Position, height: Height) -> Option<[f64; 3]> {
         // Without detection there may be a range and an azimuth, but they are extrapolated.
         if !matches!(used, Position::Cartesian(..)) || observation.state == TrackState::Coasted {
             return None;
         }
-        let measured = place(&self.model, observation.polar_position()?, height_m);
+        let measured = place(&self.model, observation.polar_position()?, height);
         measured.ok().map(|placed| placed.position_m)
     }
 

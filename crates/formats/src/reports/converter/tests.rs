@@ -418,6 +418,34 @@ fn a_plot_without_height_is_placed_by_an_assumed_one_and_pays_for_it() {
 }
 
 #[test]
+fn a_track_keeps_its_height_for_a_while() {
+    let mut converter = central_radar();
+    let at = |time_s: f64, height: Option<f64>| Observation {
+        slant_polar: Some([20e3, 0.0]),
+        pressure_altitude_m: height,
+        ..plot(time_s)
+    };
+    let known = converter.convert(&at(1.0, Some(10_000.0)), 0).unwrap();
+    let remembered = converter.convert(&at(11.0, None), 0).unwrap();
+    assert_eq!(
+        remembered.position_m[..2],
+        known.position_m[..2],
+        "not where 5 km would put it"
+    );
+    assert!(!remembered.has(bits::HEIGHT) && remembered.position_m[2] == 0.0);
+    assert_eq!(converter.counters()[Counter::HeightAssumed as usize], 0);
+    // It may be 200 m higher or lower by now: 9.85 km / 17.41 km of that along the ground.
+    let along = remembered.covariance.get(1, 1) - known.covariance.get(1, 1);
+    assert!((along.sqrt() - 113.2).abs() < 0.5, "{along}");
+    assert!(converter.convert(&at(32.0, None), 0).is_some());
+    assert_eq!(
+        converter.counters()[Counter::HeightAssumed as usize],
+        1,
+        "31 s are too long"
+    );
+}
+
+#[test]
 fn range_and_azimuth_errors_count_along_and_across_the_line_of_sight() {
     let mut converter = central_radar();
     converter.model.covariance.polar = Some(frames::PolarSigma {
