@@ -1,4 +1,5 @@
-//! Whole recordings: known totals, and the two ways of decoding compared on every record.
+//! Whole recordings of an airport's sensors and of an en-route radar: known totals, and the two ways of decoding
+//! compared on every record.
 //!
 //! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
 //! workspace; where they are absent the tests say so and pass.
@@ -15,12 +16,9 @@ use formats::asterix::{Counts, Decoder, Mode, NamedRecord, Record, Value};
 
 use crate::agreement;
 
-/// A recording of an airport's sensors.
-fn recording(name: &str) -> Option<Vec<u8>> {
-    file(&format!("lebl2016/{name}"))
-}
+const BARCELONA: &str = "lebl2016/160510-lebl-220001";
 
-fn file(name: &str) -> Option<Vec<u8>> {
+fn recording(name: &str) -> Option<Vec<u8>> {
     let folder = env::var_os("KOSEKI_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
         PathBuf::from,
@@ -58,7 +56,7 @@ fn counts(records: u64) -> Counts {
 
 #[test]
 fn surface_movement_radar() {
-    let Some(bytes) = recording("160510-lebl-220001_SMR_cat10.ast") else {
+    let Some(bytes) = recording(&format!("{BARCELONA}_SMR_cat10.ast")) else {
         return;
     };
     let (mut reports, mut cycles, mut states) = (0, 0, 0);
@@ -85,7 +83,7 @@ fn surface_movement_radar() {
 
 #[test]
 fn multilateration_as_category_010() {
-    let Some(bytes) = recording("160510-lebl-220001_MLAT_cat10.ast") else {
+    let Some(bytes) = recording(&format!("{BARCELONA}_MLAT_cat10.ast")) else {
         return;
     };
     let (mut reports, mut monitors, mut services) = (0, 0, 0);
@@ -110,7 +108,7 @@ fn multilateration_as_category_010() {
 
 #[test]
 fn multilateration_as_category_020() {
-    let Some(bytes) = recording("160510-lebl-220001_MLAT_cat20.ast") else {
+    let Some(bytes) = recording(&format!("{BARCELONA}_MLAT_cat20.ast")) else {
         return;
     };
     let (mut reports, mut monitors, mut cycles, mut states) = (0, 0, 0, 0);
@@ -166,8 +164,8 @@ fn check_system_state(record: &Record<'_>) {
 #[test]
 fn both_categories_of_the_multilateration_give_the_same_reports() {
     let (Some(cat10), Some(cat20)) = (
-        recording("160510-lebl-220001_MLAT_cat10.ast"),
-        recording("160510-lebl-220001_MLAT_cat20.ast"),
+        recording(&format!("{BARCELONA}_MLAT_cat10.ast")),
+        recording(&format!("{BARCELONA}_MLAT_cat20.ast")),
     ) else {
         return;
     };
@@ -202,7 +200,7 @@ fn both_categories_of_the_multilateration_give_the_same_reports() {
 
 #[test]
 fn ads_b() {
-    let Some(bytes) = recording("160510-lebl-220001_ADSB_cat21_v023.ast") else {
+    let Some(bytes) = recording(&format!("{BARCELONA}_ADSB_cat21_v023.ast")) else {
         return;
     };
     let mut addresses = BTreeSet::new();
@@ -224,36 +222,49 @@ fn ads_b() {
 
 #[test]
 fn en_route_radar() {
-    let Some(bytes) = file("akapetanovic/Jahorina.raw") else {
+    let Some(bytes) = recording("akapetanovic/Jahorina.raw") else {
         return;
     };
-    let (mut plots, mut sectors, mut registers) = (0, 0, 0);
+    let (mut plots, mut north_markers, mut registers) = (0, 0, 0);
     let mut addresses = BTreeSet::new();
+    let (mut first_s, mut last_s) = (f64::INFINITY, f64::NEG_INFINITY);
     let (counted, compared) = for_each(&bytes, |record| {
-        if let Some(report) = cat048::TargetReport::read(record) {
+        let named = NamedRecord::new(record);
+        assert_eq!(named.get(&["010", "SAC"]), Some(&Value::Unsigned(23)));
+        assert_eq!(named.get(&["010", "SIC"]), Some(&Value::Unsigned(2)));
+        let time = if named.category == 48 { "140" } else { "030" };
+        let time_s = named.get(&[time]).and_then(Value::as_f64).unwrap();
+        (first_s, last_s) = (first_s.min(time_s), last_s.max(time_s));
+        if named.category == 48 {
             plots += 1;
-            addresses.extend(report.address);
-            assert_eq!(report.track_number, None, "the radar sends plots");
-            let slant_m = report.slant_position.unwrap().range_m;
-            assert!((5.0 * 1852.0..181.0 * 1852.0).contains(&slant_m), "{slant_m}");
+            if let Some(Value::Unsigned(address)) = named.get(&["220"]) {
+                addresses.insert(*address);
+            }
+            let range_nm = named.get(&["040", "RHO"]).and_then(Value::as_f64).unwrap();
+            assert!((5.0..200.0).contains(&range_nm), "{range_nm} NM");
             registers += cat048::registers(record).count();
-        }
-        if let Some(message) = cat034::ServiceMessage::read(record) {
+        } else {
+            let message = cat034::ServiceMessage::read(record).unwrap();
             assert_eq!(message.message_type, Some(cat034::MessageType::NorthMarker));
-            assert!((5.0..5.1).contains(&message.antenna_period_s.unwrap()), "{message:?}");
-            assert!(!message.status.unwrap().unreleased);
-            sectors += 1;
+            assert_eq!(message.antenna_period_s, Some(5.007_812_5));
+            north_markers += 1;
         }
     });
-    assert_eq!((counted.records, counted.octets_skipped), (2119, 0));
-    assert_eq!((plots, sectors, addresses.len()), (2099, 20, 106));
-    assert!(registers > 1000, "{registers}");
-    assert!(compared > 40_000, "{compared}");
+    let expected = Counts {
+        blocks: 642,
+        ..counts(2119)
+    };
+    assert_eq!(counted, expected);
+    assert_eq!((plots, north_markers, addresses.len()), (2099, 20, 106));
+    assert!(registers > 1000 && compared > 40_000, "{registers}, {compared}");
+    assert_eq!((first_s, last_s), (33_932.195_312_5, 34_012.578_125));
 }
 
 #[test]
 fn single_messages_of_other_systems() {
-    let Some(radar) = file("cro/cat048.raw") else { return };
+    let Some(radar) = recording("cro/cat048.raw") else {
+        return;
+    };
     let (_, compared) = for_each(&radar, |record| {
         let report = cat048::TargetReport::read(record).unwrap();
         assert_eq!((report.track_number, report.address), (Some(3563), Some(3_958_284)));
@@ -262,7 +273,7 @@ fn single_messages_of_other_systems() {
     });
     assert_eq!(compared, 30);
 
-    let Some(system) = file("cro/cat062cat065.raw") else {
+    let Some(system) = recording("cro/cat062cat065.raw") else {
         return;
     };
     let (mut tracks, mut batches) = (vec![], vec![]);
@@ -281,7 +292,9 @@ fn single_messages_of_other_systems() {
     assert_eq!(batches[0].message_type, Some(cat065::MessageType::EndOfBatch));
     assert_eq!(batches[0].batch, Some(24));
 
-    let Some(ads_b) = file("cro/cat21_re.ast") else { return };
+    let Some(ads_b) = recording("cro/cat21_re.ast") else {
+        return;
+    };
     let mut fractions = vec![];
     for_each(&ads_b, |record| {
         let report = cat021_v2::TargetReport::read(record).unwrap();
