@@ -274,4 +274,5 @@ counters! {
     RecordsSent = "records_sent", "Records sent to other systems.";
     DatagramsSent = "datagrams_sent", "Datagrams sent to other systems.";
     SendFailures = "send_failures", "Datagrams that could not be sent.";
+    HeightAssumed = "height_assumed", "Reports without height whose slant range was turned into a place by an assumed one.";
 }

@@ -6,6 +6,17 @@
 //! An item that changed has a constant for each of its layouts: the one without edition in its name is that of the
 //! first edition here, and `I020_V1_31` is item 020 from ed 1.31 on. At the end of a file each edition is put together
 //! from its items, so that the last lines show in what the editions differ.
+//!
+//! The editions in one list, such as [`CAT048`], have the same field reference numbers; their items only gained parts,
+//! names for spare bits and the like, so that one reader can be written for all of them. [`CAT021_V0`] is the exception.
+//!
+//! # What tables do not say
+//!
+//! - Which items a record must have, and on what condition: a receiver lives with what is sent.
+//! - The range of a quantity within its width, and which codes are in use. A code without meaning stays a number.
+//! - What a Comm-B message holds (ICAO Doc 9871 does): the 56 bits and the register's number are given as numbers.
+//! - The content of special purpose fields. For that of reserved expansion fields see
+//!   [`expansion`](crate::asterix::expansion).
 
 mod cat001;
 mod cat002;
@@ -60,13 +71,3 @@ const MODE_C: &[Part] = &[
     flag("QC1"), flag("QA1"), flag("QC2"), flag("QA2"), flag("QC4"), flag("QA4"),
     flag("QB1"), flag("QD1"), flag("QB2"), flag("QD2"), flag("QB4"), flag("QD4"),
 ];
-
-/// The profiles, for the constants of the typed readers.
-pub(super) mod uap {
-    use crate::asterix::table::Uap;
-
-    pub(in crate::asterix) const CAT010_V1_1: &Uap = super::CAT010_V1_1.uap();
-    pub(in crate::asterix) const CAT019_V1_3: &Uap = super::CAT019_V1_3.uap();
-    pub(in crate::asterix) const CAT020_V1_9: &Uap = super::CAT020_V1_9.uap();
-    pub(in crate::asterix) const CAT021_V0_23: &Uap = super::CAT021_V0_23.uap();
-}
