@@ -169,6 +169,21 @@ pub enum Error {
         /// The position in the item's own FSPEC, from 1.
         position: usize,
     },
+    /// A random field sequence announces an item that the edition does not define, or another sequence.
+    #[error(
+        "byte {offset}: I{category:03}/{item} announces an item at FRN {frn}, \
+         where this edition defines none that can be in a sequence"
+    )]
+    SequenceUndefined {
+        /// Where the sequence begins.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The sequence.
+        item: &'static str,
+        /// The field reference number.
+        frn: u8,
+    },
     /// A spare bit is set; an error in strict mode only.
     #[error("byte {offset}: I{category:03}/{item} has a spare bit set, expected all zero")]
     SpareBitSet {
@@ -198,6 +213,7 @@ impl Error {
             | Self::ExplicitLength { offset, .. }
             | Self::ExtensionUndefined { offset, .. }
             | Self::SubitemUndefined { offset, .. }
+            | Self::SequenceUndefined { offset, .. }
             | Self::SpareBitSet { offset, .. } => offset,
         }
     }

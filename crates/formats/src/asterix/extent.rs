@@ -15,7 +15,7 @@
 use super::bits::{fspec_bits, goes_on};
 use super::error::Error;
 use super::record::Mode;
-use super::table::{Item, Layout, MAX_FSPEC_OCTETS};
+use super::table::{Item, Layout, MAX_FSPEC_OCTETS, Part, Uap, extent_of_part};
 
 /// The most octets that lenient reading takes as an extension beyond the edition.
 pub(super) const MAX_UNKNOWN_EXTENSION_OCTETS: usize = 4;
@@ -33,12 +33,14 @@ pub(super) struct Extent {
 /// `category` are for the error.
 pub(super) fn measure(
     item: &'static Item,
+    uap: &'static Uap,
     bytes: &[u8],
     mode: Mode,
     category: u8,
     offset: usize,
 ) -> Result<Extent, Error> {
     let mut measure = Measure {
+        uap,
         bytes,
         mode,
         at: 0,
@@ -67,6 +69,12 @@ pub(super) fn measure(
                 item,
                 position,
             },
+            Fault::Sequence { frn } => Error::SequenceUndefined {
+                offset,
+                category,
+                item,
+                frn,
+            },
         }
     })?;
     Ok(Extent {
@@ -81,9 +89,11 @@ enum Fault {
     ExplicitLength,
     Extension { tolerated: usize },
     Subitem { position: usize },
+    Sequence { frn: u8 },
 }
 
 struct Measure<'a> {
+    uap: &'static Uap,
     bytes: &'a [u8],
     mode: Mode,
     at: usize,
@@ -95,7 +105,7 @@ impl Measure<'_> {
         match layout {
             Layout::Element(bits, _) => self.skip(usize::from(*bits) / 8),
             Layout::Group(_) => self.skip(layout.bit_count() as usize / 8),
-            Layout::Extended(parts) => self.extended(parts.iter().map(|part| part_octets(part))),
+            Layout::Extended(parts) => self.extended(parts),
             Layout::Repetitive(inner) => {
                 let count = self.octet()?;
                 (0..count).try_for_each(|_| self.layout(inner))
@@ -106,12 +116,14 @@ impl Measure<'_> {
                 length => self.skip(usize::from(length) - 1),
             },
             Layout::Compound(subitems) => self.compound(subitems),
+            Layout::RandomSequence => self.random_sequence(),
         }
     }
 
-    fn extended(&mut self, parts: impl Iterator<Item = usize>) -> Result<(), Fault> {
-        for octets in parts {
-            if !self.goes_on_after(octets)? {
+    fn extended(&mut self, parts: &'static [&'static [Part]]) -> Result<(), Fault> {
+        for part in parts {
+            let (octets, ends_in_fx) = extent_of_part(part);
+            if !self.goes_on_after(octets)? || !ends_in_fx {
                 return Ok(());
             }
         }
@@ -156,6 +168,15 @@ impl Measure<'_> {
         Ok(())
     }
 
+    fn random_sequence(&mut self) -> Result<(), Fault> {
+        let count = self.octet()?;
+        (0..count).try_for_each(|_| {
+            let frn = self.octet()?;
+            let item = self.uap.item_in_sequence(frn).ok_or(Fault::Sequence { frn })?;
+            self.layout(&item.layout)
+        })
+    }
+
     /// Skips a part and says whether the FX bit at its end is set.
     fn goes_on_after(&mut self, octets: usize) -> Result<bool, Fault> {
         self.skip(octets)?;
@@ -175,9 +196,4 @@ impl Measure<'_> {
             Ok(())
         }
     }
-}
-
-/// The octets of one part of an extended item, with its FX bit.
-pub(super) fn part_octets(part: &'static [super::table::Part]) -> usize {
-    (Layout::Group(part).bit_count() as usize + 1) / 8
 }

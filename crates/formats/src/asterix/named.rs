@@ -8,9 +8,8 @@ use std::fmt::Write;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::bits::{bits, fspec_bits, goes_on, sign_extend};
-use super::extent::part_octets;
 use super::record::Record;
-use super::table::{Content, Item, Layout, Part};
+use super::table::{Content, Item, Layout, Part, Uap, extent_of_part};
 use super::text;
 
 /// The name under which an extended item's octets after its last defined part are shown, as [`Value::Bytes`].
@@ -94,7 +93,7 @@ impl NamedRecord {
     pub fn new(record: &Record<'_>) -> Self {
         let items = record
             .items()
-            .map(|(item, bytes)| (item.name, decode(item, bytes)))
+            .map(|(item, bytes)| (item.name, decode(item, record.uap(), bytes)))
             .collect();
         Self {
             category: record.table().number,
@@ -137,20 +136,13 @@ impl Serialize for NamedRecord {
 }
 
 /// Decodes the octets of an item, as many as it has.
-fn decode(item: &'static Item, bytes: &[u8]) -> Value {
-    Decode { bytes, at: 0 }.layout(&item.layout)
-}
-
-/// The number in one element of an item: for what depends on it.
-pub(super) fn element_of(item: &'static Item, bytes: &[u8], element: &str) -> Option<u64> {
-    match decode(item, bytes).get(element) {
-        Some(Value::Unsigned(number)) => Some(*number),
-        _ => None,
-    }
+fn decode(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> Value {
+    Decode { uap, bytes, at: 0 }.layout(&item.layout)
 }
 
 /// A position within an item that has been measured, so that every octet the layout asks for is there.
 struct Decode<'a> {
+    uap: &'static Uap,
     bytes: &'a [u8],
     at: usize,
 }
@@ -182,6 +174,7 @@ impl Decode<'_> {
                 Value::Bytes(content.to_vec())
             }
             Layout::Compound(subitems) => self.compound(subitems),
+            Layout::RandomSequence => self.random_sequence(),
         }
     }
 
@@ -189,8 +182,9 @@ impl Decode<'_> {
         let mut members = Vec::new();
         for part in extension {
             parts(part, self.bytes, self.at * 8, &mut members);
-            self.at += part_octets(part);
-            if !goes_on(self.bytes[self.at - 1]) {
+            let (octets, ends_in_fx) = extent_of_part(part);
+            self.at += octets;
+            if !ends_in_fx || !goes_on(self.bytes[self.at - 1]) {
                 return Value::Group(members);
             }
         }
@@ -240,6 +234,17 @@ impl Decode<'_> {
             }
         }
         Value::Group(members)
+    }
+
+    /// A list of groups with one member each, the item.
+    fn random_sequence(&mut self) -> Value {
+        let count = self.octet();
+        let field = |_| {
+            let frn = self.octet();
+            let item = self.uap.item_in_sequence(frn).expect("measured");
+            Value::Group(vec![(item.name, self.layout(&item.layout))])
+        };
+        Value::List((0..count).map(field).collect())
     }
 
     fn octet(&mut self) -> u8 {

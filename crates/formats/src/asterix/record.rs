@@ -3,13 +3,12 @@
 //! Reading a record here means finding its items, not decoding them: one pass over the FSPEC and the lengths, into
 //! a fixed array of offsets. That is all the hot path pays for the items it does not use.
 
-use super::bits::{fspec_bits, goes_on};
+use super::bits::{bits, fspec_bits, goes_on};
 use super::block::{Block, HEADER_OCTETS};
 use super::error::Error;
 use super::extent;
-use super::named;
 use super::spare;
-use super::table::{Category, Frn, Item, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap};
+use super::table::{Category, Frn, Item, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap, first_element};
 
 /// How closely bytes must follow the edition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -78,7 +77,7 @@ impl<'a> Record<'a> {
     /// The items present and their octets, in the order sent.
     pub fn items(&self) -> impl Iterator<Item = (&'static Item, &'a [u8])> + '_ {
         self.frns()
-            .filter_map(|frn| Some((self.uap.item(self.table.items, frn)?, self.item(frn)?)))
+            .filter_map(|frn| Some((self.uap.item(frn)?, self.item(frn)?)))
     }
 
     /// The field reference numbers of the items present, ascending.
@@ -167,7 +166,7 @@ fn find_items<'a>(table: &'static Category, mode: Mode, bytes: &'a [u8], offset:
     for frn in frns(present) {
         starts[rank] = at as u16; // a block has at most 65,535 octets
         rank += 1;
-        let Some(item) = uap.item(table.items, frn) else {
+        let Some(item) = uap.item(frn) else {
             return Err(Error::ItemUndefined {
                 offset,
                 category,
@@ -188,7 +187,7 @@ fn find_items<'a>(table: &'static Category, mode: Mode, bytes: &'a [u8], offset:
                 });
             }
             None => {
-                let extent = extent::measure(item, &bytes[at..], mode, category, offset + at)?;
+                let extent = extent::measure(item, uap, &bytes[at..], mode, category, offset + at)?;
                 at += extent.octets;
                 unknown += extent.unknown;
             }
@@ -256,12 +255,12 @@ fn decide_profile(table: &'static Category, mode: Mode, bytes: &[u8], offset: us
     let (present, mut at) = read_fspec(category, bytes, offset)?;
     let first = cases.first().map(|(_, uap)| uap).ok_or_else(|| undecided(None))?;
     for frn in frns(present) {
-        let Some(item) = first.item(table.items, frn) else {
+        let Some(item) = first.item(frn) else {
             break;
         };
-        let octets = extent::measure(item, &bytes[at..], mode, category, offset + at)?.octets;
+        let octets = extent::measure(item, first, &bytes[at..], mode, category, offset + at)?.octets;
         if item.name == *decider {
-            let value = named::element_of(item, &bytes[at..at + octets], element);
+            let value = first_element(&item.layout, element).map(|(begin, width)| bits(bytes, 8 * at + begin, width));
             let case = cases.iter().find(|(case, _)| Some(*case) == value);
             return case.map(|(_, uap)| uap).ok_or_else(|| undecided(value));
         }
@@ -273,7 +272,7 @@ fn decide_profile(table: &'static Category, mode: Mode, bytes: &[u8], offset: us
 fn check_spare_bits(record: &Record<'_>) -> Result<(), Error> {
     let mut at = usize::from(record.starts[0]);
     for (item, bytes) in record.items() {
-        if spare::any_set(item, bytes) {
+        if spare::any_set(item, record.uap, bytes) {
             let (offset, category) = (record.offset + at, record.table.number);
             return Err(Error::SpareBitSet {
                 offset,

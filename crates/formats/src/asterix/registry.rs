@@ -1,10 +1,25 @@
-//! The tables there are: one line for each edition of a category.
+//! The tables there are: one line for each category.
 
-use super::categories::{CAT010_V1_1, CAT019_V1_3, CAT020_V1_9, CAT021_V0_23};
+use super::categories::*;
 use super::table::{Category, Edition};
 
 /// Every table, by category. The first of a category is its default edition.
-pub static REGISTRY: &[&Category] = &[&CAT010_V1_1, &CAT019_V1_3, &CAT020_V1_9, &CAT021_V0_23];
+#[rustfmt::skip]
+pub static REGISTRY: &[&Category] = &[
+    &CAT001_V1_4, &CAT001_V1_3, &CAT001_V1_2,
+    &CAT002_V1_2, &CAT002_V1_1, &CAT002_V1_0,
+    &CAT010_V1_1,
+    &CAT019_V1_3,
+    &CAT020_V1_9, &CAT020_V1_10, &CAT020_V1_11,
+    &CAT021_V2_4, &CAT021_V2_1, &CAT021_V2_2, &CAT021_V2_3, &CAT021_V2_5, &CAT021_V2_6, &CAT021_V2_7,
+    &CAT021_V0_23, &CAT021_V0_24, &CAT021_V0_25, &CAT021_V0_26,
+    &CAT023_V1_3, &CAT023_V1_2,
+    &CAT034_V1_29, &CAT034_V1_28, &CAT034_V1_27,
+    &CAT048_V1_31, &CAT048_V1_32, &CAT048_V1_30, &CAT048_V1_29, &CAT048_V1_28, &CAT048_V1_27,
+    &CAT062_V1_18, &CAT062_V1_21, &CAT062_V1_20, &CAT062_V1_19, &CAT062_V1_17, &CAT062_V1_16,
+    &CAT063_V1_6, &CAT063_V1_7,
+    &CAT065_V1_5, &CAT065_V1_6, &CAT065_V1_4,
+];
 
 /// The table of one edition.
 pub fn find(number: u8, edition: Edition) -> Option<&'static Category> {

@@ -1,12 +1,12 @@
 //! Spare bits, which a sender shall leave zero: looked at in strict mode only.
 
 use super::bits::{bits, fspec_bits, goes_on};
-use super::extent::part_octets;
-use super::table::{Item, Layout, Part};
+use super::table::{Item, Layout, Part, Uap, extent_of_part};
 
 /// Whether a measured item has a spare bit set.
-pub(super) fn any_set(item: &'static Item, bytes: &[u8]) -> bool {
+pub(super) fn any_set(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> bool {
     let mut walk = Walk {
+        uap,
         bytes,
         at: 0,
         found: false,
@@ -16,6 +16,7 @@ pub(super) fn any_set(item: &'static Item, bytes: &[u8]) -> bool {
 }
 
 struct Walk<'a> {
+    uap: &'static Uap,
     bytes: &'a [u8],
     at: usize,
     found: bool,
@@ -32,8 +33,9 @@ impl Walk<'_> {
             Layout::Extended(parts) => {
                 for part in *parts {
                     self.parts(part, self.at * 8);
-                    self.at += part_octets(part);
-                    if !goes_on(self.bytes[self.at - 1]) {
+                    let (octets, ends_in_fx) = extent_of_part(part);
+                    self.at += octets;
+                    if !ends_in_fx || !goes_on(self.bytes[self.at - 1]) {
                         return;
                     }
                 }
@@ -51,7 +53,10 @@ impl Walk<'_> {
                     return;
                 }
             },
-            Layout::Explicit => self.at = self.bytes.len(),
+            Layout::Explicit => {
+                let length = usize::from(self.octet());
+                self.at += length - 1;
+            }
             Layout::Compound(subitems) => {
                 let mut positions = subitems.iter();
                 let mut present = Vec::new();
@@ -68,6 +73,13 @@ impl Walk<'_> {
                     }
                 }
                 present.iter().for_each(|subitem| self.layout(&subitem.layout));
+            }
+            Layout::RandomSequence => {
+                for _ in 0..self.octet() {
+                    let frn = self.octet();
+                    let item = self.uap.item_in_sequence(frn).expect("measured");
+                    self.layout(&item.layout);
+                }
             }
         }
     }

@@ -6,6 +6,7 @@
 //! the reader's eye and to the comparison with recordings.
 
 use std::fmt;
+use std::ptr;
 use std::str::FromStr;
 
 /// The most FSPEC octets a record or a compound item may have. The longest profile published has 7.
@@ -38,6 +39,14 @@ impl Category {
         self.items.iter().find(|item| item.name == name)
     }
 
+    /// The profile, or the first of several: for the field reference numbers of items by name.
+    pub const fn uap(&self) -> &Uap {
+        match &self.profile {
+            Profile::Single(uap) => uap,
+            Profile::Depends { cases, .. } => &cases[0].1,
+        }
+    }
+
     /// The profiles, one or several.
     pub fn uaps(&'static self) -> impl Iterator<Item = &'static Uap> {
         let (single, cases): (Option<&Uap>, &[(u64, Uap)]) = match &self.profile {
@@ -45,6 +54,13 @@ impl Category {
             Profile::Depends { cases, .. } => (None, cases),
         };
         single.into_iter().chain(cases.iter().map(|(_, uap)| uap))
+    }
+
+    /// Whether this is one of `tables` itself and not only like it: what a reader asks whose item places and widths
+    /// hold for some editions and must not be tried on other tables.
+    #[inline]
+    pub fn is_one_of(&self, tables: &[&Category]) -> bool {
+        tables.iter().any(|table| ptr::eq(*table, self))
     }
 }
 
@@ -104,7 +120,7 @@ pub enum Profile {
     Depends {
         /// The deciding item.
         item: &'static str,
-        /// The deciding element in it.
+        /// The deciding element in it, which every such item has: one of a group, or of an extended item's first part.
         element: &'static str,
         /// The value of that element, and its profile.
         cases: &'static [(u64, Uap)],
@@ -116,13 +132,15 @@ pub enum Profile {
 pub struct Uap {
     /// Item names in FRN order; [`SPARE`] where there is none.
     pub order: &'static [&'static str],
-    /// For each FRN − 1 the item's index in the category, plus one; zero for none.
+    /// The items of its category.
+    items: &'static [Item],
+    /// For each FRN − 1 the item's index in `items`, plus one; zero for none.
     index: [u8; MAX_FRN],
 }
 
 impl Uap {
     /// The profile with these names in FRN order. Does not compile where a name has no item.
-    pub const fn new(items: &[Item], order: &'static [&'static str]) -> Self {
+    pub const fn new(items: &'static [Item], order: &'static [&'static str]) -> Self {
         assert!(order.len() <= MAX_FRN, "a profile has more entries than MAX_FRN");
         assert!(items.len() < 255, "a category has too many items");
         let mut index = [0; MAX_FRN];
@@ -138,7 +156,7 @@ impl Uap {
             }
             frn += 1;
         }
-        Self { order, index }
+        Self { order, items, index }
     }
 
     /// The field reference number of a named item. Evaluated in a constant it does not compile where there is none.
@@ -156,13 +174,19 @@ impl Uap {
         panic!("the profile has no item of this name")
     }
 
-    /// The item at a field reference number, from the items the profile was made with.
+    /// The item at a field reference number.
     #[inline]
-    pub(super) fn item(&self, items: &'static [Item], frn: Frn) -> Option<&'static Item> {
+    pub(super) fn item(&self, frn: Frn) -> Option<&'static Item> {
         match self.index.get(usize::from(frn.0) - 1) {
             None | Some(0) => None,
-            Some(&index) => items.get(usize::from(index) - 1),
+            Some(&index) => self.items.get(usize::from(index) - 1),
         }
+    }
+
+    /// The item that an octet of a random field sequence stands for. Another sequence does not.
+    pub(super) fn item_in_sequence(&self, octet: u8) -> Option<&'static Item> {
+        let item = self.item(Frn(octet.max(1)))?;
+        (octet > 0 && !matches!(item.layout, Layout::RandomSequence)).then_some(item)
     }
 }
 
@@ -210,7 +234,8 @@ pub enum Layout {
     Element(u8, Content),
     /// Elements and spare bits one after the other.
     Group(&'static [Part]),
-    /// Parts that each end in an FX bit, not written in the table: 1 if the next part follows.
+    /// Parts that each end in an FX bit, not written in the table: 1 if the next part follows. Only the last part may
+    /// be whole octets, without FX bit.
     Extended(&'static [&'static [Part]]),
     /// A count octet, then so many of the inner layout.
     Repetitive(&'static Layout),
@@ -224,6 +249,9 @@ pub enum Layout {
     Explicit,
     /// An FSPEC and the subitems it announces; `None` where a bit of it has no meaning.
     Compound(&'static [Option<Item>]),
+    /// Random field sequencing: a count octet, then so many times a field reference number, in one octet, and the
+    /// item that the profile has there. So a sender may give items in another order, or one more than once.
+    RandomSequence,
 }
 
 impl Layout {
@@ -235,7 +263,9 @@ impl Layout {
             Self::Extended(parts) => {
                 let mut i = 0;
                 while i < parts.len() {
-                    whole_octets(bit_count(parts[i]) + 1);
+                    let is_last = i + 1 == parts.len();
+                    let without_fx = is_last && bit_count(parts[i]).is_multiple_of(8);
+                    whole_octets(bit_count(parts[i]) + if without_fx { 0 } else { 1 });
                     i += 1;
                 }
                 None
@@ -248,7 +278,7 @@ impl Layout {
                 inner.fixed_octets();
                 None
             }
-            Self::Explicit | Self::Compound(_) => None,
+            Self::Explicit | Self::Compound(_) | Self::RandomSequence => None,
         }
     }
 
@@ -371,15 +401,48 @@ pub const fn flag(name: &'static str) -> Part {
     element(name, 1, RAW)
 }
 
+/// Elements under a common name.
+pub const fn group(name: &'static str, parts: &'static [Part]) -> Part {
+    Part::Group(name, parts)
+}
+
 /// Bits without meaning.
 pub const fn spare(bits: u8) -> Part {
     Part::Spare(bits)
+}
+
+/// A subitem of a compound item; `None` in its place where a bit has no meaning.
+pub const fn subitem(name: &'static str, title: &'static str, layout: Layout) -> Option<Item> {
+    Some(Item::new(name, title, layout))
 }
 
 /// Two to the power of `exponent`: documents write an LSB as 180/2^23, tables as `180.0 / pow2(23)`.
 pub const fn pow2(exponent: u32) -> f64 {
     assert!(exponent < 64, "the exponent is too large");
     (1u64 << exponent) as f64
+}
+
+/// The octets of one part of an extended item, and whether the last bit of them is an FX bit.
+pub(super) fn extent_of_part(part: &[Part]) -> (usize, bool) {
+    let bits = bit_count(part) as usize;
+    (bits.div_ceil(8), !bits.is_multiple_of(8))
+}
+
+/// The first bit and the width of an element that every item of this layout has: one of a group, or of the first part
+/// of an extended item.
+pub(super) fn first_element(layout: &Layout, name: &str) -> Option<(usize, usize)> {
+    let parts = match layout {
+        Layout::Group(parts) | Layout::Extended([parts, ..]) => parts,
+        _ => return None,
+    };
+    let mut at = 0;
+    for part in *parts {
+        match part {
+            Part::Element { name: found, bits, .. } if *found == name => return Some((at, usize::from(*bits))),
+            _ => at += bit_count(std::slice::from_ref(part)) as usize,
+        }
+    }
+    None
 }
 
 const fn bit_count(parts: &[Part]) -> u32 {

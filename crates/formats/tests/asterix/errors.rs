@@ -91,8 +91,8 @@ fn an_fspec_announces_only_what_the_edition_defines() {
     read(&SAMPLE, Lenient, &[0x01, 0x04, 0], |record| {
         message(&record.unwrap_err(), 3, &expected(13));
     });
-    read(&SAMPLE, Lenient, &[0x01, 0x01, 0x80, 0], |record| {
-        message(&record.unwrap_err(), 3, &expected(15));
+    read(&SAMPLE, Lenient, &[0x01, 0x01, 0x20, 0], |record| {
+        message(&record.unwrap_err(), 3, &expected(17));
     });
 }
 
@@ -133,6 +133,10 @@ fn an_item_ends_within_its_block() {
     truncated("100", &[0x01], 5, 2);
     truncated("100", &[0xA0, 0x00], 5, 3);
     truncated("RE", &[5, 0], 5, 5);
+    truncated("130", &[0x01], 6, 2);
+    truncated("RFS", &[], 6, 1);
+    truncated("RFS", &[1], 6, 2);
+    truncated("RFS", &[2, 2, 0, 0, 6], 6, 6);
 }
 
 #[test]
@@ -174,6 +178,20 @@ fn a_compound_item_announces_only_what_the_edition_defines() {
 }
 
 #[test]
+fn a_random_field_sequence_announces_only_what_the_edition_defines_and_no_sequence() {
+    for frn in [0, 13, 16, 17, 57, 255] {
+        message(
+            &error(Lenient, "RFS", &[1, frn, 0, 0, 0]),
+            6,
+            &format!(
+                "byte 6: I250/RFS announces an item at FRN {frn}, \
+                 where this edition defines none that can be in a sequence"
+            ),
+        );
+    }
+}
+
+#[test]
 fn spare_bits_are_zero_in_strict_mode() {
     let set = |name: &str, octets: &[u8], offset: usize| {
         message(
@@ -185,4 +203,5 @@ fn spare_bits_are_zero_in_strict_mode() {
     set("010", &[0x40, 0], 4);
     set("060", &[0x01, 0, 0x01, 0x80], 4);
     set("120", &[0x02], 5);
+    set("RFS", &[2, 2, 0, 0, 1, 0x40, 0], 6);
 }

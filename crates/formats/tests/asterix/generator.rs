@@ -1,6 +1,6 @@
 //! Well-formed records of any table, with any content.
 
-use formats::asterix::table::{Category, Layout, Part};
+use formats::asterix::table::{Category, Layout, Part, Profile, Uap};
 
 /// The item that says whether there is a target report. Made of anything, it would hardly ever say so.
 const MESSAGE_TYPE: &str = "000";
@@ -27,21 +27,24 @@ impl<'a> Entropy<'a> {
     }
 
     /// A well-formed item, spare bits and all.
-    fn item(&mut self, layout: &Layout, out: &mut Vec<u8>) {
+    fn item(&mut self, table: &'static Category, uap: &Uap, layout: &Layout, out: &mut Vec<u8>) {
         match layout {
             Layout::Element(bits, _) => self.octets(usize::from(*bits) / 8, out),
             Layout::Group(parts) => self.octets(bit_count(parts) / 8, out),
             Layout::Extended(parts) => {
                 let count = 1 + usize::from(self.octet()) % parts.len();
                 for (i, part) in parts[..count].iter().enumerate() {
-                    self.octets((bit_count(part) + 1) / 8, out);
-                    set_fx(out, i + 1 < count);
+                    let bits = bit_count(part);
+                    self.octets(bits.div_ceil(8), out);
+                    if !bits.is_multiple_of(8) {
+                        set_fx(out, i + 1 < count);
+                    }
                 }
             }
             Layout::Repetitive(inner) => {
                 let count = self.octet() % 4;
                 out.push(count);
-                (0..count).for_each(|_| self.item(inner, out));
+                (0..count).for_each(|_| self.item(table, uap, inner, out));
             }
             Layout::RepetitiveFx(inner) => {
                 let bits = match inner {
@@ -67,8 +70,27 @@ impl<'a> Entropy<'a> {
                 out.extend(fspec(&present));
                 for (subitem, present) in subitems.iter().zip(present) {
                     if let (Some(subitem), true) = (subitem, present) {
-                        self.item(&subitem.layout, out);
+                        self.item(table, uap, &subitem.layout, out);
                     }
+                }
+            }
+            Layout::RandomSequence => {
+                let names: Vec<_> = uap
+                    .order
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, name)| !name.is_empty())
+                    .collect();
+                let count = self.octet() % 4;
+                out.push(count);
+                for _ in 0..count {
+                    let (mut i, name) = names[usize::from(self.octet()) % names.len()];
+                    let mut item = table.item(name).expect("a profile names items");
+                    if matches!(item.layout, Layout::RandomSequence) {
+                        (i, item) = (0, table.item(uap.order[0]).expect("a first item"));
+                    }
+                    out.push(i as u8 + 1);
+                    self.item(table, uap, &item.layout, out);
                 }
             }
         }
@@ -76,11 +98,22 @@ impl<'a> Entropy<'a> {
 
     /// A record with some of a profile's items, at least one, and these items.
     pub(crate) fn record(&mut self, table: &'static Category) -> (Vec<u8>, Vec<(&'static str, Vec<u8>)>) {
-        let uap = table.uaps().next().expect("a profile");
+        let choice = match &table.profile {
+            Profile::Single(_) => None,
+            Profile::Depends { item, element, cases } => {
+                let (value, uap) = &cases[usize::from(self.octet()) % cases.len()];
+                Some((*item, *element, *value, uap))
+            }
+        };
+        let uap = choice.map_or(table.uap(), |(.., uap)| uap);
+        let decider = choice.map(|(item, ..)| item);
         let mut present: Vec<bool> = uap
             .order
             .iter()
-            .map(|name| *name == MESSAGE_TYPE || !name.is_empty() && self.octet().is_multiple_of(3))
+            .map(|name| {
+                let must_be = *name == MESSAGE_TYPE || Some(*name) == decider;
+                must_be || !name.is_empty() && self.octet().is_multiple_of(3)
+            })
             .collect();
         if !present.contains(&true) {
             present[0] = true;
@@ -89,15 +122,37 @@ impl<'a> Entropy<'a> {
         for (name, _) in uap.order.iter().zip(&present).filter(|(_, present)| **present) {
             let mut octets = vec![];
             let item = table.item(name).expect("a profile names items");
-            self.item(&item.layout, &mut octets);
+            self.item(table, uap, &item.layout, &mut octets);
             if item.name == MESSAGE_TYPE {
                 octets[0] %= 5;
+            }
+            if let Some((decider, element, value, _)) = choice
+                && item.name == decider
+            {
+                set_element(&item.layout, element, value, &mut octets);
             }
             items.push((item.name, octets));
         }
         let mut record = fspec(&present);
         items.iter().for_each(|(_, octets)| record.extend(octets));
         (record, items)
+    }
+}
+
+/// Gives a value to an element of a group, or of the first part of an extended item.
+fn set_element(layout: &Layout, element: &str, value: u64, octets: &mut [u8]) {
+    let (Layout::Group(parts) | Layout::Extended([parts, ..])) = layout else {
+        panic!("{layout:?} has no element that is always there");
+    };
+    let is_element = |part: &&Part| matches!(part, Part::Element { name, .. } if *name == element);
+    let position = parts
+        .iter()
+        .position(|part| is_element(&part))
+        .expect("the deciding element");
+    let end = bit_count(&parts[..=position]);
+    for (i, at) in (bit_count(&parts[..position])..end).rev().enumerate() {
+        let bit = 0x80 >> (at % 8);
+        octets[at / 8] = octets[at / 8] & !bit | if value >> i & 1 == 1 { bit } else { 0 };
     }
 }
 

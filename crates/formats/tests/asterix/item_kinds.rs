@@ -75,6 +75,15 @@ fn octets_beyond_the_last_part_are_kept_as_unknown() {
 }
 
 #[test]
+fn the_last_part_of_an_extended_item_may_have_no_fx_bit() {
+    assert_eq!(item("130", &[0x0A]), group(&[("A", Value::Unsigned(5))]));
+    assert_eq!(
+        item("130", &[0x0B, 0xFF]),
+        group(&[("A", Value::Unsigned(5)), ("B", Value::Unsigned(0xFF))])
+    );
+}
+
+#[test]
 fn a_repetitive_item_has_as_many_values_as_it_counts() {
     assert_eq!(item("070", &[0]), list(&[]));
     assert_eq!(item("070", &[2, 0x01, 0x00, 0x00, 0x02]), list(&[256, 2]));
@@ -125,6 +134,22 @@ fn a_group_within_a_part_keeps_its_name() {
 fn an_explicit_item_counts_its_length_octet() {
     assert_eq!(item("RE", &[4, 0xDE, 0xAD, 0x01]), Value::Bytes(vec![0xDE, 0xAD, 0x01]));
     assert_eq!(item("RE", &[1]), Value::Bytes(vec![]));
+}
+
+#[test]
+fn a_random_field_sequence_holds_items_in_any_order_and_more_than_once() {
+    assert_eq!(item("RFS", &[0]), Value::List(vec![]));
+    // Three fields: FRN 6, which goes on for two parts, FRN 2 and FRN 6 again.
+    let field = |name, value| group(&[(name, value)]);
+    let long = group(&[("A", Value::Unsigned(5)), ("B", Value::Quantity(-2.0))]);
+    assert_eq!(
+        item("RFS", &[3, 6, 0x0B, 0xFF, 0xFC, 2, 0x00, 0x04, 6, 0x02]),
+        Value::List(vec![
+            field("060", long),
+            field("020", Value::Quantity(2.0)),
+            field("060", group(&[("A", Value::Unsigned(1))])),
+        ])
+    );
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! An invented category with an item of every kind, and blocks of it.
 
-use formats::asterix::table::Layout::{Compound, Element, Explicit, Extended, Group, Repetitive, RepetitiveFx};
+use formats::asterix::table::Layout::{
+    Compound, Element, Explicit, Extended, Group, RandomSequence, Repetitive, RepetitiveFx,
+};
 use formats::asterix::table::*;
 use formats::asterix::{Block, Error, Mode, NamedRecord, Record, Value, blocks};
 
@@ -80,7 +82,13 @@ const ITEMS: &[Item] = &[
             spare(3),
         ]]),
     ),
+    Item::new(
+        "130",
+        "Extended, the last part without FX bit",
+        Extended(&[&[element("A", 7, RAW)], &[element("B", 8, RAW)]]),
+    ),
     Item::new("RE", "Reserved Expansion Field", Explicit),
+    Item::new("RFS", "Random Field Sequencing", RandomSequence),
 ];
 
 const SPEED_CASES: &[(u64, Content)] = &[(0, unsigned(0.5, "m/s")), (1, unsigned(0.001, "Mach"))];
@@ -89,6 +97,7 @@ const SPEED_CASES: &[(u64, Content)] = &[(0, unsigned(0.5, "m/s")), (1, unsigned
 const ORDER: &[&str] = &[
     "010", "020", "030", "040", "050", "060", "070",
     "080", "090", "100", "110", "120", SPARE, "RE",
+    "130", "RFS",
 ];
 
 /// Every kind of item.
@@ -167,8 +176,7 @@ pub(crate) fn error(mode: Mode, name: &str, octets: &[u8]) -> Error {
 /// The FSPEC that announces one item of the sample category.
 fn fspec(name: &str) -> Vec<u8> {
     let position = ORDER.iter().position(|candidate| *candidate == name).expect("a name");
-    match position {
-        0..7 => vec![0x80 >> position],
-        _ => vec![0x01, 0x80 >> (position - 7)],
-    }
+    let mut octets = vec![0x01; position / 7];
+    octets.push(0x80 >> (position % 7));
+    octets
 }

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use formats::asterix::categories::*;
 use formats::asterix::table::{Content, Item, Layout, MAX_FRN, Part, TextCoding};
 use formats::asterix::{Category, Edition, registry};
 
@@ -50,7 +51,7 @@ fn check_layout(table: &Category, item: &str, layout: &Layout) {
                 .for_each(|parts| check_parts(&place, parts, &mut before));
         }
         Layout::Repetitive(inner) | Layout::RepetitiveFx(inner) => check_layout(table, item, inner),
-        Layout::Explicit => {}
+        Layout::Explicit | Layout::RandomSequence => {}
         Layout::Compound(subitems) => {
             let mut names = HashSet::new();
             for subitem in subitems.iter().flatten() {
@@ -121,6 +122,39 @@ fn the_registry_finds_editions_and_defaults() {
     let numbers: Vec<_> = registry::defaults().map(|table| table.number).collect();
     let distinct: HashSet<_> = numbers.iter().collect();
     assert_eq!(distinct.len(), numbers.len(), "two defaults for a category");
+}
+
+#[test]
+fn every_edition_of_a_category_is_registered() {
+    let families = [
+        CAT001, CAT002, CAT020, CAT021_V0, CAT021_V2, CAT023, CAT034, CAT048, CAT062, CAT063, CAT065,
+    ];
+    for family in families {
+        for table in family {
+            assert!(table.is_one_of(registry::REGISTRY), "{table}");
+            assert_eq!(
+                table.uap().order[0],
+                family[0].uap().order[0],
+                "{table}: no edition of its family"
+            );
+        }
+    }
+    let singles = [&CAT010_V1_1, &CAT019_V1_3];
+    let count = families.iter().map(|family| family.len()).sum::<usize>() + singles.len();
+    assert_eq!(registry::REGISTRY.len(), count);
+}
+
+#[test]
+fn editions_that_only_add_have_the_same_field_reference_numbers() {
+    for family in [
+        CAT001, CAT002, CAT020, CAT021_V2, CAT023, CAT034, CAT048, CAT062, CAT063, CAT065,
+    ] {
+        for table in family {
+            for (uap, first) in table.uaps().zip(family[0].uaps()) {
+                assert_eq!(uap.order, first.order, "{table}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -1,22 +1,72 @@
-//! The tables: one file for each edition of a category, named after both.
+//! The tables: one file for each category, with all its editions.
 //!
 //! Item numbers, titles, element names, widths and LSBs are those of the document; enumerated values are summed up
 //! behind their element. Where a table departs from a published layout on purpose, a comment says so and why.
+//!
+//! An item that changed has a constant for each of its layouts: the one without edition in its name is that of the
+//! first edition here, and `I020_V1_31` is item 020 from ed 1.31 on. At the end of a file each edition is put together
+//! from its items, so that the last lines show in what the editions differ.
 
-mod cat010_v1_1;
-mod cat019_v1_3;
-mod cat020_v1_9;
-mod cat021_v0_23;
+mod cat001;
+mod cat002;
+mod cat010;
+mod cat019;
+mod cat020;
+mod cat021;
+mod cat023;
+mod cat034;
+mod cat048;
+mod cat062;
+mod cat063;
+mod cat065;
 
-pub use cat010_v1_1::CAT010_V1_1;
-pub use cat019_v1_3::CAT019_V1_3;
-pub use cat020_v1_9::CAT020_V1_9;
-pub use cat021_v0_23::CAT021_V0_23;
+pub use cat001::*;
+pub use cat002::*;
+pub use cat010::*;
+pub use cat019::*;
+pub use cat020::*;
+pub use cat021::*;
+pub use cat023::*;
+pub use cat034::*;
+pub use cat048::*;
+pub use cat062::*;
+pub use cat063::*;
+pub use cat065::*;
+
+use crate::asterix::table::*;
+
+const RE: Item = Item::new("RE", "Reserved Expansion Field", Layout::Explicit);
+const SP: Item = Item::new("SP", "Special Purpose Field", Layout::Explicit);
+const RFS: Item = Item::new("RFS", "Random Field Sequencing", Layout::RandomSequence);
+
+/// Quality of the pulses of a Mode 2 or Mode 3/A code: 1 low.
+#[rustfmt::skip]
+const PULSE_QUALITY: &[Part] = &[
+    spare(4),
+    flag("QA4"), flag("QA2"), flag("QA1"),
+    flag("QB4"), flag("QB2"), flag("QB1"),
+    flag("QC4"), flag("QC2"), flag("QC1"),
+    flag("QD4"), flag("QD2"), flag("QD1"),
+];
+
+/// A Mode C code and the quality of its pulses, which are in another order.
+#[rustfmt::skip]
+const MODE_C: &[Part] = &[
+    flag("V"), // 1 not validated
+    flag("G"), // 1 garbled
+    spare(2),
+    element("MODEC", 12, RAW), // Gray code
+    spare(4),
+    flag("QC1"), flag("QA1"), flag("QC2"), flag("QA2"), flag("QC4"), flag("QA4"),
+    flag("QB1"), flag("QD1"), flag("QB2"), flag("QD2"), flag("QB4"), flag("QD4"),
+];
 
 /// The profiles, for the constants of the typed readers.
 pub(super) mod uap {
-    pub(in crate::asterix) use super::cat010_v1_1::UAP as CAT010_V1_1;
-    pub(in crate::asterix) use super::cat019_v1_3::UAP as CAT019_V1_3;
-    pub(in crate::asterix) use super::cat020_v1_9::UAP as CAT020_V1_9;
-    pub(in crate::asterix) use super::cat021_v0_23::UAP as CAT021_V0_23;
+    use crate::asterix::table::Uap;
+
+    pub(in crate::asterix) const CAT010_V1_1: &Uap = super::CAT010_V1_1.uap();
+    pub(in crate::asterix) const CAT019_V1_3: &Uap = super::CAT019_V1_3.uap();
+    pub(in crate::asterix) const CAT020_V1_9: &Uap = super::CAT020_V1_9.uap();
+    pub(in crate::asterix) const CAT021_V0_23: &Uap = super::CAT021_V0_23.uap();
 }
