@@ -24,6 +24,8 @@
 //! ```text
 //! bytes ── blocks ──► Block ── records(table, mode) ──► Record ──┬── NamedRecord: every item by name, to show
 //!              └────── Decoder does both, and counts ──────┘      └── typed: the fields fusion needs, SI units
+//!
+//! numbers, item by item ── RecordWriter ──► octets of a record ── BlockWriter ──► blocks of a size
 //! ```
 //!
 //! A [`Record`] knows where each of its items lies and has decoded none of them. From there two ways lead on, which
@@ -46,6 +48,7 @@ pub mod decoder;
 pub mod error;
 pub mod named;
 pub mod record;
+pub mod record_writer;
 pub mod registry;
 pub mod table;
 pub mod text;
@@ -55,9 +58,10 @@ mod bits;
 mod extent;
 mod spare;
 
-pub use block::{Block, Blocks, blocks};
+pub use block::{Block, BlockWriter, Blocks, blocks};
 pub use decoder::{Counts, Decoder};
 pub use error::Error;
 pub use named::{NamedRecord, Value};
 pub use record::{Mode, Record, Records};
+pub use record_writer::RecordWriter;
 pub use table::{Category, Edition, Frn};

@@ -22,6 +22,15 @@ pub const fn icao_character(code: u8) -> Option<u8> {
     }
 }
 
+/// The six-bit code of a character.
+pub const fn icao_code(character: u8) -> Option<u8> {
+    match character {
+        b'A'..=b'Z' => Some(character - b'A' + 1),
+        b' ' | b'0'..=b'9' => Some(character),
+        _ => None,
+    }
+}
+
 /// The characters in `width` bits from bit `at` on.
 pub(super) fn decode(coding: TextCoding, bytes: &[u8], at: usize, width: usize) -> String {
     let bits_each = match coding {
@@ -64,6 +73,16 @@ mod tests {
     #[test]
     fn ascii_shows_control_and_eight_bit_codes_as_undefined() {
         assert_eq!(decode(TextCoding::Ascii, b"A \x07\xE9", 0, 32), "A \u{FFFD}\u{FFFD}");
+    }
+
+    #[test]
+    fn every_six_bit_character_has_its_code() {
+        for code in 0..64 {
+            if let Some(character) = icao_character(code) {
+                assert_eq!(icao_code(character), Some(code));
+            }
+        }
+        assert_eq!((0..=u8::MAX).filter_map(icao_code).count(), 64 - 27);
     }
 
     #[test]
