@@ -7,10 +7,12 @@
 //!
 //! - [`asterix`]: EUROCONTROL's binary format for surveillance data (radar, multilateration, ADS-B);
 //! - [`reports`]: what their records mean to the pipeline: checked sensor tracks in the system frame;
+//! - [`outgoing`]: the way back, tracks as data blocks for other systems;
 //! - [`tracks_csv`]: sensor tracks and system tracks as rows of text.
 
 #![forbid(unsafe_code)]
 
 pub mod asterix;
+pub mod outgoing;
 pub mod reports;
 pub mod tracks_csv;
