@@ -35,7 +35,7 @@
 use frames::SystemFrame;
 use messages::{SystemTrack, TrackState, contribution_bits};
 
-use super::items::{self, CLIMB_LSB_MPS, FLIGHT_LEVEL_M, HEIGHT_LSB_M};
+use super::items::{self, CLIMB_LSB_MPS, HEIGHT_LSB_M, LEVEL_LSB_M};
 use super::place::{self, Place};
 use super::quantity;
 use super::track_numbers::TrackNumbers;
@@ -436,18 +436,12 @@ impl Form {
 
     /// I062/500, where the greatest numbers mean "or more".
     fn accuracies(&self, report: &Report<'_>, record: &mut RecordWriter) {
-        let covariance = &report.track.covariance;
-        let has_height = report.track.height_valid != 0;
-        let [east, north] = report.place.horizontal(has_height);
-        let up = report.place.up();
-        let both = |x: f64, y: f64| quantity::sigma(x).zip(quantity::sigma(y));
-        let position = both(covariance.get(0, 0), covariance.get(1, 1)).filter(|_| covariance.get(0, 1).is_finite());
-        let height = quantity::sigma(place::position_covariance(covariance, up, up)).filter(|_| has_height);
-        let velocity = both(
-            place::velocity_covariance(covariance, east, east),
-            place::velocity_covariance(covariance, north, north),
-        );
-        let climb = quantity::sigma(place::velocity_covariance(covariance, up, up)).filter(|_| has_height);
+        let Accuracies {
+            position,
+            height,
+            velocity,
+            climb,
+        } = Accuracies::new(report);
         let geometric = height.filter(|_| self.height == HeightReference::Geometric);
         let barometric = height.filter(|_| self.height == HeightReference::Barometric);
         let bit = |holds: bool, subitem: u32| u64::from(holds) << subitem;
@@ -461,26 +455,58 @@ impl Form {
             return;
         }
         record.item(ACCURACIES).subitems(present);
-        let mut put = |sigma: f64, lsb: f64, bits: u32| {
-            record.bits(quantity::capped_deviation(sigma, lsb, bits), bits as usize);
-        };
-        if let Some((x, y)) = position {
-            put(x, POSITION_LSB_M, 16);
-            put(y, POSITION_LSB_M, 16);
-            let root = covariance.get(0, 1).abs().sqrt().min(COVARIANCE_ROOT_MAX_M);
-            let root = root.copysign(covariance.get(0, 1));
+        deviation(record, position.map(|[x, _, _]| x), POSITION_LSB_M, 16);
+        deviation(record, position.map(|[_, y, _]| y), POSITION_LSB_M, 16);
+        if let Some([_, _, root]) = position {
+            let root = root.clamp(-COVARIANCE_ROOT_MAX_M, COVARIANCE_ROOT_MAX_M);
             record.signed(quantity::signed(root, POSITION_LSB_M, 16).unwrap_or(0), 16);
         }
-        let mut put = |sigma: Option<f64>, lsb: f64| {
-            if let Some(sigma) = sigma {
-                record.bits(quantity::capped_deviation(sigma, lsb, 8), 8);
-            }
-        };
-        put(geometric, HEIGHT_LSB_M);
-        put(barometric, FLIGHT_LEVEL_M / 4.0);
-        put(velocity.map(|(x, _)| x), VELOCITY_LSB_MPS);
-        put(velocity.map(|(_, y)| y), VELOCITY_LSB_MPS);
-        put(climb, CLIMB_LSB_MPS);
+        deviation(record, geometric, HEIGHT_LSB_M, 8);
+        deviation(record, barometric, LEVEL_LSB_M, 8);
+        deviation(record, velocity.map(|[x, _]| x), VELOCITY_LSB_MPS, 8);
+        deviation(record, velocity.map(|[_, y]| y), VELOCITY_LSB_MPS, 8);
+        deviation(record, climb, CLIMB_LSB_MPS, 8);
+    }
+}
+
+/// A standard deviation, where there is one.
+fn deviation(record: &mut RecordWriter, sigma: Option<f64>, lsb: f64, bits: u32) {
+    if let Some(sigma) = sigma {
+        record.bits(quantity::capped_deviation(sigma, lsb, bits), bits as usize);
+    }
+}
+
+/// Standard deviations of a track, as far as its covariance says something.
+struct Accuracies {
+    /// Of x and y in the system's plane, and the root of their covariance with its sign, metres.
+    position: Option<[f64; 3]>,
+    /// Of height, metres.
+    height: Option<f64>,
+    /// Of velocity towards east and north at the target, metres per second.
+    velocity: Option<[f64; 2]>,
+    /// Of the rate of climb, metres per second.
+    climb: Option<f64>,
+}
+
+impl Accuracies {
+    fn new(report: &Report<'_>) -> Self {
+        let covariance = &report.track.covariance;
+        let has_height = report.track.height_valid != 0;
+        let [east, north] = report.place.horizontal(has_height);
+        let up = report.place.up();
+        let of_position = |a, b| place::position_covariance(covariance, a, b);
+        let of_velocity = |a, b| place::velocity_covariance(covariance, a, b);
+        let both = |x: f64, y: f64| quantity::sigma(x).zip(quantity::sigma(y));
+        let position = both(covariance.get(0, 0), covariance.get(1, 1));
+        let xy = covariance.get(0, 1);
+        Self {
+            position: position
+                .filter(|_| xy.is_finite())
+                .map(|(x, y)| [x, y, xy.abs().sqrt().copysign(xy)]),
+            height: quantity::sigma(of_position(up, up)).filter(|_| has_height),
+            velocity: both(of_velocity(east, east), of_velocity(north, north)).map(Into::into),
+            climb: quantity::sigma(of_velocity(up, up)).filter(|_| has_height),
+        }
     }
 }
 
