@@ -115,7 +115,7 @@ pub enum Error {
     /// An item runs off the end of its block.
     #[error(
         "byte {offset}: I{category:03}/{item} takes at least {needed} octets, \
-         {available} left in the block"
+         {available} left"
     )]
     ItemTruncated {
         /// Where the item begins.

@@ -101,6 +101,13 @@ struct Measure<'a> {
 }
 
 impl Measure<'_> {
+    fn item(&mut self, item: &'static Item) -> Result<(), Fault> {
+        match item.fixed_octets {
+            Some(octets) => self.skip(usize::from(octets)),
+            None => self.layout(&item.layout),
+        }
+    }
+
     fn layout(&mut self, layout: &'static Layout) -> Result<(), Fault> {
         match layout {
             Layout::Element(bits, _) => self.skip(usize::from(*bits) / 8),
@@ -108,7 +115,12 @@ impl Measure<'_> {
             Layout::Extended(parts) => self.extended(parts),
             Layout::Repetitive(inner) => {
                 let count = self.octet()?;
-                (0..count).try_for_each(|_| self.layout(inner))
+                match inner {
+                    Layout::Element(..) | Layout::Group(_) => {
+                        self.skip(usize::from(count) * inner.bit_count() as usize / 8)
+                    }
+                    _ => (0..count).try_for_each(|_| self.layout(inner)),
+                }
             }
             Layout::RepetitiveFx(inner) => self.repetitive_fx(inner.bit_count() as usize / 8 + 1),
             Layout::Explicit => match self.octet()? {
@@ -161,7 +173,7 @@ impl Measure<'_> {
             let i = present.trailing_zeros() as usize;
             present &= present - 1;
             match subitems.get(i) {
-                Some(Some(subitem)) => self.layout(&subitem.layout)?,
+                Some(Some(subitem)) => self.item(subitem)?,
                 _ => return Err(Fault::Subitem { position: i + 1 }),
             }
         }
@@ -173,7 +185,7 @@ impl Measure<'_> {
         (0..count).try_for_each(|_| {
             let frn = self.octet()?;
             let item = self.uap.item_in_sequence(frn).ok_or(Fault::Sequence { frn })?;
-            self.layout(&item.layout)
+            self.item(item)
         })
     }
 

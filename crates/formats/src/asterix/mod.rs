@@ -19,6 +19,9 @@
 //! - *explicit*: an octet with the item's own length, itself included, and content agreed upon elsewhere;
 //! - *compound*: an FSPEC of its own and subitems in these same layouts.
 //!
+//! In the oldest categories one FRN stands for a *random field sequence* instead: a count, and so many times an FRN and
+//! its item, for items in another order or given more than once.
+//!
 //! # The module
 //!
 //! ```text
@@ -31,7 +34,8 @@
 //! A [`Record`] knows where each of its items lies and has decoded none of them. From there two ways lead on, which
 //! share nothing but the record and so can check each other: [`NamedRecord`] decodes every item as the table says,
 //! into a tree of names and values with the document's units; [`typed`] reads the fields a tracker needs straight
-//! from the bytes, without allocating.
+//! from the bytes, without allocating. The content of a reserved expansion field has editions of its own and is
+//! decoded apart, see [`expansion`].
 //!
 //! A table ([`table`], [`categories`]) is data in the order and words of the EUROCONTROL document, so that it can be
 //! checked against it line by line; what can be checked mechanically (whole octets, names, profile entries) is checked
@@ -46,6 +50,7 @@ pub mod block;
 pub mod categories;
 pub mod decoder;
 pub mod error;
+pub mod expansion;
 pub mod named;
 pub mod record;
 pub mod record_writer;
@@ -61,6 +66,7 @@ mod spare;
 pub use block::{Block, BlockWriter, Blocks, blocks};
 pub use decoder::{Counts, Decoder};
 pub use error::Error;
+pub use expansion::Expansion;
 pub use named::{NamedRecord, Value};
 pub use record::{Mode, Record, Records};
 pub use record_writer::RecordWriter;

@@ -136,7 +136,7 @@ impl Serialize for NamedRecord {
 }
 
 /// Decodes the octets of an item, as many as it has.
-fn decode(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> Value {
+pub(super) fn decode(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> Value {
     Decode { uap, bytes, at: 0 }.layout(&item.layout)
 }
 

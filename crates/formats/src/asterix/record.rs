@@ -71,7 +71,19 @@ impl<'a> Record<'a> {
 
     /// The octets of an item, by name; slower than [`item`](Self::item).
     pub fn item_named(&self, name: &str) -> Option<&'a [u8]> {
-        self.items().find(|(item, _)| item.name == name).map(|(_, bytes)| bytes)
+        self.item_at(name).map(|(_, bytes)| bytes)
+    }
+
+    /// A named item's octets, and where they begin in the bytes the caller passed.
+    pub(super) fn item_at(&self, name: &str) -> Option<(usize, &'a [u8])> {
+        let mut offset = self.offset + usize::from(self.starts[0]);
+        for (item, bytes) in self.items() {
+            if item.name == name {
+                return Some((offset, bytes));
+            }
+            offset += bytes.len();
+        }
+        None
     }
 
     /// The items present and their octets, in the order sent.

@@ -1,6 +1,7 @@
 //! The tables there are: one line for each category.
 
 use super::categories::*;
+use super::expansion::Expansion;
 use super::table::{Category, Edition};
 
 /// Every table, by category. The first of a category is its default edition.
@@ -21,9 +22,23 @@ pub static REGISTRY: &[&Category] = &[
     &CAT065_V1_5, &CAT065_V1_6, &CAT065_V1_4,
 ];
 
+/// What is known of the content of reserved expansion fields.
+#[rustfmt::skip]
+pub static EXPANSIONS: &[&Expansion] = &[
+    &CAT021_RE_V1_4, &CAT021_RE_V1_5,
+    &CAT048_RE_V1_11, &CAT048_RE_V1_12, &CAT048_RE_V1_13,
+    &CAT062_RE_V1_2, &CAT062_RE_V1_3,
+];
+
 /// The table of one edition.
 pub fn find(number: u8, edition: Edition) -> Option<&'static Category> {
     editions(number).find(|table| table.edition == edition)
+}
+
+/// What a category's reserved expansion field holds in one edition of its coding rules.
+pub fn find_expansion(number: u8, edition: Edition) -> Option<&'static Expansion> {
+    let is_it = |expansion: &&&Expansion| expansion.number == number && expansion.edition == edition;
+    EXPANSIONS.iter().find(is_it).copied()
 }
 
 /// The table of a category's default edition.

@@ -121,7 +121,7 @@ fn an_item_ends_within_its_block() {
         message(
             &error(Lenient, name, octets),
             offset,
-            &format!("byte {offset}: I250/{name} takes at least {needed} octets, {left} left in the block"),
+            &format!("byte {offset}: I250/{name} takes at least {needed} octets, {left} left"),
         );
     };
     truncated("020", &[1], 4, 2);
@@ -204,4 +204,5 @@ fn spare_bits_are_zero_in_strict_mode() {
     set("060", &[0x01, 0, 0x01, 0x80], 4);
     set("120", &[0x02], 5);
     set("RFS", &[2, 2, 0, 0, 1, 0x40, 0], 6);
+    set("RFS", &[2, 14, 3, 0xFF, 0xFF, 1, 0x40, 0], 6); // behind an explicit item
 }

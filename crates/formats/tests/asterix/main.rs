@@ -4,6 +4,7 @@ mod agreement;
 mod allocation;
 mod decoder;
 mod errors;
+mod expansions;
 mod generator;
 mod item_kinds;
 mod properties;

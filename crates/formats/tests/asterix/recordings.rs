@@ -1,4 +1,5 @@
-//! Whole recordings of an airport's sensors: known totals, and the two ways of decoding compared on every record.
+//! Whole recordings of an airport's sensors and of an en-route radar: known totals, and the two ways of decoding
+//! compared on every record.
 //!
 //! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
 //! workspace; where they are absent the tests say so and pass.
@@ -15,12 +16,14 @@ use formats::asterix::{Counts, Decoder, Mode, NamedRecord, Record, Value};
 
 use crate::agreement;
 
+const BARCELONA: &str = "lebl2016/160510-lebl-220001";
+
 fn recording(name: &str) -> Option<Vec<u8>> {
     let folder = env::var_os("KOSEKI_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
         PathBuf::from,
     );
-    let path = folder.join("lebl2016").join(name);
+    let path = folder.join(name);
     let bytes = fs::read(&path).ok();
     if bytes.is_none() {
         println!("skipped: no recording {}", path.display());
@@ -50,7 +53,7 @@ fn counts(records: u64) -> Counts {
 
 #[test]
 fn surface_movement_radar() {
-    let Some(bytes) = recording("160510-lebl-220001_SMR_cat10.ast") else {
+    let Some(bytes) = recording(&format!("{BARCELONA}_SMR_cat10.ast")) else {
         return;
     };
     let (mut reports, mut cycles, mut states) = (0, 0, 0);
@@ -77,7 +80,7 @@ fn surface_movement_radar() {
 
 #[test]
 fn multilateration_as_category_010() {
-    let Some(bytes) = recording("160510-lebl-220001_MLAT_cat10.ast") else {
+    let Some(bytes) = recording(&format!("{BARCELONA}_MLAT_cat10.ast")) else {
         return;
     };
     let (mut reports, mut monitors, mut services) = (0, 0, 0);
@@ -102,7 +105,7 @@ fn multilateration_as_category_010() {
 
 #[test]
 fn multilateration_as_category_020() {
-    let Some(bytes) = recording("160510-lebl-220001_MLAT_cat20.ast") else {
+    let Some(bytes) = recording(&format!("{BARCELONA}_MLAT_cat20.ast")) else {
         return;
     };
     let (mut reports, mut monitors, mut cycles, mut states) = (0, 0, 0, 0);
@@ -158,8 +161,8 @@ fn check_system_state(record: &Record<'_>) {
 #[test]
 fn both_categories_of_the_multilateration_give_the_same_reports() {
     let (Some(cat10), Some(cat20)) = (
-        recording("160510-lebl-220001_MLAT_cat10.ast"),
-        recording("160510-lebl-220001_MLAT_cat20.ast"),
+        recording(&format!("{BARCELONA}_MLAT_cat10.ast")),
+        recording(&format!("{BARCELONA}_MLAT_cat20.ast")),
     ) else {
         return;
     };
@@ -194,7 +197,7 @@ fn both_categories_of_the_multilateration_give_the_same_reports() {
 
 #[test]
 fn ads_b() {
-    let Some(bytes) = recording("160510-lebl-220001_ADSB_cat21_v023.ast") else {
+    let Some(bytes) = recording(&format!("{BARCELONA}_ADSB_cat21_v023.ast")) else {
         return;
     };
     let mut addresses = BTreeSet::new();
@@ -211,4 +214,40 @@ fn ads_b() {
     assert_eq!((addresses.len(), without_callsign), (47, 5891));
     assert!(callsigns.iter().any(|callsign| callsign.as_str() == "IBK3ZR"));
     assert!(compared > 1_000_000, "{compared}");
+}
+
+#[test]
+fn en_route_radar() {
+    let Some(bytes) = recording("akapetanovic/Jahorina.raw") else {
+        return;
+    };
+    let (mut plots, mut north_markers) = (0, 0);
+    let mut addresses = BTreeSet::new();
+    let (mut first_s, mut last_s) = (f64::INFINITY, f64::NEG_INFINITY);
+    let (counted, _) = for_each(&bytes, |record| {
+        let named = NamedRecord::new(record);
+        assert_eq!(named.get(&["010", "SAC"]), Some(&Value::Unsigned(23)));
+        assert_eq!(named.get(&["010", "SIC"]), Some(&Value::Unsigned(2)));
+        let time = if named.category == 48 { "140" } else { "030" };
+        let time_s = named.get(&[time]).and_then(Value::as_f64).unwrap();
+        (first_s, last_s) = (first_s.min(time_s), last_s.max(time_s));
+        if named.category == 48 {
+            plots += 1;
+            if let Some(Value::Unsigned(address)) = named.get(&["220"]) {
+                addresses.insert(*address);
+            }
+            let range_nm = named.get(&["040", "RHO"]).and_then(Value::as_f64).unwrap();
+            assert!((5.0..200.0).contains(&range_nm), "{range_nm} NM");
+        } else {
+            assert_eq!(named.get(&["000"]), Some(&Value::Unsigned(1)));
+            north_markers += 1;
+        }
+    });
+    let expected = Counts {
+        blocks: 642,
+        ..counts(2119)
+    };
+    assert_eq!(counted, expected);
+    assert_eq!((plots, north_markers, addresses.len()), (2099, 20, 106));
+    assert_eq!((first_s, last_s), (33_932.195_312_5, 34_012.578_125));
 }

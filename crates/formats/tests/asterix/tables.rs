@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use formats::asterix::categories::*;
 use formats::asterix::table::{Content, Item, Layout, MAX_FRN, Part, TextCoding};
-use formats::asterix::{Category, Edition, registry};
+use formats::asterix::{Edition, registry};
 
 #[test]
 fn item_names_are_unique_and_every_item_has_its_place_in_a_profile() {
@@ -26,11 +26,18 @@ fn item_names_are_unique_and_every_item_has_its_place_in_a_profile() {
 #[test]
 fn elements_are_named_once_and_depend_on_elements_before_them() {
     for table in registry::REGISTRY {
-        table.items.iter().for_each(|item| check_item(table, item));
+        table.items.iter().for_each(|item| check_item(&table.to_string(), item));
+    }
+    for expansion in registry::EXPANSIONS {
+        let place = format!("CAT{:03}/RE ed {}", expansion.number, expansion.edition);
+        let items = || expansion.items.iter().flatten();
+        let names: HashSet<_> = items().map(|item| item.name).collect();
+        assert_eq!(names.len(), items().count(), "{place}: an item twice");
+        items().for_each(|item| check_item(&place, item));
     }
 }
 
-fn check_item(table: &Category, item: &Item) {
+fn check_item(table: &str, item: &Item) {
     assert!(
         !item.name.is_empty() && !item.title.is_empty(),
         "{table}: an item without name"
@@ -38,7 +45,7 @@ fn check_item(table: &Category, item: &Item) {
     check_layout(table, item.name, &item.layout);
 }
 
-fn check_layout(table: &Category, item: &str, layout: &Layout) {
+fn check_layout(table: &str, item: &str, layout: &Layout) {
     let place = format!("{table} item {item}");
     match layout {
         Layout::Element(bits, content) => check_content(&place, *bits, content, &[]),
@@ -155,6 +162,16 @@ fn editions_that_only_add_have_the_same_field_reference_numbers() {
             }
         }
     }
+}
+
+#[test]
+fn the_registry_finds_expansions() {
+    for expansion in registry::EXPANSIONS {
+        let found = registry::find_expansion(expansion.number, expansion.edition).expect("a registered expansion");
+        assert!(std::ptr::eq(found, *expansion), "{} twice", expansion.edition);
+        assert!(registry::default_edition(expansion.number).is_some());
+    }
+    assert!(registry::find_expansion(48, Edition::new(9, 9)).is_none());
 }
 
 #[test]

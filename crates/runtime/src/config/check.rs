@@ -251,7 +251,12 @@ fn check_recorded(index: usize, raw: &RawRecorded) -> Checked<Recorded> {
             .ok()
             .and_then(|edition| registry::find(number, edition));
         tables.push(table.ok_or_else(|| {
-            let known: Vec<String> = registry::REGISTRY.iter().map(|table| table.to_string()).collect();
+            let of_category: Vec<String> = registry::editions(number).map(ToString::to_string).collect();
+            let known = if of_category.is_empty() {
+                registry::defaults().map(ToString::to_string).collect()
+            } else {
+                of_category
+            };
             problem(
                 key("editions"),
                 format!(

@@ -56,7 +56,16 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
             "name = \"beste-quelle\"",
             "there are: best-source",
         ),
-        ("\"21\" = \"0.23\"", "\"21\" = \"9.9\"", "CAT021 ed 0.23"),
+        (
+            "\"21\" = \"0.23\"",
+            "\"21\" = \"9.9\"",
+            "there are: CAT021 ed 2.4, CAT021 ed 2.1, ",
+        ),
+        (
+            "\"21\" = \"0.23\"",
+            "\"22\" = \"1.0\"",
+            "there are: CAT001 ed 1.4, CAT002 ed 1.2, ",
+        ),
         ("period_s = 1.0", "period_s = \"1 s\"", "expected f64"),
         ("reorder_s = 0.5", "truncated = \"yes\"", "unknown variant `yes`"),
         ("date = \"2016-05-10\"", "date = \"10.5.2016\"", "year-month-day"),

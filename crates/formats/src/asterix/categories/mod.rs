@@ -6,6 +6,17 @@
 //! An item that changed has a constant for each of its layouts: the one without edition in its name is that of the
 //! first edition here, and `I020_V1_31` is item 020 from ed 1.31 on. At the end of a file each edition is put together
 //! from its items, so that the last lines show in what the editions differ.
+//!
+//! The editions in one list, such as [`CAT048`], have the same field reference numbers; their items only gained parts,
+//! names for spare bits and the like, so that one reader can be written for all of them. [`CAT021_V0`] is the exception.
+//!
+//! # What tables do not say
+//!
+//! - Which items a record must have, and on what condition: a receiver lives with what is sent.
+//! - The range of a quantity within its width, and which codes are in use. A code without meaning stays a number.
+//! - What a Comm-B message holds (ICAO Doc 9871 does): the 56 bits and the register's number are given as numbers.
+//! - The content of special purpose fields. For that of reserved expansion fields see
+//!   [`expansion`](crate::asterix::expansion).
 
 mod cat001;
 mod cat002;

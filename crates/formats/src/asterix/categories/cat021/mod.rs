@@ -5,12 +5,14 @@
 //! to 2.7 (July 2025), each an addition to the one before. Nothing in a block tells the two apart: the receiver must
 //! know its sender.
 
+mod re;
 mod v0;
 mod v2;
 
 use crate::asterix::table::Layout::{Compound, Extended, Group, Repetitive};
 use crate::asterix::table::*;
 
+pub use re::{CAT021_RE_V1_4, CAT021_RE_V1_5};
 pub use v0::{CAT021_V0, CAT021_V0_23, CAT021_V0_24, CAT021_V0_25, CAT021_V0_26};
 pub use v2::{CAT021_V2, CAT021_V2_1, CAT021_V2_2, CAT021_V2_3, CAT021_V2_4, CAT021_V2_5, CAT021_V2_6, CAT021_V2_7};
 

@@ -4,7 +4,11 @@
 //! are further parts of I048/020, and codes of I048/030. Ed 1.32 says that the flight level in I048/090 is in two's
 //! complement; before, the document said nothing of a sign, and these tables have none.
 
-use super::{MODE_C, PULSE_QUALITY, RE, SP};
+mod re;
+
+pub use re::{CAT048_RE_V1_11, CAT048_RE_V1_12, CAT048_RE_V1_13};
+
+use crate::asterix::categories::{MODE_C, PULSE_QUALITY, RE, SP};
 use crate::asterix::table::Layout::{Compound, Element, Extended, Group, Repetitive, RepetitiveFx};
 use crate::asterix::table::*;
 

@@ -3,7 +3,11 @@
 //! EUROCONTROL-SPEC-0149-9, ed 1.16 to 1.21 (June 2025), with one order of items: what was spare in I062/060 and 080
 //! got a meaning, the height in I062/340 a sign, and one subitem of I062/380 another name.
 
-use super::{RE, SP};
+mod re;
+
+pub use re::{CAT062_RE_V1_2, CAT062_RE_V1_3};
+
+use crate::asterix::categories::{RE, SP};
 use crate::asterix::table::Layout::{Compound, Element, Extended, Group, Repetitive, RepetitiveFx};
 use crate::asterix::table::*;
 
