@@ -219,7 +219,8 @@ impl Error {
     }
 }
 
-fn describe_choice(found: Option<u64>) -> String {
+/// Why the element that decides between profiles did not.
+pub(super) fn describe_choice(found: Option<u64>) -> String {
     match found {
         None => "but is absent".to_owned(),
         Some(value) => format!("its value {value} has none"),
