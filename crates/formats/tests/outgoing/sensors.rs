@@ -322,7 +322,9 @@ impl Pair<'_> {
             let range_m = (x * x + y * y + up * up).sqrt();
             sent.near(&["040", "RHO"], range_m / NM_M, 1.0 / 256.0);
             sent.near_turn(&["040", "THETA"], x.atan2(y).to_degrees(), TURN_LSB_DEG);
-            let [x, y, _] = world.in_sensor(track.position_m);
+            let [x, y, up] = world.in_sensor(track.position_m);
+            let stretch = (x * x + y * y + up * up).sqrt() / x.hypot(y); // into the radar plane
+            let [x, y] = [x * stretch, y * stretch];
             sent.near(&["042", "X"], x / NM_M, 1.0 / 128.0);
             sent.near(&["042", "Y"], y / NM_M, 1.0 / 128.0);
         }
@@ -337,7 +339,7 @@ impl Pair<'_> {
         self.check_ground_vector("200", "GSP", "HDG");
         sent.is(&["170", "CNF"], u64::from(self.state == TrackState::Tentative));
         sent.is(&["170", "TRE"], u64::from(self.ended()));
-        sent.is(&["170", "TCC"], 1u64);
+        sent.is(&["170", "TCC"], 0u64);
         let primary = identity.address().is_none() && identity.mode_3a().is_none() && !self.has(bits::HEIGHT);
         sent.is(&["170", "RAD"], if primary { 1u64 } else { 2 });
         self.check_climb_mode("170");
