@@ -18,6 +18,10 @@ pub(super) fn put(bytes: &mut [u8], at: usize, width: usize, number: u64) {
     let end = at + width;
     let octets = &mut bytes[at / 8..end.div_ceil(8)];
     let behind = octets.len() * 8 - at % 8 - width;
+    if let [octet] = octets {
+        *octet |= (number as u8) << behind; // flags and short codes: most elements
+        return;
+    }
     let mut rest = u128::from(number) << behind;
     for octet in octets.iter_mut().rev() {
         *octet |= rest as u8;

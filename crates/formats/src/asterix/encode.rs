@@ -9,7 +9,7 @@
 //! The order of members does not matter. In the table's order, as decoding gives them, each is found where it is
 //! looked for first.
 
-use super::bits::{fspec_octet, goes_on, put};
+use super::bits::{fspec_octet, goes_on, put, sign_extend};
 use super::encode_error::{EncodeError, EncodeFault, Place};
 use super::extent::MAX_UNKNOWN_EXTENSION_OCTETS;
 use super::named::{NamedRecord, UNKNOWN_EXTENSION, Value, find};
@@ -430,13 +430,11 @@ fn element(
 ) -> Encoded {
     let bits = usize::from(width);
     let number = match (content, value) {
-        (Content::Raw | Content::Integer { signed: false }, Value::Unsigned(number)) => {
-            integer((*number).into(), false, bits)?
-        }
+        (Content::Raw | Content::Integer { signed: false }, Value::Unsigned(number)) => unsigned(*number, bits)?,
         (Content::Raw | Content::Integer { signed: false }, _) => {
             return Err(other_kind("a number without sign", value));
         }
-        (Content::Integer { signed: true }, Value::Signed(number)) => integer((*number).into(), true, bits)?,
+        (Content::Integer { signed: true }, Value::Signed(number)) => signed(*number, bits)?,
         (Content::Integer { signed: true }, _) => return Err(other_kind("a number with sign", value)),
         (Content::Quantity { signed, lsb, unit }, Value::Quantity(quantity)) => {
             steps(*quantity, *signed, *lsb, unit, bits)?
@@ -455,16 +453,31 @@ fn element(
     Ok(())
 }
 
-/// A whole number in so many bits.
-fn integer(value: i128, signed: bool, bits: usize) -> Result<u64, EncodeFault> {
-    let (least, greatest) = match signed {
-        true => (-(1 << (bits - 1)), (1 << (bits - 1)) - 1),
-        false => (0, (1 << bits) - 1),
-    };
-    if value < least || value > greatest {
-        return Err(EncodeFault::NumberOutOfRange { value, least, greatest });
+/// A number without sign in so many bits.
+fn unsigned(value: u64, bits: usize) -> Result<u64, EncodeFault> {
+    let greatest = u64::MAX >> (64 - bits);
+    if value > greatest {
+        return Err(EncodeFault::NumberOutOfRange {
+            value: value.into(),
+            least: 0,
+            greatest: greatest.into(),
+        });
     }
-    Ok(value as u64 & (u64::MAX >> (64 - bits)))
+    Ok(value)
+}
+
+/// A number in two's complement in so many bits.
+fn signed(value: i64, bits: usize) -> Result<u64, EncodeFault> {
+    let number = value as u64 & (u64::MAX >> (64 - bits));
+    if sign_extend(number, bits) != value {
+        let greatest = i64::MAX >> (64 - bits);
+        return Err(EncodeFault::NumberOutOfRange {
+            value: value.into(),
+            least: (-greatest - 1).into(),
+            greatest: greatest.into(),
+        });
+    }
+    Ok(number)
 }
 
 /// A quantity as the nearest number of LSBs, in so many bits.
