@@ -6,7 +6,7 @@
 //! | 040 | `track_number` | shortened to 16 bits |
 //! | 070 | `reference_time_ns` | |
 //! | 080 | state, alerts, contributions, ground state | see below |
-//! | 100, 105 | `position_m` | in the system's plane, and on the ellipsoid |
+//! | 100, 105 | `position_m` | in the system's own plane, which touches the earth at its origin, and on the ellipsoid |
 //! | 130 or 135, 220 | height, where a source observes it | geometric or barometric, see [`HeightReference`] |
 //! | 185 | `velocity_mps` | towards east and north at the target, as the document wants |
 //! | 060, 380 ADR and ID | `identity` | |

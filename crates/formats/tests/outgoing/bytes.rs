@@ -102,7 +102,7 @@ fn cat048() {
     };
     assert_lines(
         &sensor_block(&CAT048_V1_31, &track),
-        "30 00 1D      category 048, 29 octets
+        "30 00 1C      category 048, 28 octets
          F9 1E         010 140 020 040 070, 161 042 200 170
          07 09         010
          00 01 00      140
@@ -112,7 +112,7 @@ fn cat048() {
          00 05         161
          00 00 02 80   042: 0, 5 x 128
          06 66 00 00   200: 0.1 x 2^14 = 1638, 0
-         47 10         170: RAD 2, CDM 3; TCC",
+         46            170: RAD 2, CDM 3",
     );
     let end = SensorTrack {
         state: TrackState::Terminated as u8,
@@ -134,7 +134,7 @@ fn cat048() {
          00            020: TYP 0
          22 9C         070: L, 1234
          00 05         161
-         47 90         170: RAD 2, CDM 3; TRE, TCC",
+         47 80         170: RAD 2, CDM 3; TRE",
     );
 }
 

@@ -140,27 +140,23 @@ impl SensorReports {
     /// Sends the periodic status message of the category, behind all reports before it: north marker (CAT034), periodic
     /// status (CAT019, 010), ground station status (CAT023). They say that the sensor is in operation.
     pub fn status(&mut self, now_utc_ns: i64, send: &mut SendBlock<'_>) {
-        let (record, outbox) = &mut self.status;
+        let record = &mut self.status.0;
         match self.form {
             Form::Radar(_) => radar::north_marker(&self.site, now_utc_ns, record),
             Form::Multilateration(_) => multilateration::status(&self.site, now_utc_ns, record),
             Form::AdsB | Form::EarlyAdsB(_) => adsb::status(&self.site, now_utc_ns, record),
             Form::Surface => surface::status(&self.site, now_utc_ns, record),
         }
-        self.outbox.flush(send);
-        outbox.push(record.finish(), send);
-        outbox.flush(send);
+        self.send_status(send);
     }
 
     /// Says that a radar's antenna crosses into the sector at this azimuth (rad, clockwise from the sensor's north), behind
     /// all reports before it. Other sensors have no antenna that turns, and send nothing.
     pub fn sector(&mut self, now_utc_ns: i64, azimuth_rad: f64, send: &mut SendBlock<'_>) {
-        let Form::Radar(_) = self.form else { return };
-        let (record, outbox) = &mut self.status;
-        radar::sector_crossing(&self.site, now_utc_ns, azimuth_rad, record);
-        self.outbox.flush(send);
-        outbox.push(record.finish(), send);
-        outbox.flush(send);
+        if let Form::Radar(_) = self.form {
+            radar::sector_crossing(&self.site, now_utc_ns, azimuth_rad, &mut self.status.0);
+            self.send_status(send);
+        }
     }
 
     /// Forgets all tracks: for when the sensor has begun to number its tracks anew.
@@ -176,6 +172,13 @@ impl SensorReports {
             blocks: reports.blocks + status.blocks,
             ..reports
         }
+    }
+
+    fn send_status(&mut self, send: &mut SendBlock<'_>) {
+        let (record, outbox) = &mut self.status;
+        self.outbox.flush(send);
+        outbox.push(record.finish(), send);
+        outbox.flush(send);
     }
 
     fn write(&mut self, track: &SensorTrack) -> Result<(), Unsent> {
@@ -304,10 +307,15 @@ impl Report<'_> {
         Some(axes.map(|axis| place::along(axis, self.track.velocity_mps)))
     }
 
-    /// Rate of climb, metres per second, where known.
+    /// Rate of climb, metres per second, where known. Without a horizontal velocity, the system's vertical one.
     fn climb_mps(&self) -> Option<f64> {
-        let place = self.place.filter(|_| self.has(bits::VERTICAL_RATE))?;
-        Some(place::along(place.up(), self.track.velocity_mps))
+        let up = self.place.filter(|_| self.has(bits::VERTICAL_RATE))?.up();
+        let up = if self.has(bits::VELOCITY) {
+            up
+        } else {
+            [0.0, 0.0, up[2]]
+        };
+        Some(place::along(up, self.track.velocity_mps))
     }
 
     /// Covariance of velocity along two directions in the horizontal plane, m²/s².

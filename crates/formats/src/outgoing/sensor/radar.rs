@@ -4,11 +4,11 @@
 //! | --- | --- | --- |
 //! | 020 | state, identity, alerts | what detected it, see below |
 //! | 040 | `measured_m`, else `position_m` | slant range and azimuth from the antenna; not at a track's end |
-//! | 042 | `position_m` | in the plane that touches the earth at the antenna (TCC in 170) |
+//! | 042 | `position_m` | in the radar plane (TCC 0 in 170): slant range and azimuth as x and y |
 //! | 070, 220, 240 | `identity` | |
 //! | 090 | height | as flight level: a radar has no other; not while coasting, as none was received |
 //! | 161 | `track_number` | shortened to 12 bits |
-//! | 170 | state, rate of climb | |
+//! | 170 | state, identity, rate of climb | |
 //! | 200 | `velocity_mps` | course from true north at the target, as the document wants |
 //! | 210 | `covariance` | if all four deviations fit |
 //! | 230 | alerts, ground state | with Mode S targets, as the document wants |
@@ -17,6 +17,10 @@
 //! comes from Mode S, a code or a height from a reply to secondary radar, and without any of them it was primary radar. A
 //! coasted track is "no detection", with its extrapolated position. That a primary radar saw the target too is not known
 //! and not said.
+//!
+//! **Radar plane.** I048/042 is either the slant range turned down into the plane, or a projection of the ground, whichever
+//! I048/170 says. Which projection that is the document leaves open, and at 200 km two usual ones are 300 m apart for a
+//! high aircraft; the slant range has one meaning.
 //!
 //! **Flight levels below zero** have two's complement numbers from ed 1.32 on. Earlier editions say nothing of a sign and
 //! their tables have none, so such a level would be read as one above 4000: it is left out.
@@ -161,12 +165,14 @@ impl Position {
         }
         let track = report.track;
         let is_measured = report.has(bits::MEASURED) && !report.is_coasted();
-        let sighting = site.frame.sighting(if is_measured {
-            track.measured_m
+        let calculated = site.frame.sighting(track.position_m);
+        let sighting = if is_measured {
+            site.frame.sighting(track.measured_m)
         } else {
-            track.position_m
-        });
-        let [x, y, _] = site.frame.to_cartesian(track.position_m);
+            calculated
+        };
+        let (sin, cos) = calculated.azimuth_rad.sin_cos();
+        let [x, y] = [sin, cos].map(|share| share * calculated.slant_range_m);
         let in_plane = |value: f64| quantity::signed(value, POSITION_LSB_M, 16);
         let range = quantity::unsigned(sighting.slant_range_m, RANGE_LSB_M, 16);
         let (Some(range), Some(x), Some(y)) = (range, in_plane(x), in_plane(y)) else {
@@ -208,11 +214,9 @@ fn status(report: &Report<'_>, record: &mut RecordWriter) {
     let maintained_by = if detection(report) == Detection::Primary { 1 } else { 2 };
     let climb_mode = items::climb_mode(report.climb_mps()) as u8;
     let ended = u8::from(report.is_ended());
-    let projected = 1; // TCC
-    record.item(TRACK_STATUS).extended(&[
-        tentative << 6 | maintained_by << 4 | climb_mode,
-        ended << 6 | projected << 3,
-    ]);
+    record
+        .item(TRACK_STATUS)
+        .extended(&[tentative << 6 | maintained_by << 4 | climb_mode, ended << 6]);
 }
 
 /// Deviations of x, y, ground speed and course, where all are known and fit.
