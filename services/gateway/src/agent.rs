@@ -38,7 +38,7 @@ pub(crate) struct GatewayAgent<S: Transport> {
 /// What is sent.
 #[derive(Debug)]
 enum Content<S: Transport> {
-    System(Box<Picture<S, SystemTrack, SystemReports>>, StatusReports),
+    System(Box<Picture<S, SystemTrack, SystemReports>>, Box<StatusReports>),
     Sensor(Box<Picture<S, SensorTrack, SensorReports>>),
 }
 
@@ -90,7 +90,7 @@ impl<S: Transport> GatewayAgent<S> {
                 let [of_system, of_sensors] = STATUS_CATEGORIES.map(registry::default_edition);
                 let (of_system, of_sensors) = of_system.zip(of_sensors).context("CAT065 and CAT063 have tables")?;
                 let status = StatusReports::new(of_system, of_sensors, sac, sic, block_bytes)?;
-                Content::System(Box::new(picture), status)
+                Content::System(Box::new(picture), Box::new(status))
             }
             GatewayContent::SensorTracks(number) => {
                 let source = &config.sources[usize::from(number)];

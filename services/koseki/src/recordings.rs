@@ -86,7 +86,7 @@ enum What {
     },
     Table {
         key: Key,
-        error: CsvError,
+        error: Box<CsvError>,
     },
 }
 
@@ -287,7 +287,7 @@ fn read_lines(bytes: &[u8]) -> Found {
 fn read_rows(bytes: &[u8], key: &Key) -> Result<Found, What> {
     let table = |error| What::Table {
         key: key.clone(),
-        error,
+        error: Box::new(error),
     };
     let mut found = Found::default();
     for track in SensorTrackReader::new(bytes, 0, |_| Some(0)).map_err(table)? {

@@ -244,9 +244,7 @@ fn table(key: &str, number: u8, edition: Option<&str>) -> Checked<&'static Categ
     table.ok_or_else(|| {
         let mut known: Vec<String> = registry::editions(number).map(ToString::to_string).collect();
         if known.is_empty() {
-            known = registry::defaults()
-                .map(|table| format!("CAT{:03}", table.number))
-                .collect();
+            known = registry::defaults().map(ToString::to_string).collect();
         }
         let what = format!(
             "category {number} edition \"{edition}\" is not known; there are: {}",

@@ -1,0 +1,35 @@
+//! Recordings: what they come packed in, and which of their records can be believed.
+//!
+//! The first octet forces a kind of container or leaves it to the content; the rest is the recording. Every octet must be
+//! accounted for, and whatever is in the datagrams must be surveyed and read to its end.
+
+#![no_main]
+
+use formats::containers::{Container, Datagrams};
+use formats::recording::Recording;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|input: &[u8]| {
+    let Some((&choice, bytes)) = input.split_first() else { return };
+    let container = Container::ALL
+        .get(usize::from(choice))
+        .copied()
+        .unwrap_or_else(|| Container::detect(bytes));
+    let mut datagrams = Datagrams::new(container, bytes);
+    let octets: u64 = datagrams.by_ref().flatten().map(|datagram| datagram.bytes.len() as u64).sum();
+    let counts = *datagrams.counts();
+    assert_eq!(octets, counts.datagram_octets);
+    assert_eq!(
+        counts.datagram_octets + counts.framing_octets + counts.octets_skipped,
+        bytes.len() as u64,
+        "{counts:?}"
+    );
+    let recording = Recording::new(bytes).in_container(container);
+    let survey = recording.survey();
+    let mut records = 0;
+    let read: Result<(), ()> = recording.for_each(&survey, |_| {
+        records += 1;
+        Ok(())
+    });
+    assert!(read.is_ok() && records <= bytes.len());
+});
