@@ -9,5 +9,6 @@ mod generator;
 mod item_kinds;
 mod properties;
 mod recordings;
+mod reports;
 mod sample;
 mod tables;
