@@ -22,12 +22,22 @@ const ORDER: &[&str] = &[
     "fusion-service",
     "monitor",
     "recorder",
+    "gateway",
+    "simulator",
     "launcher",
     "koseki",
 ];
 
 /// Services talk through messages only, never to each other.
-const SERVICES: &[&str] = &["adapter", "fusion-service", "monitor", "recorder", "launcher"];
+const SERVICES: &[&str] = &[
+    "adapter",
+    "fusion-service",
+    "monitor",
+    "recorder",
+    "gateway",
+    "simulator",
+    "launcher",
+];
 
 /// Crates that may know the outside world; all others are pure.
 const OUTSIDE: &[&str] = &[
@@ -38,6 +48,8 @@ const OUTSIDE: &[&str] = &[
     "fusion-service",
     "monitor",
     "recorder",
+    "gateway",
+    "simulator",
     "launcher",
     "koseki",
 ];

@@ -1,10 +1,10 @@
 //! Lines from servers that behave, hang up, fall silent, or never end a line.
 //!
-//! The client is told the time, so pauses pass as soon as a test says so. Each test has an address of its own in
-//! 127.0.0.0/8, so that no other one can take a port that it gives up for a while.
+//! The client is told the time, so pauses pass as soon as a test says so. Each test of each run has an address of its own
+//! in 127.0.0.0/8, so that no other one can take a port that it gives up for a while.
 
 use std::io::Write;
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::time::Duration;
 
 use net::{LinesSettings, TcpLines};
@@ -65,15 +65,21 @@ fn settings(server: SocketAddr) -> LinesSettings {
     }
 }
 
-fn listen(address: &str) -> (TcpListener, SocketAddr) {
-    let listener = TcpListener::bind((address, 0)).unwrap();
+/// An address of this process and of the test with a number from 1.
+fn own_address(test: u8) -> IpAddr {
+    let [.., high, low] = std::process::id().to_be_bytes();
+    Ipv4Addr::new(127, high, low, test).into()
+}
+
+fn listen(test: u8) -> (TcpListener, SocketAddr) {
+    let listener = TcpListener::bind((own_address(test), 0)).unwrap();
     let address = listener.local_addr().unwrap();
     (listener, address)
 }
 
 #[test]
 fn lines_arrive_whole_however_they_were_sent() {
-    let (listener, address) = listen("127.0.17.1");
+    let (listener, address) = listen(1);
     let mut client = Client::new(settings(address));
     let mut server = client.connect(&listener);
     server.write_all(b"MSG,1\r\nMSG,2\r\n\r\nMS").unwrap();
@@ -87,7 +93,7 @@ fn lines_arrive_whole_however_they_were_sent() {
 
 #[test]
 fn nothing_to_read_waits_no_longer_than_allowed() {
-    let (listener, address) = listen("127.0.17.2");
+    let (listener, address) = listen(2);
     let mut client = Client::new(settings(address));
     let _server = client.connect(&listener);
     assert_eq!(client.poll(Duration::ZERO), 0);
@@ -97,7 +103,7 @@ fn nothing_to_read_waits_no_longer_than_allowed() {
 
 #[test]
 fn a_server_that_dies_is_found_again_when_it_comes_back() {
-    let (listener, address) = listen("127.0.17.3");
+    let (listener, address) = listen(3);
     let mut client = Client::new(settings(address));
     let mut server = client.connect(&listener);
     server.write_all(b"before\nhalf a li").unwrap();
@@ -143,7 +149,7 @@ fn a_server_that_dies_is_found_again_when_it_comes_back() {
 
 #[test]
 fn a_server_that_only_hangs_up_is_asked_less_and_less_often() {
-    let (listener, address) = listen("127.0.17.4");
+    let (listener, address) = listen(4);
     let mut client = Client::new(settings(address));
     for (losses, pause_s) in [(1, 1), (2, 2), (3, 4), (4, 4)] {
         drop(client.connect(&listener));
@@ -159,7 +165,7 @@ fn a_server_that_only_hangs_up_is_asked_less_and_less_often() {
 
 #[test]
 fn a_silent_connection_is_given_up() {
-    let (listener, address) = listen("127.0.17.5");
+    let (listener, address) = listen(5);
     let mut client = Client::new(settings(address));
     let mut server = client.connect(&listener);
     client.poll(Duration::ZERO);
@@ -181,7 +187,7 @@ fn a_silent_connection_is_given_up() {
 
 #[test]
 fn a_line_that_never_ends_is_passed_over() {
-    let (listener, address) = listen("127.0.17.6");
+    let (listener, address) = listen(6);
     let mut client = Client::new(settings(address));
     let mut server = client.connect(&listener);
     server.write_all(b"first\n").unwrap();
@@ -203,9 +209,7 @@ fn a_line_that_never_ends_is_passed_over() {
 fn an_attempt_that_takes_too_long_is_given_up() {
     // A listener that has room for one waiting connection answers nobody else.
     let listener = Socket::new(Domain::IPV4, Type::STREAM, None).unwrap();
-    listener
-        .bind(&"127.0.17.7:0".parse::<SocketAddr>().unwrap().into())
-        .unwrap();
+    listener.bind(&SocketAddr::new(own_address(7), 0).into()).unwrap();
     listener.listen(0).unwrap();
     let address = listener.local_addr().unwrap().as_socket().unwrap();
     let _waiting = TcpStream::connect(address).unwrap();

@@ -3,7 +3,7 @@
 //! Sending over loopback puts a datagram into the receiver's buffer, or drops it there, before the call returns; so no
 //! test has to wait for one to arrive.
 
-use std::net::{IpAddr, SocketAddr, UdpSocket};
+use std::net::{IpAddr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
@@ -343,9 +343,12 @@ fn ipv6_works_alike() {
 /// Machines route no IPv6 multicast over loopback, so what the kernel says of the membership must do.
 #[test]
 fn ipv6_groups_are_joined_on_their_interface() {
+    // Memberships are the machine's: a group of its own for each run of this test.
+    let group = Ipv6Addr::from(0xff11 << 112 | u128::from(std::process::id()));
+    let listed = group.octets().map(|octet| format!("{octet:02x}")).concat();
     let memberships = || std::fs::read_to_string("/proc/net/igmp6").unwrap_or_default();
     let joined = || {
-        let of_group = |line: &&str| line.contains("ff1100000000000000000000beef0017");
+        let of_group = |line: &&str| line.contains(&listed);
         memberships().lines().find(of_group).map(str::to_owned)
     };
     if !memberships().contains(" lo ") {
@@ -353,9 +356,13 @@ fn ipv6_groups_are_joined_on_their_interface() {
         return;
     }
     assert_eq!(joined(), None);
-    let receiver = open(&group_settings("ff11::beef:17"));
+    let receiver = open(&group_settings(&group.to_string()));
     assert!(joined().is_some_and(|line| line.contains(" lo ")), "{}", memberships());
-    assert!(receiver.local_address().to_string().starts_with("[ff11::beef:17%"));
+    let local = receiver.local_address();
+    assert!(
+        matches!(local, SocketAddr::V6(local) if *local.ip() == group && local.scope_id() != 0),
+        "{local}"
+    );
     drop(receiver);
     assert_eq!(joined(), None, "left with the socket");
 }

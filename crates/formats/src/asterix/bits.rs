@@ -12,6 +12,23 @@ pub(super) fn bits(bytes: &[u8], at: usize, width: usize) -> u64 {
     (number >> behind) as u64 & (u64::MAX >> (64 - width))
 }
 
+/// Writes the low `width` bits of `number` from bit `at` on, where there are zeros and `number` has no more bits.
+pub(super) fn put(bytes: &mut [u8], at: usize, width: usize, number: u64) {
+    debug_assert!(width <= 64 && number <= u64::MAX >> (64 - width));
+    let end = at + width;
+    let octets = &mut bytes[at / 8..end.div_ceil(8)];
+    let behind = octets.len() * 8 - at % 8 - width;
+    if let [octet] = octets {
+        *octet |= (number as u8) << behind; // flags and short codes: most elements
+        return;
+    }
+    let mut rest = u128::from(number) << behind;
+    for octet in octets.iter_mut().rev() {
+        *octet |= rest as u8;
+        rest >>= 8;
+    }
+}
+
 /// The two's complement number in the low `width` bits.
 pub(super) fn sign_extend(number: u64, width: usize) -> i64 {
     let unused = 64 - width;
@@ -21,6 +38,11 @@ pub(super) fn sign_extend(number: u64, width: usize) -> i64 {
 /// The FSPEC bits of one octet, the first item in bit 0, without the FX bit.
 pub(super) fn fspec_bits(octet: u8) -> u8 {
     (octet & 0xFE).reverse_bits()
+}
+
+/// The inverse of [`fspec_bits`], with the FX bit.
+pub(super) fn fspec_octet(bits: u8, goes_on: bool) -> u8 {
+    (bits & 0x7F).reverse_bits() | u8::from(goes_on)
 }
 
 /// Whether an octet's FX bit says that another follows.
@@ -62,6 +84,18 @@ mod tests {
     }
 
     #[test]
+    fn bits_are_put_where_they_are_read() {
+        for (at, width) in [(0, 1), (3, 5), (7, 10), (4, 64), (9, 24), (71, 1)] {
+            let number = 0xA5C3_96F0_5A3C_690F >> (64 - width);
+            let mut bytes = [0; 9];
+            put(&mut bytes, at, width, number);
+            assert_eq!(bits(&bytes, at, width), number);
+            let set: u32 = bytes.iter().map(|octet| octet.count_ones()).sum();
+            assert_eq!(set, number.count_ones(), "nothing beside them");
+        }
+    }
+
+    #[test]
     fn signs_extend_from_the_width() {
         assert_eq!(sign_extend(0b0111, 4), 7);
         assert_eq!(sign_extend(0b1000, 4), -8);
@@ -75,5 +109,8 @@ mod tests {
         assert_eq!(fspec_bits(0b1000_0000), 0b000_0001);
         assert_eq!(fspec_bits(0b0000_0011), 0b100_0000);
         assert!(goes_on(0b0000_0011));
+        for octet in 0..=u8::MAX {
+            assert_eq!(fspec_octet(fspec_bits(octet), goes_on(octet)), octet);
+        }
     }
 }

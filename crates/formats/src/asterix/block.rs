@@ -12,7 +12,7 @@ pub const HEADER_OCTETS: usize = 3;
 pub struct Block<'a> {
     /// The category of its records.
     pub category: u8,
-    /// Where it begins in the bytes passed to [`blocks`].
+    /// Where it begins in the bytes passed to [`blocks`], or in what they are a part of.
     pub offset: usize,
     /// All its octets, with the header.
     pub bytes: &'a [u8],
@@ -47,12 +47,19 @@ impl<'a> Block<'a> {
 /// A block whose length can not be right is an error and the end: nothing in the format marks where the next one
 /// begins.
 pub fn blocks(bytes: &[u8]) -> Blocks<'_> {
-    Blocks { bytes, at: 0 }
+    blocks_at(0, bytes)
+}
+
+/// The same for bytes that are a part of something, from its octet `begin` on: offsets of blocks, records and errors
+/// count from the begin of the whole.
+pub fn blocks_at(begin: usize, bytes: &[u8]) -> Blocks<'_> {
+    Blocks { begin, bytes, at: 0 }
 }
 
 /// The iterator that [`blocks`] returns.
 #[derive(Debug, Clone)]
 pub struct Blocks<'a> {
+    begin: usize,
     bytes: &'a [u8],
     at: usize,
 }
@@ -65,7 +72,7 @@ impl<'a> Iterator for Blocks<'a> {
         if rest.is_empty() {
             return None;
         }
-        let block = first_block(rest, self.at);
+        let block = first_block(rest, self.begin + self.at);
         self.at = match &block {
             Ok(block) => self.at + block.bytes.len(),
             Err(_) => self.bytes.len(),
@@ -100,4 +107,96 @@ fn first_block(rest: &[u8], offset: usize) -> Result<Block<'_>, Error> {
         offset,
         bytes,
     })
+}
+
+/// Packs records into data blocks of a greatest size: to fill datagrams.
+///
+/// Records are appended to an open block until the next does not fit; then the full block is given out and the next
+/// one begins. Two buffers take turns, so that a block can be sent while the next is open, and nothing is allocated
+/// after the first two blocks.
+///
+/// ```
+/// # use formats::asterix::BlockWriter;
+/// let mut blocks = BlockWriter::new(19, 10);
+/// let record = [0xC0, 7, 1, 2];
+/// assert_eq!(blocks.push(&record), Ok(None));
+/// let full = [19, 0, 7, 0xC0, 7, 1, 2];
+/// assert_eq!(blocks.push(&record), Ok(Some(&full[..])));
+/// assert_eq!(blocks.finish(), Some(&full[..]));
+/// assert_eq!(blocks.finish(), None);
+/// ```
+#[derive(Debug, Clone)]
+pub struct BlockWriter {
+    category: u8,
+    octets_max: u16,
+    /// Empty, or a header without length and at least one record.
+    open: Vec<u8>,
+    full: Vec<u8>,
+}
+
+/// A record that no block of the writer's greatest size can hold.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "category {category:03}: a record of {octets} octets does not fit a block of at most {octets_max}, \
+     3 of them its header"
+)]
+pub struct RecordTooLong {
+    /// The category.
+    pub category: u8,
+    /// The record's octets.
+    pub octets: usize,
+    /// The most a block may have, with its header.
+    pub octets_max: u16,
+}
+
+impl BlockWriter {
+    /// A writer of blocks of this category, of at most `octets_max` octets, the header's three included.
+    pub fn new(category: u8, octets_max: u16) -> Self {
+        Self {
+            category,
+            octets_max,
+            open: Vec::new(),
+            full: Vec::new(),
+        }
+    }
+
+    /// Adds a record, of at least one octet, and gives the block before it if that has no room for it.
+    ///
+    /// # Errors
+    /// If the record fits no block; nothing has changed then.
+    pub fn push(&mut self, record: &[u8]) -> Result<Option<&[u8]>, RecordTooLong> {
+        let room = usize::from(self.octets_max).saturating_sub(HEADER_OCTETS);
+        if record.len() > room {
+            return Err(RecordTooLong {
+                category: self.category,
+                octets: record.len(),
+                octets_max: self.octets_max,
+            });
+        }
+        let is_full = self.open.len() + record.len() > usize::from(self.octets_max);
+        if is_full {
+            self.close();
+        }
+        if self.open.is_empty() {
+            self.open.extend([self.category, 0, 0]);
+        }
+        self.open.extend(record);
+        Ok(is_full.then_some(&self.full))
+    }
+
+    /// Gives the open block, if it has a record.
+    pub fn finish(&mut self) -> Option<&[u8]> {
+        if self.open.is_empty() {
+            return None;
+        }
+        self.close();
+        Some(&self.full)
+    }
+
+    fn close(&mut self) {
+        let [high, low] = (self.open.len() as u16).to_be_bytes(); // never more than `octets_max`
+        self.open[1..HEADER_OCTETS].copy_from_slice(&[high, low]);
+        std::mem::swap(&mut self.open, &mut self.full);
+        self.open.clear();
+    }
 }

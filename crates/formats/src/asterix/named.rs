@@ -35,10 +35,28 @@ pub enum Value {
 }
 
 impl Value {
+    /// A group of these members.
+    pub fn group(members: impl IntoIterator<Item = (&'static str, Value)>) -> Self {
+        Self::Group(members.into_iter().collect())
+    }
+
+    /// A list of these values.
+    pub fn list(values: impl IntoIterator<Item = Value>) -> Self {
+        Self::List(values.into_iter().collect())
+    }
+
     /// The member of a group.
     pub fn get(&self, name: &str) -> Option<&Value> {
         match self {
             Self::Group(members) => find(members, name),
+            _ => None,
+        }
+    }
+
+    /// The code, flag, identifier or number without sign, if it is one.
+    pub fn as_u64(&self) -> Option<u64> {
+        match *self {
+            Self::Unsigned(number) => Some(number),
             _ => None,
         }
     }
@@ -51,6 +69,30 @@ impl Value {
             Self::Quantity(number) => Some(number),
             _ => None,
         }
+    }
+}
+
+impl From<u64> for Value {
+    fn from(number: u64) -> Self {
+        Self::Unsigned(number)
+    }
+}
+
+impl From<i64> for Value {
+    fn from(number: i64) -> Self {
+        Self::Signed(number)
+    }
+}
+
+impl From<f64> for Value {
+    fn from(quantity: f64) -> Self {
+        Self::Quantity(quantity)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
     }
 }
 
@@ -99,6 +141,15 @@ impl NamedRecord {
             category: record.table().number,
             time_stamp_s: None,
             items,
+        }
+    }
+
+    /// A record of these items, in any order: to be encoded.
+    pub fn of(category: u8, items: impl IntoIterator<Item = (&'static str, Value)>) -> Self {
+        Self {
+            category,
+            time_stamp_s: None,
+            items: items.into_iter().collect(),
         }
     }
 
@@ -300,10 +351,7 @@ fn element_value(
         }
         Content::Text(coding) => Value::Text(text::decode(*coding, bytes, at, width)),
         Content::Depends { on, cases, otherwise } => {
-            let decider = match find(before, on) {
-                Some(Value::Unsigned(number)) => Some(*number),
-                _ => None,
-            };
+            let decider = find(before, on).and_then(Value::as_u64);
             let case = cases.iter().find(|(case, _)| Some(*case) == decider);
             let chosen = case.map_or(*otherwise, |(_, content)| content);
             element_value(chosen, bytes, at, width as u8, before)
@@ -311,7 +359,8 @@ fn element_value(
     }
 }
 
-fn find<'v>(members: &'v [(&'static str, Value)], name: &str) -> Option<&'v Value> {
+/// The member of this name.
+pub(super) fn find<'v>(members: &'v [(&'static str, Value)], name: &str) -> Option<&'v Value> {
     members
         .iter()
         .find(|(candidate, _)| *candidate == name)

@@ -6,7 +6,8 @@
 //! shown as [`UNDEFINED`], and the number of characters stays what it was. Trailing spaces stay as well: they are
 //! what was sent.
 
-use super::bits::bits;
+use super::bits::{bits, put};
+use super::encode_error::EncodeFault;
 use super::table::TextCoding;
 
 /// Stands for a code without a character.
@@ -22,13 +23,18 @@ pub const fn icao_character(code: u8) -> Option<u8> {
     }
 }
 
+/// The six-bit code of a character.
+pub const fn icao_code(character: u8) -> Option<u8> {
+    match character {
+        b'A'..=b'Z' => Some(character - b'A' + 1),
+        b' ' | b'0'..=b'9' => Some(character),
+        _ => None,
+    }
+}
+
 /// The characters in `width` bits from bit `at` on.
 pub(super) fn decode(coding: TextCoding, bytes: &[u8], at: usize, width: usize) -> String {
-    let bits_each = match coding {
-        TextCoding::Ascii => 8,
-        TextCoding::Icao => 6,
-        TextCoding::Octal => 3,
-    };
+    let bits_each = bits_each(coding);
     let character = |i: usize| {
         let code = bits(bytes, at + i * bits_each, bits_each) as u8;
         match coding {
@@ -39,6 +45,55 @@ pub(super) fn decode(coding: TextCoding, bytes: &[u8], at: usize, width: usize) 
         .map_or(UNDEFINED, char::from)
     };
     (0..width / bits_each).map(character).collect()
+}
+
+/// Writes a text into `width` bits of zeros from bit `at` on, filled up with spaces where the coding has one.
+pub(super) fn encode(
+    coding: TextCoding,
+    text: &str,
+    bytes: &mut [u8],
+    at: usize,
+    width: usize,
+) -> Result<(), EncodeFault> {
+    let bits_each = bits_each(coding);
+    let greatest = width / bits_each;
+    let least = if coding == TextCoding::Octal { greatest } else { 0 };
+    let characters = text.chars().count();
+    if !(least..=greatest).contains(&characters) {
+        return Err(EncodeFault::TextLength {
+            text: text.to_owned(),
+            characters,
+            least,
+            greatest,
+        });
+    }
+    let filled = text.chars().chain(std::iter::repeat(' ')).take(greatest);
+    for (i, character) in filled.enumerate() {
+        let code = code(coding, character).ok_or_else(|| EncodeFault::Character {
+            text: text.to_owned(),
+            character,
+            coding,
+        })?;
+        put(bytes, at + i * bits_each, bits_each, u64::from(code));
+    }
+    Ok(())
+}
+
+fn code(coding: TextCoding, character: char) -> Option<u8> {
+    let character = u8::try_from(character).ok()?;
+    match coding {
+        TextCoding::Ascii => (character == b' ' || character.is_ascii_graphic()).then_some(character),
+        TextCoding::Icao => icao_code(character),
+        TextCoding::Octal => matches!(character, b'0'..=b'7').then(|| character - b'0'),
+    }
+}
+
+fn bits_each(coding: TextCoding) -> usize {
+    match coding {
+        TextCoding::Ascii => 8,
+        TextCoding::Icao => 6,
+        TextCoding::Octal => 3,
+    }
 }
 
 #[cfg(test)]
@@ -64,6 +119,23 @@ mod tests {
     #[test]
     fn ascii_shows_control_and_eight_bit_codes_as_undefined() {
         assert_eq!(decode(TextCoding::Ascii, b"A \x07\xE9", 0, 32), "A \u{FFFD}\u{FFFD}");
+    }
+
+    #[test]
+    fn a_text_is_filled_up_with_spaces() {
+        let mut bytes = [0; 6];
+        encode(TextCoding::Icao, "IBK3ZR", &mut bytes, 0, 48).unwrap();
+        assert_eq!(decode(TextCoding::Icao, &bytes, 0, 48), "IBK3ZR  ");
+    }
+
+    #[test]
+    fn every_six_bit_character_has_its_code() {
+        for code in 0..64 {
+            if let Some(character) = icao_character(code) {
+                assert_eq!(icao_code(character), Some(code));
+            }
+        }
+        assert_eq!((0..=u8::MAX).filter_map(icao_code).count(), 64 - 27);
     }
 
     #[test]

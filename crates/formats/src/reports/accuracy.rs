@@ -16,6 +16,12 @@ use super::{CovarianceFrom, PoorQuality, RADIUS95_SIGMAS, SourceModel};
 pub(crate) const UNKNOWN_POSITION_SIGMA_M: f64 = 500.0;
 /// Standard deviation given to a velocity that is not known, metres per second.
 pub(crate) const UNKNOWN_VELOCITY_SIGMA_MPS: f64 = 100.0;
+/// Covariance given to a velocity that is not known.
+pub(crate) const UNKNOWN_VELOCITY: Horizontal = [
+    UNKNOWN_VELOCITY_SIGMA_MPS * UNKNOWN_VELOCITY_SIGMA_MPS,
+    0.0,
+    UNKNOWN_VELOCITY_SIGMA_MPS * UNKNOWN_VELOCITY_SIGMA_MPS,
+];
 /// Standard deviation given to a height that is not known, metres.
 const UNKNOWN_HEIGHT_SIGMA_M: f64 = 5000.0;
 /// A derived velocity is at best this much less accurate than a delivered one.
@@ -111,10 +117,7 @@ pub(crate) fn covariance(
             let floor = DERIVED_VELOCITY_FACTOR * rate;
             (floor, no_less(of_slope(sensor, slope), floor))
         }
-        Velocity::Unknown => {
-            let sigma = UNKNOWN_VELOCITY_SIGMA_MPS;
-            (sigma, [sigma * sigma, 0.0, sigma * sigma])
-        }
+        Velocity::Unknown => (UNKNOWN_VELOCITY_SIGMA_MPS, UNKNOWN_VELOCITY),
     };
     let mut covariance = Covariance::diagonal([0.0, 0.0, height], [0.0, 0.0, vertical]);
     for (first, [xx, xy, yy]) in [(0, position), (3, horizontal)] {

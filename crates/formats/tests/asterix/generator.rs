@@ -17,7 +17,7 @@ impl<'a> Entropy<'a> {
         Self { octets, at: 0 }
     }
 
-    fn octet(&mut self) -> u8 {
+    pub(crate) fn octet(&mut self) -> u8 {
         self.at += 1;
         self.octets[(self.at - 1) % self.octets.len()]
     }
@@ -75,21 +75,11 @@ impl<'a> Entropy<'a> {
                 }
             }
             Layout::RandomSequence => {
-                let names: Vec<_> = uap
-                    .order
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, name)| !name.is_empty())
-                    .collect();
                 let count = self.octet() % 4;
                 out.push(count);
                 for _ in 0..count {
-                    let (mut i, name) = names[usize::from(self.octet()) % names.len()];
-                    let mut item = table.item(name).expect("a profile names items");
-                    if matches!(item.layout, Layout::RandomSequence) {
-                        (i, item) = (0, table.item(uap.order[0]).expect("a first item"));
-                    }
-                    out.push(i as u8 + 1);
+                    let (frn, item) = self.item_of_sequence(table, uap);
+                    out.push(frn);
                     self.item(table, uap, &item.layout, out);
                 }
             }
@@ -156,7 +146,8 @@ fn set_element(layout: &Layout, element: &str, value: u64, octets: &mut [u8]) {
     }
 }
 
-fn fspec(present: &[bool]) -> Vec<u8> {
+/// The least octets that announce these.
+pub(crate) fn fspec(present: &[bool]) -> Vec<u8> {
     let mut octets: Vec<u8> = present
         .chunks(7)
         .map(|seven| {
@@ -176,7 +167,7 @@ fn set_fx(octets: &mut [u8], goes_on: bool) {
     *last = *last & 0xFE | u8::from(goes_on);
 }
 
-fn bit_count(parts: &[Part]) -> usize {
+pub(crate) fn bit_count(parts: &[Part]) -> usize {
     parts
         .iter()
         .map(|part| match part {

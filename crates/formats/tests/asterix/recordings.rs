@@ -1,13 +1,7 @@
 //! Whole recordings of an airport's sensors and of an en-route radar: known totals, and the two ways of decoding
 //! compared on every record.
-//!
-//! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
-//! workspace; where they are absent the tests say so and pass.
 
 use std::collections::BTreeSet;
-use std::env;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 use formats::asterix::categories::CAT021_V0_23;
 use formats::asterix::typed::fields::{Availability, Callsign};
@@ -15,21 +9,9 @@ use formats::asterix::typed::{cat010, cat019, cat020, cat021_v0, cat021_v2, cat0
 use formats::asterix::{Counts, Decoder, Mode, NamedRecord, Record, Value};
 
 use crate::agreement;
+use crate::files::recording;
 
 const BARCELONA: &str = "lebl2016/160510-lebl-220001";
-
-fn recording(name: &str) -> Option<Vec<u8>> {
-    let folder = env::var_os("KOSEKI_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    let bytes = fs::read(&path).ok();
-    if bytes.is_none() {
-        println!("skipped: no recording {}", path.display());
-    }
-    bytes
-}
 
 /// Every record, decoded in both ways; what was counted; and how many values both ways have.
 fn for_each(bytes: &[u8], see: impl FnMut(&Record<'_>)) -> (Counts, usize) {

@@ -1,10 +1,11 @@
 //! An invented category with an item of every kind, and blocks of it.
 
+pub(crate) use crate::any_bytes::block;
 use formats::asterix::table::Layout::{
     Compound, Element, Explicit, Extended, Group, RandomSequence, Repetitive, RepetitiveFx,
 };
 use formats::asterix::table::*;
-use formats::asterix::{Block, Error, Mode, NamedRecord, Record, Value, blocks};
+use formats::asterix::{Block, EncodeError, Error, Mode, NamedRecord, Record, Value, blocks};
 
 const ITEMS: &[Item] = &[
     Item::new(
@@ -134,12 +135,6 @@ pub(crate) static PLOT_OR_TRACK: Category = Category {
     },
 };
 
-/// A block with this body.
-pub(crate) fn block(category: u8, body: &[u8]) -> Vec<u8> {
-    let [high, low] = (body.len() as u16 + 3).to_be_bytes();
-    [&[category, high, low], body].concat()
-}
-
 /// Reads the only block in `bytes`.
 pub(crate) fn only_block(bytes: &[u8]) -> Block<'_> {
     let mut all = blocks(bytes);
@@ -179,4 +174,11 @@ fn fspec(name: &str) -> Vec<u8> {
     let mut octets = vec![0x01; position / 7];
     octets.push(0x80 >> (position % 7));
     octets
+}
+
+/// The octets of one item of the sample category, or what is wrong with its value.
+pub(crate) fn encode_item(name: &'static str, value: Value) -> Result<Vec<u8>, EncodeError> {
+    let mut octets = vec![];
+    let encoded = NamedRecord::of(SAMPLE.number, [(name, value)]).encode(&SAMPLE, &mut octets);
+    encoded.map(|()| octets.split_off(fspec(name).len()))
 }

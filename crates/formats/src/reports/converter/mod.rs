@@ -231,10 +231,10 @@ impl Converter {
         let [vx, vy] = axes.velocity(velocity);
         // Written so that NaN is refused.
         if (0.0..=self.model.limits.speed_mps).contains(&vx.hypot(vy)) {
-            Ok(Velocity::Delivered(
-                [vx, vy],
-                accuracy::own_velocity(&self.model, observation, &axes),
-            ))
+            let own = accuracy::own_velocity(&self.model, observation, &axes);
+            // What a tracker says of the velocity of a track that it does not believe yet is a guess.
+            let guess = || (observation.state == TrackState::Tentative).then_some(accuracy::UNKNOWN_VELOCITY);
+            Ok(Velocity::Delivered([vx, vy], own.or_else(guess)))
         } else {
             Err(Counter::RejectedSpeed)
         }

@@ -67,6 +67,24 @@ fn refused(observation: Observation) -> Counter {
 }
 
 #[test]
+fn the_velocity_of_a_tentative_track_is_a_guess() {
+    let variance = |state| {
+        let track = converter()
+            .convert(
+                &Observation {
+                    state,
+                    ..observation(1.0)
+                },
+                0,
+            )
+            .unwrap();
+        track.covariance.get(3, 3)
+    };
+    assert_eq!(variance(TrackState::Confirmed), 4.0);
+    assert_eq!(variance(TrackState::Tentative), 1e4);
+}
+
+#[test]
 fn a_sound_report_becomes_a_sensor_track() {
     let track = converter().convert(&observation(86_399.5), 42).unwrap();
     assert_eq!(track.time_of_measurement_ns, DAY + 86_399_500_000_000);

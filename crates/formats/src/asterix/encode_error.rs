@@ -1,0 +1,175 @@
+//! What can be wrong with values that are to become ASTERIX bytes.
+//!
+//! Every error names its place as the documents do, item first, then element by element down to the value: I020/500
+//! SDP X. A repetition is named by its position, from 1: I020/250 \[2\] BDS1.
+
+use std::fmt;
+
+use super::error::describe_choice;
+use super::table::TextCoding;
+
+/// Why a record can not be written with a table: where, and what.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{place}: {fault}")]
+pub struct EncodeError {
+    /// The item or element.
+    pub place: Place,
+    /// What is wrong with it.
+    pub fault: EncodeFault,
+}
+
+/// A place in a record.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The category.
+    pub category: u8,
+    /// The item's name, the element's in it, and so on inwards; empty for the record as a whole.
+    pub path: Vec<String>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.path.as_slice() {
+            [] => write!(f, "category {:03}", self.category),
+            [item, elements @ ..] => {
+                write!(f, "I{:03}/{item}", self.category)?;
+                elements.iter().try_for_each(|element| write!(f, " {element}"))
+            }
+        }
+    }
+}
+
+/// What is wrong at a place.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum EncodeFault {
+    /// The record is of another category than the table.
+    #[error("the record is of category {found:03}")]
+    CategoryDiffers {
+        /// The record's category.
+        found: u8,
+    },
+    /// A record without a single item can not be sent.
+    #[error("the record has no item")]
+    RecordEmpty,
+    /// The item that decides between several profiles is absent, or has a value without profile.
+    #[error("{item} {element} decides the profile, {}", describe_choice(*found))]
+    ProfileUndecided {
+        /// The deciding item.
+        item: &'static str,
+        /// The deciding element in it.
+        element: &'static str,
+        /// Its value, if the record has one.
+        found: Option<u64>,
+    },
+    /// An item, subitem or element that the edition does not define there.
+    #[error("the edition defines nothing of this name here")]
+    Unknown,
+    /// An item, subitem or element that was there before.
+    #[error("is given twice")]
+    Twice,
+    /// An element without which its group, or its part of an extended item, can not be sent.
+    #[error("is missing, and what it belongs to is sent whole")]
+    Missing,
+    /// A value of another kind than the table says.
+    #[error("takes {expected}, found {found}")]
+    Kind {
+        /// The kind the table says.
+        expected: &'static str,
+        /// The kind of the value.
+        found: &'static str,
+    },
+    /// A code or a whole number that its bits can not hold.
+    #[error("{value} is out of range, the least is {least}, the greatest {greatest}")]
+    NumberOutOfRange {
+        /// The number.
+        value: i128,
+        /// The least that its bits hold.
+        least: i128,
+        /// The greatest that its bits hold.
+        greatest: i128,
+    },
+    /// A quantity that its bits can not hold, in the table's unit.
+    #[error(
+        "{value} is out of range, the least is {least}, the greatest {greatest}{}",
+        describe_unit(unit)
+    )]
+    QuantityOutOfRange {
+        /// The quantity.
+        value: f64,
+        /// The least that its bits hold.
+        least: f64,
+        /// The greatest that its bits hold.
+        greatest: f64,
+        /// The unit of all three; empty for none.
+        unit: &'static str,
+    },
+    /// A quantity that is no number.
+    #[error("the quantity is no number (NaN)")]
+    NotANumber,
+    /// A character that the coding lacks.
+    #[error("{text:?} has the character {character:?}, which {} lacks", describe_coding(*coding))]
+    Character {
+        /// The text.
+        text: String,
+        /// The character.
+        character: char,
+        /// How the text is packed.
+        coding: TextCoding,
+    },
+    /// A text with too many characters, or with too few where no space can fill it up.
+    #[error("{text:?} has {characters} characters, the least is {least}, the most {greatest}")]
+    TextLength {
+        /// The text.
+        text: String,
+        /// Its characters.
+        characters: usize,
+        /// The least that can be sent.
+        least: usize,
+        /// The most that can be sent.
+        greatest: usize,
+    },
+    /// A list of more values than its octet can count.
+    #[error("has {count} values, the most is {greatest}")]
+    Repetitions {
+        /// The values.
+        count: usize,
+        /// The most that can be sent.
+        greatest: usize,
+    },
+    /// A list without values, where each says whether another follows.
+    #[error("has no value, and takes at least one")]
+    NoRepetition,
+    /// The content of an explicit item, too long for its length octet.
+    #[error("has {octets} octets of content, the most is {greatest}")]
+    ExplicitLength {
+        /// The octets given.
+        octets: usize,
+        /// The most its length octet can give, without that octet itself.
+        greatest: usize,
+    },
+    /// Octets beyond the last defined part of an extended item, of which no reader would find the end.
+    #[error(
+        "{octets:02x?} can not follow the last defined part: 1 to {greatest} octets, the FX bit set in all but the last"
+    )]
+    UnknownExtension {
+        /// The octets given.
+        octets: Vec<u8>,
+        /// The most that can follow.
+        greatest: usize,
+    },
+}
+
+fn describe_unit(unit: &str) -> String {
+    match unit {
+        "" => String::new(),
+        _ => format!(" (all in {unit})"),
+    }
+}
+
+fn describe_coding(coding: TextCoding) -> &'static str {
+    match coding {
+        TextCoding::Ascii => "printable ASCII",
+        TextCoding::Icao => "the six-bit alphabet",
+        TextCoding::Octal => "the octal digits",
+    }
+}

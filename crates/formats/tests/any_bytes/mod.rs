@@ -1,0 +1,130 @@
+//! What holds of any bytes whatever, read with any table in any mode.
+//!
+//! Used by the property tests, by the mutated recordings and by the fuzz target: whoever has bytes calls [`check`].
+
+use formats::asterix::encode_error::EncodeFault;
+use formats::asterix::text::UNDEFINED;
+use formats::asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value, registry};
+use formats::reports::observation;
+
+/// No octet makes more values than this: eight flags, and the groups around them.
+const VALUES_PER_OCTET_MAX: usize = 16;
+
+/// What was read.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Reading {
+    /// The records, and where they begin.
+    pub(crate) records: Vec<(usize, NamedRecord)>,
+    /// The errors, in their order.
+    pub(crate) errors: Vec<Error>,
+    /// What was counted.
+    pub(crate) counts: Counts,
+}
+
+/// Reads the bytes in all ways, and gives what was read.
+///
+/// # Panics
+/// If an octet is not accounted for, if a record makes more values than its octets explain, if its values can not be
+/// written or do not come back, or if reading again gives anything else.
+pub(crate) fn check(table: &'static Category, mode: Mode, bytes: &[u8]) -> Reading {
+    let mut octets_in_records = 0;
+    let reading = read(table, mode, bytes, |record, named| {
+        octets_in_records += record.bytes().len();
+        check_record(record, named, mode, bytes);
+    });
+    for error in &reading.errors {
+        assert!(error.offset() <= bytes.len(), "{error}");
+        assert!(error.to_string().starts_with(&format!("byte {}: ", error.offset())));
+    }
+    let counts = &reading.counts;
+    assert_eq!(counts.records as usize, reading.records.len());
+    assert_eq!(
+        octets_in_records + 3 * counts.blocks as usize + counts.octets_skipped as usize,
+        bytes.len(),
+        "{counts:?}"
+    );
+    assert_eq!(read(table, mode, bytes, |_, _| ()), reading, "read again");
+    reading
+}
+
+fn read(table: &'static Category, mode: Mode, bytes: &[u8], mut see: impl FnMut(&Record<'_>, &NamedRecord)) -> Reading {
+    let mut decoder = Decoder::new(mode).with_table(table);
+    let (mut records, mut errors) = (Vec::new(), Vec::new());
+    for record in decoder.records(bytes) {
+        match record {
+            Ok(record) => {
+                let named = NamedRecord::new(&record);
+                see(&record, &named);
+                records.push((record.offset(), named));
+            }
+            Err(error) => errors.push(error),
+        }
+    }
+    Reading {
+        records,
+        errors,
+        counts: *decoder.counts(),
+    }
+}
+
+fn check_record(record: &Record<'_>, named: &NamedRecord, mode: Mode, bytes: &[u8]) {
+    let octets = record.bytes();
+    assert_eq!(&bytes[record.offset()..][..octets.len()], octets, "where it says it is");
+    let values: usize = named.items.iter().map(|(_, value)| count(value)).sum();
+    assert!(
+        values <= VALUES_PER_OCTET_MAX * octets.len(),
+        "{values} values out of {octets:02x?}"
+    );
+    let mut line = Vec::new();
+    named.write_json(&mut line);
+    assert!(!line.contains(&b'\n'), "one line");
+    assert_eq!(observation::read(record), observation::read(record), "typed, again");
+    for expansion in registry::EXPANSIONS {
+        if let Ok(Some(content)) = expansion.read(record) {
+            assert!(count(&content) <= VALUES_PER_OCTET_MAX * octets.len(), "{content:?}");
+        }
+    }
+    check_encoding(record, named, mode);
+}
+
+fn count(value: &Value) -> usize {
+    1 + match value {
+        Value::Text(text) => text.chars().count(),
+        Value::Bytes(octets) => octets.len(),
+        Value::Group(members) => members.iter().map(|(_, value)| count(value)).sum(),
+        Value::List(values) => values.iter().map(count).sum(),
+        Value::Unsigned(_) | Value::Signed(_) | Value::Quantity(_) => 0,
+    }
+}
+
+/// What was read can be written, and is read again as the same values.
+fn check_encoding(record: &Record<'_>, named: &NamedRecord, mode: Mode) {
+    let mut octets = Vec::new();
+    if let Err(error) = named.encode(record.table(), &mut octets) {
+        let undefined = matches!(
+            error.fault,
+            EncodeFault::Character {
+                character: UNDEFINED,
+                ..
+            }
+        );
+        assert!(undefined, "{error} in {named:?}");
+        return;
+    }
+    assert!(octets.len() <= record.bytes().len(), "never longer than what was read");
+    if mode == Mode::Strict && octets.len() == record.bytes().len() {
+        assert_eq!(octets, record.bytes(), "nothing is set but what is shown");
+    }
+    let bytes = block(record.table().number, &octets);
+    let mut decoder = Decoder::new(mode).with_table(record.table());
+    let mut again = decoder.records(&bytes);
+    let decoded = again.next().expect("a record").expect("a good record");
+    assert_eq!(&NamedRecord::new(&decoded), named, "{octets:02x?}");
+    assert_eq!(decoded.bytes(), octets, "nothing is left over");
+}
+
+/// A block with this body.
+pub(crate) fn block(category: u8, body: &[u8]) -> Vec<u8> {
+    let [high, low] = (body.len() as u16 + 3).to_be_bytes();
+    [&[category, high, low], body].concat()
+}

@@ -1,0 +1,202 @@
+//! Blocks of recordings, damaged: bits flipped, lengths changed, ends cut off, halves of two blocks joined.
+//!
+//! Random bytes hardly ever get past the FSPEC; a recorded block with one wrong bit goes deep, and is what a bad line or
+//! a wrong edition makes. Each mutation has a number and is made from that number alone, so one that fails can be made
+//! again. `KOSEKI_MUTATIONS` sets how many there are:
+//!
+//! ```text
+//! KOSEKI_MUTATIONS=3000000 cargo test --release -p formats --test mutated
+//! ```
+
+mod any_bytes;
+mod files;
+
+use std::collections::BTreeMap;
+use std::env;
+use std::thread;
+
+use formats::asterix::{Block, Category, Mode, blocks, registry};
+
+/// Mutations where the environment does not say: a few seconds of testing.
+const MUTATIONS: u64 = 200_000;
+
+/// What the blocks are taken from; blocks of categories without a table are left out.
+const RECORDINGS: &[&str] = &[
+    "lebl2016/160510-lebl-220001_SMR_cat10.ast",
+    "lebl2016/160510-lebl-220001_MLAT_cat10.ast",
+    "lebl2016/160510-lebl-220001_MLAT_cat20.ast",
+    "lebl2016/160510-lebl-220001_ADSB_cat21_v023.ast",
+    "akapetanovic/Jahorina.raw",
+    "cro/cat048.raw",
+    "cro/cat062cat065.raw",
+    "cro/cat21_re.ast",
+];
+
+/// Of each recording so many blocks, spread over it.
+const BLOCKS_PER_RECORDING: usize = 5000;
+
+#[test]
+fn damaged_recordings_are_read_to_their_end() {
+    let recordings: Vec<Vec<u8>> = RECORDINGS.iter().filter_map(|name| files::recording(name)).collect();
+    let sources: Vec<Block<'_>> = recordings.iter().flat_map(|bytes| some_blocks(bytes)).collect();
+    if sources.is_empty() {
+        return;
+    }
+    let mutations = env::var("KOSEKI_MUTATIONS").map_or(MUTATIONS, |number| number.parse().expect("a whole number"));
+    let threads = thread::available_parallelism().map_or(1, usize::from) as u64;
+    let mut totals = Totals::default();
+    thread::scope(|scope| {
+        let parts: Vec<_> = (0..threads)
+            .map(|first| {
+                let sources = &sources;
+                scope.spawn(move || {
+                    let mut totals = Totals::default();
+                    (first..mutations)
+                        .step_by(threads as usize)
+                        .for_each(|number| check(sources, number, &mut totals));
+                    totals
+                })
+            })
+            .collect();
+        for part in parts {
+            totals.add(part.join().expect("a panic was shown above"));
+        }
+    });
+    println!("{mutations} mutations: {totals:?}");
+    assert_eq!(totals.mutations, mutations);
+    assert!(totals.records > mutations / 4, "much of what is damaged stays readable");
+    assert!(totals.errors.len() >= 8, "errors of many kinds are met");
+}
+
+fn some_blocks(bytes: &[u8]) -> impl Iterator<Item = Block<'_>> {
+    let all: Vec<_> = blocks(bytes)
+        .flatten()
+        .filter(|block| table(block, 0).is_some())
+        .collect();
+    let step = (all.len() / BLOCKS_PER_RECORDING).max(1);
+    all.into_iter().step_by(step)
+}
+
+/// One of the editions of the block's category.
+fn table(block: &Block<'_>, choice: u64) -> Option<&'static Category> {
+    let editions = registry::editions(block.category).count().max(1) as u64;
+    registry::editions(block.category).nth((choice % editions) as usize)
+}
+
+/// What was met, to see that the damage reaches everywhere.
+#[derive(Debug, Default)]
+struct Totals {
+    mutations: u64,
+    records: u64,
+    /// By the name of the kind.
+    errors: BTreeMap<String, u64>,
+}
+
+impl Totals {
+    fn add(&mut self, other: Totals) {
+        self.mutations += other.mutations;
+        self.records += other.records;
+        for (kind, count) in other.errors {
+            *self.errors.entry(kind).or_default() += count;
+        }
+    }
+}
+
+fn check(sources: &[Block<'_>], number: u64, totals: &mut Totals) {
+    let mut random = Random::new(number);
+    let source = &sources[random.below(sources.len())];
+    let table = table(source, random.next()).expect("blocks with a table were chosen");
+    let bytes = mutate(source.bytes, sources, &mut random);
+    let _shown = Shown {
+        number,
+        table,
+        bytes: &bytes,
+    };
+    totals.mutations += 1;
+    for mode in [Mode::Strict, Mode::Lenient] {
+        let reading = any_bytes::check(table, mode, &bytes);
+        totals.records += reading.counts.records;
+        for error in reading.errors {
+            let shown = format!("{error:?}");
+            let kind = shown.split(' ').next().unwrap_or_default();
+            *totals.errors.entry(kind.to_owned()).or_default() += 1;
+        }
+    }
+}
+
+/// Says which mutation it was if reading it panics.
+struct Shown<'a> {
+    number: u64,
+    table: &'static Category,
+    bytes: &'a [u8],
+}
+
+impl Drop for Shown<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            eprintln!("mutation {} read as {}: {:02x?}", self.number, self.table, self.bytes);
+        }
+    }
+}
+
+/// The block with one to three kinds of damage.
+fn mutate(source: &[u8], sources: &[Block<'_>], random: &mut Random) -> Vec<u8> {
+    let mut bytes = source.to_vec();
+    for _ in 0..1 + random.below(3) {
+        let at = random.below(bytes.len());
+        match random.below(8) {
+            0 | 1 => bytes[at] ^= 1 << random.below(8),
+            2 => bytes[at] = random.next() as u8,
+            3 => bytes[at] = *random.one_of(&[0, 1, 2, 0x7F, 0x80, 0xFE, 0xFF]), // lengths, counts, FX
+            4 => {
+                let end = (at + 1 + random.below(12)).min(bytes.len());
+                bytes[at..end].iter_mut().for_each(|octet| *octet |= 1); // everything goes on
+            }
+            5 => bytes.truncate(at.max(1)),
+            6 => {
+                let other = random.one_of(sources).bytes;
+                bytes.truncate(at.max(1));
+                bytes.extend(&other[random.below(other.len())..]);
+            }
+            _ => {
+                let end = at + random.below(bytes.len() - at);
+                let again = bytes[at..end].to_vec();
+                bytes.splice(at..at, again);
+            }
+        }
+    }
+    // The length is made right as a rule, so that what lies behind it is read.
+    if random.below(8) > 0 && bytes.len() >= 3 {
+        bytes[0] = source[0];
+        let [high, low] = (bytes.len() as u16).to_be_bytes();
+        bytes[1..3].copy_from_slice(&[high, low]);
+    }
+    bytes
+}
+
+/// Numbers that depend on a seed alone: the generator SplitMix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014).
+struct Random {
+    state: u64,
+}
+
+impl Random {
+    fn new(seed: u64) -> Self {
+        Self { state: seed << 32 }
+    }
+
+    fn next(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut mixed = self.state;
+        mixed = (mixed ^ mixed >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        mixed ^ mixed >> 31
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+
+    fn one_of<'a, T>(&mut self, choices: &'a [T]) -> &'a T {
+        &choices[self.below(choices.len())]
+    }
+}
