@@ -18,7 +18,8 @@ TICKS_PER_S, TICKS_PER_DAY = 128, 86400 * 128
 POSITION_LSB_M = 0.5                    # I062/100
 VELOCITY_LSB = 0.25                     # I062/185
 ANGLE_LSB_DEG = 180 / 2**25             # I062/105
-SLACK = 1e-6                            # the files are decimal
+SLACK = 1e-3                            # the files are decimal; of metres and metres per second
+ANGLE_SLACK_DEG = 1e-8
 
 
 def ecef(latitude, longitude, height):
@@ -35,12 +36,22 @@ class Frame:
         self.latitude, self.longitude = math.radians(latitude_deg), math.radians(longitude_deg)
         self.origin = ecef(self.latitude, self.longitude, height_m)
 
+    @staticmethod
+    def axes(latitude, longitude):
+        """East, north and up of a place, in earth-centred axes."""
+        sp, cp, sl, cl = math.sin(latitude), math.cos(latitude), math.sin(longitude), math.cos(longitude)
+        return (-sl, cl, 0), (-sp * cl, -sp * sl, cp), (cp * cl, cp * sl, sp)
+
+    def turned(self, latitude_deg, longitude_deg, vector):
+        """A vector of the system frame along true east and north of another place."""
+        ours = self.axes(self.latitude, self.longitude)
+        there = self.axes(math.radians(latitude_deg), math.radians(longitude_deg))
+        earth = [sum(vector[i] * ours[i][k] for i in range(3)) for k in range(3)]
+        return [sum(earth[k] * axis[k] for k in range(3)) for axis in there[:2]]
+
     def geodetic_deg(self, east, north, up):
-        sp, cp, sl, cl = (math.sin(self.latitude), math.cos(self.latitude),
-                          math.sin(self.longitude), math.cos(self.longitude))
-        x = self.origin[0] - sl * east - sp * cl * north + cp * cl * up
-        y = self.origin[1] + cl * east - sp * sl * north + cp * sl * up
-        z = self.origin[2] + cp * north + sp * up
+        axes = self.axes(self.latitude, self.longitude)
+        x, y, z = (self.origin[k] + east * axes[0][k] + north * axes[1][k] + up * axes[2][k] for k in range(3))
         p = math.hypot(x, y)
         latitude = math.atan2(z, p * (1 - E2))
         for _ in range(5):
@@ -54,18 +65,18 @@ def ticks_of(seconds):
 
 
 def published(path):
-    """The states that a gateway sends, by time."""
-    by_time = {}
+    """The states that a gateway sends, by time and address."""
+    states = {}
     with open(path, newline='') as file:
         for row in csv.DictReader(file):
             if row['state'] == 'tentative':
                 continue
-            state = {key: float(row[key]) for key in ('time_s', 'x', 'y', 'z', 'vx', 'vy')}
+            state = {key: float(row[key]) for key in ('time_s', 'x', 'y', 'z', 'vx', 'vy', 'vz')}
             state['address'] = int(row['address'], 16) if row['address'] else None
             state['mode_3a'] = row['mode_3a'] or None
             state['callsign'] = row['callsign'].strip() or None
-            by_time.setdefault(ticks_of(state['time_s']), []).append(state)
-    return by_time
+            states.setdefault((ticks_of(state['time_s']), state['address']), []).append(state)
+    return states
 
 
 def identity(record):
@@ -81,19 +92,20 @@ def differences(record, state, frame):
     """Everything about a record that is not as in the state."""
     found = []
 
-    def near(name, ours, theirs, lsb):
-        if abs(ours - theirs) > lsb / 2 + SLACK:
+    def near(name, ours, theirs, lsb, slack=SLACK):
+        if abs(ours - theirs) > lsb / 2 + slack:
             found.append(f'{name} {theirs} for {ours}')
 
     position = record['100']
     near('X', state['x'], position['X'], POSITION_LSB_M)
     near('Y', state['y'], position['Y'], POSITION_LSB_M)
     latitude, longitude = frame.geodetic_deg(state['x'], state['y'], state['z'])
-    near('LAT', latitude, record['105']['LAT'], ANGLE_LSB_DEG)
-    near('LON', longitude, record['105']['LON'], ANGLE_LSB_DEG)
+    near('LAT', latitude, record['105']['LAT'], ANGLE_LSB_DEG, ANGLE_SLACK_DEG)
+    near('LON', longitude, record['105']['LON'], ANGLE_LSB_DEG, ANGLE_SLACK_DEG)
     if '185' in record:
-        near('VX', state['vx'], record['185']['VX'], VELOCITY_LSB)
-        near('VY', state['vy'], record['185']['VY'], VELOCITY_LSB)
+        east, north = frame.turned(latitude, longitude, (state['vx'], state['vy'], state['vz']))
+        near('VX', east, record['185']['VX'], VELOCITY_LSB)
+        near('VY', north, record['185']['VY'], VELOCITY_LSB)
     for key, value in identity(record).items():
         if value != state[key]:
             found.append(f'{key} {value} for {state[key]}')
@@ -103,7 +115,7 @@ def differences(record, state, frame):
 def main():
     if len(sys.argv) not in (5, 6):
         sys.exit(__doc__)
-    by_time = published(sys.argv[2])
+    states = published(sys.argv[2])
     frame = Frame(*(float(argument) for argument in sys.argv[3:5]), float(sys.argv[5]) if len(sys.argv) == 6 else 0.0)
     counts, wrong = {}, []
     with open(sys.argv[1]) as file:
@@ -112,10 +124,10 @@ def main():
             counts[record['_c']] = counts.get(record['_c'], 0) + 1
             if record['_c'] != 62:
                 continue
-            candidates = by_time.get(ticks_of(record['070']), [])
+            candidates = states.get((ticks_of(record['070']), identity(record)['address']), [])
             best = min((differences(record, state, frame) for state in candidates), key=len, default=None)
             if best is None:
-                wrong.append(f'record {line}: no state was published with time {record["070"]}')
+                wrong.append(f'record {line}: no state of this target was published with time {record["070"]}')
             elif best:
                 wrong.append(f'record {line}: {"; ".join(best)}')
     print(', '.join(f'{count} records of CAT{category:03}' for category, count in sorted(counts.items())))

@@ -14,6 +14,7 @@ const ORDER: &[&str] = &[
     "association",
     "formats",
     "scenario",
+    "scoring",
     "fusion",
     "bus",
     "net",

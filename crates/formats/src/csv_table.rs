@@ -71,7 +71,7 @@ pub enum CsvError {
 
 /// A table that is read row by row.
 #[derive(Debug)]
-pub(crate) struct Table<R> {
+pub struct Table<R> {
     reader: Reader<io::Chain<R, &'static [u8]>>,
     header: ByteRecord,
     row: ByteRecord,
@@ -80,21 +80,24 @@ pub(crate) struct Table<R> {
 
 /// A column that the header names.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Column {
+pub struct Column {
     name: &'static str,
     place: usize,
 }
 
 /// A row with as many values as there are columns.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row<'a> {
+pub struct Row<'a> {
     line: u64,
     values: &'a ByteRecord,
 }
 
 impl<R: Read> Table<R> {
     /// Reads the header.
-    pub(crate) fn new(input: R) -> Result<Self, CsvError> {
+    ///
+    /// # Errors
+    /// If the input fails.
+    pub fn new(input: R) -> Result<Self, CsvError> {
         // Every line ends with a line feed, the last one too: then the number of line feeds passed is that of the line.
         let mut reader = ReaderBuilder::new()
             .terminator(Terminator::Any(b'\n'))
@@ -112,13 +115,19 @@ impl<R: Read> Table<R> {
     }
 
     /// A column that must be there.
-    pub(crate) fn required(&self, name: &'static str) -> Result<Column, CsvError> {
+    ///
+    /// # Errors
+    /// If the header lacks it, or names it more than once.
+    pub fn required(&self, name: &'static str) -> Result<Column, CsvError> {
         self.optional(name)?
             .ok_or_else(|| self.header_error(name, "is missing"))
     }
 
     /// Columns that must all be there.
-    pub(crate) fn all<const N: usize>(&self, names: [&'static str; N]) -> Result<[Column; N], CsvError> {
+    ///
+    /// # Errors
+    /// If the header lacks one, or names one more than once.
+    pub fn all<const N: usize>(&self, names: [&'static str; N]) -> Result<[Column; N], CsvError> {
         let mut columns = names.map(|name| Column { name, place: 0 });
         for column in &mut columns {
             *column = self.required(column.name)?;
@@ -127,7 +136,10 @@ impl<R: Read> Table<R> {
     }
 
     /// A column that may be there.
-    pub(crate) fn optional(&self, name: &'static str) -> Result<Option<Column>, CsvError> {
+    ///
+    /// # Errors
+    /// If the header names it more than once.
+    pub fn optional(&self, name: &'static str) -> Result<Option<Column>, CsvError> {
         let mut places = self
             .header
             .iter()
@@ -141,7 +153,10 @@ impl<R: Read> Table<R> {
     }
 
     /// The next row, `None` at the end. After a row that could not be read the next one may be asked for.
-    pub(crate) fn next_row(&mut self) -> Option<Result<Row<'_>, CsvError>> {
+    ///
+    /// # Errors
+    /// If the row has more or fewer values than the header has names, or the input fails.
+    pub fn next_row(&mut self) -> Option<Result<Row<'_>, CsvError>> {
         if self.failed {
             return None;
         }
@@ -181,7 +196,10 @@ impl<R: Read> Table<R> {
 
 impl Row<'_> {
     /// The value as text; `None` if it is empty or the column is not there.
-    pub(crate) fn text(&self, column: impl Into<Option<Column>>) -> Result<Option<&str>, CsvError> {
+    ///
+    /// # Errors
+    /// If it is not UTF-8.
+    pub fn text(&self, column: impl Into<Option<Column>>) -> Result<Option<&str>, CsvError> {
         let Some(column) = column.into() else { return Ok(None) };
         match std::str::from_utf8(&self.values[column.place]) {
             Ok(text) => Ok(Some(text).filter(|text| !text.is_empty())),
@@ -190,13 +208,19 @@ impl Row<'_> {
     }
 
     /// A finite number.
-    pub(crate) fn number(&self, column: Column) -> Result<f64, CsvError> {
+    ///
+    /// # Errors
+    /// If the value is none.
+    pub fn number(&self, column: Column) -> Result<f64, CsvError> {
         self.number_or_empty(column)?
             .ok_or_else(|| self.error(column, "is empty; write a number"))
     }
 
     /// A finite number, or `None` if the value is empty or the column is not there.
-    pub(crate) fn number_or_empty(&self, column: impl Into<Option<Column>>) -> Result<Option<f64>, CsvError> {
+    ///
+    /// # Errors
+    /// If the value is something else.
+    pub fn number_or_empty(&self, column: impl Into<Option<Column>>) -> Result<Option<f64>, CsvError> {
         let Some(column) = column.into() else { return Ok(None) };
         let Some(text) = self.text(column)? else {
             return Ok(None);
@@ -209,24 +233,38 @@ impl Row<'_> {
     }
 
     /// A whole number that `T` can hold.
-    pub(crate) fn whole<T: FromStr>(&self, column: Column) -> Result<T, CsvError> {
+    ///
+    /// # Errors
+    /// If the value is none.
+    pub fn whole<T: FromStr>(&self, column: Column) -> Result<T, CsvError> {
         let text = self.text(column)?.unwrap_or_default();
         let fault = || format!("is no whole number of the kind {}", std::any::type_name::<T>());
         text.parse().map_err(|_| self.error(column, fault()))
     }
 
-    /// Nanoseconds of a time in seconds.
-    pub(crate) fn time_ns(&self, column: Column) -> Result<i64, CsvError> {
+    /// A time in seconds, at most 46 days to either side of 0.
+    ///
+    /// # Errors
+    /// If the value is none.
+    pub fn time_s(&self, column: Column) -> Result<f64, CsvError> {
         let seconds = self.number(column)?;
         if seconds.abs() > TIME_MAX_S {
             let reason = format!("is more than {TIME_MAX_S} s away; count from midnight (UTC) of the first day");
             return Err(self.error(column, reason));
         }
-        Ok(frames::time::ns(seconds))
+        Ok(seconds)
+    }
+
+    /// Nanoseconds of a time in seconds.
+    ///
+    /// # Errors
+    /// As [`Row::time_s`].
+    pub fn time_ns(&self, column: Column) -> Result<i64, CsvError> {
+        self.time_s(column).map(frames::time::ns)
     }
 
     /// What is wrong with the value of a column.
-    pub(crate) fn error(&self, column: Column, reason: impl Display) -> CsvError {
+    pub fn error(&self, column: Column, reason: impl Display) -> CsvError {
         CsvError::Value {
             line: self.line,
             column: column.name,

@@ -17,6 +17,8 @@ const DATA_DEFAULT: &str = "../shared/data";
 const OUT_DEFAULT: &str = "records";
 /// Longest time that `--for` accepts, seconds: a hundred years.
 const SECONDS_MAX: f64 = 3.2e9;
+/// Times in files reach this far to either side of 0, seconds; no second beyond is worth scoring.
+const SECOND_MAX: f64 = 4e6;
 
 /// Real-time fusion of sensor tracks: one system track per target.
 ///
@@ -60,6 +62,9 @@ pub(crate) enum Command {
     /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
     #[command(after_help = DECODE_EXAMPLES)]
     Decode(Decode),
+    /// Score tracks or fixes against a known truth
+    #[command(after_help = SCORE_EXAMPLES)]
+    Score(Score),
     /// Run the adapter of one source or receiver in a deployment that is up
     #[command(after_help = SERVE_EXAMPLES)]
     Adapter(Serve),
@@ -233,6 +238,130 @@ pub(crate) enum ChosenEdition {
     Category(&'static Category),
     /// The coding rules of its reserved expansion field.
     Expansion(&'static Expansion),
+}
+
+const SCORE_EXAMPLES: &str = "\
+Examples:
+  koseki score --truth truth.csv --tracks fused.csv
+  koseki score --truth truth.csv --tracks fused.csv --c 100 --gate 50 --json
+  koseki score tracks --truth run1/truth.csv run2/truth.csv --tracks run1/tracks.csv run2/tracks.csv --since 40
+  koseki score fixes --truth case/truth.csv --fixes case/fixes.csv
+
+At each whole second, the newest state of each track is moved to that second and held against the targets: GOSPA with its
+parts and OSPA say how far the picture is from the truth; targets keep their tracks from second to second while these are
+nearer than the gate, which gives switches, breaks, completeness and spurious tracks.
+
+truth:   time_s,target_id,x,y,z,vx,vy,vz                            a row per target and whole second
+tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz  rows with state tentative or terminated are left out
+Columns are found by name, others are ignored. A figure that cannot be computed is null in JSON.";
+
+/// `koseki score`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct Score {
+    /// What else is scored.
+    #[command(subcommand)]
+    pub(crate) what: Option<ScoreWhat>,
+    /// Where the targets are: a CSV file
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) truth: Option<PathBuf>,
+    /// The tracks to score: a CSV file
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) tracks: Option<PathBuf>,
+    /// Cut-off of GOSPA and OSPA: distance from which a track is no track of a target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Distance up to which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// A state older than this does not show, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = above_zero)]
+    pub(crate) max_age: f64,
+    /// First whole second to score
+    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: i64,
+    /// Last whole second to score [default: the last that the truth reaches]
+    #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t1: Option<i64>,
+    /// Directions are compared of targets faster than this, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 5.0, value_parser = not_negative)]
+    pub(crate) moving: f64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What `koseki score` scores beside pictures.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ScoreWhat {
+    /// Score how well a tracker tells targets apart, over one or more runs
+    #[command(after_help = SCORE_TRACKS_EXAMPLES)]
+    Tracks(ScoreTracks),
+    /// Score the fixes of a bearings-only locator in a scripted case, over one or more sets of runs
+    #[command(after_help = SCORE_FIXES_EXAMPLES)]
+    Fixes(ScoreFixes),
+}
+
+const SCORE_TRACKS_EXAMPLES: &str = "\
+Examples:
+  koseki score tracks --truth truth_0.csv --tracks tracks_0.csv --since 60
+  koseki score tracks --truth truth_*.csv --tracks tracks_*.csv --json
+
+At each time of the truth from --since on: are exactly as many confirmed tracks near targets as there are targets, each
+near another one? Before it, targets cannot be told apart yet, and several tracks are too many. Positions are compared in
+the plane; a track shows for 4 s after its newest row, moved along its velocity.
+
+truth:   time_s,x,y                                         a row per target and time
+tracks:  time_s,sensor_track_id,x,y,vx,vy,state             rows with state confirmed or coasted count
+Several runs: as many --tracks as --truth, in the same order. Shares and delay_s are then means over runs, tracks are added
+up, and JSON has the figures of each run under \"each\".";
+
+/// `koseki score tracks`.
+#[derive(Debug, Args)]
+pub(crate) struct ScoreTracks {
+    /// Where the targets are: a CSV file for each run
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) truth: Vec<PathBuf>,
+    /// The tracks of each run, in the same order
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) tracks: Vec<PathBuf>,
+    /// A track is near a target if it is nearer than this, metres
+    #[arg(long, value_name = "METRES", default_value_t = 300.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// From when on targets can be told apart, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) since: f64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const SCORE_FIXES_EXAMPLES: &str = "\
+Examples:
+  koseki score fixes --truth fixed/truth.csv --fixes fixed/fixes.csv
+  koseki score fixes --truth seed1/truth.csv seed2/truth.csv --fixes seed1/fixes.csv seed2/fixes.csv --json
+
+Cases: fixed   an emitter 50 km broadside of a straight baseline; the last raw fixes beside their Cramer-Rao bound
+       drop    a dropped transmitter drifts straight on while the aircraft circles; the second half counts
+       turn    the aircraft turns by 180 degrees with wrong bearings; from 500 s on counts
+Which case it is stands in the file meta.json beside each truth, with the baseline (m), sigma_deg and number of runs.
+
+truth:   time_s,emitter_id,x,y                              a row per emitter and bearing
+fixes:   time_s,emitter_id,x,y,vx,vy,raw_x,raw_y            rows of times that the truth lacks are left out
+Several sets of runs of one case are pooled: as many --fixes as --truth, in the same order.";
+
+/// `koseki score fixes`.
+#[derive(Debug, Args)]
+pub(crate) struct ScoreFixes {
+    /// Where the emitters are: a CSV file with meta.json beside it, for each set of runs
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) truth: Vec<PathBuf>,
+    /// The fixes of each set, in the same order
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) fixes: Vec<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 const SERVE_EXAMPLES: &str = "\
@@ -429,6 +558,36 @@ fn speed(text: &str) -> Result<Speed, String> {
     Err("a factor must be more than 0; write max for as fast as possible".to_owned())
 }
 
+fn finite(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
+    number
+        .is_finite()
+        .then_some(number)
+        .ok_or_else(|| "it must be finite".to_owned())
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    (number > 0.0)
+        .then_some(number)
+        .ok_or_else(|| "it must be more than 0".to_owned())
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    (number >= 0.0)
+        .then_some(number)
+        .ok_or_else(|| "it must not be negative".to_owned())
+}
+
+fn whole_second(text: &str) -> Result<i64, String> {
+    let second = finite(text)?;
+    if second.fract() == 0.0 && second.abs() <= SECOND_MAX {
+        return Ok(second as i64);
+    }
+    Err(format!("pictures are scored at whole seconds up to {SECOND_MAX}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -473,8 +632,27 @@ mod tests {
     }
 
     #[test]
+    fn distances_and_seconds_to_score_are_checked() {
+        assert_eq!((above_zero("0.5"), not_negative("0")), (Ok(0.5), Ok(0.0)));
+        for wrong in ["0", "-1", "nan", "inf", "far"] {
+            assert!(above_zero(wrong).is_err(), "{wrong}");
+        }
+        assert!(not_negative("-0.1").is_err() && finite("inf").is_err());
+        assert_eq!((whole_second("10"), whole_second("-3.0")), (Ok(10), Ok(-3)));
+        for wrong in ["0.5", "1e7", "nan", "noon"] {
+            assert!(whole_second(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
     fn wrong_usage_is_one_line() {
-        let cases: [&[&str]; 5] = [
+        let cases: [&[&str]; 9] = [
+            &["koseki", "score"],
+            &["koseki", "score", "--truth", "a.csv"],
+            &["koseki", "score", "tracks", "--truth", "a.csv"],
+            &[
+                "koseki", "score", "--truth", "a.csv", "--tracks", "b.csv", "--t0", "0.5",
+            ],
             &["koseki"],
             &["koseki", "upp"],
             &["koseki", "up"],

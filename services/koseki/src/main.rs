@@ -2,7 +2,7 @@
 //!
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
-//! that answer questions ([`check`], [`status`]), give orders ([`condition`]) or work on files ([`decode`]).
+//! that answer questions ([`check`], [`status`]), give orders ([`condition`]) or work on files ([`decode`], [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running; the latter two after one line on standard error (FM).
@@ -14,6 +14,7 @@ mod check;
 mod condition;
 mod decode;
 mod recordings;
+mod score;
 mod status;
 
 use std::io::Write as _;
@@ -78,6 +79,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Status(status) => status::run(status.instance.as_deref()),
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),
+        Command::Score(score) => score::run(&score),
         Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, adapter::run),
         Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, fusion_service::run),
         Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, monitor::run),
@@ -154,6 +156,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
     let refused = error.is::<ConfigError>()
         || error.is::<RecordingError>()
         || error.is::<Usage>()
+        || error.is::<score::InputError>()
         || error.is::<launcher::ChildRefused>();
     if refused { CODE_REFUSED } else { CODE_FAILED }
 }

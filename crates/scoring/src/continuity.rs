@@ -1,0 +1,189 @@
+//! Whether each target keeps its track.
+//!
+//! A picture can be right at every second and still be useless to somebody who follows one aircraft: if the numbers of two
+//! tracks change places when their targets cross, every single picture is perfect. So pairs are carried from second to
+//! second, as in the CLEAR MOT measures (Bernardin and Stiefelhagen, 2008): a pair of the second before stays as long as
+//! it is nearer than the gate, however near others may be; what is left over is paired anew, best together. Then
+//!
+//! - an *identity switch* is a target that has another track than when it last had one;
+//! - a *break* is a target that had lost its track and has one again;
+//! - a *spurious* track belongs to a target in less than half of the seconds in which it shows;
+//! - *wander* is how far a track's error moves from one second to the next, which the eye sees as trembling;
+//! - *direction* is the angle between the track's velocity and the target's.
+
+use std::f64::consts::{PI, TAU};
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::gospa::Metric;
+use crate::near::distance;
+use crate::states::{State, positions};
+
+/// See the module's documentation.
+#[derive(Debug)]
+pub(crate) struct Continuity {
+    gate_m: f64,
+    moving_mps: f64,
+    /// By target.
+    followed: FxHashMap<i64, Followed>,
+    /// By track.
+    shown: FxHashMap<i64, Seconds>,
+    /// Error in the plane of each pair of the second before.
+    errors_m: FxHashMap<(i64, i64), [f64; 2]>,
+    pub(crate) found: Found,
+}
+
+/// What has been found.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    pub(crate) switches: u64,
+    pub(crate) breaks: u64,
+    /// Seconds of targets, with a track and in all.
+    pub(crate) covered: u64,
+    pub(crate) target_seconds: u64,
+    pub(crate) wander_m: Vec<f64>,
+    pub(crate) angles_rad: Vec<f64>,
+}
+
+/// What is known of one target.
+#[derive(Clone, Copy, Debug, Default)]
+struct Followed {
+    /// The track that it has or had last.
+    track: Option<i64>,
+    /// Whether it had one when it was last there.
+    now: bool,
+}
+
+/// Seconds of one track.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seconds {
+    shown: u64,
+    paired: u64,
+}
+
+impl Continuity {
+    /// Pairs are nearer than `gate_m` metres; angles are taken of targets faster than `moving_mps` in the plane.
+    pub(crate) fn new(gate_m: f64, moving_mps: f64) -> Self {
+        Self {
+            gate_m,
+            moving_mps,
+            followed: FxHashMap::default(),
+            shown: FxHashMap::default(),
+            errors_m: FxHashMap::default(),
+            found: Found::default(),
+        }
+    }
+
+    /// Adds the next second: the targets and the tracks that show, each with a number of its own.
+    pub(crate) fn add(&mut self, targets: &[State<3>], tracks: &[State<3>]) {
+        let mut pairs = self.pairs_that_stay(targets, tracks);
+        pairs.extend(self.new_pairs(targets, tracks, &pairs));
+        for track in tracks {
+            self.shown.entry(track.id).or_default().shown += 1;
+        }
+        let mut track_of = vec![None; targets.len()];
+        for &(target, track) in &pairs {
+            track_of[target] = Some(tracks[track].id);
+        }
+        for (target, track) in targets.iter().zip(track_of) {
+            self.follow(target.id, track);
+        }
+        let pairs: Vec<_> = pairs
+            .iter()
+            .map(|(target, track)| (&targets[*target], &tracks[*track]))
+            .collect();
+        self.measure_wander(&pairs);
+        self.measure_direction(&pairs);
+    }
+
+    /// Tracks that are paired with a target in less than half of the seconds in which they show.
+    pub(crate) fn spurious(&self) -> u64 {
+        let spurious = |seconds: &&Seconds| 2 * seconds.paired < seconds.shown;
+        self.shown.values().filter(spurious).count() as u64
+    }
+
+    /// Tracks in all.
+    pub(crate) fn tracks(&self) -> u64 {
+        self.shown.len() as u64
+    }
+
+    /// Places of the targets and tracks that were a pair in the second before and are near enough to stay one.
+    fn pairs_that_stay(&self, targets: &[State<3>], tracks: &[State<3>]) -> Vec<(usize, usize)> {
+        let place: FxHashMap<i64, usize> = tracks.iter().map(|track| track.id).zip(0..).collect();
+        let mut taken = FxHashSet::default();
+        let mut pairs = Vec::new();
+        for (target, state) in targets.iter().enumerate() {
+            let before = self.followed.get(&state.id).filter(|followed| followed.now);
+            let Some(&track) = before.and_then(|followed| place.get(&followed.track?)) else {
+                continue;
+            };
+            let near = distance(&state.position_m, &tracks[track].position_m) < self.gate_m;
+            // A target that was away may come back to find that its track is another's by now.
+            if near && taken.insert(track) {
+                pairs.push((target, track));
+            }
+        }
+        pairs
+    }
+
+    /// Pairs among the targets and tracks that are not in `pairs`.
+    fn new_pairs(&self, targets: &[State<3>], tracks: &[State<3>], pairs: &[(usize, usize)]) -> Vec<(usize, usize)> {
+        let mut free = (vec![true; targets.len()], vec![true; tracks.len()]);
+        for &(target, track) in pairs {
+            free.0[target] = false;
+            free.1[track] = false;
+        }
+        let left = |free: Vec<bool>| -> Vec<usize> { (0..free.len()).filter(|place| free[*place]).collect() };
+        let (targets_left, tracks_left) = (left(free.0), left(free.1));
+        let metric = Metric {
+            cut_off_m: self.gate_m,
+            power: 2,
+        };
+        let of = |states: &[State<3>], left: &[usize]| -> Vec<[f64; 3]> {
+            let all = positions(states);
+            left.iter().map(|place| all[*place]).collect()
+        };
+        let compared = metric.compare(&of(targets, &targets_left), &of(tracks, &tracks_left));
+        let places = |pair: &crate::Pair| (targets_left[pair.target], tracks_left[pair.track]);
+        compared.pairs.iter().map(places).collect()
+    }
+
+    /// Notes that a target has this track in this second, or none.
+    fn follow(&mut self, target: i64, track: Option<i64>) {
+        self.found.target_seconds += 1;
+        let followed = self.followed.entry(target).or_default();
+        if let Some(track) = track {
+            self.found.covered += 1;
+            self.shown.entry(track).or_default().paired += 1;
+            let had_one = followed.track.is_some();
+            self.found.switches += u64::from(had_one && followed.track != Some(track));
+            self.found.breaks += u64::from(had_one && !followed.now);
+            followed.track = Some(track);
+        }
+        followed.now = track.is_some();
+    }
+
+    fn measure_wander(&mut self, pairs: &[(&State<3>, &State<3>)]) {
+        let error = |(target, track): &(&State<3>, &State<3>)| {
+            let error = [0, 1].map(|axis| track.position_m[axis] - target.position_m[axis]);
+            ((target.id, track.id), error)
+        };
+        let now: FxHashMap<_, _> = pairs.iter().map(error).collect();
+        for (pair, error) in pairs.iter().map(error) {
+            if let Some(before) = self.errors_m.get(&pair) {
+                self.found.wander_m.push(distance(&error, before));
+            }
+        }
+        self.errors_m = now;
+    }
+
+    fn measure_direction(&mut self, pairs: &[(&State<3>, &State<3>)]) {
+        let course = |state: &State<3>| state.velocity_mps[0].atan2(state.velocity_mps[1]);
+        for (target, track) in pairs {
+            if target.velocity_mps[0].hypot(target.velocity_mps[1]) > self.moving_mps {
+                let angle = course(track) - course(target);
+                self.found.angles_rad.push((angle + PI).rem_euclid(TAU) - PI);
+            }
+        }
+    }
+}

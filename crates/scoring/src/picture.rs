@@ -1,0 +1,317 @@
+//! How good a picture of tracks is, second by second, against a known truth.
+//!
+//! At each whole second the newest state of every track is taken, moved to that second along its velocity, and held
+//! against the targets of that second. Three questions are asked. How far is the picture from the truth, and through what
+//! ([`crate::gospa`])? How accurate are the tracks that have a target? And does each target keep its track (pairs that
+//! are carried from second to second)?
+//!
+//! Limits: a target that the truth does not list at a whole second does not exist in that second. Tracks are told apart by
+//! their number alone, so a file with the tracks of several sensors is not one picture.
+
+use std::io::Read;
+
+use formats::csv_table::CsvError;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::continuity::Continuity;
+use crate::gospa::Metric;
+use crate::near::distance;
+use crate::states::{Counted, Instant, Pictures, State, StateRows, Walk, positions};
+use crate::statistics::{mean, quantile, root_mean, standard_deviation};
+use crate::words::Word;
+
+/// A state counts for a whole second if it is from this long after it, seconds: decimals in files are rounded.
+const ROUNDING_S: f64 = 1e-9;
+/// A row of truth is of a whole second if it is at most this long before it, seconds.
+const TRUTH_AGE_MAX_S: f64 = 1e-3;
+/// Columns that tell targets or tracks apart; the first that a file has counts.
+const IDS: [&str; 3] = ["target_id", "system_track_id", "sensor_track_id"];
+
+/// How to compare.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureSettings {
+    /// Distance from which a track is no track of a target, metres (500).
+    pub cut_off_m: f64,
+    /// A state older than this does not show, seconds (1).
+    pub age_max_s: f64,
+    /// The first whole second (10: sensors need several looks before tracks are confirmed).
+    pub first_s: i64,
+    /// The last whole second; the last that the truth reaches if it is not given.
+    pub last_s: Option<i64>,
+    /// Distance up to which a target keeps its track, metres (250).
+    pub gate_m: f64,
+    /// Directions are compared of targets that move faster than this in the plane, m/s (5).
+    pub moving_mps: f64,
+}
+
+impl Default for PictureSettings {
+    fn default() -> Self {
+        Self {
+            cut_off_m: 500.0,
+            age_max_s: 1.0,
+            first_s: 10,
+            last_s: None,
+            gate_m: 250.0,
+            moving_mps: 5.0,
+        }
+    }
+}
+
+/// States of targets or tracks by whole seconds.
+#[derive(Clone, Debug)]
+pub struct Timeline {
+    age_max_s: f64,
+    pictures: Pictures<3>,
+    /// Latest time of any row.
+    end_s: Option<f64>,
+}
+
+impl Timeline {
+    /// Reads a truth file: `time_s,target_id,x,y,z,vx,vy,vz` by name; other columns are ignored.
+    ///
+    /// # Errors
+    /// If a column is missing, a value is not what its column holds, or the input fails.
+    pub fn truth(input: impl Read) -> Result<Self, CsvError> {
+        Self::read(input, IDS[0], TRUTH_AGE_MAX_S)
+    }
+
+    /// Reads tracks whose states show for `age_max_s` seconds: columns as of a truth file, but with `system_track_id` or
+    /// `sensor_track_id`. Rows whose `state` is `tentative` or `terminated` are left out.
+    ///
+    /// # Errors
+    /// As [`Timeline::truth`].
+    pub fn tracks(input: impl Read, age_max_s: f64) -> Result<Self, CsvError> {
+        Self::read(input, IDS[1], age_max_s)
+    }
+
+    fn read(input: impl Read, usual_id: &'static str, age_max_s: f64) -> Result<Self, CsvError> {
+        let mut rows = StateRows::<_, 3>::new(input, &IDS, usual_id, Counted::NotUnconfirmed)?;
+        let mut timeline = Self {
+            age_max_s,
+            // Of two rows of one time the later one counts.
+            pictures: Pictures::new(|state, kept| state.time_s >= kept.time_s),
+            end_s: None,
+        };
+        while let Some(state) = rows.next()? {
+            let second = first_whole_second(state.time_s);
+            if is_fresh(state.time_s, second, age_max_s) {
+                timeline.pictures.keep(second, state);
+            }
+            timeline.end_s = Some(timeline.end_s.map_or(state.time_s, |end_s| end_s.max(state.time_s)));
+        }
+        Ok(timeline)
+    }
+}
+
+/// The first whole second at which a state of `time_s` can be seen.
+fn first_whole_second(time_s: f64) -> Instant {
+    let above = time_s.ceil();
+    let just_missed = time_s <= above - 1.0 + ROUNDING_S;
+    above as Instant - Instant::from(just_missed)
+}
+
+fn is_fresh(time_s: f64, second: Instant, age_max_s: f64) -> bool {
+    time_s > second as f64 - age_max_s + ROUNDING_S
+}
+
+/// Why two files cannot be compared.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PictureError {
+    /// The truth has no rows.
+    #[error("the truth has no rows; nothing can be compared with it")]
+    NoTruth,
+    /// No second is to be compared.
+    #[error("no whole second lies between {first_s} s, the first to be compared, and {last_s} s, the last")]
+    NoSecond {
+        /// The first second.
+        first_s: i64,
+        /// The last one.
+        last_s: i64,
+    },
+}
+
+/// How good a picture is. Averages are over seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PictureScore {
+    /// Average GOSPA, metres.
+    pub gospa: f64,
+    /// Average of its part from position errors, metres.
+    pub loc: f64,
+    /// Average of its part from missed targets, metres.
+    pub missed: f64,
+    /// Average of its part from false tracks, metres.
+    #[serde(rename = "false")]
+    pub false_tracks: f64,
+    /// Average OSPA, metres.
+    pub ospa: f64,
+    /// Root mean square position error of the pairs, metres; `None` without any.
+    pub rmse_pos: Option<f64>,
+    /// Root mean square velocity error of the pairs, m/s.
+    pub rmse_vel: Option<f64>,
+    /// Times that a target got another track.
+    pub id_switches: u64,
+    /// Times that a target got a track again.
+    pub breaks: u64,
+    /// Share of the targets' seconds with a track, 0 to 1.
+    pub completeness: f64,
+    /// Tracks that belong to no target most of the time.
+    pub spurious: u64,
+    /// Tracks in all.
+    pub system_tracks: u64,
+    /// 95 % of the second-to-second movements of the error are not larger, metres.
+    pub wander_p95: Option<f64>,
+    /// The largest of them, metres.
+    pub wander_max: Option<f64>,
+    /// Standard deviation of the direction, degrees.
+    pub direction_std_deg: Option<f64>,
+    /// Targets without a track, on average.
+    pub missed_per_s: f64,
+    /// Tracks without a target, on average.
+    pub false_per_s: f64,
+}
+
+/// What the words of a [`PictureScore`] mean.
+pub const PICTURE_WORDS: &[Word] = &[
+    Word::new("gospa", "m", "distance between picture and truth, average over seconds"),
+    Word::new("loc", "m", "its part from position errors"),
+    Word::new("missed", "m", "its part from targets without a track"),
+    Word::new("false", "m", "its part from tracks without a target"),
+    Word::new("ospa", "m", "distance per target, average over seconds"),
+    Word::new("rmse_pos", "m", "position error of the pairs"),
+    Word::new("rmse_vel", "m/s", "velocity error of the pairs"),
+    Word::new("id_switches", "", "times a target got another track"),
+    Word::new("breaks", "", "times a target had lost its track and got one again"),
+    Word::new("completeness", "", "share of the targets' seconds with a track"),
+    Word::new("spurious", "", "tracks without a target for most of their seconds"),
+    Word::new("system_tracks", "", "tracks in all"),
+    Word::new("wander_p95", "m", "movement of the error from second to second, 95 %"),
+    Word::new("wander_max", "m", "the largest such movement"),
+    Word::new(
+        "direction_std_deg",
+        "deg",
+        "direction of the velocity, standard deviation",
+    ),
+    Word::new("missed_per_s", "", "targets without a track, average over seconds"),
+    Word::new("false_per_s", "", "tracks without a target, average over seconds"),
+];
+
+/// Compares tracks with the truth.
+///
+/// # Errors
+/// If there is no second in which that could be done.
+pub fn score_picture(
+    truth: &Timeline,
+    tracks: &Timeline,
+    settings: &PictureSettings,
+) -> Result<PictureScore, PictureError> {
+    let end_s = truth.end_s.ok_or(PictureError::NoTruth)?;
+    let (first_s, last_s) = (settings.first_s, settings.last_s.unwrap_or(end_s as i64));
+    if first_s > last_s {
+        return Err(PictureError::NoSecond { first_s, last_s });
+    }
+    let (mut truth, mut tracks) = (Pass::new(truth), Pass::new(tracks));
+    let mut sums = Sums::new(settings);
+    for second in first_s..=last_s {
+        sums.add(&truth.at(second), &tracks.at(second));
+    }
+    Ok(sums.score())
+}
+
+/// A timeline that is passed through.
+struct Pass<'a> {
+    walk: Walk<'a, 3>,
+    age_max_s: f64,
+}
+
+impl<'a> Pass<'a> {
+    fn new(timeline: &'a Timeline) -> Self {
+        Self {
+            walk: timeline.pictures.walk(),
+            age_max_s: timeline.age_max_s,
+        }
+    }
+
+    fn at(&mut self, second: Instant) -> Vec<State<3>> {
+        let age_max_s = self.age_max_s;
+        self.walk
+            .at(second, second as f64, |time_s| is_fresh(time_s, second, age_max_s))
+    }
+}
+
+/// What has been found in the seconds so far.
+struct Sums {
+    metric: Metric,
+    /// By second: GOSPA, its three parts, and OSPA.
+    distances_m: [Vec<f64>; 5],
+    position_squares_m2: Vec<f64>,
+    velocity_squares_m2ps2: Vec<f64>,
+    missed: Vec<f64>,
+    false_tracks: Vec<f64>,
+    continuity: Continuity,
+}
+
+impl Sums {
+    fn new(settings: &PictureSettings) -> Self {
+        Self {
+            metric: Metric {
+                cut_off_m: settings.cut_off_m,
+                power: 2,
+            },
+            distances_m: Default::default(),
+            position_squares_m2: Vec::new(),
+            velocity_squares_m2ps2: Vec::new(),
+            missed: Vec::new(),
+            false_tracks: Vec::new(),
+            continuity: Continuity::new(settings.gate_m, settings.moving_mps),
+        }
+    }
+
+    fn add(&mut self, targets: &[State<3>], tracks: &[State<3>]) {
+        let found = self.metric.compare(&positions(targets), &positions(tracks));
+        let distances = [
+            found.gospa_m(),
+            found.localisation_m(),
+            found.missed_m(),
+            found.false_m(),
+            found.ospa_m(),
+        ];
+        for (of_second, distance_m) in self.distances_m.iter_mut().zip(distances) {
+            of_second.push(distance_m);
+        }
+        for pair in &found.pairs {
+            let (target, track) = (&targets[pair.target], &tracks[pair.track]);
+            let velocity = distance(&target.velocity_mps, &track.velocity_mps);
+            self.position_squares_m2.push(pair.distance_m * pair.distance_m);
+            self.velocity_squares_m2ps2.push(velocity * velocity);
+        }
+        self.missed.push(found.missed as f64);
+        self.false_tracks.push(found.false_tracks as f64);
+        self.continuity.add(targets, tracks);
+    }
+
+    fn score(mut self) -> PictureScore {
+        let average = |values: &[f64]| mean(values).unwrap_or(0.0);
+        let [gospa, loc, missed, false_tracks, ospa] = self.distances_m.each_ref().map(|values| average(values));
+        let found = &mut self.continuity.found;
+        PictureScore {
+            gospa,
+            loc,
+            missed,
+            false_tracks,
+            ospa,
+            rmse_pos: root_mean(&self.position_squares_m2),
+            rmse_vel: root_mean(&self.velocity_squares_m2ps2),
+            id_switches: found.switches,
+            breaks: found.breaks,
+            completeness: found.covered as f64 / found.target_seconds.max(1) as f64,
+            wander_p95: quantile(&mut found.wander_m, 0.95),
+            wander_max: quantile(&mut found.wander_m, 1.0),
+            direction_std_deg: standard_deviation(&found.angles_rad).map(f64::to_degrees),
+            missed_per_s: average(&self.missed),
+            false_per_s: average(&self.false_tracks),
+            spurious: self.continuity.spurious(),
+            system_tracks: self.continuity.tracks(),
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! Whether a tracker tells targets apart: one confirmed track for each, at every scan.
+//!
+//! Two aircraft that fly side by side may be one detection for minutes. A tracker that keeps both possibilities open should
+//! show two tracks soon after they part, and one while nobody can know. So a run is scored by the share of the truth's
+//! times at which exactly as many confirmed tracks are near targets as there are targets, each near another one; by how
+//! long that takes from a given time on; and by what was shown that never was near anything.
+//!
+//! Positions are compared in the plane. A track shows for four seconds after its newest row, moved along its velocity.
+//! Several runs are pooled as means over runs, so
+//! that every run counts the same.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
+
+use formats::csv_table::{CsvError, Table};
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::assignment::{Candidate, best_pairs};
+use crate::near::near_pairs;
+use crate::states::{Counted, Instant, Pictures, State, StateRows, positions};
+use crate::statistics::mean;
+use crate::words::Word;
+
+/// How long a track shows after its newest row, seconds.
+const AGE_MAX_S: f64 = 4.0;
+/// A row counts for a time if it is less than this after it, seconds: decimals in files are rounded.
+const ROUNDING_S: f64 = 1e-6;
+/// Decimals of times in a truth file that tell one time from another.
+const TIME_DECIMALS: usize = 3;
+/// Decimals of shares.
+const SHARE_DECIMALS: usize = 4;
+
+/// How to compare.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResolutionSettings {
+    /// A track is near a target if it is nearer than this in the plane, metres (300).
+    pub gate_m: f64,
+    /// From when on targets can be told apart, seconds (0).
+    pub since_s: f64,
+}
+
+impl Default for ResolutionSettings {
+    fn default() -> Self {
+        Self {
+            gate_m: 300.0,
+            since_s: 0.0,
+        }
+    }
+}
+
+/// Where all targets are, at each time that a truth file lists.
+#[derive(Clone, Debug)]
+pub struct TargetsByTime {
+    times_s: Vec<f64>,
+    targets_m: Vec<Vec<[f64; 2]>>,
+}
+
+impl TargetsByTime {
+    /// Reads a truth file: `time_s,x,y` by name, one row per target and time; other columns are ignored.
+    ///
+    /// # Errors
+    /// If a column is missing, a value is not what its column holds, or the input fails.
+    pub fn read(input: impl Read) -> Result<Self, CsvError> {
+        let mut table = Table::new(input)?;
+        let time = table.required("time_s")?;
+        let place = table.all(["x", "y"])?;
+        let mut by_time: BTreeMap<i64, (f64, Vec<[f64; 2]>)> = BTreeMap::new();
+        while let Some(row) = table.next_row() {
+            let row = row?;
+            let time_s = rounded(row.time_s(time)?, TIME_DECIMALS);
+            let key = (time_s * 10f64.powi(TIME_DECIMALS as i32)).round() as i64;
+            let position_m = [row.number(place[0])?, row.number(place[1])?];
+            by_time.entry(key).or_insert((time_s, Vec::new())).1.push(position_m);
+        }
+        let (times_s, targets_m) = by_time.into_values().unzip();
+        Ok(Self { times_s, targets_m })
+    }
+}
+
+/// What a tracker showed, at the times of a truth.
+#[derive(Clone, Debug)]
+pub struct ConfirmedTracks {
+    pictures: Pictures<2>,
+    /// All that were confirmed at any time.
+    ids: BTreeSet<i64>,
+}
+
+impl ConfirmedTracks {
+    /// Reads tracks: `time_s,sensor_track_id,x,y,vx,vy,state` by name (or `system_track_id`). Only rows with the state
+    /// `confirmed` or `coasted` count.
+    ///
+    /// # Errors
+    /// As [`TargetsByTime::read`].
+    pub fn read(input: impl Read, truth: &TargetsByTime) -> Result<Self, CsvError> {
+        let ids = ["sensor_track_id", "system_track_id"];
+        let mut rows = StateRows::<_, 2>::new(input, &ids, ids[0], Counted::Confirmed)?;
+        let mut tracks = Self {
+            pictures: Pictures::new(supersedes),
+            ids: BTreeSet::new(),
+        };
+        let times_s = &truth.times_s;
+        while let Some(state) = rows.next()? {
+            tracks.ids.insert(state.id);
+            let seen = times_s.partition_point(|time_s| time_s + ROUNDING_S <= state.time_s);
+            tracks.pictures.keep(seen as Instant, state);
+        }
+        Ok(tracks)
+    }
+}
+
+/// The newer row counts. Of two at one time, the one with the greater values: the order in the file does not matter.
+fn supersedes(state: &State<2>, kept: &State<2>) -> bool {
+    let values = |state: &State<2>| {
+        let ([x, y], [vx, vy]) = (state.position_m, state.velocity_mps);
+        [state.time_s, x, y, vx, vy]
+    };
+    values(state) >= values(kept)
+}
+
+/// A truth that cannot be scored against.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("the truth has no row at or after {since_s} s, from when on tracks are to be scored")]
+pub struct NoTruthSince {
+    since_s: f64,
+}
+
+/// The figures of one run. Shares are rounded to four decimals.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ResolutionScore {
+    /// Share of times with exactly one track near each target and none to spare, 0 to 1.
+    pub count_right: f64,
+    /// Share of times with a track for every target.
+    pub covered: f64,
+    /// Share of the targets that have a track, averaged over times.
+    pub target_share: f64,
+    /// Time until all targets have a track for two times running, seconds; until the end if that never is so.
+    pub delay_s: f64,
+    /// Share of the times before with more than one track near targets; `None` without such times.
+    pub several_before: Option<f64>,
+    /// Tracks that never were near a target.
+    pub false_tracks: u64,
+    /// Tracks in all.
+    pub tracks: u64,
+}
+
+/// The figures of several runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PooledResolutionScore {
+    /// How many runs.
+    pub runs: usize,
+    /// Means over runs, not rounded; the tracks of all runs are added up.
+    #[serde(flatten)]
+    pub all: ResolutionScore,
+    /// The longest delay, seconds.
+    pub delay_max_s: f64,
+    /// False tracks per run.
+    pub false_tracks_per_run: f64,
+    /// Each run for itself.
+    pub each: Vec<ResolutionScore>,
+}
+
+/// What the words of a [`PooledResolutionScore`] mean; those of a [`ResolutionScore`] are among them.
+pub const RESOLUTION_WORDS: &[Word] = &[
+    Word::new("runs", "", "runs that are pooled"),
+    Word::new(
+        "count_right",
+        "",
+        "share of times with one track for each target and none to spare",
+    ),
+    Word::new("covered", "", "share of times with a track for every target"),
+    Word::new("target_share", "", "share of targets with a track, average over times"),
+    Word::new("delay_s", "s", "until all targets have a track for two times running"),
+    Word::new("delay_max_s", "s", "the longest of the runs"),
+    Word::new(
+        "several_before",
+        "",
+        "share of earlier times with several tracks near targets",
+    ),
+    Word::new("false_tracks", "", "tracks that never were near a target"),
+    Word::new("false_tracks_per_run", "", "the same, average over runs"),
+    Word::new("tracks", "", "tracks in all"),
+];
+
+impl ResolutionScore {
+    /// Scores one run.
+    ///
+    /// # Errors
+    /// If the truth has no times to score.
+    pub fn of_run(
+        truth: &TargetsByTime,
+        tracks: &ConfirmedTracks,
+        settings: &ResolutionSettings,
+    ) -> Result<Self, NoTruthSince> {
+        let since_s = settings.since_s;
+        let first = truth.times_s.partition_point(|time_s| *time_s < since_s);
+        let Some(last_s) = truth.times_s[first..].last() else {
+            return Err(NoTruthSince { since_s });
+        };
+        let mut found = Found::default();
+        let (mut walk, mut ever_near) = (tracks.pictures.walk(), BTreeSet::new());
+        for (place, (&time_s, targets)) in truth.times_s.iter().zip(&truth.targets_m).enumerate() {
+            let shown = walk.at(place as Instant, time_s, |of_s| time_s - of_s <= AGE_MAX_S);
+            let near = Nearness::new(targets, &shown, settings.gate_m);
+            ever_near.extend(near.tracks.iter().map(|track| shown[*track].id));
+            if place < first {
+                found.add_early(&near);
+            } else {
+                found.add(&near, targets.len(), time_s - since_s);
+            }
+        }
+        let share = |part: f64, of: u64| rounded(part / of as f64, SHARE_DECIMALS);
+        Ok(Self {
+            count_right: share(found.right as f64, found.times),
+            covered: share(found.covered as f64, found.times),
+            target_share: share(found.shares, found.times),
+            delay_s: found.delay_s.unwrap_or(last_s - since_s),
+            several_before: (found.early > 0).then(|| share(found.early_several as f64, found.early)),
+            false_tracks: (tracks.ids.len() - ever_near.len()) as u64,
+            tracks: tracks.ids.len() as u64,
+        })
+    }
+
+    /// The figures of several runs together and of each; `None` without any.
+    pub fn pooled(runs: &[Self]) -> Option<PooledResolutionScore> {
+        let average = |figure: fn(&Self) -> f64| mean(&runs.iter().map(figure).collect::<Vec<_>>());
+        let several: Vec<f64> = runs.iter().filter_map(|run| run.several_before).collect();
+        let total = |count: fn(&Self) -> u64| runs.iter().map(count).sum::<u64>();
+        let all = Self {
+            count_right: average(|run| run.count_right)?,
+            covered: average(|run| run.covered)?,
+            target_share: average(|run| run.target_share)?,
+            delay_s: average(|run| run.delay_s)?,
+            several_before: mean(&several),
+            false_tracks: total(|run| run.false_tracks),
+            tracks: total(|run| run.tracks),
+        };
+        Some(PooledResolutionScore {
+            runs: runs.len(),
+            all,
+            delay_max_s: runs.iter().map(|run| run.delay_s).fold(f64::NEG_INFINITY, f64::max),
+            false_tracks_per_run: average(|run| run.false_tracks as f64)?,
+            each: runs.to_vec(),
+        })
+    }
+}
+
+/// What has been found at the times of one run so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    /// Times at which targets can be told apart.
+    times: u64,
+    right: u64,
+    covered: u64,
+    /// Sum over those times of the share of targets that are covered.
+    shares: f64,
+    /// Times before, and how many of them had several tracks near targets.
+    early: u64,
+    early_several: u64,
+    /// The first of two such times running with all targets covered.
+    delay_s: Option<f64>,
+    /// The time before, if all targets were covered then.
+    covered_before_s: Option<f64>,
+}
+
+impl Found {
+    fn add_early(&mut self, near: &Nearness) {
+        self.early += 1;
+        self.early_several += u64::from(near.tracks.len() > 1);
+    }
+
+    /// Adds a time, `after_s` seconds after targets can be told apart, with so many targets.
+    fn add(&mut self, near: &Nearness, targets: usize, after_s: f64) {
+        let covered = near.paired == targets;
+        self.times += 1;
+        self.covered += u64::from(covered);
+        self.right += u64::from(covered && near.tracks.len() == targets);
+        self.shares += near.paired as f64 / targets as f64;
+        self.delay_s = self.delay_s.or(self.covered_before_s.filter(|_| covered));
+        self.covered_before_s = covered.then_some(after_s);
+    }
+}
+
+/// Which tracks are near targets at one time.
+struct Nearness {
+    /// Places of the tracks that are near any.
+    tracks: BTreeSet<usize>,
+    /// How many targets can have a track of their own.
+    paired: usize,
+}
+
+impl Nearness {
+    fn new(targets: &[[f64; 2]], shown: &[State<2>], gate_m: f64) -> Self {
+        let near = near_pairs(targets, &positions(shown), gate_m);
+        // All pairs gain the same, so the best sum is that of the most pairs.
+        let candidates = near.iter().map(|pair| Candidate {
+            row: pair.target,
+            column: pair.track,
+            gain: 1.0,
+        });
+        let pairs = best_pairs(targets.len(), shown.len(), &candidates.collect::<Vec<_>>());
+        Self {
+            tracks: near.iter().map(|pair| pair.track).collect(),
+            paired: pairs.iter().flatten().count(),
+        }
+    }
+}
+
+/// `value` as it is written with so many decimals.
+fn rounded(value: f64, decimals: usize) -> f64 {
+    // What was just written as a number is one.
+    format!("{value:.decimals$}").parse().unwrap_or(value)
+}

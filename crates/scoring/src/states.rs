@@ -1,0 +1,288 @@
+//! States of targets and tracks from files, and which of them show at a given instant.
+//!
+//! A picture is what a display would show at an instant: of each track the newest state, moved along its velocity, as long
+//! as it is not too old. Files hold more than that, up to one row per track and report, and need not be sorted. So while
+//! a file is read, each row goes to the first instant at which it can be seen, and of each track only the newest row per
+//! instant is kept. What stays in memory is the pictures, not the file.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map;
+use std::io::Read;
+
+use formats::csv_table::{Column, CsvError, Row, Table};
+use rustc_hash::FxHashMap;
+
+/// Columns of positions and velocities, as many as there are dimensions.
+const POSITION: [&str; 3] = ["x", "y", "z"];
+const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
+
+/// Number of an instant. Instants are numbered in the order of time, by whole seconds or by their place in a list.
+pub(crate) type Instant = i64;
+
+/// Where one target or track was, and how it moved, in `D` dimensions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct State<const D: usize> {
+    pub(crate) id: i64,
+    pub(crate) time_s: f64,
+    pub(crate) position_m: [f64; D],
+    pub(crate) velocity_mps: [f64; D],
+}
+
+impl<const D: usize> State<D> {
+    /// Where it is some time after or before its own time, if it goes on as it did.
+    pub(crate) fn moved_to(&self, time_s: f64) -> Self {
+        let seconds = time_s - self.time_s;
+        Self {
+            position_m: std::array::from_fn(|axis| self.position_m[axis] + self.velocity_mps[axis] * seconds),
+            ..*self
+        }
+    }
+}
+
+/// Which rows count, by the word in the column `state`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Counted {
+    /// All but those that say `tentative` or `terminated`; files without the column count whole.
+    NotUnconfirmed,
+    /// Only those that say `confirmed` or `coasted`.
+    Confirmed,
+}
+
+/// Rows of a file that hold states: `time_s`, a number by which targets or tracks are told apart, position, velocity.
+#[derive(Debug)]
+pub(crate) struct StateRows<R, const D: usize> {
+    table: Table<R>,
+    counted: Counted,
+    time: Column,
+    id: Column,
+    position: [Column; D],
+    velocity: [Column; D],
+    state: Option<Column>,
+}
+
+impl<R: Read, const D: usize> StateRows<R, D> {
+    /// Reads the header. The first of `ids` that it names tells the rows' targets or tracks apart; `usual` is named where
+    /// there is none.
+    ///
+    /// # Errors
+    /// If a column is missing or the input fails.
+    pub(crate) fn new(input: R, ids: &[&'static str], usual: &'static str, counted: Counted) -> Result<Self, CsvError> {
+        let table = Table::new(input)?;
+        let mut id = None;
+        for name in ids {
+            id = id.or(table.optional(name)?);
+        }
+        let id = match id {
+            Some(id) => id,
+            None => table.required(usual)?,
+        };
+        Ok(Self {
+            counted,
+            time: table.required("time_s")?,
+            id,
+            position: columns(&table, POSITION)?,
+            velocity: columns(&table, VELOCITY)?,
+            state: match counted {
+                Counted::NotUnconfirmed => table.optional("state")?,
+                Counted::Confirmed => Some(table.required("state")?),
+            },
+            table,
+        })
+    }
+
+    /// The state in the next row that counts; `None` at the end.
+    ///
+    /// # Errors
+    /// If the row cannot be read.
+    pub(crate) fn next(&mut self) -> Result<Option<State<D>>, CsvError> {
+        while let Some(row) = self.table.next_row() {
+            let row = row?;
+            let counts = match (self.counted, row.text(self.state)?) {
+                (Counted::NotUnconfirmed, word) => !matches!(word, Some("tentative" | "terminated")),
+                (Counted::Confirmed, word) => matches!(word, Some("confirmed" | "coasted")),
+            };
+            if counts {
+                return Ok(Some(State {
+                    id: row.whole(self.id)?,
+                    time_s: row.time_s(self.time)?,
+                    position_m: numbers(row, self.position)?,
+                    velocity_mps: numbers(row, self.velocity)?,
+                }));
+            }
+        }
+        Ok(None)
+    }
+}
+
+fn columns<R: Read, const D: usize>(table: &Table<R>, names: [&'static str; 3]) -> Result<[Column; D], CsvError> {
+    let mut wanted = [""; D];
+    wanted.copy_from_slice(&names[..D]);
+    table.all(wanted)
+}
+
+fn numbers<const D: usize>(row: Row<'_>, columns: [Column; D]) -> Result<[f64; D], CsvError> {
+    let mut numbers = [0.0; D];
+    for (number, column) in numbers.iter_mut().zip(columns) {
+        *number = row.number(column)?;
+    }
+    Ok(numbers)
+}
+
+/// Whether a state takes the place of an earlier kept one.
+pub(crate) type Supersedes<const D: usize> = fn(state: &State<D>, kept: &State<D>) -> bool;
+
+/// The newest state of each target or track per instant.
+#[derive(Clone, Debug)]
+pub(crate) struct Pictures<const D: usize> {
+    by_instant: BTreeMap<Instant, Vec<State<D>>>,
+    /// Where the latest kept state of each stands.
+    latest: FxHashMap<i64, (Instant, usize)>,
+    supersedes: Supersedes<D>,
+}
+
+impl<const D: usize> Pictures<D> {
+    pub(crate) fn new(supersedes: Supersedes<D>) -> Self {
+        Self {
+            by_instant: BTreeMap::new(),
+            latest: FxHashMap::default(),
+            supersedes,
+        }
+    }
+
+    /// Keeps a state that can be seen from `instant` on, unless a newer one can.
+    pub(crate) fn keep(&mut self, instant: Instant, state: State<D>) {
+        let states = self.by_instant.entry(instant).or_default();
+        match self.latest.get(&state.id) {
+            Some((of, place)) if *of == instant => {
+                if (self.supersedes)(&state, &states[*place]) {
+                    states[*place] = state;
+                }
+            }
+            _ => {
+                self.latest.insert(state.id, (instant, states.len()));
+                states.push(state);
+            }
+        }
+    }
+
+    /// Goes through the pictures in the order of time.
+    pub(crate) fn walk(&self) -> Walk<'_, D> {
+        Walk {
+            rest: self.by_instant.iter().peekable(),
+            visible: BTreeMap::new(),
+            supersedes: self.supersedes,
+        }
+    }
+}
+
+/// A walk through pictures.
+#[derive(Debug)]
+pub(crate) struct Walk<'a, const D: usize> {
+    rest: std::iter::Peekable<btree_map::Iter<'a, Instant, Vec<State<D>>>>,
+    visible: BTreeMap<i64, State<D>>,
+    supersedes: Supersedes<D>,
+}
+
+impl<const D: usize> Walk<'_, D> {
+    /// What shows at `instant`, which is at `time_s`: every state that is `fresh` then, moved to that time, in the order of
+    /// their numbers. Instants must be asked for in their order; what is too old once stays so.
+    pub(crate) fn at(&mut self, instant: Instant, time_s: f64, fresh: impl Fn(f64) -> bool) -> Vec<State<D>> {
+        while let Some((_, states)) = self.rest.next_if(|(of, _)| **of <= instant) {
+            for state in states {
+                let newest = self.visible.entry(state.id).or_insert(*state);
+                if (self.supersedes)(state, newest) {
+                    *newest = *state;
+                }
+            }
+        }
+        self.visible.retain(|_, state| fresh(state.time_s));
+        self.visible.values().map(|state| state.moved_to(time_s)).collect()
+    }
+}
+
+/// The positions of states.
+pub(crate) fn positions<const D: usize>(states: &[State<D>]) -> Vec<[f64; D]> {
+    states.iter().map(|state| state.position_m).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state(id: i64, time_s: f64, x: f64) -> State<2> {
+        State {
+            id,
+            time_s,
+            position_m: [x, 0.0],
+            velocity_mps: [10.0, -1.0],
+        }
+    }
+
+    #[test]
+    fn of_each_track_the_newest_state_shows_moved_and_not_too_old() {
+        let mut pictures = Pictures::new(|state, kept| state.time_s >= kept.time_s);
+        for (instant, state) in [
+            (2, state(7, 1.5, 1.0)),
+            (1, state(7, 0.5, 2.0)),
+            (2, state(7, 1.25, 3.0)),
+            (2, state(3, 2.0, 4.0)),
+            (2, state(3, 2.0, 5.0)),
+        ] {
+            pictures.keep(instant, state);
+        }
+        let mut walk = pictures.walk();
+        let mut at = |instant: i64| {
+            let states = walk.at(instant, instant as f64, |time_s| instant as f64 - time_s < 1.0);
+            let shown = states.iter().map(|state| (state.id, state.position_m));
+            shown.collect::<Vec<_>>()
+        };
+        assert_eq!(at(0), []);
+        assert_eq!(at(1), [(7, [7.0, -0.5])]);
+        assert_eq!(at(2), [(3, [5.0, 0.0]), (7, [6.0, -0.5])]);
+        assert_eq!(at(3), []);
+    }
+
+    #[test]
+    fn rows_that_count_are_read_by_the_columns_names() {
+        let text = "state,system_track_id,vy,vx,y,x,z,time_s\n\
+                    coasted,4,0.5,-1,2,1,9,0.25\nterminated,-5,,,,,,1\n,6,0,0,0,0,9,2\n";
+        let ids = ["target_id", "system_track_id"];
+        let read = |counted| {
+            let mut rows = StateRows::<_, 2>::new(text.as_bytes(), &ids, "system_track_id", counted).unwrap();
+            std::iter::from_fn(|| rows.next().unwrap()).collect::<Vec<_>>()
+        };
+        let first = State {
+            id: 4,
+            time_s: 0.25,
+            position_m: [1.0, 2.0],
+            velocity_mps: [-1.0, 0.5],
+        };
+        assert_eq!(read(Counted::Confirmed), [first]);
+        let all = read(Counted::NotUnconfirmed);
+        assert_eq!(all.iter().map(|state| state.id).collect::<Vec<_>>(), [4, 6]);
+    }
+
+    #[test]
+    fn mistakes_name_line_and_column() {
+        let refused = |text: &str| {
+            let rows = StateRows::<_, 3>::new(
+                text.as_bytes(),
+                &["target_id", "track_id"],
+                "track_id",
+                Counted::NotUnconfirmed,
+            );
+            let outcome = rows.and_then(|mut rows| rows.next().map(drop));
+            outcome.unwrap_err().to_string()
+        };
+        assert!(refused("time_s,x,y,z,vx,vy,vz\n").contains("column track_id is missing"));
+        assert!(refused("time_s,target_id,x,y,vx,vy,vz\n").contains("column z is missing"));
+        let row = |row: &str| refused(&format!("time_s,target_id,x,y,z,vx,vy,vz\n{row}\n"));
+        assert_eq!(
+            row("1,2,3,4,5,6,7,?"),
+            "line 2, column vz: \"?\" is no number; write one like -12.5"
+        );
+        assert!(row("1,2.5,3,4,5,6,7,8").contains("column target_id: \"2.5\" is no whole number"));
+        assert!(row("1e9,2,3,4,5,6,7,8").contains("column time_s"));
+        assert!(row("1,2,3").contains("3 values"));
+    }
+}

@@ -1,0 +1,437 @@
+//! Small cases whose figures were worked out on paper.
+
+use scoring::{
+    CaseSettings, ConfirmedTracks, FIX_WORDS, FixCase, FixError, FixFigures, FixInputError, FixRuns, FixScore,
+    PICTURE_WORDS, PictureError, PictureScore, PictureSettings, RESOLUTION_WORDS, ResolutionScore, ResolutionSettings,
+    TargetsByTime, Timeline, Word, score_picture,
+};
+
+fn close(found: f64, expected: f64) {
+    assert!(
+        (found - expected).abs() <= 1e-12 * expected.abs().max(1.0),
+        "{found}, not {expected}"
+    );
+}
+
+fn known(found: Option<f64>, expected: f64) {
+    close(found.expect("there is such a figure"), expected);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Pictures.
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Target 1 flies north at 100 m/s, target 2 stands still.
+const TRUTH: &str = "\
+time_s,target_id,x,y,z,vx,vy,vz
+10,1,0,0,0,0,100,0
+10,2,10000,0,1000,0,0,0
+11,1,0,100,0,0,100,0
+11,2,10000,0,1000,0,0,0
+12,1,0,200,0,0,100,0
+12,2,10000,0,1000,0,0,0
+13,1,0,300,0,0,100,0
+13,2,10000,0,1000,0,0,0
+";
+
+/// 10 s: both targets have a track, one of them 50 m off.
+/// 11 s: target 2 has none (a tentative one does not count), and there is a track far away.
+/// 12 s: target 1 has another track, 120 m off and with a course of 45°; target 2's is half a second old and fits.
+/// 13 s: target 2's track is 300 m off: still a pair for GOSPA, too far to be kept.
+const TRACKS: &str = "\
+state,vz,vy,vx,z,y,x,system_track_id,time_s
+confirmed,0,100,0,0,40,30,7,10
+confirmed,0,0,0,1000,0,10000,9,10
+coasted,0,100,0,0,140,30,7,11
+tentative,0,0,0,1000,0,10000,12,11
+confirmed,0,0,0,0,0,50000,8,11
+confirmed,0,100,100,0,320,0,11,12
+confirmed,0,0,20,1000,0,9990,9,11.5
+confirmed,0,100,0,0,360,0,11,13
+confirmed,0,0,0,1000,300,10000,9,13
+terminated,0,0,0,1000,0,10000,9,13
+";
+
+fn picture(truth: &str, tracks: &str, settings: &PictureSettings) -> Result<PictureScore, PictureError> {
+    let truth = Timeline::truth(truth.as_bytes()).unwrap();
+    let tracks = Timeline::tracks(tracks.as_bytes(), settings.age_max_s).unwrap();
+    score_picture(&truth, &tracks, settings)
+}
+
+#[test]
+fn a_picture_of_four_seconds() {
+    let found = picture(TRUTH, TRACKS, &PictureSettings::default()).unwrap();
+    // Half a squared cut-off is 125,000: for the missed target and for the false track of 11 s.
+    close(found.gospa, (50.0 + 252_500f64.sqrt() + 120.0 + 93_600f64.sqrt()) / 4.0);
+    close(found.loc, (50.0 + 50.0 + 120.0 + 93_600f64.sqrt()) / 4.0);
+    close(found.missed, 125_000f64.sqrt() / 4.0);
+    close(found.false_tracks, 125_000f64.sqrt() / 4.0);
+    let ospa = [1250.0f64, 126_250.0, 7200.0, 46_800.0].map(f64::sqrt);
+    close(found.ospa, ospa.iter().sum::<f64>() / 4.0);
+    // 50², 0, 50², 120², 0, 60², 300².
+    known(found.rmse_pos, (113_000.0f64 / 7.0).sqrt());
+    // 100² and 20², in seven pairs.
+    known(found.rmse_vel, (10_400.0f64 / 7.0).sqrt());
+    assert_eq!((found.id_switches, found.breaks), (1, 1));
+    close(found.completeness, 6.0 / 8.0);
+    assert_eq!((found.spurious, found.system_tracks), (1, 4));
+    // Movements of the error: 0 m (track 7), 60 m (track 11).
+    known(found.wander_p95, 57.0);
+    known(found.wander_max, 60.0);
+    // 0°, 0°, 45°, 0°: mean 11.25°, mean square about it 379.6875.
+    known(found.direction_std_deg, 379.6875f64.sqrt());
+    close(found.missed_per_s, 0.25);
+    close(found.false_per_s, 0.25);
+}
+
+/// Two targets pass each other; at 11 s each track is nearer to the other target. Nobody changes tracks for that.
+#[test]
+fn pairs_are_kept_while_targets_cross() {
+    let truth = "time_s,target_id,x,y,z,vx,vy,vz\n10,1,0,0,0,0,0,0\n10,2,100,0,0,0,0,0\n\
+                 11,1,50,0,0,0,0,0\n11,2,60,0,0,0,0,0\n";
+    let tracks = "time_s,system_track_id,x,y,z,vx,vy,vz\n10,5,0,0,0,0,0,0\n10,6,100,0,0,0,0,0\n\
+                  11,5,60,0,0,0,0,0\n11,6,50,0,0,0,0,0\n";
+    let found = picture(truth, tracks, &PictureSettings::default()).unwrap();
+    assert_eq!((found.id_switches, found.completeness), (0, 1.0));
+    // GOSPA pairs anew, and finds no error.
+    assert_eq!(found.gospa, 0.0);
+    known(found.wander_max, 10.0);
+    assert_eq!(found.direction_std_deg, None);
+    // Nearer than the gate only: now each target must take the other's track.
+    let narrow = PictureSettings {
+        gate_m: 10.0,
+        ..PictureSettings::default()
+    };
+    assert_eq!(picture(truth, tracks, &narrow).unwrap().id_switches, 2);
+}
+
+#[test]
+fn the_order_of_the_rows_does_not_matter() {
+    let turned = |text: &str| {
+        let (header, rows) = text.split_once('\n').unwrap();
+        let rows: Vec<&str> = rows.lines().rev().collect();
+        format!("{header}\n{}\n", rows.join("\n"))
+    };
+    let settings = PictureSettings::default();
+    assert_eq!(
+        picture(&turned(TRUTH), &turned(TRACKS), &settings),
+        picture(TRUTH, TRACKS, &settings)
+    );
+}
+
+#[test]
+fn without_tracks_everything_is_missed_and_without_truth_there_is_nothing_to_say() {
+    let settings = PictureSettings::default();
+    let none = "time_s,system_track_id,x,y,z,vx,vy,vz\n";
+    let found = picture(TRUTH, none, &settings).unwrap();
+    close(found.gospa, 500.0);
+    assert_eq!((found.rmse_pos, found.wander_p95, found.system_tracks), (None, None, 0));
+    assert_eq!(picture(none, TRACKS, &settings), Err(PictureError::NoTruth));
+    let late = PictureSettings {
+        first_s: 14,
+        ..settings
+    };
+    let nothing = PictureError::NoSecond {
+        first_s: 14,
+        last_s: 13,
+    };
+    assert_eq!(picture(TRUTH, TRACKS, &late), Err(nothing));
+}
+
+#[test]
+fn a_state_shows_as_long_as_it_may_and_no_longer() {
+    let truth = "time_s,target_id,x,y,z,vx,vy,vz\n10,1,0,0,0,0,0,0\n11,1,0,0,0,0,0,0\n12,1,0,0,0,0,0,0\n";
+    let tracks = "time_s,system_track_id,x,y,z,vx,vy,vz\n9.5,5,0,0,0,0,0,0\n";
+    let seconds = |age_max_s: f64| {
+        let settings = PictureSettings {
+            age_max_s,
+            ..PictureSettings::default()
+        };
+        let share = picture(truth, tracks, &settings).unwrap().completeness;
+        (3.0 * share).round()
+    };
+    assert_eq!(
+        (seconds(0.5), seconds(1.0), seconds(1.6), seconds(2.6)),
+        (0.0, 1.0, 2.0, 3.0)
+    );
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Telling targets apart.
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Two targets, together until they stand 1,000 m apart from 8 s on.
+const APART: &str = "\
+time_s,target_id,x,y
+0,1,0,0
+0,2,100,0
+4,1,0,0
+4,2,100,0
+8,1,0,0
+8,2,1000,0
+12,1,0,0
+12,2,1000,0
+16,1,0,0
+16,2,1000,0
+";
+
+/// 4 s: two tracks too early. 8 s: the second one is four seconds old and at the wrong target. 12 s: one for each.
+/// 16 s: one too many near the targets, one far away.
+const SHOWN: &str = "\
+time_s,sensor_track_id,x,y,z,vx,vy,vz,state
+0,1,50,0,,0,0,0,confirmed
+4,1,50,0,,0,0,0,confirmed
+4,2,80,0,,0,0,0,confirmed
+8,1,0,0,,0,0,0,coasted
+12,1,0,0,,0,0,0,confirmed
+12,3,1000,0,,0,0,0,confirmed
+12,6,1000,0,,0,0,0,tentative
+16,1,0,0,,0,0,0,confirmed
+15,3,990,0,,10,0,0,confirmed
+16,4,900,0,,0,0,0,confirmed
+16,5,5000,0,,0,0,0,confirmed
+";
+
+fn resolution(truth: &str, tracks: &str, gate_m: f64, since_s: f64) -> ResolutionScore {
+    let truth = TargetsByTime::read(truth.as_bytes()).unwrap();
+    let tracks = ConfirmedTracks::read(tracks.as_bytes(), &truth).unwrap();
+    ResolutionScore::of_run(&truth, &tracks, &ResolutionSettings { gate_m, since_s }).unwrap()
+}
+
+#[test]
+fn two_targets_that_part() {
+    let expected = ResolutionScore {
+        count_right: 0.3333,
+        covered: 0.6667,
+        // (1/2 + 1 + 1) / 3.
+        target_share: 0.8333,
+        delay_s: 4.0,
+        several_before: Some(0.5),
+        false_tracks: 1,
+        tracks: 5,
+    };
+    assert_eq!(resolution(APART, SHOWN, 300.0, 8.0), expected);
+    // Never two times running: until the end.
+    assert_eq!(resolution(APART, SHOWN, 300.0, 15.0).delay_s, 1.0);
+    assert_eq!(resolution(APART, SHOWN, 300.0, 0.0).several_before, None);
+}
+
+/// One track is near both targets, the other near one only: the first must take what it alone can.
+#[test]
+fn as_many_targets_as_possible_have_a_track_of_their_own() {
+    let truth = "time_s,x,y\n0,0,0\n0,400,0\n";
+    let tracks = "time_s,sensor_track_id,x,y,vx,vy,state\n0,1,210,0,0,0,confirmed\n0,2,450,0,0,0,confirmed\n";
+    let found = resolution(truth, tracks, 300.0, 0.0);
+    assert_eq!((found.count_right, found.covered), (1.0, 1.0));
+}
+
+#[test]
+fn runs_are_pooled_as_means_and_their_tracks_added_up() {
+    let one = resolution(APART, SHOWN, 300.0, 8.0);
+    let other = resolution(APART, SHOWN, 300.0, 0.0);
+    // Right at 4 s and 12 s of five times.
+    assert_eq!((other.count_right, other.delay_s), (0.4, 12.0));
+    let pooled = ResolutionScore::pooled(&[one, other]).unwrap();
+    assert_eq!((pooled.runs, pooled.each.len()), (2, 2));
+    close(pooled.all.count_right, (0.3333 + 0.4) / 2.0);
+    assert_eq!((pooled.all.delay_s, pooled.delay_max_s), (8.0, 12.0));
+    assert_eq!(pooled.all.several_before, Some(0.5), "of the run that has such times");
+    assert_eq!((pooled.all.false_tracks, pooled.all.tracks), (2, 10));
+    assert_eq!(pooled.false_tracks_per_run, 1.0);
+    assert_eq!(ResolutionScore::pooled(&[]), None);
+}
+
+#[test]
+fn a_truth_that_ends_too_early_is_refused() {
+    let truth = TargetsByTime::read(APART.as_bytes()).unwrap();
+    let tracks = ConfirmedTracks::read(SHOWN.as_bytes(), &truth).unwrap();
+    let settings = ResolutionSettings {
+        since_s: 16.5,
+        ..ResolutionSettings::default()
+    };
+    let line = ResolutionScore::of_run(&truth, &tracks, &settings)
+        .unwrap_err()
+        .to_string();
+    assert!(line.contains("16.5 s"), "{line}");
+    let no_state = "time_s,sensor_track_id,x,y,vx,vy\n";
+    let line = ConfirmedTracks::read(no_state.as_bytes(), &truth)
+        .unwrap_err()
+        .to_string();
+    assert!(line.contains("column state is missing"), "{line}");
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Fixes.
+// ---------------------------------------------------------------------------------------------------------------------
+
+fn settings(case: FixCase, runs: u64) -> CaseSettings {
+    CaseSettings {
+        case,
+        baseline_m: 10e3,
+        sigma_deg: 1.0,
+        runs,
+    }
+}
+
+fn fixes(case: FixCase, runs: u64, truth: &str, fixes: &str) -> Result<FixScore, FixError> {
+    let settings = settings(case, runs);
+    let mut all = FixRuns::new(settings);
+    all.add(&settings, truth.as_bytes(), fixes.as_bytes()).unwrap();
+    all.score()
+}
+
+const FIX_HEADER: &str = "time_s,emitter_id,x,y,raw_x,raw_y,vx,vy\n";
+
+/// The last raw fixes are 30 m across and 40 m along the line of sight off; what came before or is of no known time does
+/// not count.
+#[test]
+fn last_fixes_beside_the_bound() {
+    let truth = "time_s,emitter_id,x,y\n590.0,0,0,50000\n600.0,0,0,50000\n590.0,b,0,50000\n600.0,b,0,50000\n";
+    let rows = "600,0,9,9,30,50040,0,0\n590,0,9,9,7000,7000,0,0\n590,b,9,9,-30,49960,0,0\n605,b,9,9,1,1,0,0\n";
+    let found = fixes(FixCase::Fixed, 3, truth, &format!("{FIX_HEADER}{rows}")).unwrap();
+    assert_eq!((found.runs, found.runs_without_fix, found.runs_too_short), (2, 1, 0));
+    let FixFigures::Broadside(figures) = found.figures else {
+        panic!("{found:?}")
+    };
+    close(figures.range_rmse, 40.0);
+    close(figures.cross_rmse, 30.0);
+    assert_eq!(
+        (figures.range_bound.round(), figures.cross_bound.round()),
+        (1916.0, 112.0)
+    );
+    close(figures.range_ratio * figures.range_bound, 40.0);
+    close(figures.cross_ratio * figures.cross_bound, 30.0);
+}
+
+/// A still transmitter at the origin, a fix every 2 s from 498 s to 540 s. The output stands at (3, 4) but says that it
+/// moves at 1 m/s. The raw fix is right but for the tenth and the twentieth row from 500 s on.
+fn turn_files() -> (String, String) {
+    let (mut truth, mut rows) = ("time_s,emitter_id,x,y\n".to_owned(), FIX_HEADER.to_owned());
+    for row in -1..=20 {
+        let time_s = 500 + 2 * row;
+        truth += &format!("{time_s},0,0,0\n{time_s},1,0,0\n");
+        let (raw_x, raw_y) = match row {
+            10 => (200, 0),
+            20 => (200, 100),
+            _ => (0, 0),
+        };
+        let (x, y) = if row < 0 { (1e6, 1e6) } else { (3.0, 4.0) };
+        rows += &format!("{time_s},0,{x},{y},{raw_x},{raw_y},1,0\n");
+        if row < 0 {
+            rows += &format!("{time_s},1,0,0,0,0,0,0\n");
+        }
+    }
+    (truth, rows)
+}
+
+#[test]
+fn fixes_while_the_platform_turns() {
+    let (truth, rows) = turn_files();
+    let found = fixes(FixCase::Turn, 2, &truth, &rows).unwrap();
+    assert_eq!((found.runs, found.runs_without_fix, found.runs_too_short), (2, 0, 1));
+    let FixFigures::Course(figures) = found.figures else {
+        panic!("{found:?}")
+    };
+    close(figures.rmse, 5.0);
+    close(figures.last, 5.0);
+    // 200², and 200² + 100², in 21 rows.
+    close(figures.raw_rmse, (90_000.0f64 / 21.0).sqrt());
+    close(figures.raw_last, 50_000f64.sqrt());
+    // It stays where it is instead of going on by 2 m.
+    close(figures.jump_m, 2.0);
+    assert_eq!(
+        (figures.speed_spread, figures.direction_spread_deg),
+        (Some(0.0), Some(0.0))
+    );
+    // 10 m/s to the east, then 5 m/s to the north: two directions at right angles, whose mean has the length √½.
+    known(figures.raw_speed_spread, 2.5);
+    known(figures.raw_direction_spread_deg, 2f64.ln().sqrt().to_degrees());
+    assert_eq!(figures.straight_bound, None);
+}
+
+/// The second half counts; the run that ends last says where it begins.
+#[test]
+fn fixes_of_a_drifting_transmitter() {
+    let truth = "time_s,emitter_id,x,y\n0,0,0,0\n50,0,0,0\n100,0,0,0\n";
+    let rows = format!("{FIX_HEADER}0,0,900,0,900,0,0,0\n50,0,6,0,8,0,0,0\n100,0,8,0,6,0,0,0\n");
+    let found = fixes(FixCase::Drop, 1, truth, &rows).unwrap();
+    let FixFigures::Course(figures) = found.figures else {
+        panic!("{found:?}")
+    };
+    close(figures.rmse, 50f64.sqrt());
+    close(figures.last, 8.0);
+    close(figures.raw_last, 6.0);
+    close(figures.jump_m, 2.0);
+    assert_eq!(figures.speed_spread, None, "ten rows were not there");
+    assert!(figures.straight_bound.unwrap() > 0.0);
+}
+
+#[test]
+fn sets_of_runs_of_one_case_are_pooled() {
+    let case = settings(FixCase::Fixed, 1);
+    let mut all = FixRuns::new(case);
+    let truth = "time_s,emitter_id,x,y\n600,0,0,50000\n";
+    for raw in ["30,50000", "-40,50000"] {
+        let rows = format!("{FIX_HEADER}600,0,0,0,{raw},0,0\n");
+        all.add(&case, truth.as_bytes(), rows.as_bytes()).unwrap();
+    }
+    let found = all.score().unwrap();
+    let FixFigures::Broadside(figures) = found.figures else {
+        panic!("{found:?}")
+    };
+    assert_eq!((found.runs, found.runs_without_fix), (2, 0));
+    close(figures.cross_rmse, 1250f64.sqrt());
+    let other = CaseSettings { sigma_deg: 0.5, ..case };
+    let refused = all.add(&other, truth.as_bytes(), FIX_HEADER.as_bytes()).unwrap_err();
+    assert!(matches!(refused, FixInputError::Settings { .. }));
+    assert!(refused.to_string().contains("sigma 0.5 deg"), "{refused}");
+}
+
+#[test]
+fn what_cannot_be_scored_is_said() {
+    let truth = "time_s,emitter_id,x,y\n600,0,0,50000\n";
+    assert_eq!(fixes(FixCase::Fixed, 1, truth, FIX_HEADER), Err(FixError::NoFix));
+    let row = format!("{FIX_HEADER}600,0,0,0,0,0,0,0\n");
+    assert_eq!(
+        fixes(FixCase::Turn, 1, truth, &row),
+        Err(FixError::NoLateFix { since_s: 500.0 })
+    );
+    let pointless = CaseSettings {
+        baseline_m: 0.0,
+        ..settings(FixCase::Fixed, 1)
+    };
+    let mut all = FixRuns::new(pointless);
+    all.add(&pointless, truth.as_bytes(), row.as_bytes()).unwrap();
+    assert!(matches!(all.score(), Err(FixError::NoBound { .. })));
+    let refused = all.add(&pointless, truth.as_bytes(), "time_s,emitter_id\n".as_bytes());
+    assert!(matches!(refused, Err(FixInputError::Fixes(_))));
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Words.
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Every figure has a word with a meaning.
+#[test]
+fn words_are_those_of_the_figures() {
+    let named = |found: &serde_json::Value, words: &[Word]| {
+        for key in found.as_object().unwrap().keys().filter(|key| *key != "each") {
+            assert!(words.iter().any(|word| word.name == key), "{key} has no word");
+        }
+    };
+    let found = picture(TRUTH, TRACKS, &PictureSettings::default()).unwrap();
+    let found = serde_json::to_value(found).unwrap();
+    named(&found, PICTURE_WORDS);
+    assert_eq!(found.as_object().unwrap().len(), PICTURE_WORDS.len());
+    let run = resolution(APART, SHOWN, 300.0, 8.0);
+    let pooled = serde_json::to_value(ResolutionScore::pooled(&[run, run]).unwrap()).unwrap();
+    named(&pooled, RESOLUTION_WORDS);
+    assert_eq!(pooled.as_object().unwrap().len(), RESOLUTION_WORDS.len() + 1);
+    let (truth, rows) = turn_files();
+    for case in [FixCase::Fixed, FixCase::Drop, FixCase::Turn] {
+        named(
+            &serde_json::to_value(fixes(case, 2, &truth, &rows).unwrap()).unwrap(),
+            FIX_WORDS,
+        );
+    }
+}
