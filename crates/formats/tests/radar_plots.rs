@@ -1,11 +1,11 @@
-//! The plots of an en-route radar, recorded, on their way into sensor tracks.
+//! The plots and tracks of en-route radars, recorded, on their way into sensor tracks.
 //!
-//! The recording does not say where the radar stands; any place near the mountain it is named after will do, as what is
-//! checked does not depend on it: that each plot comes to lie at its own range, azimuth and height, and that the
-//! aircraft move as their own computers say in register 5,0.
+//! The recordings do not say where the radars stand; any place will do, as what is checked does not depend on it: that
+//! each plot comes to lie at its own range, azimuth and height, that aircraft move as their own computers say in register
+//! 5,0, and that a radar's track lies where its plot does.
 //!
-//! The recording is no part of the project. It is looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
-//! workspace; where it is absent the tests say so and pass.
+//! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
+//! workspace; where one is absent its tests say so and pass.
 
 use std::env;
 use std::f64::consts::{PI, TAU};
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use formats::asterix::typed::cat048;
 use formats::asterix::{Decoder, Mode};
+use formats::containers::datagrams;
 use formats::reports::observation::{self, Reading};
 use formats::reports::{
     Converter, CovarianceFrom, CovarianceModel, Limits, Observation, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA,
@@ -23,13 +24,17 @@ use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
 use messages::{COUNTERS_MAX, Counter, SensorTrack, sensor_track_bits as bits};
 
 const S: i64 = 1_000_000_000;
+/// One radar's plots.
+const PLOTS: &str = "akapetanovic/Jahorina.raw";
+/// A network of several radars, of which four send tracks with their plots.
+const TRACKS: &str = "cro/cat_034_048.pcap";
 
-fn recording() -> Option<Vec<u8>> {
+fn recording(name: &str) -> Option<Vec<u8>> {
     let folder = env::var_os("KOSEKI_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
         PathBuf::from,
     );
-    let path = folder.join("akapetanovic/Jahorina.raw");
+    let path = folder.join(name);
     let bytes = fs::read(&path).ok();
     if bytes.is_none() {
         println!("skipped: no recording {}", path.display());
@@ -123,7 +128,7 @@ fn track_and_turn(content: [u8; 7]) -> Option<[f64; 2]> {
 
 #[test]
 fn every_plot_lies_at_its_range_azimuth_and_height() {
-    let Some(bytes) = recording() else { return };
+    let Some(bytes) = recording(PLOTS) else { return };
     let (seen, counted) = convert(&bytes);
     let model = model();
     let mut placed = 0;
@@ -155,7 +160,7 @@ fn every_plot_lies_at_its_range_azimuth_and_height() {
 
 #[test]
 fn aircraft_move_as_they_say() {
-    let Some(bytes) = recording() else { return };
+    let Some(bytes) = recording(PLOTS) else { return };
     let (seen, _) = convert(&bytes);
     let model = model();
     let (mut faster, mut right, mut normal) = (vec![], vec![], vec![]);
@@ -190,6 +195,47 @@ fn aircraft_move_as_they_say() {
         100.0 * within
     );
     assert!((0.05..1.4).contains(&typical) && within > 0.9);
+}
+
+#[test]
+fn a_track_lies_where_its_plot_does() {
+    let Some(bytes) = recording(TRACKS) else { return };
+    let mut decoder = Decoder::new(Mode::Lenient);
+    let (mut both, mut curved) = (0, 0);
+    for datagram in datagrams(&bytes).flatten() {
+        for record in decoder.records(&datagram.bytes).flatten() {
+            let Reading::Target(report) = observation::read(&record) else {
+                continue;
+            };
+            // Numbers of different radars are different tracks; each report gets a converter of its own.
+            let mut converter = Converter::new(
+                SourceModel {
+                    sac_sic: None,
+                    ..model()
+                },
+                0,
+            );
+            // Some are of tracks that were not seen in this turn, and have no position.
+            let Some(track) = converter.convert(&report, 0).filter(|track| track.has(bits::MEASURED)) else {
+                continue;
+            };
+            let [range, _] = report.slant_polar.unwrap();
+            let [at, measured] = [track.position_m, track.measured_m].map(|position| model().frame.sighting(position));
+            let further = at.slant_range_m - measured.slant_range_m;
+            let turned = (at.azimuth_rad - measured.azimuth_rad + PI).rem_euclid(TAU) - PI;
+            // The trackers smooth a little: 50 m and 0.08° at most.
+            assert!(further.abs() < 50.0, "{further} m further");
+            assert!(turned.to_degrees().abs() < 0.08, "{}° turned", turned.to_degrees());
+            // Of these radars x and y give the straight distance: along the ground it is much shorter.
+            let [x, y] = report.cartesian.unwrap();
+            assert!((x.hypot(y) - range).abs() < 50.0);
+            let height = report.pressure_altitude_m.unwrap() - model().height_m;
+            curved += usize::from(range - (range * range - height * height).sqrt() > 150.0);
+            both += 1;
+        }
+    }
+    assert_eq!(both, 64, "tracks with plots");
+    assert!(curved >= 25, "{curved} of them where the difference shows");
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

@@ -39,7 +39,19 @@ pub(crate) enum Velocity {
     Delivered([f64; 2], Option<Horizontal>),
     /// From successive positions.
     Derived(Slope),
+    /// Neither.
     Unknown,
+}
+
+impl Velocity {
+    /// Metres per second; 0 if it is not known.
+    pub(crate) fn value_mps(self) -> [f64; 2] {
+        match self {
+            Self::Delivered(velocity_mps, _) => velocity_mps,
+            Self::Derived(slope) => slope.velocity_mps,
+            Self::Unknown => [0.0; 2],
+        }
+    }
 }
 
 /// The report's own horizontal covariance of the position that is used, where it states one and the configuration wants

@@ -44,7 +44,8 @@ pub struct SourceModel {
     /// Height of the sensor above the ellipsoid, metres.
     pub height_m: f64,
     /// Height that a target is given whose slant range is to be turned into a ground range and whose own height is not
-    /// known, metres; never more than half the slant range above the sensor, as radars do not look up steeper than 30°.
+    /// known, metres; never farther from the sensor's own than half the slant range, as radars do not look up steeper
+    /// than 30°.
     pub assumed_height_m: f64,
     /// Pressure at mean sea level in the sensor's area, hPa: brings pressure altitudes, which all transponders count
     /// from [`STANDARD_PRESSURE_HPA`], nearer to heights.

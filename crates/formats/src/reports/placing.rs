@@ -13,12 +13,11 @@
 //! > w²/12 + (m − g(hₐ))², w = |g(0) − g(12 km)|, m = (g(0) + g(12 km))/2,
 //!
 //! which is added to the variance along the line of sight. The default of 5 km divides the error: targets without
-//! height are mostly low, without transponder; the fast ones among them are not.
+//! height are mostly low, without transponder; the fast ones among them are not. Near the radar it would put them
+//! straight above, where no radar looks; so nothing is assumed steeper than 30°, half the slant range up.
 //!
 //! A track that had a height some seconds ago is near it still: that height is used instead, and is less certain by what
 //! the target may have climbed.
-
-use std::f64::consts::FRAC_PI_2;
 
 use frames::Geodetic;
 use messages::Counter;
@@ -28,6 +27,8 @@ use super::observation::{Plane, Position};
 
 /// Height that hardly any target without a transponder exceeds, metres.
 const UNKNOWN_HEIGHT_MAX_M: f64 = 12_000.0;
+/// No height is greater, so that no straight distance exceeds that along the ground by more, metres.
+const HEIGHT_MAX_M: f64 = 100_000.0;
 /// Mean radius of the earth, metres: what a map's scale depends on only weakly.
 const EARTH_RADIUS_M: f64 = 6_371_000.0;
 
@@ -83,6 +84,9 @@ pub(crate) struct Slant {
 
 /// Places a position.
 pub(crate) fn place(model: &SourceModel, position: Position, height: Height) -> Result<Placed, Counter> {
+    if !is_possible(model, position) {
+        return Err(Counter::RejectedPosition);
+    }
     let height_m = height.value_m().unwrap_or(model.height_m);
     let above = |offset: [f64; 2]| Placed {
         position_m: model.frame.above(offset, height_m),
@@ -114,9 +118,24 @@ pub(crate) fn place(model: &SourceModel, position: Position, height: Height) -> 
     }
 }
 
+/// Whether there is any sense in converting a position: numbers that are none, or that no antenna measures, must not get
+/// into the geometry.
+fn is_possible(model: &SourceModel, position: Position) -> bool {
+    let (distance_m, angle_rad) = match position {
+        Position::Cartesian([x, y], _) => (x.hypot(y), 0.0),
+        Position::Polar([range, azimuth]) | Position::Slant([range, azimuth]) => (range, azimuth),
+        Position::Geodetic(_) => return true, // checked where it is made a place
+    };
+    (0.0..=model.limits.range_m + HEIGHT_MAX_M).contains(&distance_m) && angle_rad.is_finite()
+}
+
 fn slant(model: &SourceModel, [range_m, azimuth_rad]: [f64; 2], height: Height) -> Placed {
-    let highest_m = model.height_m + 0.5 * range_m;
-    let height_m = height.value_m().unwrap_or(model.assumed_height_m.min(highest_m));
+    let half_m = 0.5 * range_m;
+    let assumed_m = model
+        .assumed_height_m
+        .min(model.height_m + half_m)
+        .max(model.height_m - half_m);
+    let height_m = height.value_m().unwrap_or(assumed_m);
     Placed {
         position_m: model.frame.slant(range_m, azimuth_rad, height_m),
         slant: Some(Slant {
@@ -142,7 +161,7 @@ fn stereographic(model: &SourceModel, [x, y]: [f64; 2], height_m: f64) -> Placed
 }
 
 fn to_polar([x, y]: [f64; 2]) -> [f64; 2] {
-    [x.hypot(y), FRAC_PI_2 - y.atan2(x)]
+    [x.hypot(y), x.atan2(y)]
 }
 
 fn to_cartesian([range, azimuth]: [f64; 2]) -> [f64; 2] {

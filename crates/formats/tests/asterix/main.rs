@@ -16,6 +16,7 @@ mod generator;
 mod item_kinds;
 mod properties;
 mod recordings;
+mod reports;
 mod round_trip;
 mod sample;
 mod tables;

@@ -128,6 +128,24 @@ fn overrides_replace_values_and_are_checked_too() {
     );
 }
 
+#[test]
+fn heights_that_a_radar_needs_have_defaults_and_limits() {
+    let model = |text: &str| Config::parse(Path::new("test.toml"), text, &[]).unwrap().sources[0].model;
+    let default = model(&barcelona());
+    assert_eq!((default.assumed_height_m, default.qnh_hpa), (5000.0, 1013.25));
+    let (given, _) = with_line(
+        "priority = 3",
+        "priority = 3\nassumed_height_m = 800.0\nqnh_hpa = 1021.0",
+    );
+    assert_eq!((model(&given).assumed_height_m, model(&given).qnh_hpa), (800.0, 1021.0));
+    let (inches, _) = with_line("priority = 3", "qnh_hpa = 29.92");
+    assert!(
+        refused(&inches).contains("must lie between 850 and 1100"),
+        "{}",
+        refused(&inches)
+    );
+}
+
 fn live() -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/live.toml")).unwrap()
 }

@@ -126,28 +126,20 @@ impl Converter {
             self.count(Counter::HeightAssumed);
         }
         let mut track = self.blank(number, time_ns, ingested_ns);
-        track.identity = observation.identity;
         track.position_m = placed.position_m;
-        track.state = observation.state as u8;
-        track.alerts = observation.alerts | alerts_of_code(observation.identity.mode_3a());
         track.covariance = accuracy::covariance(&self.model, &placed, own, height.is_known(), velocity);
         let mut set = |condition: bool, bit: u16| track.valid |= if condition { bit } else { 0 };
         set(height.is_known(), bits::HEIGHT);
         set(velocity != Velocity::Unknown, bits::VELOCITY);
         set(matches!(velocity, Velocity::Derived(_)), bits::DERIVED_VELOCITY);
-        set(observation.vertical_rate_mps.is_some(), bits::VERTICAL_RATE);
-        set(observation.on_ground, bits::ON_GROUND);
         set(own.is_some(), bits::OWN_COVARIANCE);
-        let [vx, vy] = match velocity {
-            Velocity::Delivered(velocity, _) => velocity,
-            Velocity::Derived(slope) => slope.velocity_mps,
-            Velocity::Unknown => [0.0; 2],
-        };
+        let [vx, vy] = velocity.value_mps();
         track.velocity_mps = [vx, vy, observation.vertical_rate_mps.unwrap_or_default()];
         if let Some(measured_m) = self.measured(observation, used, height) {
             track.measured_m = measured_m;
             track.valid |= bits::MEASURED;
         }
+        describe(&mut track, observation);
         Ok(track)
     }
 
@@ -323,6 +315,19 @@ impl Converter {
             source: self.model.number,
             ..SensorTrack::default()
         }
+    }
+}
+
+/// Passes on what needs no conversion.
+fn describe(track: &mut SensorTrack, observation: &Observation) {
+    track.identity = observation.identity;
+    track.state = observation.state as u8;
+    track.alerts = observation.alerts | alerts_of_code(observation.identity.mode_3a());
+    if observation.vertical_rate_mps.is_some() {
+        track.valid |= bits::VERTICAL_RATE;
+    }
+    if observation.on_ground {
+        track.valid |= bits::ON_GROUND;
     }
 }
 

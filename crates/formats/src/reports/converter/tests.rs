@@ -189,6 +189,20 @@ fn what_cannot_be_is_refused_by_reason() {
         }),
         Counter::RejectedSpeed
     );
+    let nowhere = Observation {
+        cartesian: None,
+        slant_polar: Some([f64::NAN, 0.0]),
+        pressure_altitude_m: None,
+        ..good
+    };
+    assert_eq!(refused(nowhere), Counter::RejectedPosition);
+    for slant in [[1000.0, f64::INFINITY], [1e300, 0.0], [-1.0, 0.0]] {
+        let nowhere = Observation {
+            slant_polar: Some(slant),
+            ..nowhere
+        };
+        assert_eq!(refused(nowhere), Counter::RejectedPosition, "{slant:?}");
+    }
     let antarctic = Observation {
         cartesian: None,
         geodetic: Some([-71f64.to_radians(), 0.0]),

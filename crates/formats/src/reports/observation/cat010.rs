@@ -19,7 +19,7 @@ fn of(report: &TargetReport) -> Observation {
         time_of_day_ns: report.time_of_day.map(nanoseconds),
         field_monitor: descriptor.is_some_and(|descriptor| descriptor.field_monitor),
         test: descriptor.is_some_and(|descriptor| descriptor.simulated || descriptor.test),
-        track_number: report.track_number.map(u32::from),
+        track_number: report.track_number.map(u32::from).or(report.address),
         plot: report.track_number.is_none(),
         identity: identity(code(report.mode_3a), report.address, callsign),
         cartesian: report.cartesian_position.map(cartesian),
