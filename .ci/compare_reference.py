@@ -3,9 +3,10 @@
 
 usage: compare_reference.py REFERENCE.jsonl OURS.jsonl
 
-Both files hold one JSON object a line: item number -> value, "_c" = category.  OURS comes from the example decode_json
-of the crate formats.  Records are paired in order; numbers may differ by 1e-9 of their size.  What is known to differ,
-and why, is listed in KNOWN below: it is checked as well, against what the difference must be, and counted.
+Both files hold one JSON object a line: item number -> value, "_c" = category, "_ts" = capture time in s where there is
+one.  OURS comes from `koseki decode`.  Records are paired in order; numbers may differ by 1e-9 of their size, capture
+times by a microsecond.  What is known to differ, and why, is listed in KNOWN below: it is checked as well, against what
+the difference must be, and counted.
 Exit status 1 on any other difference.
 """
 import json
@@ -14,6 +15,7 @@ import sys
 UNDEFINED = '\ufffd'                    # ours, for a code that stands for no character
 UNKNOWN_EXTENSION = '_unknown_extension'
 TOLERANCE = 1e-9
+TIME_STAMP_TOLERANCE_S = 1e-6
 
 
 def quadruple(ours, reference, group):
@@ -89,7 +91,10 @@ class Comparison:
             self.leaf(line, category, path, ours, reference, group)
 
     def leaf(self, line, category, path, ours, reference, group):
-        if is_number(ours) and is_number(reference):
+        if path == '_ts':
+            if abs(ours - reference) > TIME_STAMP_TOLERANCE_S:
+                self.fail(line, path, ours, reference)
+        elif is_number(ours) and is_number(reference):
             rule = KNOWN.get((category, path))
             if rule:
                 if not rule[0](ours, reference, group):

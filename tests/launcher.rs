@@ -4,21 +4,18 @@
 //! every wait is for a condition, and its limit only ends a test that hangs. At its end each test makes sure that no
 //! process, no file in shared memory and no folder of the instance is left.
 
+#[path = "common/home.rs"]
+mod home;
+
 use std::fs;
 use std::os::unix::process::ExitStatusExt as _;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Output, Stdio};
-use std::sync::{Arc, Mutex};
-use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::process::Output;
 
-use bus::{Bus, Root, SharedMemory};
+use bus::{Bus, SharedMemory};
+use home::{Home, kill, until};
 use messages::{Health, LifeState, ProcessKind};
 use runtime::clock::mono_ns;
-use rustix::process::{Pid, Signal, kill_process};
-
-/// Far longer than anything takes, so that only a real hang ends it.
-const PATIENCE: Duration = Duration::from_secs(90);
+use rustix::process::Signal;
 
 // ---------------------------------------------------------------------------------------------------------------------
 // Refusals: configurations, recordings, command lines.
@@ -88,7 +85,7 @@ fn bad_input_is_refused_in_one_line_with_place_value_and_remedy() {
     ];
     let home = Home::new();
     for (name, mistake, expected) in cases {
-        home.write_site(|text, recording| match mistake {
+        write_site(&home, |text, recording| match mistake {
             Mistake::Config(old, new) => {
                 assert!(text.contains(old), "{name}");
                 *text = text.replacen(old, new, 1);
@@ -116,7 +113,7 @@ enum Mistake {
 #[test]
 fn a_folder_that_cannot_be_made_is_refused_before_anything_starts() {
     let home = Home::new();
-    home.write_site(|_, _| ());
+    write_site(&home, |_, _| ());
     let output = home.run(&["up", "site.toml", "--data", ".", "--out", "/proc/none"]);
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
@@ -129,7 +126,7 @@ fn a_folder_that_cannot_be_made_is_refused_before_anything_starts() {
 #[test]
 fn a_sound_deployment_is_summed_up() {
     let home = Home::new();
-    home.write_site(|_, _| ());
+    write_site(&home, |_, _| ());
     let output = home.run(&["check", "site.toml", "--data", "."]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{text}");
@@ -148,7 +145,7 @@ fn a_sound_deployment_is_summed_up() {
 #[test]
 fn a_recording_cut_short_can_be_accepted() {
     let home = Home::new();
-    home.write_site(|_, recording| recording.truncate(997));
+    write_site(&home, |_, recording| recording.truncate(997));
     let accept = "source[0].recorded.truncated=\"accept\"";
     let output = home.run(&["check", "site.toml", "--data", ".", "--set", accept]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -158,7 +155,7 @@ fn a_recording_cut_short_can_be_accepted() {
 #[test]
 fn wrong_usage_is_one_line() {
     let home = Home::new();
-    home.write_site(|_, _| ());
+    write_site(&home, |_, _| ());
     let cases: [(&[&str], &[&str]); 8] = [
         (&[], &["a command is missing", "demo, up, check, status"]),
         (&["upp"], &["unrecognized subcommand 'upp'", "--help"]),
@@ -181,7 +178,16 @@ fn wrong_usage_is_one_line() {
 fn every_command_has_help_with_examples() {
     let home = Home::new();
     let commands = [
-        "demo", "up", "check", "status", "adapter", "fusion", "monitor", "recorder",
+        "demo",
+        "up",
+        "check",
+        "status",
+        "adapter",
+        "fusion",
+        "monitor",
+        "recorder",
+        "gateway",
+        "simulator",
     ];
     for command in commands {
         let output = home.run(&[command, "--help"]);
@@ -199,7 +205,7 @@ fn every_command_has_help_with_examples() {
 #[test]
 fn a_process_without_a_deployment_says_so() {
     let home = Home::new();
-    home.write_site(|_, _| ());
+    write_site(&home, |_, _| ());
     let output = home.run(&["fusion", "--config", "site.toml"]);
     assert_refused(
         &output,
@@ -240,7 +246,7 @@ fn a_request_to_stop_stops_everything() {
 #[test]
 fn recordings_are_worked_off_and_the_deployment_ends() {
     let home = Home::new();
-    home.write_site(|_, _| ());
+    write_site(&home, |_, _| ());
     let up = home.start(&["up", "site.toml", "--data", ".", "--speed", "max", "--out", "out"]);
     let (status, said) = up.end();
     assert_eq!(status.code(), Some(0), "{said}");
@@ -446,7 +452,7 @@ fn a_second_request_ends_the_launcher_at_once() {
 #[test]
 fn a_configuration_that_a_child_refuses_ends_the_deployment() {
     let home = Home::new();
-    home.write_demo();
+    write_demo(&home);
     let up = home.start(&["up", "copy.toml", "--instance", "demo"]);
     up.until_said("instance demo runs");
     // Somebody edits the file while the deployment runs; the next child that starts reads it.
@@ -506,251 +512,18 @@ fn recording() -> Vec<u8> {
     (100..200).flat_map(report).collect()
 }
 
-/// A folder for instances and files of one test.
-struct Home(tempfile::TempDir);
-
-impl Home {
-    fn new() -> Self {
-        // Not in $TMPDIR: the paths of sockets must be short.
-        Self(tempfile::Builder::new().prefix("k").tempdir_in("/tmp").unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// Writes a sound deployment after `change` has had its way with configuration and first recording.
-    fn write_site(&self, change: impl FnOnce(&mut String, &mut Vec<u8>)) {
-        let (mut text, mut bytes) = (SITE.to_owned(), recording());
-        change(&mut text, &mut bytes);
-        fs::write(self.path("site.toml"), text).unwrap();
-        fs::write(self.path("radar.ast"), bytes).unwrap();
-        fs::write(self.path("mlat.ast"), recording()).unwrap();
-    }
-
-    /// Writes a copy of the demonstration's configuration.
-    fn write_demo(&self) {
-        fs::write(self.path("copy.toml"), runtime::config::DEMO).unwrap();
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_koseki"));
-        command
-            .args(arguments)
-            .current_dir(self.0.path())
-            .env("XDG_RUNTIME_DIR", self.0.path())
-            .env_remove("KOSEKI_DATA")
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped());
-        command
-    }
-
-    /// Runs a command to its end.
-    fn run(&self, arguments: &[&str]) -> Output {
-        let running = self.start(arguments);
-        let stdout = Arc::clone(&running.stdout);
-        let (status, said) = running.end();
-        let stdout = stdout.lock().unwrap().clone();
-        Output {
-            status,
-            stdout: stdout.into_bytes(),
-            stderr: said.into_bytes(),
-        }
-    }
-
-    fn start(&self, arguments: &[&str]) -> Running {
-        let mut child = self.command(arguments).spawn().unwrap();
-        let (stdout, stderr) = (Arc::default(), Arc::default());
-        let readers = vec![
-            read(child.stdout.take().unwrap(), Arc::clone(&stdout)),
-            read(child.stderr.take().unwrap(), Arc::clone(&stderr)),
-        ];
-        Running {
-            child,
-            stdout,
-            stderr,
-            readers,
-        }
-    }
-
-    /// A demonstration all of whose processes run.
-    fn demo(&self) -> Running {
-        let demo = self.start(&["demo"]);
-        demo.until_said("instance demo runs");
-        demo
-    }
-
-    fn status(&self) -> String {
-        let output = self.run(&["status"]);
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    /// What the status says of the child called `name`, when it runs.
-    fn status_row(&self, name: &str) -> Row {
-        let start = Instant::now();
-        loop {
-            let status = self.status();
-            let rows = status.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
-            let mut rows = rows.filter(|words| words.first() == Some(&name) && words.len() >= 6);
-            if let Some(row) = rows.next()
-                && let Ok(pid) = row[1].parse()
-            {
-                return Row {
-                    pid,
-                    state: row[2].to_owned(),
-                    restarts: row[3].to_owned(),
-                    published: row[5].to_owned(),
-                };
-            }
-            assert!(start.elapsed() < PATIENCE, "no {name}: {status}");
-        }
-    }
-
-    /// Live processes that were started in this home.
-    fn processes(&self) -> Vec<String> {
-        let mark = format!("XDG_RUNTIME_DIR={}", self.0.path().display());
-        let mut found = Vec::new();
-        for entry in fs::read_dir("/proc").unwrap().flatten() {
-            let environment = fs::read(entry.path().join("environ")).unwrap_or_default();
-            if environment
-                .split(|byte| *byte == 0)
-                .any(|variable| variable == mark.as_bytes())
-            {
-                let command = fs::read(entry.path().join("cmdline")).unwrap_or_default();
-                found.push(String::from_utf8_lossy(&command).replace('\0', " "));
-            }
-        }
-        found
-    }
-
-    fn root(&self, instance: &str) -> Root {
-        Root::in_base(self.path("koseki"), instance).unwrap()
-    }
-
-    /// Names of the files that an instance has in shared memory.
-    fn shared_memory(&self, instance: &str) -> Vec<String> {
-        let root = self.root(instance);
-        fs::read_dir("/dev/shm")
-            .unwrap()
-            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-            .filter(|name| name.starts_with(root.prefix()))
-            .collect()
-    }
-
-    fn assert_nothing_is_left(&self, instance: &str) {
-        let root = self.root(instance);
-        assert_eq!(self.processes(), [""; 0]);
-        assert_eq!(self.shared_memory(instance), [""; 0]);
-        assert!(!root.path().exists(), "{} is left", root.path().display());
-        let lock = root.base().join(format!("{instance}.lock"));
-        assert!(!lock.exists(), "{} is left", lock.display());
-    }
+/// Writes a sound deployment after `change` has had its way with configuration and first recording.
+fn write_site(home: &Home, change: impl FnOnce(&mut String, &mut Vec<u8>)) {
+    let (mut text, mut bytes) = (SITE.to_owned(), recording());
+    change(&mut text, &mut bytes);
+    fs::write(home.path("site.toml"), text).unwrap();
+    fs::write(home.path("radar.ast"), bytes).unwrap();
+    fs::write(home.path("mlat.ast"), recording()).unwrap();
 }
 
-impl Drop for Home {
-    /// A test that failed has killed its deployment, and must not leave memory behind either.
-    fn drop(&mut self) {
-        if !thread::panicking() {
-            return;
-        }
-        let start = Instant::now();
-        while !self.processes().is_empty() && start.elapsed() < PATIENCE {
-            thread::sleep(Duration::from_millis(2));
-        }
-        for instance in ["demo", "test", "beside"] {
-            for name in self.shared_memory(instance) {
-                let _ = fs::remove_file(Path::new("/dev/shm").join(name));
-            }
-        }
-    }
-}
-
-/// A line of `koseki status`.
-struct Row {
-    pid: u32,
-    state: String,
-    restarts: String,
-    published: String,
-}
-
-/// A `koseki` that runs. If the test fails, it is killed, and its children follow.
-struct Running {
-    child: Child,
-    stdout: Arc<Mutex<String>>,
-    stderr: Arc<Mutex<String>>,
-    readers: Vec<JoinHandle<()>>,
-}
-
-impl Running {
-    fn pid(&self) -> u32 {
-        self.child.id()
-    }
-
-    fn signal(&self, signal: Signal) {
-        kill(self.pid(), signal);
-    }
-
-    /// Everything on standard error so far.
-    fn said(&self) -> String {
-        self.stderr.lock().unwrap().clone()
-    }
-
-    fn until_said(&self, words: &str) {
-        let start = Instant::now();
-        while !self.said().contains(words) {
-            assert!(start.elapsed() < PATIENCE, "not said: {words}\n{}", self.said());
-            thread::sleep(Duration::from_millis(2));
-        }
-    }
-
-    fn stop(self) -> (ExitStatus, String) {
-        self.signal(Signal::TERM);
-        self.end()
-    }
-
-    /// Waits for the end; and, because they share its standard error, for that of all its children.
-    fn end(mut self) -> (ExitStatus, String) {
-        let mut status = None;
-        until("a command ends", || {
-            status = self.child.try_wait().unwrap();
-            status.is_some()
-        });
-        for reader in self.readers.drain(..) {
-            until("its children end", || reader.is_finished());
-            reader.join().unwrap();
-        }
-        (status.unwrap(), self.said())
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-fn read(mut from: impl std::io::Read + Send + 'static, into: Arc<Mutex<String>>) -> JoinHandle<()> {
-    thread::spawn(move || {
-        let mut bytes = [0; 4096];
-        while let Ok(count @ 1..) = from.read(&mut bytes) {
-            into.lock().unwrap().push_str(&String::from_utf8_lossy(&bytes[..count]));
-        }
-    })
-}
-
-fn kill(pid: u32, signal: Signal) {
-    kill_process(Pid::from_raw(pid as i32).unwrap(), signal).unwrap();
-}
-
-fn until(what: &str, mut condition: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !condition() {
-        assert!(start.elapsed() < PATIENCE, "never happened: {what}");
-        thread::sleep(Duration::from_millis(2));
-    }
+/// Writes a copy of the demonstration's configuration.
+fn write_demo(home: &Home) {
+    fs::write(home.path("copy.toml"), runtime::config::DEMO).unwrap();
 }
 
 /// The command ended with `code` after exactly one line on standard error, which contains everything `expected`.

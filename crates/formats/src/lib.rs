@@ -6,11 +6,27 @@
 //! passed.
 //!
 //! - [`asterix`]: EUROCONTROL's binary format for surveillance data (radar, multilateration, ADS-B);
-//! - [`reports`]: what their records mean to the pipeline: checked sensor tracks in the system frame;
-//! - [`tracks_csv`]: sensor tracks and system tracks as rows of text.
+//! - [`containers`]: what recordings of it come packed in: captures of networks, recorders' frames;
+//! - [`recording`]: a recording as a whole: which of its records can be believed, and statistics of them;
+//! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
+//! - [`reports`]: what such records and lines mean to the pipeline: checked sensor tracks in the system frame;
+//! - [`detection`]: single measurements, for sensors whose tracks are made here; [`autoferry`] reads a public data set
+//!   of them;
+//! - [`sensor_tracks_csv`], [`detections_csv`]: both kinds of input as rows of text, by the rules of [`csv_table`];
+//! - [`outgoing`]: the way back, tracks as data blocks for other systems;
+//! - [`tracks_csv`]: sensor tracks and system tracks as output.
 
 #![forbid(unsafe_code)]
 
 pub mod asterix;
+pub mod autoferry;
+pub mod containers;
+pub mod csv_table;
+pub mod detection;
+pub mod detections_csv;
+pub mod outgoing;
+pub mod recording;
 pub mod reports;
+pub mod sbs;
+pub mod sensor_tracks_csv;
 pub mod tracks_csv;

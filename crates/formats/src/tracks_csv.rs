@@ -160,7 +160,7 @@ fn state_word(code: u8) -> &'static str {
 }
 
 /// Seconds, as few decimals as are exact.
-fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
+pub(crate) fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
     let (whole, mut rest) = (ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
     write!(out, "{}{whole}", if ns < 0 { "-" } else { "" })?;
     if rest == 0 {

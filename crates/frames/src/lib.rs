@@ -14,4 +14,4 @@ mod sensor;
 pub mod time;
 
 pub use geodetic::{Geodetic, GeodeticError, SystemFrame};
-pub use sensor::{PolarSigma, SensorFrame, polar_covariance};
+pub use sensor::{PolarSigma, SensorFrame, Sighting, polar_covariance};

@@ -2,7 +2,7 @@
 
 use messages::{
     AXES, CONTRIBUTIONS_MAX, Contribution, Counter, NO_SOURCE, STATE_LEN, SensorTrack, StageTimes, SystemTrack,
-    TrackState, contribution_bits,
+    TrackState, contribution_bits, sensor_track_bits,
 };
 
 use crate::accuracy::Accuracies;
@@ -353,7 +353,13 @@ impl Engine {
         let fused = combine(states, shares);
         let fresh_until_ns = self.fresh_until(system);
         let confirm_reports = self.settings.life.confirm_reports;
+        let members = &gathered.members[..gathered.len];
+        let latest = || members.iter().map(|member| &self.sensors.get(*member).latest);
+        let alerts = latest().fold(0, |alerts, report| alerts | report.alerts);
+        let on_ground = latest().any(|report| report.has(sensor_track_bits::ON_GROUND));
         let entry = self.systems.get_mut(system);
+        entry.alerts = alerts;
+        entry.on_ground = on_ground;
         entry.memory = memory;
         entry.state = fused;
         entry.last_report_ns = entry.last_report_ns.max(report.time_of_measurement_ns);
@@ -512,9 +518,10 @@ impl Engine {
             state: entry.life as u8,
             height_valid: u8::from(entry.state.has_height),
             rule: rules::code(self.settings.rule.rule),
-            reserved: 0,
+            alerts: entry.alerts,
             merged_into: entry.merged_into,
-            reserved_2: 0,
+            on_ground: u8::from(entry.on_ground),
+            reserved: [0; 3],
         };
         let mut heaviest = 0.0;
         for (index, share) in shares.iter().enumerate() {

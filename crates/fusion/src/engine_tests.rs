@@ -1,6 +1,8 @@
 //! The engine as its caller sees it.
 
-use messages::{Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
+use messages::{
+    Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TrackState, alert_bits, sensor_track_bits,
+};
 use proptest::prelude::*;
 
 use crate::engine::test_settings;
@@ -70,6 +72,28 @@ fn sources_of(track: &SystemTrack) -> Vec<u16> {
         .iter()
         .map(|contribution| contribution.source)
         .collect()
+}
+
+#[test]
+fn alerts_and_ground_come_from_whoever_contributes() {
+    let mut harness = Harness::new(test_settings(2));
+    let place = [0.0, 0.0];
+    let alarmed = SensorTrack {
+        alerts: alert_bits::EMERGENCY,
+        ..report(0, 1, 1.0, place, [20.0, 0.0])
+    };
+    let on_ground = |time_s| SensorTrack {
+        alerts: alert_bits::SPECIAL_IDENTIFICATION,
+        valid: sensor_track_bits::VELOCITY | sensor_track_bits::ON_GROUND,
+        ..report(1, 1, time_s, place, [20.0, 0.0])
+    };
+    let first = harness.take(&alarmed).unwrap();
+    assert_eq!((first.alerts, first.on_ground), (alert_bits::EMERGENCY, 0));
+    let both = harness.take(&on_ground(1.1)).unwrap();
+    let bits = alert_bits::EMERGENCY | alert_bits::SPECIAL_IDENTIFICATION;
+    assert_eq!((both.alerts, both.on_ground), (bits, 1));
+    let calm = harness.take(&report(0, 1, 2.0, place, [20.0, 0.0])).unwrap();
+    assert_eq!((calm.alerts, calm.on_ground), (alert_bits::SPECIAL_IDENTIFICATION, 1));
 }
 
 #[test]

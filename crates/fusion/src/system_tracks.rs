@@ -30,6 +30,10 @@ pub(crate) struct SystemEntry {
     pub(crate) last_report_ns: i64,
     /// When the present contributions cease to be fresh, nanoseconds.
     pub(crate) fresh_until_ns: i64,
+    /// What the contributing sources want noticed.
+    pub(crate) alerts: u8,
+    /// Whether a contributing source says that the target is on the ground.
+    pub(crate) on_ground: bool,
     /// Number of the system track it was merged into; 0 if it was not.
     pub(crate) merged_into: u32,
 }
@@ -60,6 +64,8 @@ impl SystemTracks {
             reports: 0,
             last_report_ns: i64::MIN,
             fresh_until_ns: i64::MIN,
+            alerts: 0,
+            on_ground: false,
             merged_into: 0,
         };
         Self {
@@ -88,6 +94,8 @@ impl SystemTracks {
             reports: 0,
             last_report_ns: state.time_ns,
             fresh_until_ns: deadline_ns,
+            alerts: 0,
+            on_ground: false,
             merged_into: 0,
         };
         self.in_state[TrackState::Tentative as usize] += 1;

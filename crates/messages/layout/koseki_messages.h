@@ -6,9 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SCHEMA UINT64_C(0x233a8043975b18c1) /* Every BatchHeader.schema must equal this. */
+#define KOSEKI_SCHEMA UINT64_C(0x18093929a17cacd9) /* Every BatchHeader.schema must equal this. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
-#define KOSEKI_COUNTERS_MAX UINT64_C(0x30) /* Length of Health.counters. */
+#define KOSEKI_COUNTERS_MAX UINT64_C(0x40) /* Length of Health.counters. */
 #define KOSEKI_IDENTITY_ADDRESS UINT64_C(0x1) /* Bit of a flags or valid field. */
 #define KOSEKI_IDENTITY_MODE_3A UINT64_C(0x2) /* Bit of a flags or valid field. */
 #define KOSEKI_IDENTITY_CALLSIGN UINT64_C(0x4) /* Bit of a flags or valid field. */
@@ -22,6 +22,14 @@
 #define KOSEKI_SENSOR_TRACK_TRACE UINT64_C(0x80) /* Bit of a flags or valid field. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* Bit of a flags or valid field. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* Bit of a flags or valid field. */
+#define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Bit of a flags or valid field. */
+#define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* Bit of a flags or valid field. */
+#define KOSEKI_ALERT_COMMUNICATION_FAILURE UINT64_C(0x4) /* Bit of a flags or valid field. */
+#define KOSEKI_ALERT_UNLAWFUL_INTERFERENCE UINT64_C(0x8) /* Bit of a flags or valid field. */
+#define KOSEKI_ALERT_MEDICAL UINT64_C(0x10) /* Bit of a flags or valid field. */
+#define KOSEKI_ALERT_MINIMUM_FUEL UINT64_C(0x20) /* Bit of a flags or valid field. */
+#define KOSEKI_ALERT_TRANSPONDER_ALERT UINT64_C(0x40) /* Bit of a flags or valid field. */
+#define KOSEKI_ALERT_RESOLUTION_ADVISORY UINT64_C(0x80) /* Bit of a flags or valid field. */
 #define KOSEKI_STATE_TENTATIVE UINT64_C(0x0) /* Value of a state field. */
 #define KOSEKI_STATE_CONFIRMED UINT64_C(0x1) /* Value of a state field. */
 #define KOSEKI_STATE_COASTED UINT64_C(0x2) /* Value of a state field. */
@@ -90,7 +98,8 @@ typedef struct KosekiSensorTrack {
     double trace_m2; /* Trace of the source's position covariance over east and north, square metres. */
     uint8_t state; /* State of the track at its source: a `TrackState` code. */
     uint8_t method; /* Observation method at the source, as numbered by its format; 0 if it has one only. */
-    uint8_t reserved[6]; /* Reserved, 0. */
+    uint8_t alerts; /* What the target or its source wants noticed: see `alert_bits`. */
+    uint8_t reserved[5]; /* Reserved, 0. */
 } KosekiSensorTrack;
 static_assert(sizeof(KosekiSensorTrack) == 328, "size");
 static_assert(offsetof(KosekiSensorTrack, time_of_measurement_ns) == 0, "offset");
@@ -107,7 +116,8 @@ static_assert(offsetof(KosekiSensorTrack, measured_m) == 288, "offset");
 static_assert(offsetof(KosekiSensorTrack, trace_m2) == 312, "offset");
 static_assert(offsetof(KosekiSensorTrack, state) == 320, "offset");
 static_assert(offsetof(KosekiSensorTrack, method) == 321, "offset");
-static_assert(offsetof(KosekiSensorTrack, reserved) == 322, "offset");
+static_assert(offsetof(KosekiSensorTrack, alerts) == 322, "offset");
+static_assert(offsetof(KosekiSensorTrack, reserved) == 323, "offset");
 
 typedef struct KosekiContribution {
     int64_t time_of_measurement_ns; /* Time of measurement of the source's latest report, UTC, nanoseconds. */
@@ -143,9 +153,10 @@ typedef struct KosekiSystemTrack {
     uint8_t state; /* State of the track: a `TrackState` code. */
     uint8_t height_valid; /* 1 if some source observes height; otherwise z says nothing. */
     uint8_t rule; /* Fusion rule: its place in the registry of rules. */
-    uint8_t reserved; /* Reserved, 0. */
+    uint8_t alerts; /* What a contributing source wants noticed: see `alert_bits`. */
     uint32_t merged_into; /* Number of the system track into which this one was merged, where it ended by a merge; else 0. */
-    uint32_t reserved_2; /* Reserved, 0. */
+    uint8_t on_ground; /* 1 if a contributing source says that the target is on the ground. */
+    uint8_t reserved[3]; /* Reserved, 0. */
 } KosekiSystemTrack;
 static_assert(sizeof(KosekiSystemTrack) == 824, "size");
 static_assert(offsetof(KosekiSystemTrack, reference_time_ns) == 0, "offset");
@@ -165,9 +176,10 @@ static_assert(offsetof(KosekiSystemTrack, contribution_count) == 810, "offset");
 static_assert(offsetof(KosekiSystemTrack, state) == 812, "offset");
 static_assert(offsetof(KosekiSystemTrack, height_valid) == 813, "offset");
 static_assert(offsetof(KosekiSystemTrack, rule) == 814, "offset");
-static_assert(offsetof(KosekiSystemTrack, reserved) == 815, "offset");
+static_assert(offsetof(KosekiSystemTrack, alerts) == 815, "offset");
 static_assert(offsetof(KosekiSystemTrack, merged_into) == 816, "offset");
-static_assert(offsetof(KosekiSystemTrack, reserved_2) == 820, "offset");
+static_assert(offsetof(KosekiSystemTrack, on_ground) == 820, "offset");
+static_assert(offsetof(KosekiSystemTrack, reserved) == 821, "offset");
 
 typedef struct KosekiHealth {
     int64_t said_ns; /* When this was said, monotonic, nanoseconds. */
@@ -181,9 +193,9 @@ typedef struct KosekiHealth {
     uint32_t reserved; /* Reserved, 0. */
     uint8_t name[32]; /* Name of the process, UTF-8, padded with zeros. */
     uint8_t note[56]; /* What is wrong, in a few words; empty if nothing is. UTF-8, padded with zeros. */
-    uint64_t counters[48]; /* Values of the counters, indexed by `Counter`. */
+    uint64_t counters[64]; /* Values of the counters, indexed by `Counter`. */
 } KosekiHealth;
-static_assert(sizeof(KosekiHealth) == 512, "size");
+static_assert(sizeof(KosekiHealth) == 640, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
 static_assert(offsetof(KosekiHealth, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiHealth, progress_ns) == 16, "offset");

@@ -5,9 +5,9 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SCHEMA = 0x233a8043975b18c1  # Every BatchHeader.schema must equal this.
+SCHEMA = 0x18093929a17cacd9  # Every BatchHeader.schema must equal this.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
-COUNTERS_MAX = 0x30  # Length of Health.counters.
+COUNTERS_MAX = 0x40  # Length of Health.counters.
 IDENTITY_ADDRESS = 0x1  # Bit of a flags or valid field.
 IDENTITY_MODE_3A = 0x2  # Bit of a flags or valid field.
 IDENTITY_CALLSIGN = 0x4  # Bit of a flags or valid field.
@@ -21,6 +21,14 @@ SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # Bit of a flags or valid field.
 SENSOR_TRACK_TRACE = 0x80  # Bit of a flags or valid field.
 CONTRIBUTION_FRESH = 0x1  # Bit of a flags or valid field.
 CONTRIBUTION_SCORED = 0x2  # Bit of a flags or valid field.
+ALERT_SPECIAL_IDENTIFICATION = 0x1  # Bit of a flags or valid field.
+ALERT_EMERGENCY = 0x2  # Bit of a flags or valid field.
+ALERT_COMMUNICATION_FAILURE = 0x4  # Bit of a flags or valid field.
+ALERT_UNLAWFUL_INTERFERENCE = 0x8  # Bit of a flags or valid field.
+ALERT_MEDICAL = 0x10  # Bit of a flags or valid field.
+ALERT_MINIMUM_FUEL = 0x20  # Bit of a flags or valid field.
+ALERT_TRANSPONDER_ALERT = 0x40  # Bit of a flags or valid field.
+ALERT_RESOLUTION_ADVISORY = 0x80  # Bit of a flags or valid field.
 STATE_TENTATIVE = 0x0  # Value of a state field.
 STATE_CONFIRMED = 0x1  # Value of a state field.
 STATE_COASTED = 0x2  # Value of a state field.
@@ -123,7 +131,8 @@ class SensorTrack(ctypes.Structure):
         ("trace_m2", ctypes.c_double),  # Trace of the source's position covariance over east and north, square metres.
         ("state", ctypes.c_uint8),  # State of the track at its source: a `TrackState` code.
         ("method", ctypes.c_uint8),  # Observation method at the source, as numbered by its format; 0 if it has one only.
-        ("reserved", ctypes.c_uint8 * 6),  # Reserved, 0.
+        ("alerts", ctypes.c_uint8),  # What the target or its source wants noticed: see `alert_bits`.
+        ("reserved", ctypes.c_uint8 * 5),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -146,7 +155,8 @@ assert SensorTrack.measured_m.offset == 288
 assert SensorTrack.trace_m2.offset == 312
 assert SensorTrack.state.offset == 320
 assert SensorTrack.method.offset == 321
-assert SensorTrack.reserved.offset == 322
+assert SensorTrack.alerts.offset == 322
+assert SensorTrack.reserved.offset == 323
 
 
 class Contribution(ctypes.Structure):
@@ -192,9 +202,10 @@ class SystemTrack(ctypes.Structure):
         ("state", ctypes.c_uint8),  # State of the track: a `TrackState` code.
         ("height_valid", ctypes.c_uint8),  # 1 if some source observes height; otherwise z says nothing.
         ("rule", ctypes.c_uint8),  # Fusion rule: its place in the registry of rules.
-        ("reserved", ctypes.c_uint8),  # Reserved, 0.
+        ("alerts", ctypes.c_uint8),  # What a contributing source wants noticed: see `alert_bits`.
         ("merged_into", ctypes.c_uint32),  # Number of the system track into which this one was merged, where it ended by a merge; else 0.
-        ("reserved_2", ctypes.c_uint32),  # Reserved, 0.
+        ("on_ground", ctypes.c_uint8),  # 1 if a contributing source says that the target is on the ground.
+        ("reserved", ctypes.c_uint8 * 3),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -220,9 +231,10 @@ assert SystemTrack.contribution_count.offset == 810
 assert SystemTrack.state.offset == 812
 assert SystemTrack.height_valid.offset == 813
 assert SystemTrack.rule.offset == 814
-assert SystemTrack.reserved.offset == 815
+assert SystemTrack.alerts.offset == 815
 assert SystemTrack.merged_into.offset == 816
-assert SystemTrack.reserved_2.offset == 820
+assert SystemTrack.on_ground.offset == 820
+assert SystemTrack.reserved.offset == 821
 
 
 class Health(ctypes.Structure):
@@ -238,7 +250,7 @@ class Health(ctypes.Structure):
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
         ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
         ("note", ctypes.c_uint8 * 56),  # What is wrong, in a few words; empty if nothing is. UTF-8, padded with zeros.
-        ("counters", ctypes.c_uint64 * 48),  # Values of the counters, indexed by `Counter`.
+        ("counters", ctypes.c_uint64 * 64),  # Values of the counters, indexed by `Counter`.
     ]
 
     @staticmethod
@@ -246,7 +258,7 @@ class Health(ctypes.Structure):
         return "Health"
 
 
-assert ctypes.sizeof(Health) == 512
+assert ctypes.sizeof(Health) == 640
 assert Health.said_ns.offset == 0
 assert Health.incarnation.offset == 8
 assert Health.progress_ns.offset == 16

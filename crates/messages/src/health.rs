@@ -3,7 +3,7 @@
 use crate::layout::sample;
 
 /// Length of [`Health::counters`].
-pub const COUNTERS_MAX: usize = 48;
+pub const COUNTERS_MAX: usize = 64;
 
 /// [`Health::source`] of a message that speaks of the whole process.
 pub const NO_SOURCE: u16 = u16::MAX;
@@ -13,7 +13,7 @@ pub type HealthName = [u8; 32];
 
 sample! {
     /// State and counters of one process, or of one source within it.
-    Health, size 512 {
+    Health, size 640 {
         /// When this was said, monotonic, nanoseconds.
         said_ns: i64,
         /// Monotonic start time of the process, nanoseconds.
@@ -37,7 +37,7 @@ sample! {
         /// What is wrong, in a few words; empty if nothing is. UTF-8, padded with zeros.
         note: [u8; 56],
         /// Values of the counters, indexed by `Counter`.
-        counters: [u64; 48],
+        counters: [u64; 64],
     }
 }
 
@@ -129,15 +129,21 @@ pub enum ProcessKind {
     Recorder,
     /// Starts and watches the others.
     Launcher,
+    /// Sends what the simulated sensors observe over the network.
+    Simulator,
+    /// Sends tracks to other systems over the network.
+    Gateway,
 }
 
 /// Every kind, in the order of its code.
-pub const PROCESS_KINDS: [ProcessKind; 5] = [
+pub const PROCESS_KINDS: [ProcessKind; 7] = [
     ProcessKind::Adapter,
     ProcessKind::Fusion,
     ProcessKind::Monitor,
     ProcessKind::Recorder,
     ProcessKind::Launcher,
+    ProcessKind::Simulator,
+    ProcessKind::Gateway,
 ];
 
 impl ProcessKind {
@@ -149,6 +155,8 @@ impl ProcessKind {
             Self::Monitor => "monitor",
             Self::Recorder => "recorder",
             Self::Launcher => "launcher",
+            Self::Simulator => "simulator",
+            Self::Gateway => "gateway",
         }
     }
 }
@@ -258,4 +266,13 @@ counters! {
     OrdersObeyed = "orders_obeyed", "Orders that fusion has obeyed.";
     OrdersRefused = "orders_refused", "Orders that fusion has refused: unknown kinds, conditions that no source names.";
     RowsWritten = "rows_written", "Rows written to files.";
+    Datagrams = "datagrams", "Datagrams received, or pieces read from a connection.";
+    DatagramsRefused = "datagrams_refused", "Datagrams from senders that are not on the receiver's list.";
+    DatagramsUnusable = "datagrams_unusable", "Datagrams that were empty or longer than the receiver's buffer.";
+    KernelDrops = "kernel_drops", "Datagrams that the kernel dropped because the receiver's buffer was full.";
+    Connections = "connections", "Connections to a feed that were made.";
+    RecordsSent = "records_sent", "Records sent to other systems.";
+    DatagramsSent = "datagrams_sent", "Datagrams sent to other systems.";
+    SendFailures = "send_failures", "Datagrams that could not be sent.";
+    HeightAssumed = "height_assumed", "Reports without height whose slant range was turned into a place by an assumed one.";
 }

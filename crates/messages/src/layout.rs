@@ -191,7 +191,7 @@ fn size_of_name(name: &str) -> Option<usize> {
 
 /// The constants a reader in another language needs, by name.
 fn constants() -> Vec<(String, u64, &'static str)> {
-    use crate::{contribution_bits, identity_bits, sensor_track_bits};
+    use crate::{alert_bits, contribution_bits, identity_bits, sensor_track_bits};
     let mut list = vec![
         (
             "SCHEMA".to_owned(),
@@ -209,10 +209,11 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             "Length of Health.counters.",
         ),
     ];
-    let groups: [(&str, &[(&str, u64)]); 3] = [
+    let groups: [(&str, &[(&str, u64)]); 4] = [
         ("IDENTITY", identity_bits::NAMES),
         ("SENSOR_TRACK", sensor_track_bits::NAMES),
         ("CONTRIBUTION", contribution_bits::NAMES),
+        ("ALERT", alert_bits::NAMES),
     ];
     for (group, bits) in groups {
         for (name, bit) in bits {

@@ -34,6 +34,37 @@ pub mod sensor_track_bits {
     ];
 }
 
+/// Bits of [`SensorTrack::alerts`] and [`SystemTrack::alerts`](crate::SystemTrack::alerts).
+pub mod alert_bits {
+    /// Special position identification: the pilot has pressed the button.
+    pub const SPECIAL_IDENTIFICATION: u8 = 1;
+    /// An emergency, of whatever kind; Mode 3/A code 7700.
+    pub const EMERGENCY: u8 = 1 << 1;
+    /// Radio communication has failed; code 7600.
+    pub const COMMUNICATION_FAILURE: u8 = 1 << 2;
+    /// Unlawful interference; code 7500.
+    pub const UNLAWFUL_INTERFERENCE: u8 = 1 << 3;
+    /// Medical flight.
+    pub const MEDICAL: u8 = 1 << 4;
+    /// Minimum fuel.
+    pub const MINIMUM_FUEL: u8 = 1 << 5;
+    /// The Mode 3/A code was changed lately, or the transponder raises its alert for another reason.
+    pub const TRANSPONDER_ALERT: u8 = 1 << 6;
+    /// A collision avoidance system advises the crew to manoeuvre.
+    pub const RESOLUTION_ADVISORY: u8 = 1 << 7;
+
+    pub(crate) const NAMES: &[(&str, u64)] = &[
+        ("SPECIAL_IDENTIFICATION", SPECIAL_IDENTIFICATION as u64),
+        ("EMERGENCY", EMERGENCY as u64),
+        ("COMMUNICATION_FAILURE", COMMUNICATION_FAILURE as u64),
+        ("UNLAWFUL_INTERFERENCE", UNLAWFUL_INTERFERENCE as u64),
+        ("MEDICAL", MEDICAL as u64),
+        ("MINIMUM_FUEL", MINIMUM_FUEL as u64),
+        ("TRANSPONDER_ALERT", TRANSPONDER_ALERT as u64),
+        ("RESOLUTION_ADVISORY", RESOLUTION_ADVISORY as u64),
+    ];
+}
+
 sample! {
     /// One report of one sensor track (TI-1): state in the system's East-North-Up frame at the time of measurement.
     #[derive(Default)]
@@ -66,8 +97,10 @@ sample! {
         state: u8,
         /// Observation method at the source, as numbered by its format; 0 if it has one only.
         method: u8,
+        /// What the target or its source wants noticed: see `alert_bits`.
+        alerts: u8,
         /// Reserved, 0.
-        reserved: [u8; 6],
+        reserved: [u8; 5],
     }
 }
 

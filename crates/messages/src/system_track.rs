@@ -73,12 +73,14 @@ sample! {
         height_valid: u8,
         /// Fusion rule: its place in the registry of rules.
         rule: u8,
-        /// Reserved, 0.
-        reserved: u8,
+        /// What a contributing source wants noticed: see `alert_bits`.
+        alerts: u8,
         /// Number of the system track into which this one was merged, where it ended by a merge; else 0.
         merged_into: u32,
+        /// 1 if a contributing source says that the target is on the ground.
+        on_ground: u8,
         /// Reserved, 0.
-        reserved_2: u32,
+        reserved: [u8; 3],
     }
 }
 

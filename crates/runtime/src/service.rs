@@ -4,6 +4,7 @@
 //! it again and again, reads the clocks once per turn, publishes its health, and ends the process when it is done or
 //! told to stop. The agent itself has no loop and reads no clock, so a test can drive it step by step.
 
+use std::net::Ipv4Addr;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -12,7 +13,7 @@ use bus::{Bus, Mark, Publisher, Root, SharedMemory};
 use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind};
 
 use crate::clock::{Now, mono_ns};
-use crate::config::Config;
+use crate::config::{Config, loopback_of};
 use crate::signals::{self, Stop};
 
 /// Time between two health messages, nanoseconds.
@@ -63,6 +64,8 @@ pub struct Process {
     pub bus: Bus<SharedMemory>,
     /// Monotonic start time, nanoseconds: tells it from an earlier process of the same name.
     pub incarnation: u64,
+    /// The loopback address that belongs to its deployment.
+    pub loopback: Ipv4Addr,
     stop: Stop,
 }
 
@@ -87,6 +90,7 @@ impl Process {
             name: name.to_owned(),
             bus,
             incarnation: mono_ns() as u64,
+            loopback: loopback_of(root.path()),
             stop,
         })
     }

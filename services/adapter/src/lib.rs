@@ -1,37 +1,49 @@
-//! The adapter process: one per sensor, it turns the sensor's data into sensor tracks and publishes them.
+//! The adapter process: one per sensor or per network input, it turns sensors' data into sensor tracks and publishes
+//! them.
 //!
-//! Where the data come from is one file each: `recording` decodes a recorded file, `replay` paces it by its own
-//! times, `simulation` observes a simulated world.
+//! Where the data come from is one file each: `recording` and `content` decode a recorded file, and `replay` paces it by its own
+//! times;
+//! `datagrams` and `lines` receive from the network. `channel` is what they share: a source's way to its topic.
 
 #![forbid(unsafe_code)]
 
+mod channel;
+mod content;
+mod datagrams;
+mod lines;
 pub mod recording;
 mod replay;
-mod simulation;
 
 use anyhow::Context as _;
-use runtime::Process;
-use runtime::config::Input;
+use runtime::config::{Input, Source, Transport};
+use runtime::{Agent, Process};
 
-/// Runs the adapter of the source that the process is named after, until it has finished or is told to stop.
+use crate::datagrams::Datagrams;
+use crate::lines::Lines;
+
+/// Runs the adapter that the process is named after: of the receiver of that name, or of the recorded source. Runs until
+/// it has finished or is told to stop.
 ///
 /// # Errors
 /// If there is no such source, its input cannot be read, or shared memory fails.
 pub fn run(process: &Process) -> anyhow::Result<()> {
-    let source = process.config.source(&process.name);
-    let source = source.with_context(|| {
-        format!(
-            "{}: no source is named \"{}\"",
-            process.config.path.display(),
-            process.name
-        )
-    })?;
-    match &source.input {
-        Input::Recorded(recorded) => {
-            runtime::service::run(process, &mut replay::Replay::new(process, source, recorded)?)
-        }
-        Input::Simulated(settings) => {
-            runtime::service::run(process, &mut simulation::Simulation::new(process, source, settings)?)
-        }
+    let (config, name) = (&process.config, &process.name);
+    let sources: Vec<&Source> = config.sources.iter().filter(|source| source.adapter == *name).collect();
+    if let Some(receiver) = config.receiver(name) {
+        let mut agent: Box<dyn Agent> = match &receiver.transport {
+            Transport::Udp(settings) => Box::new(Datagrams::new(process, settings, &sources)?),
+            Transport::Loopback { port } => Box::new(Datagrams::loopback(process, *port, &sources)?),
+            Transport::Sbs { server, settings } => Box::new(Lines::new(process, *server, *settings, &sources)?),
+        };
+        return runtime::service::run(process, agent.as_mut());
     }
+    let recorded = sources.first().and_then(|source| match &source.input {
+        Input::Recorded(recorded) => Some((*source, recorded)),
+        _ => None,
+    });
+    let (source, recorded) = recorded.with_context(|| {
+        let path = config.path.display();
+        format!("{path}: no receiver and no recorded source is named \"{name}\"")
+    })?;
+    runtime::service::run(process, &mut replay::Replay::new(process, source, recorded)?)
 }

@@ -5,11 +5,12 @@
 
 use std::collections::VecDeque;
 
-use formats::asterix::{Decoder, Mode, blocks};
-use formats::reports::observation::{self, Reading};
-use formats::reports::{Converter, Reorder, SourceModel};
+use formats::csv_table::CsvError;
+use formats::reports::{Converter, Observation, Reorder, SourceModel};
 use messages::{COUNTERS_MAX, Counter, SensorTrack};
 use runtime::config::Recorded;
+
+use crate::content::Content;
 
 /// Reports that are decoded ahead: more than any slice holds.
 pub(crate) const AHEAD: usize = 128;
@@ -17,35 +18,70 @@ pub(crate) const AHEAD: usize = 128;
 /// A recording, decoded as it is asked for.
 #[derive(Debug)]
 pub struct Recording {
-    bytes: Vec<u8>,
-    offset: usize,
-    decoder: Decoder,
+    content: Content,
+    intake: Intake,
+    ready: VecDeque<SensorTrack>,
+    next_number: u64,
+}
+
+/// Takes what a recording holds, and puts it into the order of its times.
+#[derive(Debug)]
+pub(crate) struct Intake {
+    source: u16,
     converter: Converter,
     reorder: Reorder,
-    ready: VecDeque<SensorTrack>,
     late: u64,
-    next_number: u64,
+    tracks: u64,
+}
+
+impl Intake {
+    /// A target report.
+    pub(crate) fn observe(&mut self, observed: &Observation) {
+        if let Some(report) = self.converter.convert(observed, 0)
+            && !self.reorder.push(report)
+        {
+            self.late += 1;
+        }
+    }
+
+    /// A record that speaks of the sensor.
+    pub(crate) fn service(&mut self, time_of_day_ns: Option<i64>) {
+        self.converter.service(time_of_day_ns);
+    }
+
+    /// A sensor track, ready made.
+    pub(crate) fn track(&mut self, track: SensorTrack) {
+        self.tracks += 1;
+        let report = SensorTrack {
+            source: self.source,
+            ..track
+        };
+        if !self.reorder.push(report) {
+            self.late += 1;
+        }
+    }
 }
 
 impl Recording {
     /// The recording in `bytes`, whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds).
-    pub fn new(bytes: Vec<u8>, recorded: &Recorded, model: SourceModel, first_day_ns: i64) -> Self {
-        let decoder = recorded
-            .tables
-            .iter()
-            .fold(Decoder::new(Mode::Lenient), |decoder, table| decoder.with_table(table));
+    ///
+    /// # Errors
+    /// If it is to be a table of sensor tracks and its header is none of such a table.
+    pub fn new(bytes: Vec<u8>, recorded: &Recorded, model: SourceModel, first_day_ns: i64) -> Result<Self, CsvError> {
         let mut recording = Self {
-            bytes,
-            offset: 0,
-            decoder,
-            converter: Converter::new(model, first_day_ns),
-            reorder: Reorder::new(recorded.reorder_ns),
+            content: Content::open(bytes, recorded, first_day_ns)?,
+            intake: Intake {
+                source: model.number,
+                converter: Converter::new(model, first_day_ns),
+                reorder: Reorder::new(recorded.reorder_ns),
+                late: 0,
+                tracks: 0,
+            },
             ready: VecDeque::with_capacity(2 * AHEAD),
-            late: 0,
             next_number: 0,
         };
         recording.decode_ahead();
-        recording
+        Ok(recording)
     }
 
     /// The next report without taking it; `None` at the end.
@@ -60,51 +96,27 @@ impl Recording {
 
     /// What has been counted so far, indexed by [`Counter`].
     pub fn counters(&self) -> [u64; COUNTERS_MAX] {
-        let (mut counters, decoded) = (*self.converter.counters(), self.decoder.counts());
-        counters[Counter::Records as usize] = decoded.records;
-        counters[Counter::BytesRefused as usize] = decoded.octets_skipped;
-        counters[Counter::BlocksRefused as usize] =
-            decoded.blocks_refused + decoded.blocks_cut + decoded.blocks_without_table;
-        counters[Counter::RejectedLate as usize] = self.late;
-        counters[Counter::Reports as usize] -= self.late;
+        let intake = &self.intake;
+        let mut counters = *intake.converter.counters();
+        self.content.count(&mut counters);
+        counters[Counter::RejectedLate as usize] = intake.late;
+        counters[Counter::Reports as usize] += intake.tracks;
+        counters[Counter::Reports as usize] -= intake.late;
         counters
     }
 
     fn decode_ahead(&mut self) {
-        while self.ready.len() < AHEAD && self.offset < self.bytes.len() {
-            self.decode_block();
-            if self.offset == self.bytes.len() {
-                self.reorder.finish();
+        while self.ready.len() < AHEAD && !self.content.is_exhausted() {
+            self.content.read_piece(&mut self.intake);
+            if self.content.is_exhausted() {
+                self.intake.reorder.finish();
             }
-            while let Some(mut report) = self.reorder.pop() {
+            while let Some(mut report) = self.intake.reorder.pop() {
                 report.sequence = self.next_number;
                 self.next_number += 1;
                 self.ready.push_back(report);
             }
         }
-    }
-
-    fn decode_block(&mut self) {
-        let rest = &self.bytes[self.offset..];
-        // What is no block ends the file; the decoder counts its bytes.
-        let length = blocks(rest)
-            .next()
-            .and_then(Result::ok)
-            .map_or(rest.len(), |block| block.bytes.len());
-        for record in self.decoder.records(&rest[..length]).flatten() {
-            match observation::read(&record) {
-                Reading::Target(observed) => {
-                    if let Some(report) = self.converter.convert(&observed, 0)
-                        && !self.reorder.push(report)
-                    {
-                        self.late += 1;
-                    }
-                }
-                Reading::Service(time_of_day_ns) => self.converter.service(time_of_day_ns),
-                Reading::Other => {}
-            }
-        }
-        self.offset += length;
     }
 }
 

@@ -59,7 +59,8 @@ impl Replay {
         let mut waiter = process.bus.waiter(WaitMode::Event);
         waiter.watch(&process.bus, &messages::progress())?;
         Ok(Self {
-            recording: Recording::new(bytes, recorded, source.model, first_day_ns),
+            recording: Recording::new(bytes, recorded, source.model, first_day_ns)
+                .with_context(|| path.display().to_string())?,
             publisher: process.bus.publisher(&topic, process.incarnation)?,
             flow: Flow::new(
                 &process.bus,

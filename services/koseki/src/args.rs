@@ -5,6 +5,9 @@ use std::time::Duration;
 
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use formats::asterix::table::EditionError;
+use formats::asterix::{Category, Edition, Expansion, registry};
+use formats::containers::Container;
 use runtime::config::Config;
 use runtime::{ConfigError, Now, Options, Speed};
 
@@ -17,8 +20,8 @@ const SECONDS_MAX: f64 = 3.2e9;
 
 /// Real-time fusion of sensor tracks: one system track per target.
 ///
-/// Koseki is a set of processes that share memory: an adapter for each sensor, fusion, a monitor and a recorder. This
-/// executable contains all of them, and the launcher that starts, watches, restarts and stops them.
+/// Koseki is a set of processes that share memory: an adapter for each sensor, fusion, a monitor, a recorder and
+/// gateways. This executable contains all of them, and the launcher that starts, watches, restarts and stops them.
 #[derive(Debug, Parser)]
 #[command(name = "koseki", version, max_term_width = 110, after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Cli {
@@ -32,6 +35,7 @@ Examples:
   koseki check config/barcelona.toml            is this configuration sound, and are its recordings there?
   koseki up config/barcelona.toml --speed max   the recorded airport, as fast as this machine can
   koseki status                                 what runs, in another terminal
+  koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
 
 Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
 
@@ -53,7 +57,10 @@ pub(crate) enum Command {
     /// Tell a running deployment which condition (weather) holds from now on
     #[command(after_help = CONDITION_EXAMPLES)]
     Condition(Condition),
-    /// Run the adapter of one source in a deployment that is up
+    /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
+    #[command(after_help = DECODE_EXAMPLES)]
+    Decode(Decode),
+    /// Run the adapter of one source or receiver in a deployment that is up
     #[command(after_help = SERVE_EXAMPLES)]
     Adapter(Serve),
     /// Run the fusion process in a deployment that is up
@@ -65,6 +72,12 @@ pub(crate) enum Command {
     /// Run the recorder in a deployment that is up: tracks as CSV files
     #[command(after_help = SERVE_EXAMPLES)]
     Recorder(Serve),
+    /// Run one gateway in a deployment that is up: tracks to other systems, in ASTERIX
+    #[command(after_help = SERVE_EXAMPLES)]
+    Gateway(Serve),
+    /// Run the simulator in a deployment that is up: what simulated sensors send, in ASTERIX
+    #[command(after_help = SERVE_EXAMPLES)]
+    Simulator(Serve),
 }
 
 const DEMO_EXAMPLES: &str = "\
@@ -173,6 +186,55 @@ pub(crate) struct Condition {
     pub(crate) instance: String,
 }
 
+const DECODE_EXAMPLES: &str = "\
+Examples:
+  koseki decode radar.pcap --out radar.jsonl
+  koseki decode adsb.ast --edition 21=0.23 --out - | head -1
+  koseki decode night.ff --statistics --json night.json
+
+FILE holds data blocks and nothing else, or is a capture (pcap, pcapng), or has frames of the final format; its first
+octets tell. A line of output has the item numbers of a record as keys, \"_c\" for its category and \"_ts\" for the
+second in which it was recorded, where that is known.
+
+What cannot be decoded is summed up on standard error, and is no failure. Only blocks that fit their edition to the last
+octet are given, and only categories of which half of the blocks do: the others were made by another edition. The file
+is read into memory whole.";
+
+/// `koseki decode`.
+#[derive(Debug, Args)]
+pub(crate) struct Decode {
+    /// The recording
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Read a category by this edition, as in 21=0.23 (repeatable) [default: see --help]
+    #[arg(long = "edition", value_name = "CAT=ED", value_parser = edition, long_help = editions_help())]
+    pub(crate) editions: Vec<ChosenEdition>,
+    /// Kind of the recording: raw, pcap, pcapng or final [default: what its first octets tell]
+    #[arg(long, value_name = "KIND")]
+    pub(crate) container: Option<Container>,
+    /// Refuse blocks with spare bits set, or with items that go on beyond their edition
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// File for the records, one JSON object a line; - for standard output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print who sent how much and when, and what was refused
+    #[arg(long)]
+    pub(crate) statistics: bool,
+    /// File for the same statistics as JSON
+    #[arg(long, value_name = "FILE", requires = "statistics")]
+    pub(crate) json: Option<PathBuf>,
+}
+
+/// What `--edition` chooses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum ChosenEdition {
+    /// The table of a category.
+    Category(&'static Category),
+    /// The coding rules of its reserved expansion field.
+    Expansion(&'static Expansion),
+}
+
 const SERVE_EXAMPLES: &str = "\
 Examples:
   koseki adapter --config config/barcelona.toml --name radar
@@ -182,13 +244,13 @@ Examples:
 while trying something; give the same configuration, --instance, --set, --data and --speed as to `koseki up`, which must
 be running: it creates the shared memory.";
 
-/// `koseki adapter`, `fusion`, `monitor`, `recorder`.
+/// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `simulator`.
 #[derive(Debug, Args)]
 pub(crate) struct Serve {
     /// Configuration of the deployment, a TOML file
     #[arg(long, value_name = "CONFIG")]
     pub(crate) config: PathBuf,
-    /// Name of the process; for an adapter, of its source [default: the command's name]
+    /// Name of the process; for an adapter, of its source or receiver; for a gateway, its own [default: the command's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
     #[command(flatten)]
@@ -289,6 +351,65 @@ pub(crate) fn usage_line(error: &clap::Error) -> String {
     }
 }
 
+/// What `CAT=ED` or `CAT/RE=ED` chooses.
+fn edition(text: &str) -> Result<ChosenEdition, String> {
+    let (category, edition) = text
+        .split_once('=')
+        .ok_or("write a category and its edition, as in 21=0.23")?;
+    let (category, is_expansion) = match category.strip_suffix("/RE") {
+        Some(category) => (category, true),
+        None => (category, false),
+    };
+    let number: u8 = category.parse().map_err(|_| "a category is a number up to 255")?;
+    let edition: Edition = edition.parse().map_err(|error: EditionError| error.to_string())?;
+    let (chosen, what, there_are) = match is_expansion {
+        true => (
+            registry::find_expansion(number, edition).map(ChosenEdition::Expansion),
+            "reserved expansion field of category",
+            expansions_of(number),
+        ),
+        false => (
+            registry::find(number, edition).map(ChosenEdition::Category),
+            "category",
+            editions_of(number),
+        ),
+    };
+    chosen.ok_or_else(|| match there_are.as_str() {
+        "" => format!("there is no table for the {what} {number:03}; see `koseki decode --help`"),
+        editions => format!("{what} {number:03} has no such edition here; there are {editions}"),
+    })
+}
+
+/// The editions of a category that there are tables for, the default first.
+fn editions_of(category: u8) -> String {
+    let editions = registry::editions(category).map(|table| table.edition.to_string());
+    editions.collect::<Vec<_>>().join(", ")
+}
+
+/// The same of the coding rules of its reserved expansion field.
+fn expansions_of(category: u8) -> String {
+    let expansions = registry::EXPANSIONS.iter().filter(|rules| rules.number == category);
+    let editions = expansions.map(|rules| rules.edition.to_string());
+    editions.collect::<Vec<_>>().join(", ")
+}
+
+fn editions_help() -> String {
+    let mut text =
+        "Read a category by this edition, as in 21=0.23 (repeatable). The first of each is the default:".to_owned();
+    for table in registry::defaults() {
+        let number = table.number;
+        text.push_str(&format!("\n  {number:03}: {}", editions_of(number)));
+        let expansions = expansions_of(number);
+        if !expansions.is_empty() {
+            text.push_str(&format!("\n  {number:03}/RE: {expansions}"));
+        }
+    }
+    text.push_str(
+        "\nReserved expansion fields (RE) are shown as octets unless an edition of their coding rules is named.",
+    );
+    text
+}
+
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "write a number of seconds".to_owned())?;
     if seconds > 0.0 && seconds <= SECONDS_MAX {
@@ -327,6 +448,27 @@ mod tests {
         assert_eq!(seconds("1.5"), Ok(Duration::from_millis(1500)));
         for wrong in ["0", "-1", "nan", "inf", "1e30", "soon"] {
             assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn editions_are_found_or_the_ones_there_are_named() {
+        let chosen = edition("21=0.23").unwrap();
+        assert!(matches!(chosen, ChosenEdition::Category(table) if table.to_string() == "CAT021 ed 0.23"));
+        let chosen = edition("048/RE=1.13").unwrap();
+        assert!(matches!(chosen, ChosenEdition::Expansion(rules) if rules.edition == Edition::new(1, 13)));
+        for (wrong, expected) in [
+            ("21", "as in 21=0.23"),
+            ("x=1.0", "a number up to 255"),
+            ("300=1.0", "a number up to 255"),
+            ("21=023", "is no edition"),
+            ("21=9.9", "there are 2.4, 2.1"),
+            ("99=1.0", "no table for the category 099"),
+            ("48/RE=1.31", "there are 1.11, 1.12, 1.13"),
+            ("10/RE=1.1", "no table for the reserved expansion field of category 010"),
+        ] {
+            let line = edition(wrong).unwrap_err();
+            assert!(line.contains(expected), "{line}");
         }
     }
 

@@ -70,9 +70,10 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
             let targets = config.scenario.as_ref().map_or(0, |scenario| scenario.targets);
             format!("simulated; observes a world of {targets} targets")
         }
+        (Input::Live(live), _) => format!("live, behind receiver {}", live.receiver),
         (Input::Recorded(recorded), None) => recorded.file.display().to_string(),
         (Input::Recorded(recorded), Some(found)) => {
-            let editions: Vec<String> = recorded.tables.iter().map(ToString::to_string).collect();
+            let editions: Vec<String> = recorded.asterix.tables.iter().map(ToString::to_string).collect();
             let skipped = match found.skipped {
                 0 => String::new(),
                 bytes => format!(", {bytes} bytes not understood"),

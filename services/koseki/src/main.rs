@@ -2,7 +2,7 @@
 //!
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
-//! that answer questions ([`check`], [`status`]) or give orders ([`condition`]).
+//! that answer questions ([`check`], [`status`]), give orders ([`condition`]) or work on files ([`decode`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running; the latter two after one line on standard error (FM).
@@ -12,6 +12,7 @@
 mod args;
 mod check;
 mod condition;
+mod decode;
 mod recordings;
 mod status;
 
@@ -76,10 +77,13 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Check(check) => check::run(&check),
         Command::Status(status) => status::run(status.instance.as_deref()),
         Command::Condition(condition) => condition::run(&condition),
+        Command::Decode(decode) => decode::run(&decode),
         Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, adapter::run),
         Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, fusion_service::run),
         Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, monitor::run),
         Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, recorder::run),
+        Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, gateway::run),
+        Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, simulator::run),
     }
 }
 
@@ -114,27 +118,34 @@ fn run_service(
     options.launcher = serve.launcher;
     let name = process_name(kind, serve.name, &config)?;
     let named = |error: anyhow::Error| match kind {
-        ProcessKind::Adapter => error.context(format!("adapter {name}")),
+        ProcessKind::Adapter | ProcessKind::Gateway => error.context(format!("{} {name}", kind.word())),
         _ => error.context(name.clone()),
     };
     let process = Process::connect(config, options, kind, &name).map_err(named)?;
     service(&process).map_err(named)
 }
 
-/// An adapter is named after its source; the others may have any name, or that of their kind.
+/// Adapters and gateways have the names that the configuration gives them; the others may have any, or that of their
+/// kind.
 fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Result<String, Usage> {
-    if kind != ProcessKind::Adapter {
-        return Ok(given.unwrap_or_else(|| kind.word().to_owned()));
-    }
-    let sources: Vec<&str> = config.sources.iter().map(|source| source.name.as_str()).collect();
-    let (sources, path) = (sources.join(", "), config.path.display());
+    let names: Vec<&str> = match kind {
+        ProcessKind::Adapter => config.adapters(),
+        ProcessKind::Gateway => config.gateways.iter().map(|gateway| gateway.name.as_str()).collect(),
+        _ => return Ok(given.unwrap_or_else(|| kind.word().to_owned())),
+    };
+    let (kind, path) = (kind.word(), config.path.display());
+    let known = if names.is_empty() {
+        "none".to_owned()
+    } else {
+        names.join(", ")
+    };
     match given {
-        Some(name) if config.source(&name).is_some() => Ok(name),
+        Some(name) if names.contains(&name.as_str()) => Ok(name),
         Some(name) => Err(Usage(format!(
-            "--name {name}: {path} has no source of this name; there are: {sources}"
+            "--name {name}: {path} has no {kind} of this name; there are: {known}"
         ))),
         None => Err(Usage(format!(
-            "an adapter needs --name with the name of its source; {path} has: {sources}"
+            "{kind} needs --name with one of the names in {path}: {known}"
         ))),
     }
 }

@@ -12,10 +12,14 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use formats::asterix::{Decoder, Error as BlockError, Mode, blocks, registry};
+use formats::asterix::{Error as BlockError, blocks, registry};
+use formats::containers::{Container, datagrams};
+use formats::csv_table::CsvError;
 use formats::reports::observation::{Reading, read};
+use formats::sbs::{Merger, SbsSettings};
+use formats::sensor_tracks_csv::SensorTrackReader;
 use runtime::Config;
-use runtime::config::{Input, Recorded, Truncated};
+use runtime::config::{Input, Recorded, RecordedFormat, Truncated};
 
 /// How thoroughly to look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +84,10 @@ enum What {
     Damaged {
         error: BlockError,
     },
+    Table {
+        key: Key,
+        error: CsvError,
+    },
 }
 
 /// Whose recording it is.
@@ -125,6 +133,11 @@ impl fmt::Display for What {
                  source[{}].recorded.truncated = \"accept\"",
                 key.number
             ),
+            Self::Table { key, error } => write!(
+                f,
+                "{error}; it is the recording of source \"{}\", to be read as a table of sensor tracks",
+                key.name
+            ),
             Self::Damaged { error } => write!(
                 f,
                 "{error}: nothing from here on can be read; record or copy it anew, or keep the first {} bytes",
@@ -168,8 +181,11 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
 }
 
 fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Found, What> {
-    let blocks = walk(bytes, recorded, key)?;
-    let found = decode(bytes, recorded, depth);
+    let (blocks, found) = match recorded.format {
+        RecordedFormat::Asterix => (walk(bytes, recorded, key)?, decode(bytes, recorded, depth)),
+        RecordedFormat::Sbs => (0, read_lines(bytes)),
+        RecordedFormat::SensorTracks => (0, read_rows(bytes, key)?),
+    };
     if found.first_time_ns.is_none() {
         return Err(What::NoReport { key: key.clone() });
     }
@@ -185,19 +201,24 @@ fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, What> {
     let expected = expected_categories(recorded);
     let (mut count, mut known, mut others) = (0, false, Vec::new());
     let mut wrong = None;
-    for block in blocks(bytes) {
-        match block {
-            Ok(block) if expected.contains(&block.category) => {
-                count += 1;
-                known = true;
-            }
-            Ok(block) => {
-                count += 1;
-                if !others.contains(&block.category) {
-                    others.push(block.category);
+    let is_raw = Container::detect(bytes) == Container::Raw;
+    for datagram in datagrams(bytes).flatten() {
+        for block in blocks(&datagram.bytes) {
+            match block {
+                Ok(block) if expected.contains(&block.category) => {
+                    count += 1;
+                    known = true;
                 }
+                Ok(block) => {
+                    count += 1;
+                    if !others.contains(&block.category) {
+                        others.push(block.category);
+                    }
+                }
+                // A capture holds what a network carries, some of which is no ASTERIX; that is counted, not refused.
+                Err(error) if is_raw => wrong = Some(error),
+                Err(_) => {}
             }
-            Err(error) => wrong = Some(error),
         }
     }
     let key = key.clone();
@@ -217,32 +238,65 @@ fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, What> {
 
 /// The categories of the editions that the configuration lists; without any, all that there are tables for.
 fn expected_categories(recorded: &Recorded) -> Vec<u8> {
-    if recorded.tables.is_empty() {
+    if recorded.asterix.tables.is_empty() {
         return registry::defaults().map(|table| table.number).collect();
     }
-    recorded.tables.iter().map(|table| table.number).collect()
+    recorded.asterix.tables.iter().map(|table| table.number).collect()
 }
 
 fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> Found {
-    let mut decoder = recorded
-        .tables
-        .iter()
-        .fold(Decoder::new(Mode::Lenient), |decoder, table| decoder.with_table(table));
+    let mut decoder = recorded.asterix.decoder();
     let mut found = Found::default();
-    for record in decoder.records(bytes).flatten() {
-        let Reading::Target(report) = read(&record) else {
-            continue;
-        };
-        found.first_time_ns = found.first_time_ns.or(report.time_of_day_ns);
-        found.last_time_ns = report.time_of_day_ns.or(found.last_time_ns);
-        if depth == Depth::Blocks && found.first_time_ns.is_some() {
-            break;
+    'datagrams: for datagram in datagrams(bytes).flatten() {
+        for record in decoder.records(&datagram.bytes).flatten() {
+            let Reading::Target(report) = read(&record) else {
+                continue;
+            };
+            found.first_time_ns = found.first_time_ns.or(report.time_of_day_ns);
+            found.last_time_ns = report.time_of_day_ns.or(found.last_time_ns);
+            if depth == Depth::Blocks && found.first_time_ns.is_some() {
+                break 'datagrams;
+            }
         }
     }
     let counts = decoder.counts();
     found.records = counts.records;
     found.skipped = counts.octets_skipped;
     found
+}
+
+/// Reads the lines of a transponder receiver.
+fn read_lines(bytes: &[u8]) -> Found {
+    let mut merger = Merger::new(SbsSettings::default());
+    let mut found = Found::default();
+    for line in bytes.split(|octet| *octet == b'\n') {
+        match merger.take(line.trim_ascii_end(), 0) {
+            Ok(Some(observed)) => {
+                found.first_time_ns = found.first_time_ns.or(observed.time_of_day_ns);
+                found.last_time_ns = observed.time_of_day_ns.or(found.last_time_ns);
+            }
+            Ok(None) => {}
+            Err(_) => found.skipped += line.len() as u64,
+        }
+    }
+    found.records = merger.counters().messages;
+    found
+}
+
+/// Reads a table of sensor tracks. A row that cannot be read makes all of it doubtful.
+fn read_rows(bytes: &[u8], key: &Key) -> Result<Found, What> {
+    let table = |error| What::Table {
+        key: key.clone(),
+        error,
+    };
+    let mut found = Found::default();
+    for track in SensorTrackReader::new(bytes, 0, |_| Some(0)).map_err(table)? {
+        let time_ns = track.map_err(table)?.time_of_measurement_ns;
+        found.records += 1;
+        found.first_time_ns = found.first_time_ns.or(Some(time_ns));
+        found.last_time_ns = Some(time_ns);
+    }
+    Ok(found)
 }
 
 /// `010, 019 or 020`.

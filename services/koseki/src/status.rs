@@ -239,6 +239,7 @@ impl Row {
         let (taken, published) = match last.kind() {
             Some(ProcessKind::Adapter) => (Counter::Records, Counter::Published),
             Some(ProcessKind::Recorder) => (Counter::Taken, Counter::RowsWritten),
+            Some(ProcessKind::Gateway | ProcessKind::Simulator) => (Counter::Taken, Counter::RecordsSent),
             _ => (Counter::Taken, Counter::Published),
         };
         Self {

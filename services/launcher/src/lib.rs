@@ -8,7 +8,7 @@
 //! 1. **It prepares the ground** (`ground`): claims the instance, so that nobody else runs it; removes what a killed run
 //!    left; makes sure that the shared memory is large enough; creates every topic, and keeps them in existence.
 //! 2. **It starts the processes** (`part`, `child`): the monitor and the recorder first, so that they miss nothing, with
-//!    them fusion; when these say that they run, the adapters. All are children of the same executable.
+//!    them fusion and the gateways; when these say that they run, the adapters, and the simulator last. All are children of the same executable.
 //! 3. **It watches them** (`supervisor`): a child that ends with exit code 0 has finished. One that ends otherwise is
 //!    noticed at once, its shared memory is taken back, and it is started again, after pauses that grow (`backoff`)
 //!    while it keeps failing. What cannot be cured by starting again (a configuration that a child refuses, a child that

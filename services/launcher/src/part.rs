@@ -11,17 +11,32 @@ use runtime::{Config, Options, Speed};
 pub(crate) struct Part {
     /// Its kind.
     pub(crate) kind: ProcessKind,
-    /// Its name, which it also gives in its health messages: that of its source for an adapter, else that of its kind.
+    /// Its name, which it also gives in its health messages: that of its source or receiver for an adapter, its own for a
+    /// gateway, else that of its kind.
     pub(crate) name: String,
-    /// Its source's number, for an adapter.
+    /// Its source's number, for an adapter of one source.
     pub(crate) source: u16,
 }
 
+/// Kinds in the order in which they are started: whoever reads is there before whoever speaks.
+pub(crate) const START_ORDER: [&[ProcessKind]; 3] = [
+    &[
+        ProcessKind::Monitor,
+        ProcessKind::Recorder,
+        ProcessKind::Gateway,
+        ProcessKind::Fusion,
+    ],
+    &[ProcessKind::Adapter],
+    &[ProcessKind::Simulator],
+];
+
 /// Kinds in the order in which they are stopped: sources first, and the monitor last, so that it sees the others end.
-pub(crate) const STOP_ORDER: [ProcessKind; 4] = [
+pub(crate) const STOP_ORDER: [ProcessKind; 6] = [
+    ProcessKind::Simulator,
     ProcessKind::Adapter,
     ProcessKind::Fusion,
     ProcessKind::Recorder,
+    ProcessKind::Gateway,
     ProcessKind::Monitor,
 ];
 
@@ -32,24 +47,37 @@ pub(crate) fn parts(config: &Config) -> Vec<Part> {
         name: kind.word().to_owned(),
         source: NO_SOURCE,
     };
-    let adapters = config.sources.iter().map(|source| Part {
-        kind: ProcessKind::Adapter,
-        name: source.name.clone(),
-        source: source.number,
-    });
-    let recorder = config.recorder.then(|| service(ProcessKind::Recorder));
     let mut parts = vec![service(ProcessKind::Monitor)];
-    parts.extend(recorder);
+    parts.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
+    parts.extend(config.gateways.iter().map(|gateway| Part {
+        kind: ProcessKind::Gateway,
+        name: gateway.name.clone(),
+        source: NO_SOURCE,
+    }));
     parts.push(service(ProcessKind::Fusion));
-    parts.extend(adapters);
+    parts.extend(config.adapters().into_iter().map(|name| adapter(config, name)));
+    parts.extend(config.is_simulated().then(|| service(ProcessKind::Simulator)));
     parts
+}
+
+fn adapter(config: &Config, name: &str) -> Part {
+    let mut sources = config.sources.iter().filter(|source| source.adapter == name);
+    let source = match (sources.next(), sources.next()) {
+        (Some(only), None) => only.number,
+        _ => NO_SOURCE,
+    };
+    Part {
+        kind: ProcessKind::Adapter,
+        name: name.to_owned(),
+        source,
+    }
 }
 
 impl Part {
     /// What it is called in messages.
     pub(crate) fn title(&self) -> String {
         match self.kind {
-            ProcessKind::Adapter => format!("adapter {}", self.name),
+            ProcessKind::Adapter | ProcessKind::Gateway => format!("{} {}", self.kind.word(), self.name),
             _ => self.name.clone(),
         }
     }
@@ -96,7 +124,7 @@ mod tests {
         let kinds: Vec<ProcessKind> = parts(&config).iter().map(|part| part.kind).collect();
         use ProcessKind::{Adapter, Fusion, Monitor, Recorder};
         assert_eq!(kinds[..4], [Monitor, Recorder, Fusion, Adapter]);
-        assert_eq!(kinds.len(), 3 + config.sources.len());
+        assert_eq!(kinds.len(), 3 + config.sources.len() + 1, "and the simulator");
         assert_eq!(STOP_ORDER.last(), Some(&Monitor));
     }
 

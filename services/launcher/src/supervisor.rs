@@ -13,11 +13,12 @@ use crate::backoff::FAILURES_MAX;
 use crate::board::Board;
 use crate::child::{Child, Sequel};
 use crate::ground::Ground;
-use crate::part::{STOP_ORDER, parts};
+use crate::part::{START_ORDER, STOP_ORDER, parts};
 use crate::wake::Wake;
 use crate::{Orders, say};
 
-/// How long the services may take until they say that they run, before the adapters are started all the same.
+/// How long the processes of one stage of the start may take until they say that they run, before the next stage is
+/// started all the same.
 const START_PATIENCE: Duration = Duration::from_secs(10);
 /// How long a child may take to stop, before it is ended hard.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
@@ -85,9 +86,9 @@ impl<'a> Supervisor<'a> {
     /// Starts all children and watches them, until there is a reason to stop.
     fn watch(&mut self) -> anyhow::Result<()> {
         let begun = Instant::now();
-        let mut adapters_started: Option<Instant> = None;
-        let mut announced = false;
-        self.start_those(|kind| kind != ProcessKind::Adapter)?;
+        let mut stages = START_ORDER.iter();
+        let mut stage_began = begun;
+        let mut complete: Option<Instant> = None;
         loop {
             let now = Instant::now();
             self.tick(now)?;
@@ -95,37 +96,32 @@ impl<'a> Supervisor<'a> {
                 say("asked to stop");
                 return Ok(());
             }
-            match adapters_started {
+            match complete {
                 None => {
-                    let patient = now.duration_since(begun) < START_PATIENCE;
                     let missing = self.not_up();
-                    if missing.is_empty() || !patient {
+                    if missing.is_empty() || now.duration_since(stage_began) >= START_PATIENCE {
                         if !missing.is_empty() {
-                            say(&format!("starting the adapters without {}", missing.join(", ")));
+                            say(&format!("going on without {}", missing.join(", ")));
                         }
-                        self.start_those(|kind| kind == ProcessKind::Adapter)?;
-                        adapters_started = Some(now);
+                        stage_began = now;
+                        match stages.next() {
+                            Some(kinds) => self.start_those(kinds)?,
+                            None => {
+                                self.announce(now.duration_since(begun));
+                                complete = Some(now);
+                            }
+                        }
                         continue;
                     }
                 }
-                Some(started) => {
-                    if !announced && self.not_up().is_empty() {
-                        announced = true;
-                        self.announce(now.duration_since(begun));
-                    }
-                    if self
-                        .orders
-                        .run_for
-                        .is_some_and(|limit| now.duration_since(started) >= limit)
-                    {
-                        return Ok(());
-                    }
-                    if self.is_finished() {
+                Some(complete) => {
+                    let limit = self.orders.run_for;
+                    if limit.is_some_and(|limit| now.duration_since(complete) >= limit) || self.is_finished() {
                         return Ok(());
                     }
                 }
             }
-            self.sleep(now, adapters_started);
+            self.sleep(now, complete);
         }
     }
 
@@ -164,9 +160,9 @@ impl<'a> Supervisor<'a> {
         self.board.say(Now::read(), &self.children, urgent)
     }
 
-    fn start_those(&mut self, which: impl Fn(ProcessKind) -> bool) -> anyhow::Result<()> {
+    fn start_those(&mut self, kinds: &[ProcessKind]) -> anyhow::Result<()> {
         for index in 0..self.children.len() {
-            if which(self.children[index].part().kind) {
+            if kinds.contains(&self.children[index].part().kind) {
                 self.start(index)?;
             }
         }
@@ -219,17 +215,22 @@ impl<'a> Supervisor<'a> {
     }
 
     fn announce(&self, took: Duration) {
-        let names = |adapters: bool| -> Vec<&str> {
+        let names = |adapters: bool| -> Vec<String> {
             let parts = self.children.iter().map(Child::part);
             let chosen = parts.filter(|part| (part.kind == ProcessKind::Adapter) == adapters);
-            chosen.map(|part| part.name.as_str()).collect()
+            chosen
+                .map(|part| if adapters { part.name.clone() } else { part.title() })
+                .collect()
         };
         let (services, adapters) = (names(false).join(", "), names(true));
         let instance = &self.orders.options.instance;
+        let count = match adapters.len() {
+            1 => "1 adapter".to_owned(),
+            count => format!("{count} adapters"),
+        };
         say(&format!(
-            "instance {instance} runs after {:.1} s: {services}, and {} adapters ({}); Ctrl-C stops it",
+            "instance {instance} runs after {:.1} s: {services}, and {count} ({}); Ctrl-C stops it",
             took.as_secs_f64(),
-            adapters.len(),
             adapters.join(", ")
         ));
     }
@@ -251,10 +252,8 @@ impl<'a> Supervisor<'a> {
         self.children.iter().filter(reads)
     }
 
-    fn sleep(&self, now: Instant, adapters_started: Option<Instant>) {
-        let end = adapters_started
-            .zip(self.orders.run_for)
-            .map(|(start, limit)| start + limit);
+    fn sleep(&self, now: Instant, complete: Option<Instant>) {
+        let end = complete.zip(self.orders.run_for).map(|(start, limit)| start + limit);
         let restarts = self.children.iter().filter_map(Child::restart_due);
         let next = restarts.chain(end).min();
         let sleep = next.map_or(TICK, |next| next.saturating_duration_since(now).min(TICK));

@@ -23,11 +23,12 @@ pub(crate) const REJECTIONS: [Counter; 12] = [
 ];
 
 /// What else an adapter says of records that it did not, or not wholly, turn into reports.
-pub(crate) const ADAPTER_REMARKS: [Counter; 4] = [
+pub(crate) const ADAPTER_REMARKS: [Counter; 5] = [
     Counter::ServiceMessages,
     Counter::BlocksRefused,
     Counter::BytesRefused,
     Counter::RejectedHeight,
+    Counter::HeightAssumed,
 ];
 
 /// Reports that fusion took, but did not use.
@@ -38,6 +39,26 @@ pub(crate) const FUSION_REFUSALS: [Counter; 6] = [
     Counter::SchemaMismatch,
     Counter::QueueFull,
     Counter::TableFull,
+];
+
+/// What crosses a process's socket; if none of it does, it has none.
+pub(crate) const TRAFFIC: [Counter; 5] = [
+    Counter::Datagrams,
+    Counter::DatagramsRefused,
+    Counter::Connections,
+    Counter::DatagramsSent,
+    Counter::SendFailures,
+];
+
+/// What an operator of a network should look into.
+pub(crate) const NETWORK_TROUBLE: [Counter; 7] = [
+    Counter::DatagramsRefused,
+    Counter::DatagramsUnusable,
+    Counter::KernelDrops,
+    Counter::RejectedSource,
+    Counter::BlocksRefused,
+    Counter::BytesRefused,
+    Counter::SendFailures,
 ];
 
 /// Values of all counters. In JSON: an object with one member per counter, by label, in the order of their codes.
@@ -71,12 +92,6 @@ impl Counters {
             sum.0[level as usize] = later.get(level);
         }
         sum
-    }
-
-    /// The larger value of each: for two statements about the same thing.
-    #[must_use]
-    pub(crate) fn or_larger(&self, other: &Self) -> Self {
-        Self(std::array::from_fn(|index| self.0[index].max(other.0[index])))
     }
 
     #[cfg(test)]

@@ -136,13 +136,11 @@ impl HealthBook {
         self.speakers.get(&(kind, padded(name), source)).map(Latest)
     }
 
-    /// What the adapter `name` says of its source, which it may call by number or, as its only one, not at all.
+    /// What the adapter `name` says of a source: by its number, or, if it is its only one, of itself as a whole.
     pub(crate) fn adapter(&self, name: &str, source: u16) -> Counters {
-        let of = |source| {
-            let said = self.said(ProcessKind::Adapter, name, source);
-            said.map_or_else(Counters::default, |said| said.counters())
-        };
-        of(NO_SOURCE).or_larger(&of(source))
+        let of = |source| self.said(ProcessKind::Adapter, name, source);
+        let said = of(source).or_else(|| of(NO_SOURCE));
+        said.map_or_else(Counters::default, |said| said.counters())
     }
 
     /// What the service of a kind counts of one source; of all together for [`NO_SOURCE`].

@@ -44,8 +44,19 @@ pub struct Report {
     pub processes: Vec<Process>,
     /// What fusion counted altogether.
     pub fusion: Counters,
+    /// What processes that have a socket counted at it.
+    pub network: Vec<NetworkReport>,
     /// Health messages that could not be understood.
     pub health_ignored: u64,
+}
+
+/// What a process counted at its socket, and of itself as a whole.
+#[derive(Clone, Debug, Serialize)]
+pub struct NetworkReport {
+    /// The process, as it is called in text.
+    pub process: String,
+    /// Its counters.
+    pub counters: Counters,
 }
 
 /// What was run, as far as a reader of the report needs to know.
@@ -65,6 +76,8 @@ pub struct RunSettings {
     pub recorded_sources: usize,
     /// How many sources are simulated.
     pub simulated_sources: usize,
+    /// How many sources are behind a receiver.
+    pub live_sources: usize,
     /// Speed of recordings: a factor or "max"; `None` without recordings.
     pub speed: Option<String>,
     /// Whether latencies mean anything: not if a recording is replayed as fast as possible.
@@ -229,11 +242,16 @@ pub struct Process {
 impl Process {
     /// What it is called in text.
     pub fn title(&self) -> String {
-        if self.name == self.kind.word() {
-            self.name.clone()
-        } else {
-            format!("{} {}", self.kind.word(), self.name)
-        }
+        title(self.kind, &self.name)
+    }
+}
+
+/// What a process is called in text.
+pub(crate) fn title(kind: ProcessKind, name: &str) -> String {
+    if name == kind.word() {
+        name.to_owned()
+    } else {
+        format!("{} {name}", kind.word())
     }
 }
 

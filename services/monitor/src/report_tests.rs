@@ -1,3 +1,4 @@
+use crate::report::NetworkReport;
 use std::collections::BTreeMap;
 
 use messages::{LifeState, ProcessKind};
@@ -69,6 +70,7 @@ fn good() -> Report {
             wait: "event",
             recorded_sources: 0,
             simulated_sources: 2,
+            live_sources: 0,
             speed: None,
             latencies_measured: true,
             seed: Some(1),
@@ -127,6 +129,10 @@ fn good() -> Report {
         fusion: Counters::default()
             .with(Counter::Taken, 21_579)
             .with(Counter::Published, 21_000),
+        network: vec![NetworkReport {
+            process: "adapter ads-b".to_owned(),
+            counters: Counters::default().with(Counter::Datagrams, 4_321),
+        }],
         health_ignored: 0,
     })
 }
@@ -164,6 +170,11 @@ fn bad() -> Report {
         by_process: BTreeMap::from([("fusion".to_owned(), 2)]),
     };
     report.fusion = report.fusion.with(Counter::TableFull, 7);
+    let at_socket = report.network[0].counters;
+    report.network[0].counters = at_socket
+        .with(Counter::KernelDrops, 17)
+        .with(Counter::DatagramsRefused, 1_000)
+        .with(Counter::SendFailures, 2);
     report.health_ignored = 4;
     judged(report)
 }
@@ -176,6 +187,7 @@ fn empty() -> Report {
         source.stages = Stage::ALL.map(|stage| (stage, Summary::default())).to_vec();
     }
     report.losses.hops.clear();
+    report.network[0].counters = Counters::default();
     report.stages = Stage::ALL.map(|stage| (stage, StageReport::default())).to_vec();
     (report.picture, report.fusion) = (Picture::default(), Counters::default());
     report.accuracy = Some(scenario::Accuracy::default().report());

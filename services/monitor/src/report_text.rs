@@ -8,7 +8,7 @@ use scenario::AccuracyReport;
 use telemetry::table::{self, Align, Table, count};
 use telemetry::{Stage, Summary};
 
-use crate::counters::{ADAPTER_REMARKS, FUSION_REFUSALS, REJECTIONS};
+use crate::counters::{ADAPTER_REMARKS, FUSION_REFUSALS, NETWORK_TROUBLE, REJECTIONS};
 use crate::report::{Process, Report, RunSettings};
 use crate::text::{date_time, percent, several, wrapped};
 use crate::truth_watch::WARM_UP_NS;
@@ -19,14 +19,15 @@ const WIDTH: usize = 110;
 impl Report {
     /// The report, for people.
     pub fn text(&self) -> String {
-        let mut sections = vec![
-            self.heading(),
+        let mut sections = vec![self.heading()];
+        sections.extend((!self.network.is_empty()).then(|| self.network_traffic()));
+        sections.extend([
             self.reports(),
             self.not_used(),
             self.arrivals(),
             self.latencies(),
             self.system_tracks(),
-        ];
+        ]);
         sections.extend(self.accuracy.as_ref().map(accuracy));
         sections.push(self.process_table());
         sections.push(wrapped(&self.verdict.sentence, WIDTH));
@@ -60,6 +61,36 @@ impl Report {
             line("reached", format!("{} UTC in the recording", date_time(reached)));
         }
         text
+    }
+
+    fn network_traffic(&self) -> String {
+        let mut rows = Table::new(&[
+            ("process", Align::Left),
+            ("datagrams in", Align::Right),
+            ("dropped by the kernel", Align::Right),
+            ("datagrams out", Align::Right),
+            ("records out", Align::Right),
+        ]);
+        let mut trouble = String::new();
+        for report in &self.network {
+            let of = |counter| report.counters.get(counter);
+            let shown = [
+                Counter::Datagrams,
+                Counter::KernelDrops,
+                Counter::DatagramsSent,
+                Counter::RecordsSent,
+            ];
+            let cells = shown.map(|counter| count(of(counter)));
+            rows.row([report.process.clone()].into_iter().chain(cells));
+            for counter in NETWORK_TROUBLE.into_iter().filter(|counter| of(*counter) > 0) {
+                let line = format!("{}: {}: {}", report.process, count(of(counter)), counter.sentence());
+                trouble.push_str(&wrapped(&line, WIDTH));
+            }
+        }
+        if trouble.is_empty() {
+            trouble.push_str("Nothing was refused, unusable or dropped.\n");
+        }
+        format!("NETWORK\n{rows}{trouble}")
     }
 
     fn reports(&self) -> String {
@@ -272,6 +303,9 @@ fn sources(settings: &RunSettings) -> String {
             part.push_str(&format!(" (seed {seed})"));
         }
         parts.push(part);
+    }
+    if settings.live_sources > 0 {
+        parts.push(several(settings.live_sources as u64, "live source"));
     }
     if settings.recorded_sources > 0 {
         let mut part = several(settings.recorded_sources as u64, "recording");

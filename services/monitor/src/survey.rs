@@ -12,11 +12,14 @@ use telemetry::{Span, Stage, Stages};
 
 use crate::health_book::HealthBook;
 use crate::live::{Live, LiveSource};
-use crate::report::{Hop, Losses, Picture, Process, Report, Restarts, RunSettings, SourceReport, StageReport, State};
+use crate::report::{
+    Hop, Losses, NetworkReport, Picture, Process, Report, Restarts, RunSettings, SourceReport, StageReport, State,
+    title,
+};
 use crate::truth_watch::TruthWatch;
 use crate::verdict::Verdict;
 
-use crate::counters::REJECTIONS;
+use crate::counters::{REJECTIONS, TRAFFIC};
 
 /// See the module's documentation.
 #[derive(Debug)]
@@ -24,7 +27,9 @@ pub(crate) struct Survey {
     settings: RunSettings,
     /// Name of the monitor itself.
     name: String,
-    sources: Vec<(u16, String)>,
+    sources: Vec<Watched>,
+    /// The processes of the deployment, the monitor itself last.
+    expected: Vec<(ProcessKind, String)>,
     has_recorder: bool,
     begun: Now,
     stages: Stages,
@@ -35,20 +40,34 @@ pub(crate) struct Survey {
     taken_before: Vec<(u64, i64)>,
 }
 
+/// A source, as far as the monitor needs to know it.
+#[derive(Debug)]
+struct Watched {
+    number: u16,
+    name: String,
+    /// Name of the adapter process that speaks of it.
+    adapter: String,
+}
+
 impl Survey {
     /// Nothing is known yet.
     ///
     /// # Errors
     /// If the simulated world cannot be made.
     pub(crate) fn new(config: &Config, options: &Options, name: &str, begun: Now) -> anyhow::Result<Self> {
-        let sources: Vec<(u16, String)> = config
+        let sources: Vec<Watched> = config
             .sources
             .iter()
-            .map(|source| (source.number, source.name.clone()))
+            .map(|source| Watched {
+                number: source.number,
+                name: source.name.clone(),
+                adapter: source.adapter.clone(),
+            })
             .collect();
         Ok(Self {
             settings: run_settings(config, options),
             name: name.to_owned(),
+            expected: expected(config, name),
             has_recorder: config.recorder,
             begun,
             stages: Stages::default(),
@@ -99,8 +118,8 @@ impl Survey {
 
     /// The name of a source.
     pub(crate) fn source_name(&self, number: u16) -> &str {
-        let found = self.sources.iter().find(|(of, _)| *of == number);
-        found.map_or("others", |(_, name)| name)
+        let found = self.sources.iter().find(|source| source.number == number);
+        found.map_or("others", |source| &source.name)
     }
 
     /// Health messages that could not be understood.
@@ -148,8 +167,8 @@ impl Survey {
     }
 
     fn live_source(&mut self, index: usize) -> LiveSource {
-        let (number, name) = &self.sources[index];
-        let adapter = self.book.adapter(name, *number);
+        let Watched { number, name, adapter } = &self.sources[index];
+        let adapter = self.book.adapter(adapter, *number);
         let said = self.book.said(ProcessKind::Fusion, ProcessKind::Fusion.word(), *number);
         let (before, mut before_ns) = self.taken_before[index];
         if let (0, Some(said)) = (before_ns, &said) {
@@ -183,11 +202,7 @@ impl Survey {
 
     /// The final report.
     pub(crate) fn report(&self, now: Now, own: SubscriberCounts) -> Report {
-        let sources: Vec<SourceReport> = self
-            .sources
-            .iter()
-            .map(|(number, name)| self.source_report(*number, name))
-            .collect();
+        let sources: Vec<SourceReport> = self.sources.iter().map(|source| self.source_report(source)).collect();
         let processes = self.processes(now);
         let stage = |stage| {
             let summary = self.stages.summary(stage, None, Span::Total);
@@ -207,18 +222,20 @@ impl Survey {
             restarts: restarts(&processes),
             processes,
             fusion: self.book.service(ProcessKind::Fusion, NO_SOURCE),
+            network: self.network(),
             health_ignored: self.book.ignored(),
         };
         report.verdict = Verdict::on(&report);
         report
     }
 
-    fn source_report(&self, number: u16, name: &str) -> SourceReport {
+    fn source_report(&self, source: &Watched) -> SourceReport {
+        let number = source.number;
         let summary = |stage| (stage, self.stages.summary(stage, Some(number), Span::Total));
         SourceReport {
             number,
-            name: name.to_owned(),
-            adapter: self.book.adapter(name, number),
+            name: source.name.clone(),
+            adapter: self.book.adapter(&source.adapter, number),
             fusion: self.book.service(ProcessKind::Fusion, number),
             recorder: self.book.service(ProcessKind::Recorder, number),
             stages: Stage::ALL.map(summary).to_vec(),
@@ -284,19 +301,42 @@ impl Survey {
     }
 
     fn processes(&self, now: Now) -> Vec<Process> {
-        let service = |kind: ProcessKind| (kind, kind.word().to_owned());
-        let adapters = self
-            .sources
-            .iter()
-            .map(|(_, name)| (ProcessKind::Adapter, name.clone()));
-        let mut expected: Vec<(ProcessKind, String)> = adapters.collect();
-        expected.push(service(ProcessKind::Fusion));
-        if self.has_recorder {
-            expected.push(service(ProcessKind::Recorder));
-        }
-        expected.push((ProcessKind::Monitor, self.name.clone()));
-        self.book.processes(&expected, now.mono_ns)
+        self.book.processes(&self.expected, now.mono_ns)
     }
+
+    /// What processes with a socket say of it.
+    fn network(&self) -> Vec<NetworkReport> {
+        let with_socket = [ProcessKind::Adapter, ProcessKind::Simulator, ProcessKind::Gateway];
+        let expected = self.expected.iter().filter(|(kind, _)| with_socket.contains(kind));
+        let said = expected.filter_map(|(kind, name)| {
+            let counters = self.book.whole(*kind, name)?.counters();
+            Some(NetworkReport {
+                process: title(*kind, name),
+                counters,
+            })
+        });
+        said.filter(|report| report.counters.sum(&TRAFFIC) > 0).collect()
+    }
+}
+
+/// The processes of a deployment, the monitor called `monitor` last.
+fn expected(config: &Config, monitor: &str) -> Vec<(ProcessKind, String)> {
+    let service = |kind: ProcessKind| (kind, kind.word().to_owned());
+    let adapters = config
+        .adapters()
+        .into_iter()
+        .map(|name| (ProcessKind::Adapter, name.to_owned()));
+    let mut expected: Vec<(ProcessKind, String)> = adapters.collect();
+    expected.push(service(ProcessKind::Fusion));
+    let gateways = config
+        .gateways
+        .iter()
+        .map(|gateway| (ProcessKind::Gateway, gateway.name.clone()));
+    expected.extend(gateways);
+    expected.extend(config.is_simulated().then(|| service(ProcessKind::Simulator)));
+    expected.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
+    expected.push((ProcessKind::Monitor, monitor.to_owned()));
+    expected
 }
 
 fn restarts(processes: &[Process]) -> Restarts {
@@ -309,13 +349,9 @@ fn restarts(processes: &[Process]) -> Restarts {
 }
 
 fn run_settings(config: &Config, options: &Options) -> RunSettings {
-    let is_recorded = |input: &Input| matches!(input, Input::Recorded(_));
-    let recorded = config
-        .sources
-        .iter()
-        .filter(|source| is_recorded(&source.input))
-        .count();
-    let simulated = config.sources.len() - recorded;
+    let count = |of: fn(&Input) -> bool| config.sources.iter().filter(|source| of(&source.input)).count();
+    let recorded = count(|input| matches!(input, Input::Recorded(_)));
+    let simulated = count(|input| matches!(input, Input::Simulated(_)));
     let speed = match options.speed {
         Speed::Factor(factor) => factor.to_string(),
         Speed::Max => "max".to_owned(),
@@ -335,6 +371,7 @@ fn run_settings(config: &Config, options: &Options) -> RunSettings {
         },
         recorded_sources: recorded,
         simulated_sources: simulated,
+        live_sources: config.sources.len() - recorded - simulated,
         speed: (recorded > 0).then_some(speed),
         latencies_measured: recorded == 0 || options.speed != Speed::Max,
         seed: (simulated > 0).then_some(options.seed),

@@ -45,8 +45,8 @@ impl TruthWatch {
         let start_ns = options.scenario_start_ns;
         let mut sensors = Vec::new();
         for source in &config.sources {
-            if let Input::Simulated(settings) = &source.input {
-                let sensor = SimulatedSensor::new(settings, options.seed, source.number, start_ns)?;
+            if let Input::Simulated(simulated) = &source.input {
+                let sensor = SimulatedSensor::new(&simulated.sensor, options.seed, source.number, start_ns)?;
                 sensors.push(sensor);
             }
         }

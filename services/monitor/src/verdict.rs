@@ -43,6 +43,7 @@ fn concerns(report: &Report) -> Vec<String> {
     let mut concerns = Vec::new();
     about_processes(report, &mut concerns);
     about_reports(report, &mut concerns);
+    about_the_network(report, &mut concerns);
     about_the_recorder(report, &mut concerns);
     about_fusion(report, &mut concerns);
     about_accuracy(report, &mut concerns);
@@ -92,7 +93,7 @@ fn about_reports(report: &Report, concerns: &mut Vec<String>) {
             several(losses.reports_lost, "report")
         ));
     }
-    let recorded = report.settings.simulated_sources == 0;
+    let recorded = report.settings.simulated_sources + report.settings.live_sources == 0;
     let allowed = if recorded { 0.0 } else { UNREAD_SHARE_MAX * taken as f64 };
     if losses.complete && losses.reports_unread as f64 > allowed {
         // Of a killed fusion process, nobody knows what it took in its last moment.
@@ -105,6 +106,26 @@ fn about_reports(report: &Report, concerns: &mut Vec<String>) {
             "{up_to}{} published while fusion was not there to read them",
             were(losses.reports_unread, "report")
         ));
+    }
+}
+
+fn about_the_network(report: &Report, concerns: &mut Vec<String>) {
+    for network in &report.network {
+        let of = |counter| network.counters.get(counter);
+        if of(Counter::KernelDrops) > 0 {
+            concerns.push(format!(
+                "the kernel dropped {} before {} had read them: raise its buffer_bytes",
+                several(of(Counter::KernelDrops), "datagram"),
+                network.process
+            ));
+        }
+        if of(Counter::SendFailures) > 0 {
+            concerns.push(format!(
+                "{} could not send {}",
+                network.process,
+                several(of(Counter::SendFailures), "datagram")
+            ));
+        }
     }
 }
 

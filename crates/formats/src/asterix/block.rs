@@ -12,7 +12,7 @@ pub const HEADER_OCTETS: usize = 3;
 pub struct Block<'a> {
     /// The category of its records.
     pub category: u8,
-    /// Where it begins in the bytes passed to [`blocks`].
+    /// Where it begins in the bytes passed to [`blocks`], or in what they are a part of.
     pub offset: usize,
     /// All its octets, with the header.
     pub bytes: &'a [u8],
@@ -22,6 +22,18 @@ impl<'a> Block<'a> {
     /// The octets behind the header.
     pub fn body(&self) -> &'a [u8] {
         &self.bytes[HEADER_OCTETS..]
+    }
+
+    /// System area code and system identification code of its first record: who sent it. Item 010, which holds them, is
+    /// the first of every category; `None` if the record has none.
+    pub fn sender(&self) -> Option<(u8, u8)> {
+        const FIRST_ITEM: u8 = 0x80;
+        let body = self.body();
+        let fspec_octets = body.iter().position(|octet| octet & 1 == 0)? + 1;
+        match body.get(fspec_octets..)? {
+            [sac, sic, ..] if body[0] & FIRST_ITEM != 0 => Some((*sac, *sic)),
+            _ => None,
+        }
     }
 
     /// The records, read with one edition's table. The caller has chosen a table of the block's category.
@@ -35,12 +47,19 @@ impl<'a> Block<'a> {
 /// A block whose length can not be right is an error and the end: nothing in the format marks where the next one
 /// begins.
 pub fn blocks(bytes: &[u8]) -> Blocks<'_> {
-    Blocks { bytes, at: 0 }
+    blocks_at(0, bytes)
+}
+
+/// The same for bytes that are a part of something, from its octet `begin` on: offsets of blocks, records and errors
+/// count from the begin of the whole.
+pub fn blocks_at(begin: usize, bytes: &[u8]) -> Blocks<'_> {
+    Blocks { begin, bytes, at: 0 }
 }
 
 /// The iterator that [`blocks`] returns.
 #[derive(Debug, Clone)]
 pub struct Blocks<'a> {
+    begin: usize,
     bytes: &'a [u8],
     at: usize,
 }
@@ -53,7 +72,7 @@ impl<'a> Iterator for Blocks<'a> {
         if rest.is_empty() {
             return None;
         }
-        let block = first_block(rest, self.at);
+        let block = first_block(rest, self.begin + self.at);
         self.at = match &block {
             Ok(block) => self.at + block.bytes.len(),
             Err(_) => self.bytes.len(),

@@ -217,6 +217,61 @@ impl Error {
             | Self::SpareBitSet { offset, .. } => offset,
         }
     }
+
+    /// The category of the block, unless not even its header could be read.
+    pub fn category(&self) -> Option<u8> {
+        match *self {
+            Self::HeaderTruncated { .. } => None,
+            Self::BlockLength { category, .. }
+            | Self::BlockTruncated { category, .. }
+            | Self::NoTable { category, .. }
+            | Self::FspecTruncated { category, .. }
+            | Self::FspecTooLong { category, .. }
+            | Self::RecordEmpty { category, .. }
+            | Self::ItemUndefined { category, .. }
+            | Self::ProfileUndecided { category, .. }
+            | Self::ItemTruncated { category, .. }
+            | Self::ExplicitLength { category, .. }
+            | Self::ExtensionUndefined { category, .. }
+            | Self::SubitemUndefined { category, .. }
+            | Self::SequenceUndefined { category, .. }
+            | Self::SpareBitSet { category, .. } => Some(category),
+        }
+    }
+
+    /// The item, if the error was noticed in one.
+    pub fn item(&self) -> Option<&'static str> {
+        match *self {
+            Self::ProfileUndecided { item, .. }
+            | Self::ItemTruncated { item, .. }
+            | Self::ExplicitLength { item, .. }
+            | Self::ExtensionUndefined { item, .. }
+            | Self::SubitemUndefined { item, .. }
+            | Self::SequenceUndefined { item, .. }
+            | Self::SpareBitSet { item, .. } => Some(item),
+            _ => None,
+        }
+    }
+
+    /// What is wrong in a few words, the same for all errors of a kind: to count them by.
+    pub fn label(&self) -> &'static str {
+        match self {
+            Self::HeaderTruncated { .. } => "block header cut",
+            Self::BlockLength { .. } => "impossible block length",
+            Self::BlockTruncated { .. } => "block cut",
+            Self::NoTable { .. } => "no table of the category",
+            Self::FspecTruncated { .. } | Self::FspecTooLong { .. } => "endless FSPEC",
+            Self::RecordEmpty { .. } => "record without items",
+            Self::ItemUndefined { .. } => "undefined item",
+            Self::ProfileUndecided { .. } => "undecided profile",
+            Self::ItemTruncated { .. } => "item cut",
+            Self::ExplicitLength { .. } => "explicit item of length 0",
+            Self::ExtensionUndefined { .. } => "undefined extension",
+            Self::SubitemUndefined { .. } => "undefined subitem",
+            Self::SequenceUndefined { .. } => "undefined item in a sequence",
+            Self::SpareBitSet { .. } => "spare bit set",
+        }
+    }
 }
 
 /// Why the element that decides between profiles did not.

@@ -28,7 +28,8 @@
 //! bytes ── blocks ──► Block ── records(table, mode) ──► Record ──┬── NamedRecord: every item by name, to show
 //!              └────── Decoder does both, and counts ──────┘      └── typed: the fields fusion needs, SI units
 //!
-//! NamedRecord ── encode(table) ──► octets of a record ── BlockWriter ──► blocks of a size
+//! NamedRecord ──────────── encode(table) ──┬─► octets of a record ── BlockWriter ──► blocks of a size
+//! numbers, item by item ── RecordWriter ────┘
 //! ```
 //!
 //! A [`Record`] knows where each of its items lies and has decoded none of them. From there two ways lead on, which
@@ -38,7 +39,8 @@
 //! decoded apart, see [`expansion`].
 //!
 //! The way back, [`NamedRecord::encode`], is the exact inverse: the tree of a record becomes the record's octets, save
-//! for what the tree does not hold (spare bits that were set, FSPEC octets that announced nothing).
+//! for what the tree does not hold (spare bits that were set, FSPEC octets that announced nothing). [`RecordWriter`] is
+//! for a sender that knows its category and must not allocate.
 //!
 //! A table ([`table`], [`categories`]) is data in the order and words of the EUROCONTROL document, so that it can be
 //! checked against it line by line; what can be checked mechanically (whole octets, names, profile entries) is checked
@@ -57,6 +59,7 @@ pub mod error;
 pub mod expansion;
 pub mod named;
 pub mod record;
+pub mod record_writer;
 pub mod registry;
 pub mod table;
 pub mod text;
@@ -67,11 +70,12 @@ mod encode;
 mod extent;
 mod spare;
 
-pub use block::{Block, BlockWriter, Blocks, blocks};
+pub use block::{Block, BlockWriter, Blocks, blocks, blocks_at};
 pub use decoder::{Counts, Decoder};
 pub use encode_error::EncodeError;
 pub use error::Error;
 pub use expansion::Expansion;
 pub use named::{NamedRecord, Value};
 pub use record::{Mode, Record, Records};
+pub use record_writer::RecordWriter;
 pub use table::{Category, Edition, Frn};

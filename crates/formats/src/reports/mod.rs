@@ -6,18 +6,54 @@
 //! impossible values out. What it refuses is counted by reason, and never reaches fusion. [`Reorder`] puts reports
 //! into the order of their times and says how far the source has got.
 
+mod accuracy;
+mod atmosphere;
 mod converter;
 pub mod observation;
+mod placing;
 mod plausibility;
 mod reorder;
+mod truncated_time;
 mod velocity;
 
-pub use converter::{Converter, SourceModel};
+pub use atmosphere::STANDARD_PRESSURE_HPA;
+pub use converter::Converter;
 pub use observation::{Observation, Position};
 pub use reorder::Reorder;
+pub use truncated_time::TRUNCATION_NS;
 
-use frames::PolarSigma;
+use frames::{PolarSigma, SensorFrame, SystemFrame};
 use serde::Deserialize;
+
+/// Ratio of the radius that holds 95 % of a circular normal distribution to its standard deviation per axis.
+const RADIUS95_SIGMAS: f64 = 2.447_746_8;
+
+/// What the converter must know of a source.
+#[derive(Clone, Copy, Debug)]
+pub struct SourceModel {
+    /// Its number.
+    pub number: u16,
+    /// Only reports of this SAC/SIC are taken, where given.
+    pub sac_sic: Option<(u8, u8)>,
+    /// Which of several position items is used.
+    pub positions: PositionForm,
+    /// The frame it measures in.
+    pub frame: SensorFrame,
+    /// The system frame.
+    pub system: SystemFrame,
+    /// Height of the sensor above the ellipsoid, metres.
+    pub height_m: f64,
+    /// Height that a target is given whose slant range is to be turned into a ground range and whose own height is not
+    /// known, metres; never more than half the slant range above the sensor, as radars do not look up steeper than 30°.
+    pub assumed_height_m: f64,
+    /// Pressure at mean sea level in the sensor's area, hPa: brings pressure altitudes, which all transponders count
+    /// from [`STANDARD_PRESSURE_HPA`], nearer to heights.
+    pub qnh_hpa: f64,
+    /// What its reports may contain.
+    pub limits: Limits,
+    /// How accurate they are.
+    pub covariance: CovarianceModel,
+}
 
 /// What a source's reports may contain; anything else is rejected and counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,12 +78,13 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum PositionForm {
-    /// Cartesian, else polar, else geographic.
+    /// Cartesian, else range and azimuth, else geographic: a radar's track rather than its plot. The plot, where there is
+    /// one, goes along as the measurement behind the track.
     #[default]
     Any,
     /// Cartesian only.
     Cartesian,
-    /// Polar only.
+    /// Range and azimuth only, along the ground or straight: a radar's plot rather than its track.
     Polar,
 }
 
@@ -59,7 +96,7 @@ pub struct CovarianceModel {
     /// Standard deviation of each horizontal position component, metres. Where reports state a dilution of precision,
     /// per unit of it; where they state a standard deviation, its floor.
     pub position_sigma_m: f64,
-    /// Standard deviation of each horizontal velocity component, metres per second.
+    /// Standard deviation of each horizontal velocity component, metres per second; where reports state one, its floor.
     pub velocity_sigma_mps: f64,
     /// Standard deviation of height, metres.
     pub height_sigma_m: f64,

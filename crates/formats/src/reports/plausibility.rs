@@ -18,6 +18,8 @@ const AGREEING: u32 = 3;
 pub(crate) struct TrackMemory {
     pub(crate) positions: Positions,
     pub(crate) last_position_m: [f64; 3],
+    /// Time (UTC, nanoseconds) and height (metres) of the last report that had one.
+    pub(crate) last_height: Option<(i64, f64)>,
     refused: Option<(i64, [f64; 2])>,
     agreeing: u32,
 }

@@ -2,10 +2,26 @@
 
 /// How many positions are used.
 const POSITIONS: usize = 5;
-/// Positions older than this say nothing about the present velocity, nanoseconds.
+/// Positions older than this say little about the present velocity, nanoseconds.
 const SPAN_MAX_NS: i64 = 8_000_000_000;
+/// But so many are used in any case, as a radar that turns in 12 s has no newer ones …
+const POSITIONS_MIN: usize = 3;
+/// … unless they are older than this, nanoseconds.
+const SILENCE_MAX_NS: i64 = 40_000_000_000;
 /// A shorter baseline makes noise into speed, nanoseconds.
 const SPAN_MIN_NS: i64 = 900_000_000;
+
+/// The line through a track's last positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slope {
+    /// Metres per second.
+    pub(crate) velocity_mps: [f64; 2],
+    /// Sum of the squares of the times' distances from their mean, s²: the variance of a position divided by this is
+    /// that of the velocity.
+    pub(crate) spread_s2: f64,
+    /// How long ago the mean of the times is, which is when the target had this velocity, seconds.
+    pub(crate) age_s: f64,
+}
 
 /// The last positions of one track.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,10 +46,13 @@ impl Positions {
         self.count = 0;
     }
 
-    /// Slope of the least-squares line through the positions, metres per second; `None` with too short a baseline.
-    pub(crate) fn velocity(&self) -> Option<[f64; 2]> {
+    /// Slope of the least-squares line through the positions; `None` with too short a baseline.
+    pub(crate) fn velocity(&self) -> Option<Slope> {
         let (now_ns, _) = self.newest()?;
-        let recent = |back: &usize| now_ns - self.nth(*back).0 <= SPAN_MAX_NS;
+        let recent = |back: &usize| {
+            let age_ns = now_ns - self.nth(*back).0;
+            age_ns <= SPAN_MAX_NS || *back < POSITIONS_MIN && age_ns <= SILENCE_MAX_NS
+        };
         let count = (0..self.count).take_while(recent).count();
         if now_ns - self.nth(count.checked_sub(1)?).0 < SPAN_MIN_NS {
             return None;
@@ -49,7 +68,11 @@ impl Positions {
                 .sum::<f64>()
                 / spread
         };
-        Some([slope(0), slope(1)])
+        Some(Slope {
+            velocity_mps: [slope(0), slope(1)],
+            spread_s2: spread,
+            age_s: -mean_time,
+        })
     }
 
     fn nth(&self, back: usize) -> (i64, [f64; 2]) {
@@ -70,8 +93,11 @@ mod tests {
         for second in 0..9 {
             positions.push(second * S, [3.0 * second as f64, 100.0 - 4.0 * second as f64]);
         }
-        let [vx, vy] = positions.velocity().unwrap();
+        let slope = positions.velocity().unwrap();
+        let [vx, vy] = slope.velocity_mps;
         assert!((vx - 3.0).abs() < 1e-9 && (vy + 4.0).abs() < 1e-9);
+        assert!((slope.spread_s2 - 10.0).abs() < 1e-9, "five times a second apart");
+        assert!((slope.age_s - 2.0).abs() < 1e-9);
     }
 
     #[test]
@@ -82,5 +108,19 @@ mod tests {
         assert_eq!(positions.velocity(), None, "half a second");
         positions.push(60 * S, [20.0; 2]);
         assert_eq!(positions.velocity(), None, "a minute of silence");
+    }
+
+    #[test]
+    fn a_slow_radar_gives_a_velocity_from_its_last_three_turns() {
+        let mut positions = Positions::default();
+        // A turn of 12 s, and 90° to the left after the second.
+        for (turn, position) in [[0.0, 0.0], [1200.0, 0.0], [1200.0, 1200.0], [1200.0, 2400.0]]
+            .iter()
+            .enumerate()
+        {
+            positions.push(12 * S * turn as i64, *position);
+        }
+        let slope = positions.velocity().unwrap();
+        assert_eq!((slope.velocity_mps, slope.spread_s2), ([0.0, 100.0], 288.0));
     }
 }

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use formats::asterix::typed::{cat010, cat019, cat020, cat021_v0_23};
+use formats::asterix::typed::*;
 use formats::asterix::{Decoder, Mode, registry};
 
 use crate::generator::Entropy;
@@ -26,11 +26,21 @@ fn typed_reading_does_not_allocate() {
         let mut read = 0;
         assert_no_alloc(|| {
             for record in decoder.records(&bytes).flatten() {
+                black_box(cat001::TargetReport::read(&record));
+                black_box(cat002::ServiceMessage::read(&record));
                 black_box(cat010::TargetReport::read(&record));
                 black_box(cat010::ServiceMessage::read(&record));
                 black_box(cat019::ServiceMessage::read(&record));
                 black_box(cat020::TargetReport::read(&record));
-                black_box(cat021_v0_23::TargetReport::read(&record));
+                black_box(cat021_v0::TargetReport::read(&record));
+                black_box(cat021_v2::TargetReport::read(&record));
+                black_box(cat023::ServiceMessage::read(&record));
+                black_box(cat034::ServiceMessage::read(&record));
+                black_box(cat048::TargetReport::read(&record));
+                black_box(cat048::registers(&record).count());
+                black_box(cat062::TrackMessage::read(&record));
+                black_box(cat063::SensorMessage::read(&record));
+                black_box(cat065::ServiceMessage::read(&record));
                 read += 1;
             }
         });

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use formats::asterix::categories::CAT021_V0_23;
 use formats::asterix::typed::fields::{Availability, Callsign};
-use formats::asterix::typed::{cat010, cat019, cat020, cat021_v0_23};
+use formats::asterix::typed::{cat010, cat019, cat020, cat021_v0, cat021_v2, cat034, cat048, cat062, cat065};
 use formats::asterix::{Counts, Decoder, Mode, NamedRecord, Record, Value};
 
 use crate::agreement;
@@ -14,8 +14,11 @@ use crate::files::recording;
 const BARCELONA: &str = "lebl2016/160510-lebl-220001";
 
 /// Every record, decoded in both ways; what was counted; and how many values both ways have.
-fn for_each(bytes: &[u8], mut see: impl FnMut(&Record<'_>)) -> (Counts, usize) {
-    let mut decoder = Decoder::new(Mode::Lenient).with_table(&CAT021_V0_23); // not the category's default
+fn for_each(bytes: &[u8], see: impl FnMut(&Record<'_>)) -> (Counts, usize) {
+    for_each_with(Decoder::new(Mode::Lenient), bytes, see)
+}
+
+fn for_each_with(mut decoder: Decoder, bytes: &[u8], mut see: impl FnMut(&Record<'_>)) -> (Counts, usize) {
     let mut compared = 0;
     for record in decoder.records(bytes) {
         let record = record.unwrap();
@@ -185,11 +188,12 @@ fn ads_b() {
     let mut addresses = BTreeSet::new();
     let mut callsigns = BTreeSet::<Callsign>::new();
     let mut without_callsign = 0;
-    let (counted, compared) = for_each(&bytes, |record| {
-        let report = cat021_v0_23::TargetReport::read(record).unwrap();
+    let decoder = Decoder::new(Mode::Lenient).with_table(&CAT021_V0_23); // not the category's default
+    let (counted, compared) = for_each_with(decoder, &bytes, |record| {
+        let report = cat021_v0::TargetReport::read(record).unwrap();
         addresses.extend(report.address);
         callsigns.extend(report.callsign);
-        let sent = record.item(cat021_v0_23::item::CALLSIGN);
+        let sent = record.item(cat021_v0::item::CALLSIGN);
         without_callsign += usize::from(sent.is_some() && report.callsign.is_none());
     });
     assert_eq!(counted, counts(49_330));
@@ -203,10 +207,10 @@ fn en_route_radar() {
     let Some(bytes) = recording("akapetanovic/Jahorina.raw") else {
         return;
     };
-    let (mut plots, mut north_markers) = (0, 0);
+    let (mut plots, mut north_markers, mut registers) = (0, 0, 0);
     let mut addresses = BTreeSet::new();
     let (mut first_s, mut last_s) = (f64::INFINITY, f64::NEG_INFINITY);
-    let (counted, _) = for_each(&bytes, |record| {
+    let (counted, compared) = for_each(&bytes, |record| {
         let named = NamedRecord::new(record);
         assert_eq!(named.get(&["010", "SAC"]), Some(&Value::Unsigned(23)));
         assert_eq!(named.get(&["010", "SIC"]), Some(&Value::Unsigned(2)));
@@ -220,8 +224,11 @@ fn en_route_radar() {
             }
             let range_nm = named.get(&["040", "RHO"]).and_then(Value::as_f64).unwrap();
             assert!((5.0..200.0).contains(&range_nm), "{range_nm} NM");
+            registers += cat048::registers(record).count();
         } else {
-            assert_eq!(named.get(&["000"]), Some(&Value::Unsigned(1)));
+            let message = cat034::ServiceMessage::read(record).unwrap();
+            assert_eq!(message.message_type, Some(cat034::MessageType::NorthMarker));
+            assert_eq!(message.antenna_period_s, Some(5.007_812_5));
             north_markers += 1;
         }
     });
@@ -231,5 +238,57 @@ fn en_route_radar() {
     };
     assert_eq!(counted, expected);
     assert_eq!((plots, north_markers, addresses.len()), (2099, 20, 106));
+    assert!(registers > 1000 && compared > 40_000, "{registers}, {compared}");
     assert_eq!((first_s, last_s), (33_932.195_312_5, 34_012.578_125));
+}
+
+#[test]
+fn single_messages_of_other_systems() {
+    let Some(radar) = recording("cro/cat048.raw") else {
+        return;
+    };
+    let (_, compared) = for_each(&radar, |record| {
+        let report = cat048::TargetReport::read(record).unwrap();
+        assert_eq!((report.track_number, report.address), (Some(3563), Some(3_958_284)));
+        assert!((report.slant_position.unwrap().range_m - 197.683_593_75 * 1852.0).abs() < 1e-6);
+        assert!(!report.track_status.unwrap().slant_corrected);
+    });
+    assert_eq!(compared, 30);
+
+    let Some(system) = recording("cro/cat062cat065.raw") else {
+        return;
+    };
+    let (mut tracks, mut batches) = (vec![], vec![]);
+    for_each(&system, |record| {
+        tracks.extend(cat062::TrackMessage::read(record));
+        batches.extend(cat065::ServiceMessage::read(record));
+    });
+    let numbers: Vec<_> = tracks.iter().map(|track| track.track_number).collect();
+    assert_eq!(numbers, [Some(4980), Some(7977)]);
+    let aircraft = tracks[1].aircraft;
+    assert_eq!(
+        (aircraft.address, aircraft.callsign.unwrap().as_str()),
+        (Some(3_934_805), "SXD4723")
+    );
+    assert_eq!(tracks[0].vertical_rate_m_s, Some(-443.75 * 0.3048 / 60.0));
+    assert_eq!(batches[0].message_type, Some(cat065::MessageType::EndOfBatch));
+    assert_eq!(batches[0].batch, Some(24));
+
+    let Some(ads_b) = recording("cro/cat21_re.ast") else {
+        return;
+    };
+    let mut fractions = vec![];
+    for_each(&ads_b, |record| {
+        let report = cat021_v2::TargetReport::read(record).unwrap();
+        assert!(report.descriptor.unwrap().ground_bit);
+        fractions.extend(report.position_reception_fraction);
+    });
+    let seconds: Vec<_> = fractions
+        .iter()
+        .map(|time| f64::from(time.fraction) / (1u32 << 30) as f64)
+        .collect();
+    assert!(
+        (seconds[0] - 0.9196).abs() < 1e-6 && (seconds[1] - 0.160_666).abs() < 1e-6,
+        "{seconds:?}"
+    );
 }

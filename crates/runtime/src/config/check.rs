@@ -6,14 +6,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use bus::WaitMode;
-use formats::asterix::{Edition, registry};
 use formats::reports::{CovarianceModel, Limits, SourceModel};
 use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
 use fusion::settings as engine;
 use messages::NS_PER_S;
 
+use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
 use super::raw::{AccuracyModel, RawAccuracy, RawConfig, RawPlace, RawRecorded, RawResidual, RawSource, RawTie};
-use super::{Config, Fusion, Input, Monitor, Order, Recorded, Source};
+use super::{Config, Fusion, Input, Monitor, Order, Recorded, RecordedFormat, Source};
 use crate::cores::{self, Placement};
 
 /// What is wrong with the value at a key.
@@ -22,9 +22,9 @@ pub(super) struct Problem {
     pub(super) what: String,
 }
 
-type Checked<T> = Result<T, Problem>;
+pub(super) type Checked<T> = Result<T, Problem>;
 
-fn problem(key: impl Into<String>, what: impl Into<String>) -> Problem {
+pub(super) fn problem(key: impl Into<String>, what: impl Into<String>) -> Problem {
     Problem {
         key: key.into(),
         what: what.into(),
@@ -38,7 +38,7 @@ fn simulated_problem(key: &str, error: &scenario::SettingsError) -> Problem {
     )
 }
 
-fn within(key: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
+pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
     // Written so that NaN is refused.
     if (low..=high).contains(&value) {
         return Ok(value);
@@ -49,11 +49,11 @@ fn within(key: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
     ))
 }
 
-fn nanoseconds(seconds: f64) -> i64 {
+pub(super) fn nanoseconds(seconds: f64) -> i64 {
     (seconds * NS_PER_S).round() as i64
 }
 
-fn check_name(key: &str, name: &str) -> Checked<()> {
+pub(super) fn check_name(key: &str, name: &str) -> Checked<()> {
     let fits = (1..=31).contains(&name.len())
         && name
             .bytes()
@@ -88,19 +88,22 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
             ));
         }
     }
+    let mut network = Network::new(&raw.receivers)?;
     let mut sources = Vec::new();
     let mut weighing = Vec::new();
     for (index, source) in raw.sources.iter().enumerate() {
-        let (source, weighed) = check_source(index, source, &frame, &raw.frame)?;
+        let (source, weighed) = check_source(index, source, &frame, &raw.frame, &mut network)?;
         sources.push(source);
         weighing.push(weighed);
     }
+    let receivers = network.receivers(&sources)?;
+    let gateways = check_gateways(&raw.gateways, &sources)?;
     let first_day_ns = first_day(&raw, &sources)?;
     let scenario = check_scenario(&raw, &sources)?;
-    if sources.iter().any(|source| matches!(source.input, Input::Simulated(_))) && raw.time.order == Order::Time {
+    if !receivers.is_empty() && raw.time.order == Order::Time {
         return Err(problem(
             "time.order",
-            "\"time\" is for recorded inputs; simulated sensors are live: use \"arrival\"",
+            "\"time\" is for recorded inputs; simulated sensors and receivers are live: use \"arrival\"",
         ));
     }
     Ok(Config {
@@ -115,6 +118,8 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
         order: raw.time.order,
         first_day_ns,
         sources,
+        receivers,
+        gateways,
         scenario,
         recorder: raw.recorder.enabled,
     })
@@ -136,6 +141,7 @@ fn check_source(
     raw: &RawSource,
     system: &SystemFrame,
     origin: &RawPlace,
+    network: &mut Network,
 ) -> Checked<(Source, engine::SourceSettings)> {
     let key = |part: &str| format!("source[{index}].{part}");
     let sensor_place = raw.place.as_ref().unwrap_or(origin);
@@ -145,18 +151,25 @@ fn check_source(
         -360.0,
         360.0,
     )?;
-    let origin = place(&key("place"), sensor_place)?;
-    let input = match (&raw.recorded, &raw.simulated) {
-        (Some(recorded), None) => Input::Recorded(check_recorded(index, recorded)?),
-        (None, Some(simulated)) => {
+    let mut origin = place(&key("place"), sensor_place)?;
+    let (input, adapter) = match (&raw.recorded, &raw.live, &raw.simulated) {
+        (Some(recorded), None, None) => (Input::Recorded(check_recorded(index, recorded)?), raw.name.clone()),
+        (None, Some(live), None) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
+        (None, None, Some(simulated)) => {
             simulated
                 .validate()
                 .map_err(|error| simulated_problem(&key("simulated"), &error))?;
-            Input::Simulated(Box::new(simulated.clone()))
+            if raw.place.is_some() {
+                let what = "a simulated sensor stands where its position_m says; leave [source.place] out";
+                return Err(problem(key("place"), what));
+            }
+            origin = system.to_geodetic(simulated.position_m.unwrap_or_default());
+            let simulated = network.simulated(index, &raw.name, simulated);
+            (Input::Simulated(simulated), raw.name.clone())
         }
         _ => {
             let what = format!(
-                "\"{}\" needs exactly one of [source.recorded] and [source.simulated]",
+                "\"{}\" needs exactly one of [source.recorded], [source.live] and [source.simulated]",
                 raw.name
             );
             return Err(problem(key("name"), what));
@@ -181,18 +194,23 @@ fn check_source(
     let source = Source {
         number: index as u16,
         name: raw.name.clone(),
+        technology: technology(raw.technology, &input, network),
         input,
+        adapter,
         model: SourceModel {
             number: index as u16,
             sac_sic: check_sac_sic(index, raw)?,
-            positions: raw
-                .recorded
-                .as_ref()
-                .map(|recorded| recorded.positions)
-                .unwrap_or_default(),
+            positions: match (&raw.recorded, &raw.live) {
+                (Some(recorded), _) => recorded.positions,
+                (None, Some(live)) => live.positions,
+                (None, None) => Default::default(),
+            },
             frame: SensorFrame::new(system, origin, turned.to_radians()),
             system: *system,
-            height_m: sensor_place.height_m,
+            height_m: origin.height_m(),
+            assumed_height_m: within(&key("assumed_height_m"), raw.assumed_height_m, -500.0, 20e3)?,
+            // The lowest and the highest that were ever measured at sea level are 870 and 1084 hPa.
+            qnh_hpa: within(&key("qnh_hpa"), raw.qnh_hpa, 850.0, 1100.0)?,
             limits,
             covariance: check_covariance(index, raw)?,
         },
@@ -238,43 +256,32 @@ fn check_covariance(index: usize, raw: &RawSource) -> Checked<CovarianceModel> {
 
 fn check_recorded(index: usize, raw: &RawRecorded) -> Checked<Recorded> {
     let key = |part: &str| format!("source[{index}].recorded.{part}");
-    let mut tables = Vec::new();
-    for (category, edition) in &raw.editions {
-        let number: u8 = category.parse().map_err(|_| {
-            problem(
-                key("editions"),
-                format!("\"{category}\" is not an ASTERIX category: write \"21\" = \"0.23\""),
-            )
-        })?;
-        let table = edition
-            .parse::<Edition>()
-            .ok()
-            .and_then(|edition| registry::find(number, edition));
-        tables.push(table.ok_or_else(|| {
-            let known: Vec<String> = registry::REGISTRY.iter().map(|table| table.to_string()).collect();
-            problem(
-                key("editions"),
-                format!(
-                    "category {number} edition \"{edition}\" is not known; there are: {}",
-                    known.join(", ")
-                ),
-            )
-        })?);
+    if raw.format != RecordedFormat::Asterix && (!raw.editions.is_empty() || raw.strict) {
+        return Err(problem(
+            key("format"),
+            "editions and strict are of ASTERIX files only; leave them out",
+        ));
     }
     Ok(Recorded {
         file: PathBuf::from(&raw.file),
-        tables,
+        format: raw.format,
+        asterix: asterix(&key("editions"), &raw.editions, raw.strict)?,
         reorder_ns: nanoseconds(within(&key("reorder_s"), raw.reorder_s, 0.0, 60.0)?),
         truncated: raw.truncated,
     })
 }
 
 fn check_sac_sic(index: usize, raw: &RawSource) -> Checked<Option<(u8, u8)>> {
-    match raw.recorded.as_ref().map(|recorded| (recorded.sac, recorded.sic)) {
-        None | Some((None, None)) => Ok(None),
-        Some((Some(sac), Some(sic))) => Ok(Some((sac, sic))),
-        Some(_) => Err(problem(
-            format!("source[{index}].recorded"),
+    let (part, sac, sic) = match (&raw.recorded, &raw.live) {
+        (Some(recorded), _) => ("recorded", recorded.sac, recorded.sic),
+        (None, Some(live)) => ("live", live.sac, live.sic),
+        (None, None) => return Ok(Some(simulated_sac_sic(index as u16))),
+    };
+    match (sac, sic) {
+        (None, None) => Ok(None),
+        (Some(sac), Some(sic)) => Ok(Some((sac, sic))),
+        _ => Err(problem(
+            format!("source[{index}].{part}"),
             "sac and sic go together: give both or neither",
         )),
     }

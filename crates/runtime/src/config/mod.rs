@@ -4,14 +4,16 @@
 //! each is refused with file, line, key, value and what would be right, before anything is started.
 
 mod check;
+mod check_network;
 mod locate;
+mod network;
 mod raw;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use bus::WaitMode;
-use formats::asterix::Category;
+use formats::outgoing::Technology;
 use formats::reports::SourceModel;
 use frames::SystemFrame;
 use fusion::settings as engine;
@@ -19,6 +21,9 @@ use serde::Deserialize;
 
 use crate::cores::Placement;
 use raw::RawConfig;
+
+pub(crate) use network::loopback_of;
+pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 
 /// Stands for the configuration of the demonstration, which is part of the executable.
 pub const BUILT_IN_DEMO: &str = "built-in:demo";
@@ -41,6 +46,10 @@ pub struct Config {
     pub first_day_ns: Option<i64>,
     /// The sources, in the order of their numbers.
     pub sources: Vec<Source>,
+    /// The network inputs; each is an adapter process.
+    pub receivers: Vec<Receiver>,
+    /// The outputs to the network; each is a gateway process.
+    pub gateways: Vec<Gateway>,
     /// The simulated world, if there are simulated sources.
     pub scenario: Option<scenario::ScenarioSettings>,
     /// The fusion process.
@@ -71,6 +80,10 @@ pub struct Source {
     pub name: String,
     /// Where its data come from.
     pub input: Input,
+    /// Name of the adapter process that publishes it: that of its receiver, or its own.
+    pub adapter: String,
+    /// How it observes.
+    pub technology: Technology,
     /// Where it stands, what its reports may contain, and how accurate they are.
     pub model: SourceModel,
 }
@@ -80,8 +93,19 @@ pub struct Source {
 pub enum Input {
     /// A recording.
     Recorded(Recorded),
-    /// A simulated sensor.
-    Simulated(Box<scenario::SensorSettings>),
+    /// A simulated sensor, whose reports come over the loopback network like those of a real one.
+    Simulated(Simulated),
+    /// A sensor behind a receiver.
+    Live(Live),
+}
+
+/// A simulated input.
+#[derive(Clone, Debug)]
+pub struct Simulated {
+    /// The sensor.
+    pub sensor: Box<scenario::SensorSettings>,
+    /// How what it sends is received.
+    pub live: Live,
 }
 
 /// A recorded input.
@@ -89,12 +113,27 @@ pub enum Input {
 pub struct Recorded {
     /// File, relative to the data folder unless absolute.
     pub file: PathBuf,
-    /// Tables of the ASTERIX categories whose edition the file states.
-    pub tables: Vec<&'static Category>,
+    /// What the file holds.
+    pub format: RecordedFormat,
+    /// How its ASTERIX records are read.
+    pub asterix: Asterix,
     /// How far reports may come out of order, nanoseconds.
     pub reorder_ns: i64,
     /// Whether the file may end in the middle of a data block.
     pub truncated: Truncated,
+}
+
+/// What a recorded file holds.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum RecordedFormat {
+    /// ASTERIX, as bare data blocks or in a capture file.
+    #[default]
+    Asterix,
+    /// Lines of SBS-1 (BaseStation).
+    Sbs,
+    /// A table of sensor tracks (FM-5).
+    SensorTracks,
 }
 
 /// What to do with a recording that ends in the middle of a data block: its recorder was killed, or its copy cut short.
@@ -218,6 +257,34 @@ impl Config {
     /// The source called `name`.
     pub fn source(&self, name: &str) -> Option<&Source> {
         self.sources.iter().find(|source| source.name == name)
+    }
+
+    /// The receiver called `name`.
+    pub fn receiver(&self, name: &str) -> Option<&Receiver> {
+        self.receivers.iter().find(|receiver| receiver.name == name)
+    }
+
+    /// The gateway called `name`.
+    pub fn gateway(&self, name: &str) -> Option<&Gateway> {
+        self.gateways.iter().find(|gateway| gateway.name == name)
+    }
+
+    /// The names of the adapter processes, in the order of their first sources.
+    pub fn adapters(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for source in &self.sources {
+            if !names.contains(&source.adapter.as_str()) {
+                names.push(&source.adapter);
+            }
+        }
+        names
+    }
+
+    /// Whether any sensor is simulated.
+    pub fn is_simulated(&self) -> bool {
+        self.sources
+            .iter()
+            .any(|source| matches!(source.input, Input::Simulated(_)))
     }
 
     /// Whether all sources are recordings: then producers wait for consumers, so that nothing is lost.

@@ -15,8 +15,12 @@ pub(crate) struct RawConfig {
     pub(crate) frame: RawPlace,
     #[serde(default)]
     pub(crate) time: RawTime,
+    #[serde(default, rename = "receiver")]
+    pub(crate) receivers: Vec<RawReceiver>,
     #[serde(default, rename = "source")]
     pub(crate) sources: Vec<RawSource>,
+    #[serde(default, rename = "gateway")]
+    pub(crate) gateways: Vec<RawGateway>,
     pub(crate) scenario: Option<scenario::ScenarioSettings>,
     #[serde(default)]
     pub(crate) fusion: RawFusion,
@@ -55,8 +59,16 @@ pub(crate) struct RawSource {
     #[serde(default)]
     pub(crate) priority: Option<u32>,
     pub(crate) ceiling_m: Option<f64>,
+    pub(crate) technology: Option<RawTechnology>,
+    /// For slant ranges of targets without height.
+    #[serde(default = "five_kilometres")]
+    pub(crate) assumed_height_m: f64,
+    /// For pressure altitudes.
+    #[serde(default = "standard_pressure")]
+    pub(crate) qnh_hpa: f64,
     pub(crate) place: Option<RawPlace>,
     pub(crate) recorded: Option<RawRecorded>,
+    pub(crate) live: Option<RawLive>,
     pub(crate) simulated: Option<scenario::SensorSettings>,
     #[serde(default)]
     pub(crate) limits: RawLimits,
@@ -68,8 +80,95 @@ pub(crate) struct RawSource {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+pub(crate) struct RawReceiver {
+    pub(crate) name: String,
+    pub(crate) udp: Option<RawUdp>,
+    pub(crate) sbs: Option<RawSbs>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawUdp {
+    pub(crate) listen: String,
+    pub(crate) interface: Option<String>,
+    #[serde(default)]
+    pub(crate) senders: Vec<String>,
+    #[serde(default = "four_mebibytes")]
+    pub(crate) buffer_bytes: usize,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawSbs {
+    pub(crate) connect: String,
+    #[serde(default)]
+    pub(crate) ahead_of_utc_min: i32,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawGateway {
+    pub(crate) name: String,
+    pub(crate) send_to: String,
+    pub(crate) interface: Option<String>,
+    pub(crate) ttl: Option<u8>,
+    /// Absent: the fused picture; otherwise the sensor tracks of this source.
+    pub(crate) source: Option<String>,
+    pub(crate) category: Option<u8>,
+    pub(crate) edition: Option<String>,
+    pub(crate) sac: u8,
+    pub(crate) sic: u8,
+    #[serde(default = "one")]
+    pub(crate) refresh_s: f64,
+    #[serde(default = "one")]
+    pub(crate) status_s: f64,
+    #[serde(default = "one_ethernet_frame")]
+    pub(crate) block_bytes: usize,
+    #[serde(default)]
+    pub(crate) heights: RawHeights,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum RawHeights {
+    #[default]
+    Barometric,
+    Geometric,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum RawTechnology {
+    Primary,
+    Secondary,
+    ModeS,
+    AdsB,
+    Multilateration,
+    Other,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawLive {
+    pub(crate) receiver: String,
+    #[serde(default)]
+    pub(crate) editions: BTreeMap<String, String>,
+    #[serde(default)]
+    pub(crate) strict: bool,
+    pub(crate) sac: Option<u8>,
+    pub(crate) sic: Option<u8>,
+    #[serde(default)]
+    pub(crate) positions: formats::reports::PositionForm,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct RawRecorded {
     pub(crate) file: String,
+    #[serde(default)]
+    pub(crate) format: super::RecordedFormat,
+    #[serde(default)]
+    pub(crate) strict: bool,
     #[serde(default)]
     pub(crate) editions: BTreeMap<String, String>,
     pub(crate) sac: Option<u8>,
@@ -351,6 +450,24 @@ fn one() -> f64 {
     1.0
 }
 
+fn four_mebibytes() -> usize {
+    4 << 20
+}
+
+/// What fits into one frame of Ethernet beside the headers of IPv4 and UDP.
+fn one_ethernet_frame() -> usize {
+    1472
+}
+
 fn half() -> f64 {
     0.5
+}
+
+/// Between the low fliers without transponder and the high ones; see `formats::reports`.
+fn five_kilometres() -> f64 {
+    5000.0
+}
+
+fn standard_pressure() -> f64 {
+    formats::reports::STANDARD_PRESSURE_HPA
 }

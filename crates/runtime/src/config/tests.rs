@@ -56,7 +56,16 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
             "name = \"beste-quelle\"",
             "there are: best-source",
         ),
-        ("\"21\" = \"0.23\"", "\"21\" = \"9.9\"", "CAT021 ed 0.23"),
+        (
+            "\"21\" = \"0.23\"",
+            "\"21\" = \"9.9\"",
+            "there are: CAT021 ed 2.4, CAT021 ed 2.1, ",
+        ),
+        (
+            "\"21\" = \"0.23\"",
+            "\"22\" = \"1.0\"",
+            "there are: CAT001 ed 1.4, CAT002 ed 1.2, ",
+        ),
         ("period_s = 1.0", "period_s = \"1 s\"", "expected f64"),
         ("reorder_s = 0.5", "truncated = \"yes\"", "unknown variant `yes`"),
         ("date = \"2016-05-10\"", "date = \"10.5.2016\"", "year-month-day"),
@@ -117,4 +126,88 @@ fn overrides_replace_values_and_are_checked_too() {
             .to_string()
             .contains("key.path=value")
     );
+}
+
+fn live() -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/live.toml")).unwrap()
+}
+
+#[test]
+fn sensors_behind_one_socket_share_an_adapter() {
+    let config = Config::parse(Path::new("live.toml"), &live(), &[]).unwrap();
+    assert_eq!(config.adapters(), ["radars", "surface", "transponders"]);
+    assert!(!config.is_recorded() && !config.is_simulated());
+    let gateway = config.gateway("picture").unwrap();
+    assert_eq!(
+        (gateway.table.number, &gateway.content),
+        (62, &GatewayContent::SystemTracks)
+    );
+    let demo = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap();
+    assert_eq!(demo.adapters().len(), demo.sources.len());
+    assert_eq!(
+        demo.receivers.len(),
+        demo.sources.len(),
+        "each simulated sensor has a socket"
+    );
+}
+
+#[test]
+fn mistakes_in_networks_are_named_with_line_value_and_remedy() {
+    let cases = [
+        (
+            "\"239.255.48.1:8600\"",
+            "\"radar:8600\"",
+            "write the multicast group or this machine's address",
+        ),
+        ("\"239.255.48.1:8600\"", "\"239.255.48.1:0\"", "port 0 is no port"),
+        ("interface = \"127.0.0.1\"\nsenders", "senders", "name the interface"),
+        ("\"127.0.0.0/8\"", "\"127.0.0.0/88\"", "127.0.0.0/88"),
+        ("buffer_bytes = 4194304", "buffer_bytes = 1", "receive buffer 1"),
+        (
+            "receiver = \"radars\"",
+            "receiver = \"radar\"",
+            "radars, surface, transponders",
+        ),
+        ("sic = 2\n", "sic = 1\n", "could not be told apart"),
+        ("sic = 2\n", "", "sac and sic go together"),
+        ("\"48\" = \"1.31\"", "\"48\" = \"9.9\"", "CAT048 ed 1.31"),
+        (
+            "name = \"transponders\"",
+            "name = \"surface\"",
+            "is the name of an earlier receiver",
+        ),
+        (
+            "receiver = \"transponders\"",
+            "receiver = \"surface\"",
+            "no source has [source.live]",
+        ),
+        ("\"239.255.62.1:8610\"", "\"everyone\"", "as in \"239.1.2.3:8610\""),
+        ("edition = \"1.18\"", "edition = \"0.1\"", "CAT062 ed 1.18"),
+        (
+            "edition = \"1.18\"",
+            "source = \"radar-north\"",
+            "category 10, 20, 21 or 48",
+        ),
+        (
+            "edition = \"1.18\"",
+            "source = \"radar\"\ncategory = 48",
+            "there is no source named \"radar\"",
+        ),
+        ("edition = \"1.18\"", "category = 48", "give a source"),
+        ("block_bytes = 1472", "block_bytes = 10", "must lie between 256 and"),
+        (
+            "name = \"picture\"",
+            "name = \"radars\"",
+            "is the name of an adapter process",
+        ),
+    ];
+    for (old, new, expected) in cases {
+        let text = live();
+        assert!(text.contains(old), "{old}");
+        let message = refused(&text.replacen(old, new, 1));
+        assert!(message.starts_with("test.toml:"), "{message}");
+        assert!(message.contains(expected), "{message}");
+    }
+    let timed = format!("{}\n[time]\norder = \"time\"\n", live());
+    assert!(refused(&timed).contains("use \"arrival\""));
 }

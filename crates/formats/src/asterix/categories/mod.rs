@@ -71,13 +71,3 @@ const MODE_C: &[Part] = &[
     flag("QC1"), flag("QA1"), flag("QC2"), flag("QA2"), flag("QC4"), flag("QA4"),
     flag("QB1"), flag("QD1"), flag("QB2"), flag("QD2"), flag("QB4"), flag("QD4"),
 ];
-
-/// The profiles, for the constants of the typed readers.
-pub(super) mod uap {
-    use crate::asterix::table::Uap;
-
-    pub(in crate::asterix) const CAT010_V1_1: &Uap = super::CAT010_V1_1.uap();
-    pub(in crate::asterix) const CAT019_V1_3: &Uap = super::CAT019_V1_3.uap();
-    pub(in crate::asterix) const CAT020_V1_9: &Uap = super::CAT020_V1_9.uap();
-    pub(in crate::asterix) const CAT021_V0_23: &Uap = super::CAT021_V0_23.uap();
-}

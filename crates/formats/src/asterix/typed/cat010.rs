@@ -1,19 +1,19 @@
 //! CAT010 ed 1.1: reports and service messages of a surface movement radar or multilateration system.
 
 use std::f64::consts::TAU;
-use std::ptr;
 
 use super::fields::*;
 use crate::asterix::bits::{i16_at, u16_at};
 use crate::asterix::categories::CAT010_V1_1;
 use crate::asterix::record::Record;
-use crate::asterix::table::Frn;
+use crate::asterix::table::{Frn, Uap};
 use item::*;
 
 /// The field reference numbers of the items read here.
 pub mod item {
-    use super::Frn;
-    use crate::asterix::categories::uap::CAT010_V1_1 as UAP;
+    use super::{CAT010_V1_1, Frn, Uap};
+
+    const UAP: &Uap = CAT010_V1_1.uap();
 
     /// I010/010.
     pub const SOURCE: Frn = UAP.frn("010");
@@ -79,7 +79,7 @@ pub enum MessageType {
 impl MessageType {
     /// The type of a record; `None` if it is not of this table or lacks the item.
     pub fn read(record: &Record<'_>) -> Option<Self> {
-        ptr::eq(record.table(), &CAT010_V1_1).then_some(())?;
+        record.table().is_one_of(&[&CAT010_V1_1]).then_some(())?;
         record.item(MESSAGE_TYPE).map(|item| match item[0] {
             1 => Self::TargetReport,
             2 => Self::StartOfUpdateCycle,
@@ -271,10 +271,7 @@ impl TargetReport {
             geodetic_position: record
                 .item(GEODETIC_POSITION)
                 .map(|item| GeodeticPosition::from_32_bits(item, 31)),
-            polar_velocity: record.item(POLAR_VELOCITY).map(|item| PolarVelocity {
-                speed_m_s: speed_m_s(f64::from(u16_at(item, 0))),
-                track_rad: angle_rad(item, 2),
-            }),
+            polar_velocity: record.item(POLAR_VELOCITY).map(PolarVelocity::new),
             cartesian_velocity: record.item(CARTESIAN_VELOCITY).map(CartesianVelocity::from_quarters),
             acceleration: record.item(ACCELERATION).map(CartesianAcceleration::from_quarters),
             track_number: record.item(TRACK_NUMBER).map(track_number),
@@ -340,9 +337,4 @@ fn track_status(item: &[u8]) -> TrackStatus {
         smoothed: first & 0x02 != 0,
         ghost: extension(item, 2) & 0x80 != 0,
     }
-}
-
-/// An octet of an extended item, zero if it was not sent.
-fn extension(item: &[u8], at: usize) -> u8 {
-    item.get(at).copied().unwrap_or(0)
 }

@@ -1,18 +1,17 @@
 //! CAT019 ed 1.3: service messages of a multilateration system.
 
-use std::ptr;
-
 use super::fields::*;
 use crate::asterix::bits::i16_at;
 use crate::asterix::categories::CAT019_V1_3;
 use crate::asterix::record::Record;
-use crate::asterix::table::Frn;
+use crate::asterix::table::{Frn, Uap};
 use item::*;
 
 /// The field reference numbers of the items read here.
 pub mod item {
-    use super::Frn;
-    use crate::asterix::categories::uap::CAT019_V1_3 as UAP;
+    use super::{CAT019_V1_3, Frn, Uap};
+
+    const UAP: &Uap = CAT019_V1_3.uap();
 
     /// I019/010.
     pub const SOURCE: Frn = UAP.frn("010");
@@ -65,7 +64,7 @@ pub struct ServiceMessage {
 impl ServiceMessage {
     /// Reads a service message; `None` for a record of another table.
     pub fn read(record: &Record<'_>) -> Option<Self> {
-        ptr::eq(record.table(), &CAT019_V1_3).then_some(())?;
+        record.table().is_one_of(&[&CAT019_V1_3]).then_some(())?;
         Some(Self {
             message_type: record.item(MESSAGE_TYPE).map(|item| match item[0] {
                 1 => MessageType::StartOfUpdateCycle,

@@ -1,18 +1,20 @@
-//! CAT020 ed 1.9: target reports of a multilateration system.
-
-use std::ptr;
+//! CAT020 ed 1.9 to 1.11: target reports of a multilateration system.
+//!
+//! What is read here lies in the same place in all of these editions.
 
 use super::fields::*;
-use crate::asterix::bits::{i24_at, u16_at};
-use crate::asterix::categories::CAT020_V1_9;
+use crate::asterix::bits::u16_at;
+use crate::asterix::categories::CAT020;
 use crate::asterix::record::Record;
-use crate::asterix::table::Frn;
+use crate::asterix::table::{Frn, Uap};
 use item::*;
 
 /// The field reference numbers of the items read here.
 pub mod item {
-    use super::Frn;
-    use crate::asterix::categories::uap::CAT020_V1_9 as UAP;
+    use super::{Frn, Uap};
+    use crate::asterix::categories::CAT020_V1_11;
+
+    const UAP: &Uap = CAT020_V1_11.uap();
 
     /// I020/010.
     pub const SOURCE: Frn = UAP.frn("010");
@@ -50,6 +52,10 @@ pub mod item {
     pub const POSITION_ACCURACY: Frn = UAP.frn("500");
     /// I020/400.
     pub const CONTRIBUTING_DEVICES: Frn = UAP.frn("400");
+    /// I020/230.
+    pub const TRANSPONDER: Frn = UAP.frn("230");
+    /// I020/260.
+    pub const RESOLUTION_ADVISORY: Frn = UAP.frn("260");
 }
 
 /// I020/020: properties of a report. A flag whose extension octet was not sent is `false`.
@@ -194,12 +200,16 @@ pub struct TargetReport {
     pub position_accuracy: Option<PositionAccuracy>,
     /// I020/400: how many receivers contributed.
     pub contributing_devices: Option<u32>,
+    /// I020/230.
+    pub transponder: Option<Transponder>,
+    /// I020/260.
+    pub resolution_advisory: Option<ResolutionAdvisory>,
 }
 
 impl TargetReport {
     /// Reads a target report; `None` for a record of another table.
     pub fn read(record: &Record<'_>) -> Option<Self> {
-        ptr::eq(record.table(), &CAT020_V1_9).then_some(())?;
+        record.table().is_one_of(CAT020).then_some(())?;
         Some(Self {
             source: record.item(SOURCE).map(source),
             time_of_day: record.item(TIME_OF_DAY).map(time_of_day),
@@ -207,10 +217,7 @@ impl TargetReport {
             geodetic_position: record
                 .item(GEODETIC_POSITION)
                 .map(|item| GeodeticPosition::from_32_bits(item, 25)),
-            cartesian_position: record.item(CARTESIAN_POSITION).map(|item| CartesianPosition {
-                x_m: f64::from(i24_at(item, 0)) * 0.5,
-                y_m: f64::from(i24_at(item, 3)) * 0.5,
-            }),
+            cartesian_position: record.item(CARTESIAN_POSITION).map(CartesianPosition::from_halves),
             cartesian_velocity: record.item(CARTESIAN_VELOCITY).map(CartesianVelocity::from_quarters),
             acceleration: record.item(ACCELERATION).map(CartesianAcceleration::from_quarters),
             track_number: record.item(TRACK_NUMBER).map(track_number),
@@ -226,6 +233,8 @@ impl TargetReport {
             contributing_devices: record
                 .item(CONTRIBUTING_DEVICES)
                 .map(|item| item[1..].iter().map(|octet| octet.count_ones()).sum()),
+            transponder: record.item(TRANSPONDER).map(Transponder::new),
+            resolution_advisory: record.item(RESOLUTION_ADVISORY).map(ResolutionAdvisory::new),
         })
     }
 }

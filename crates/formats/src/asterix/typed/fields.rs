@@ -50,10 +50,20 @@ impl TimeOfDay {
 /// A position as range and azimuth from the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PolarPosition {
-    /// Distance in m.
+    /// Distance in m; whether along the ground or straight to the target, the item says.
     pub range_m: f64,
     /// Clockwise from north, in rad.
     pub azimuth_rad: f64,
+}
+
+impl PolarPosition {
+    /// A range in parts of a nautical mile, and an azimuth, of 16 bits each: I001/040 and I048/040.
+    pub(super) fn from_nautical_miles(item: &[u8], parts: f64) -> Self {
+        Self {
+            range_m: f64::from(u16_at(item, 0)) * (NAUTICAL_MILE_M / parts),
+            azimuth_rad: angle_rad(item, 2),
+        }
+    }
 }
 
 /// A position in a plane.
@@ -63,6 +73,24 @@ pub struct CartesianPosition {
     pub x_m: f64,
     /// To the north, in m.
     pub y_m: f64,
+}
+
+impl CartesianPosition {
+    /// Two numbers of 16 bits in parts of a nautical mile: I001/042 and I048/042.
+    pub(super) fn from_nautical_miles(item: &[u8], parts: f64) -> Self {
+        Self {
+            x_m: f64::from(i16_at(item, 0)) * (NAUTICAL_MILE_M / parts),
+            y_m: f64::from(i16_at(item, 2)) * (NAUTICAL_MILE_M / parts),
+        }
+    }
+
+    /// Two numbers of 24 bits, LSB 0.5 m: I020/042 and I062/100.
+    pub(super) fn from_halves(item: &[u8]) -> Self {
+        Self {
+            x_m: f64::from(i24_at(item, 0)) * 0.5,
+            y_m: f64::from(i24_at(item, 3)) * 0.5,
+        }
+    }
 }
 
 /// A position on the WGS-84 ellipsoid.
@@ -103,6 +131,16 @@ pub struct PolarVelocity {
     pub track_rad: f64,
 }
 
+impl PolarVelocity {
+    /// Two numbers of 16 bits: I001/200, I010/200 and I048/200.
+    pub(super) fn new(item: &[u8]) -> Self {
+        Self {
+            speed_m_s: speed_m_s(f64::from(u16_at(item, 0))),
+            track_rad: angle_rad(item, 2),
+        }
+    }
+}
+
 /// A horizontal velocity by components.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CartesianVelocity {
@@ -113,7 +151,7 @@ pub struct CartesianVelocity {
 }
 
 impl CartesianVelocity {
-    /// Two numbers of 16 bits, LSB 0.25 m/s: I010/202 and I020/202.
+    /// Two numbers of 16 bits, LSB 0.25 m/s: I010/202, I020/202 and I062/185.
     pub(super) fn from_quarters(item: &[u8]) -> Self {
         Self {
             vx_m_s: f64::from(i16_at(item, 0)) * 0.25,
@@ -132,7 +170,7 @@ pub struct CartesianAcceleration {
 }
 
 impl CartesianAcceleration {
-    /// Two numbers of 8 bits, LSB 0.25 m/s²: I010/210 and I020/210.
+    /// Two numbers of 8 bits, LSB 0.25 m/s²: I010/210, I020/210 and I062/210.
     pub(super) fn from_quarters(item: &[u8]) -> Self {
         Self {
             ax_m_s2: f64::from(item[0] as i8) * 0.25,
@@ -178,7 +216,7 @@ pub struct FlightLevel {
 }
 
 impl FlightLevel {
-    /// V, G and fourteen bits of quarter flight levels: I010/090 and I020/090.
+    /// V, G and fourteen bits of quarter flight levels in two's complement: I001/090, I010/090, I020/090 and I048/090.
     pub(super) fn new(item: &[u8]) -> Self {
         let number = u16_at(item, 0);
         let quarters = ((number << 2) as i16) >> 2;
@@ -254,6 +292,142 @@ impl Identification {
     }
 }
 
+/// What a Mode S transponder says of its flight (STAT).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FlightStatus {
+    /// An alert: the Mode 3/A code means an emergency, or was changed within the last seconds.
+    pub alert: bool,
+    /// Special position identification.
+    pub special_identification: bool,
+    /// Whether it is on the ground; `None` where it does not say.
+    pub on_ground: Option<bool>,
+}
+
+impl FlightStatus {
+    /// Three bits, as in the downlink formats.
+    pub(super) fn new(status: u8) -> Self {
+        let (alert, special_identification, on_ground) = match status & 0x07 {
+            0 => (false, false, Some(false)),
+            1 => (false, false, Some(true)),
+            2 => (true, false, Some(false)),
+            3 => (true, false, Some(true)),
+            4 => (true, true, None),
+            5 => (false, true, None),
+            _ => (false, false, None),
+        };
+        Self {
+            alert,
+            special_identification,
+            on_ground,
+        }
+    }
+}
+
+/// What a Mode S transponder can, and what it says of its flight: I020/230, I048/230 and I062/380 COM.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Transponder {
+    /// COM: capability of communication, 0 (surveillance only) to 4.
+    pub communications: u8,
+    /// STAT.
+    pub flight_status: FlightStatus,
+    /// ARC: altitude is reported in steps of 25 ft, not of 100 ft.
+    pub fine_altitude: bool,
+}
+
+impl Transponder {
+    pub(super) fn new(item: &[u8]) -> Self {
+        Self {
+            communications: item[0] >> 5,
+            flight_status: FlightStatus::new(item[0] >> 2),
+            fine_altitude: item[1] & 0x40 != 0,
+        }
+    }
+}
+
+/// An emergency, as ADS-B and the systems that use it distinguish them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Emergency {
+    /// None, or not reported.
+    None,
+    /// Of no stated kind.
+    General,
+    /// A medical flight.
+    Medical,
+    /// Little fuel left.
+    MinimumFuel,
+    /// Radio communication has failed.
+    CommunicationFailure,
+    /// Unlawful interference.
+    UnlawfulInterference,
+    /// The aircraft is down.
+    Downed,
+    /// A number without meaning.
+    Undefined(u8),
+}
+
+impl Emergency {
+    pub(super) fn new(number: u8) -> Self {
+        match number {
+            0 => Self::None,
+            1 => Self::General,
+            2 => Self::Medical,
+            3 => Self::MinimumFuel,
+            4 => Self::CommunicationFailure,
+            5 => Self::UnlawfulInterference,
+            6 => Self::Downed,
+            other => Self::Undefined(other),
+        }
+    }
+}
+
+/// What a collision avoidance system advises its crew to do: BDS register 3,0 of ICAO Annex 10 volume IV, 4.3.8.4.2.2,
+/// as I020/260, I021/260, I048/260 and I062/380 ACS hold it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ResolutionAdvisory {
+    /// ARA: fourteen bits, the first of which says that there is one threat, or that all need the same sense.
+    pub advisories: u16,
+    /// RAT: the advisory has ended.
+    pub terminated: bool,
+    /// MTE: more than one threat.
+    pub multiple_threats: bool,
+}
+
+impl ResolutionAdvisory {
+    /// Seven octets, of which the first names the register or the message.
+    pub(super) fn new(item: &[u8]) -> Self {
+        Self {
+            advisories: u16_at(item, 1) >> 2,
+            terminated: item[3] & 0x20 != 0,
+            multiple_threats: item[3] & 0x10 != 0,
+        }
+    }
+
+    /// Whether it holds now: there is an advisory, and it has not ended.
+    pub fn is_active(&self) -> bool {
+        const FIRST: u16 = 1 << 13;
+        !self.terminated && (self.advisories & FIRST != 0 || self.multiple_threats)
+    }
+}
+
+/// A register of a Mode S transponder, as it was read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Register {
+    /// BDS number: 0x50 is register 5,0.
+    pub number: u8,
+    /// Its 56 bits.
+    pub content: [u8; 7],
+}
+
+impl Register {
+    /// A repetitive item's registers: I048/250.
+    pub(super) fn all(item: &[u8]) -> impl Iterator<Item = Self> + use<'_> {
+        item[1..].chunks_exact(8).map(|octets| Self {
+            number: octets[7],
+            content: std::array::from_fn(|i| octets[i]),
+        })
+    }
+}
+
 /// What a report's position is, if not measured just now (CST).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extrapolation {
@@ -299,6 +473,18 @@ pub enum Availability {
     Undefined,
 }
 
+impl Availability {
+    /// Two bits.
+    pub(super) fn new(number: u8) -> Self {
+        match number {
+            0 => Self::Operational,
+            1 => Self::Degraded,
+            2 => Self::Unusable,
+            _ => Self::Undefined,
+        }
+    }
+}
+
 /// The state of a sensor system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SystemStatus {
@@ -316,12 +502,7 @@ impl SystemStatus {
     /// NOGO, OVL and TSV, which all categories have in the same place, and the bit of TTF.
     pub(super) fn new(octet: u8, test_target_bit: u8) -> Self {
         Self {
-            availability: match octet >> 6 {
-                0 => Availability::Operational,
-                1 => Availability::Degraded,
-                2 => Availability::Unusable,
-                _ => Availability::Undefined,
-            },
+            availability: Availability::new(octet >> 6),
             overloaded: octet & 0x20 != 0,
             time_source_invalid: octet & 0x10 != 0,
             test_target_failed: octet & test_target_bit != 0,
@@ -344,6 +525,26 @@ pub(super) fn address(item: &[u8]) -> u32 {
     u24_at(item, 0)
 }
 
+/// A full circle in 2^8 steps, in rad: I002/020 and I034/020.
+pub(super) fn sector_azimuth_rad(item: &[u8]) -> f64 {
+    f64::from(item[0]) * (TAU / 256.0)
+}
+
+/// Sixteen bits, LSB 1/128 s, in s: I002/041 and I034/041.
+pub(super) fn period_s(item: &[u8]) -> f64 {
+    f64::from(u16_at(item, 0)) / 128.0
+}
+
+/// Sixteen bits, LSB 6.25 ft/min, in m/s.
+pub(super) fn vertical_rate_m_s(item: &[u8]) -> f64 {
+    f64::from(i16_at(item, 0)) * (6.25 * FOOT_M / 60.0)
+}
+
+/// An octet of an extended item, zero if it was not sent.
+pub(super) fn extension(item: &[u8], at: usize) -> u8 {
+    item.get(at).copied().unwrap_or(0)
+}
+
 /// The low twelve bits of two octets.
 pub(super) fn track_number(item: &[u8]) -> u16 {
     u16_at(item, 0) & 0x0FFF
@@ -352,6 +553,11 @@ pub(super) fn track_number(item: &[u8]) -> u16 {
 /// Sixteen bits, LSB 6.25 ft, in m.
 pub(super) fn height_m(item: &[u8]) -> f64 {
     f64::from(i16_at(item, 0)) * (6.25 * FOOT_M)
+}
+
+/// Sixteen bits of quarter flight levels in two's complement, in m: I021/145 and I062/136.
+pub(super) fn pressure_altitude_m(item: &[u8]) -> f64 {
+    f64::from(i16_at(item, 0)) * (0.25 * FLIGHT_LEVEL_M)
 }
 
 /// A full circle in 2^16 steps, in rad.

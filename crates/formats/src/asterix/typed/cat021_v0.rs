@@ -1,18 +1,21 @@
-//! CAT021 ed 0.23: ADS-B target reports.
-
-use std::ptr;
+//! CAT021 ed 0.23 to 0.26: ADS-B target reports.
+//!
+//! From ed 0.24 on the position has 32 bits, and ed 0.26 has the Mode 3/A code.
 
 use super::fields::*;
 use crate::asterix::bits::{i16_at, u16_at};
-use crate::asterix::categories::CAT021_V0_23;
+use crate::asterix::categories::CAT021_V0;
 use crate::asterix::record::Record;
-use crate::asterix::table::Frn;
+use crate::asterix::table::{Frn, Uap};
 use item::*;
 
 /// The field reference numbers of the items read here.
 pub mod item {
-    use super::Frn;
-    use crate::asterix::categories::uap::CAT021_V0_23 as UAP;
+    use super::{Frn, Uap};
+    use crate::asterix::categories::CAT021_V0_26;
+
+    /// The last edition's: the items of the others have the same places in it.
+    const UAP: &Uap = CAT021_V0_26.uap();
 
     /// I021/010.
     pub const SOURCE: Frn = UAP.frn("010");
@@ -56,6 +59,8 @@ pub mod item {
     pub const TARGET_STATUS: Frn = UAP.frn("200");
     /// I021/020.
     pub const EMITTER_CATEGORY: Frn = UAP.frn("020");
+    /// I021/070, of ed 0.26.
+    pub const MODE_3A: Frn = UAP.frn("070");
 }
 
 /// I021/040 ATP: what the target address is.
@@ -174,20 +179,22 @@ pub struct TargetReport {
     pub roll_angle_rad: Option<f64>,
     /// I021/020: 1 to 5 aircraft by weight, 10 rotorcraft, 20 emergency and 21 service vehicle.
     pub emitter_category: Option<u8>,
-    /// I021/200: 0 no emergency.
-    pub target_status: Option<u8>,
+    /// I021/200.
+    pub emergency: Option<Emergency>,
+    /// I021/070, of ed 0.26.
+    pub mode_3a: Option<Mode3A>,
 }
 
 impl TargetReport {
     /// Reads a target report; `None` for a record of another table.
     pub fn read(record: &Record<'_>) -> Option<Self> {
-        ptr::eq(record.table(), &CAT021_V0_23).then_some(())?;
+        record.table().is_one_of(CAT021_V0).then_some(())?;
         Some(Self {
             source: record.item(SOURCE).map(source),
             time_of_day: record.item(TIME_OF_DAY).map(time_of_day),
             time_accuracy_s: record.item(TIME_ACCURACY).map(|item| f64::from(item[0]) / 256.0),
             descriptor: record.item(DESCRIPTOR).map(Descriptor::new),
-            geodetic_position: record.item(GEODETIC_POSITION).map(GeodeticPosition::from_24_bits),
+            geodetic_position: record.item(GEODETIC_POSITION).map(geodetic_position),
             address: record.item(ADDRESS).map(address),
             callsign: record.item(CALLSIGN).and_then(Callsign::from_six_bits),
             figure_of_merit: record.item(FIGURE_OF_MERIT).map(|item| FigureOfMerit {
@@ -197,9 +204,7 @@ impl TargetReport {
                 position_category: item[1] & 0x0F,
             }),
             velocity_category: record.item(VELOCITY_ACCURACY).map(|item| item[0]),
-            pressure_altitude_m: record
-                .item(FLIGHT_LEVEL)
-                .map(|item| f64::from(i16_at(item, 0)) * (0.25 * FLIGHT_LEVEL_M)),
+            pressure_altitude_m: record.item(FLIGHT_LEVEL).map(pressure_altitude_m),
             geometric_altitude_m: record.item(GEOMETRIC_ALTITUDE).map(height_m),
             barometric_rate_m_s: record.item(BAROMETRIC_RATE).map(vertical_rate_m_s),
             geometric_rate_m_s: record.item(GEOMETRIC_RATE).map(vertical_rate_m_s),
@@ -217,14 +222,18 @@ impl TargetReport {
                 .item(ROLL_ANGLE)
                 .map(|item| (f64::from(i16_at(item, 0)) * 0.01).to_radians()),
             emitter_category: record.item(EMITTER_CATEGORY).map(|item| item[0]),
-            target_status: record.item(TARGET_STATUS).map(|item| item[0]),
+            emergency: record.item(TARGET_STATUS).map(|item| Emergency::new(item[0])),
+            mode_3a: record.item(MODE_3A).map(Mode3A::new),
         })
     }
 }
 
-/// LSB 6.25 ft/min.
-fn vertical_rate_m_s(item: &[u8]) -> f64 {
-    f64::from(i16_at(item, 0)) * (6.25 * FOOT_M / 60.0)
+/// Of 24 bits each in ed 0.23, of 32 later.
+fn geodetic_position(item: &[u8]) -> GeodeticPosition {
+    match item.len() {
+        6 => GeodeticPosition::from_24_bits(item),
+        _ => GeodeticPosition::from_32_bits(item, 25),
+    }
 }
 
 fn air_speed(item: &[u8]) -> AirSpeed {

@@ -1,0 +1,127 @@
+//! Datagrams put together again from the fragments that IP cut them into.
+//!
+//! Fragments of one datagram carry the same addresses and the same identification, and each its place. They come in
+//! any order, mixed with those of other datagrams, and some never come. So a limited number of datagrams is kept open;
+//! where one more is begun, the oldest is given up.
+
+use core::net::IpAddr;
+use std::borrow::Cow;
+use std::collections::VecDeque;
+
+use etherparse::defrag::IpDefragBuf;
+use etherparse::{IpFragOffset, IpNumber};
+
+use super::packet::{self, Packet};
+use super::skipped::{Reason, Skipped};
+use super::{Datagram, TimeStamp};
+
+/// The most fragmented datagrams that are kept open at a time. Senders emit the fragments of one in a burst, so more
+/// than one per sender is rare.
+pub const FRAGMENTED_MAX: usize = 64;
+
+/// What the fragments of one datagram have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Key {
+    pub(super) interface: u32,
+    pub(super) source: IpAddr,
+    pub(super) destination: IpAddr,
+    pub(super) identification: u32,
+}
+
+/// A part of a datagram.
+#[derive(Debug)]
+pub(super) struct Fragment<'a> {
+    pub(super) key: Key,
+    pub(super) offset: IpFragOffset,
+    /// Whether it is not the last.
+    pub(super) more: bool,
+    pub(super) bytes: &'a [u8],
+}
+
+/// The datagrams of which some fragments have come, the oldest first.
+#[derive(Debug, Default)]
+pub(super) struct Fragments {
+    open: VecDeque<Open>,
+}
+
+#[derive(Debug)]
+struct Open {
+    key: Key,
+    buffer: IpDefragBuf,
+    time_stamp: Option<TimeStamp>,
+    /// Where the first to come lies in the recording.
+    offset: usize,
+    fragments: usize,
+    /// The captured octets of their packets.
+    octets: usize,
+}
+
+impl Fragments {
+    /// Takes a fragment in. Gives the datagram that it completes and the octets of all its packets, or what had to be
+    /// given up for it: the oldest datagram, or its own where it contradicts what came before.
+    pub(super) fn add(
+        &mut self,
+        fragment: &Fragment<'_>,
+        packet: &Packet<'_>,
+    ) -> Option<Result<(Datagram<'static>, usize), Skipped>> {
+        let mut open = self
+            .take(fragment.key)
+            .unwrap_or_else(|| Open::new(fragment.key, packet));
+        open.fragments += 1;
+        open.octets += packet.bytes.len();
+        if open.buffer.add(fragment.offset, fragment.more, fragment.bytes).is_err() {
+            return Some(Err(open.give_up()));
+        }
+        if open.buffer.is_complete() {
+            return Some(open.complete());
+        }
+        let oldest = (self.open.len() == FRAGMENTED_MAX).then(|| self.open.pop_front());
+        self.open.push_back(open);
+        oldest.flatten().map(|oldest| Err(oldest.give_up()))
+    }
+
+    /// Gives the oldest datagram up, at the end of the recording.
+    pub(super) fn give_up(&mut self) -> Option<Skipped> {
+        self.open.pop_front().map(Open::give_up)
+    }
+
+    fn take(&mut self, key: Key) -> Option<Open> {
+        let place = self.open.iter().position(|open| open.key == key)?;
+        self.open.remove(place)
+    }
+}
+
+impl Open {
+    fn new(key: Key, packet: &Packet<'_>) -> Self {
+        Self {
+            key,
+            buffer: IpDefragBuf::new(IpNumber::UDP, Vec::new(), Vec::new()),
+            time_stamp: packet.time_stamp,
+            offset: packet.offset,
+            fragments: 0,
+            octets: 0,
+        }
+    }
+
+    fn complete(self) -> Result<(Datagram<'static>, usize), Skipped> {
+        let Some(payload) = packet::udp(self.buffer.data()) else {
+            return Err(self.give_up());
+        };
+        let datagram = Datagram {
+            bytes: Cow::Owned(payload.to_vec()),
+            time_stamp: self.time_stamp,
+            offset: self.offset,
+        };
+        Ok((datagram, self.octets))
+    }
+
+    fn give_up(self) -> Skipped {
+        Skipped {
+            offset: self.offset,
+            octets: self.octets,
+            why: Reason::Fragments {
+                fragments: self.fragments,
+            },
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! What ASTERIX recordings come packed in: one iterator of datagrams over all of it.
+//!
+//! # The containers
+//!
+//! A sensor sends its data blocks in datagrams, and a recording keeps them in one of four ways:
+//!
+//! - *raw*: the blocks one after the other and nothing else (`.ast`, `.raw`). When a block came is lost;
+//! - *pcap* and *pcapng*: captures of network packets, with headers of every layer around the blocks and a time stamp
+//!   from the capturing machine;
+//! - *final*: frames of a recorder, each with a length, the recorder's time of day and a trailer (`.ff`).
+//!
+//! Names of files lie, so the kind is told by content: captures have magic numbers, a frame of the final format ends
+//! in four octets A5 exactly where its length says. Whatever is none of these is taken as raw blocks, which have no
+//! mark of their own.
+//!
+//! ```text
+//! bytes ── Container::detect ──► pcap, pcapng ── packet ── link ── IP ── UDP ──┬──► Datagram
+//!                            └─► final ── frame ───────────────────────────────┤
+//!                            └─► raw ──────────────────────────────────────────┘
+//! ```
+//!
+//! # What is a datagram in a capture
+//!
+//! The payload of a UDP datagram over IPv4 or IPv6, put together again where IP cut it into fragments, or the payload
+//! of an IEEE 802.3 frame behind its three octets of logical link control (DSAP, SSAP, unnumbered information), as
+//! older radar networks send it. The length fields bound the payload, so the padding of short frames is cut. Tags of
+//! virtual networks are stepped over. Everything else that a network carries is passed over and counted.
+//!
+//! # What is damaged
+//!
+//! A recording that ends in the middle of a packet is the usual damage: everything before it is used. The same holds
+//! for packets of which the capture kept the begin only. A frame of the final format without its trailer is passed
+//! over up to the next trailer; pcap and pcapng have no mark to find the next packet by, so an impossible length ends
+//! them. [`Counts`] says what became of every octet.
+//!
+//! # Limits
+//!
+//! Nothing here trusts a length, and memory beyond the caller's bytes is used only for fragments: at most
+//! [`FRAGMENTED_MAX`] datagrams of 64 kB.
+//!
+//! # Sources
+//!
+//! draft-ietf-opsawg-pcap and draft-ietf-opsawg-pcapng for captures, the list of link types at tcpdump.org; IEEE 802.3
+//! and 802.2 for frames with logical link control; RFC 768, 791 and 8200 for UDP and IP; the description of ASTERIX
+//! Final in the developer guide of LuciadFusion.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::str::FromStr;
+
+mod final_format;
+mod fragments;
+mod packet;
+mod pcap;
+mod pcapng;
+mod skipped;
+
+pub use fragments::FRAGMENTED_MAX;
+pub use skipped::{Counts, Reason, Skipped};
+
+use fragments::Fragments;
+use packet::{Packet, Payload};
+
+/// Nanoseconds in a second.
+const NS_PER_S: i64 = 1_000_000_000;
+
+/// The datagrams in a recording of any kind.
+pub fn datagrams(bytes: &[u8]) -> Datagrams<'_> {
+    Datagrams::new(Container::detect(bytes), bytes)
+}
+
+/// One datagram of a recording: data blocks, if it is ASTERIX at all.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Datagram<'a> {
+    /// Its octets; owned only where they were put together from fragments.
+    pub bytes: Cow<'a, [u8]>,
+    /// When it was recorded, where the container says so.
+    pub time_stamp: Option<TimeStamp>,
+    /// Where it begins in the recording; of a fragmented one, where its first fragment to be captured lies.
+    pub offset: usize,
+}
+
+/// When a datagram was recorded, by the recorder's clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeStamp {
+    /// Nanoseconds since 1970-01-01, UTC.
+    Utc {
+        /// The nanoseconds.
+        ns: i64,
+    },
+    /// Nanoseconds since a midnight that the recording does not name.
+    TimeOfDay {
+        /// The nanoseconds.
+        ns: i64,
+    },
+}
+
+impl TimeStamp {
+    /// Nanoseconds since 1970 or midnight.
+    pub fn ns(self) -> i64 {
+        match self {
+            Self::Utc { ns } | Self::TimeOfDay { ns } => ns,
+        }
+    }
+
+    /// Seconds since 1970 or midnight; whole seconds and their fraction are brought together last, so that
+    /// microseconds survive.
+    pub fn seconds(self) -> f64 {
+        let ns = self.ns();
+        ns.div_euclid(NS_PER_S) as f64 + ns.rem_euclid(NS_PER_S) as f64 / NS_PER_S as f64
+    }
+}
+
+/// A kind of recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Container {
+    /// Data blocks and nothing else.
+    Raw,
+    /// A capture in the older format of libpcap.
+    Pcap,
+    /// A capture in the newer format, with sections and interfaces.
+    PcapNg,
+    /// Frames with length, time of day and trailer.
+    Final,
+}
+
+impl Container {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Raw, Self::Pcap, Self::PcapNg, Self::Final];
+
+    /// The kind of a recording, by its first octets.
+    pub fn detect(bytes: &[u8]) -> Self {
+        if pcapng::begins(bytes) {
+            Self::PcapNg
+        } else if pcap::begins(bytes) {
+            Self::Pcap
+        } else if final_format::begins(bytes) {
+            Self::Final
+        } else {
+            Self::Raw
+        }
+    }
+
+    /// Its name in one word, which [`FromStr`] reads.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Raw => "raw",
+            Self::Pcap => "pcap",
+            Self::PcapNg => "pcapng",
+            Self::Final => "final",
+        }
+    }
+}
+
+impl fmt::Display for Container {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())
+    }
+}
+
+/// A text that names no kind of recording.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{found:?} is no kind of recording; there are raw, pcap, pcapng and final")]
+pub struct ContainerError {
+    /// What was given.
+    pub found: String,
+}
+
+impl FromStr for Container {
+    type Err = ContainerError;
+
+    fn from_str(text: &str) -> Result<Self, ContainerError> {
+        let named = Self::ALL.into_iter().find(|kind| kind.word() == text);
+        named.ok_or_else(|| ContainerError { found: text.to_owned() })
+    }
+}
+
+/// The iterator that [`datagrams`] returns: each datagram, and each part of the recording that gave none.
+///
+/// What was skipped is no reason to stop: a caller who has nothing to say to it drops it, [`counts`](Self::counts)
+/// keeps the sum.
+#[derive(Debug)]
+pub struct Datagrams<'a> {
+    container: Container,
+    bytes: &'a [u8],
+    source: Source<'a>,
+    fragments: Fragments,
+    counts: Counts,
+    /// The octets before this one are in `counts`, or waiting in `fragments`.
+    accounted: usize,
+}
+
+/// Where the pieces of a recording come from. Each goes through it from begin to end, and has a position in it.
+#[derive(Debug)]
+enum Source<'a> {
+    Raw { bytes: &'a [u8], position: usize },
+    Pcap(pcap::Packets<'a>),
+    PcapNg(pcapng::Packets<'a>),
+    Final(final_format::Frames<'a>),
+}
+
+/// A piece of a recording.
+#[derive(Debug)]
+enum Piece<'a> {
+    Datagram(Datagram<'a>),
+    Packet(Packet<'a>),
+}
+
+impl<'a> Datagrams<'a> {
+    /// The datagrams of a recording that is said to be of this kind.
+    pub fn new(container: Container, bytes: &'a [u8]) -> Self {
+        let source = match container {
+            Container::Raw => Source::Raw { bytes, position: 0 },
+            Container::Pcap => Source::Pcap(pcap::Packets::new(bytes)),
+            Container::PcapNg => Source::PcapNg(pcapng::Packets::new(bytes)),
+            Container::Final => Source::Final(final_format::Frames::new(bytes)),
+        };
+        Self {
+            container,
+            bytes,
+            source,
+            fragments: Fragments::default(),
+            counts: Counts::default(),
+            accounted: 0,
+        }
+    }
+
+    /// The kind of the recording.
+    pub fn container(&self) -> Container {
+        self.container
+    }
+
+    /// What was met so far.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// A packet's datagram; nothing while it waits for the other fragments of one.
+    fn unpack(&mut self, packet: &Packet<'a>, octets: usize) -> Option<Result<Datagram<'a>, Skipped>> {
+        let framing = (octets - packet.bytes.len()) as u64;
+        match packet::payload(packet) {
+            Ok(Payload::Whole { bytes, offset }) => {
+                let datagram = Datagram {
+                    bytes: Cow::Borrowed(bytes),
+                    time_stamp: packet.time_stamp,
+                    offset,
+                };
+                self.counts.datagram(&datagram, octets);
+                Some(Ok(datagram))
+            }
+            Ok(Payload::Fragment(fragment)) => {
+                self.counts.framing_octets += framing;
+                let (datagram, octets) = match self.fragments.add(&fragment, packet)? {
+                    Ok(joined) => joined,
+                    Err(skipped) => return Some(Err(self.counts.skip(skipped, 0))),
+                };
+                self.counts.datagrams_joined += 1;
+                self.counts.datagram(&datagram, octets);
+                Some(Ok(datagram))
+            }
+            Err(why) => Some(Err(self.counts.skip(packet.skipped(why), framing))),
+        }
+    }
+
+    /// What is left when the recording has ended: fragments whose rest never came.
+    fn finish(&mut self) -> Option<Result<Datagram<'a>, Skipped>> {
+        self.counts.framing_octets += (self.bytes.len() - self.accounted) as u64;
+        self.accounted = self.bytes.len();
+        let skipped = self.fragments.give_up()?;
+        Some(Err(self.counts.skip(skipped, 0)))
+    }
+}
+
+impl<'a> Iterator for Datagrams<'a> {
+    type Item = Result<Datagram<'a>, Skipped>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let Some(piece) = self.source.next() else {
+                return self.finish();
+            };
+            let octets = self.source.position() - self.accounted;
+            self.accounted += octets;
+            match piece {
+                Ok(Piece::Datagram(datagram)) => {
+                    self.counts.datagram(&datagram, octets);
+                    return Some(Ok(datagram));
+                }
+                Ok(Piece::Packet(packet)) => {
+                    if let Some(outcome) = self.unpack(&packet, octets) {
+                        return Some(outcome);
+                    }
+                }
+                Err(skipped) => {
+                    let framing = (octets - skipped.octets) as u64;
+                    return Some(Err(self.counts.skip(skipped, framing)));
+                }
+            }
+        }
+    }
+}
+
+impl<'a> Source<'a> {
+    fn next(&mut self) -> Option<Result<Piece<'a>, Skipped>> {
+        match self {
+            Self::Raw { bytes, position } => {
+                let begin = std::mem::replace(position, bytes.len());
+                (begin < bytes.len()).then(|| Ok(Piece::Datagram(Datagram::of(&bytes[begin..], None, begin))))
+            }
+            Self::Pcap(packets) => packets.next().map(|packet| packet.map(Piece::Packet)),
+            Self::PcapNg(packets) => packets.next().map(|packet| packet.map(Piece::Packet)),
+            Self::Final(frames) => frames.next().map(|datagram| datagram.map(Piece::Datagram)),
+        }
+    }
+
+    /// The octets before this one have been given, or belong to no piece.
+    fn position(&self) -> usize {
+        match self {
+            Self::Raw { position, .. } => *position,
+            Self::Pcap(packets) => packets.position(),
+            Self::PcapNg(packets) => packets.position(),
+            Self::Final(frames) => frames.position(),
+        }
+    }
+}
+
+impl<'a> Datagram<'a> {
+    fn of(bytes: &'a [u8], time_stamp: Option<TimeStamp>, offset: usize) -> Self {
+        Self {
+            bytes: Cow::Borrowed(bytes),
+            time_stamp,
+            offset,
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! What in a recording gave no datagram, why, and the sum of it.
+
+use super::{Container, Datagram};
+
+/// A part of a recording that gave no datagram.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("byte {offset}: {why}")]
+pub struct Skipped {
+    /// Where it begins: a captured packet behind its record's header, anything else with its first octet.
+    pub offset: usize,
+    /// Its octets; of fragments, those of all that were captured.
+    pub octets: usize,
+    /// Why.
+    pub why: Reason,
+}
+
+/// Why a part of a recording gave no datagram.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Reason {
+    /// The recording is not of the kind it was said to be.
+    #[error("this is no {expected} recording; leave the kind to be found out, or name another")]
+    OtherContainer {
+        /// The kind it was said to be.
+        expected: Container,
+    },
+    /// The recording ends in the middle of something.
+    #[error(
+        "the recording ends {available} octets into {needed} that belong together: it was cut short, or is damaged"
+    )]
+    FileCut {
+        /// The octets that the packet, block or frame takes.
+        needed: usize,
+        /// The octets there are.
+        available: usize,
+    },
+    /// A pcapng block with an impossible length, or with two that differ: where the next begins is unknown.
+    #[error("pcapng block of {length} octets with {trailing:?} at its end: nothing from here on can be read")]
+    BlockLength {
+        /// The length at the begin of the block.
+        length: usize,
+        /// The same length at its end, if it could be read.
+        trailing: Option<usize>,
+    },
+    /// A pcapng section without a byte-order mark.
+    #[error("pcapng section with byte-order mark {mark:08X}, expected 1A2B3C4D: nothing from here on can be read")]
+    ByteOrder {
+        /// What stands in its place.
+        mark: u32,
+    },
+    /// A pcapng block whose content contradicts its length.
+    #[error("pcapng block of type {block_type:#X} with content that does not fit its {octets} octets")]
+    BlockContent {
+        /// The type.
+        block_type: u32,
+        /// Its octets.
+        octets: usize,
+    },
+    /// A pcapng block of a type that is not known.
+    #[error("pcapng block of type {block_type:#X}, which is not known")]
+    BlockType {
+        /// The type.
+        block_type: u32,
+    },
+    /// A packet of an interface that its pcapng section does not describe.
+    #[error("packet of interface {interface}, of which the section describes {described}")]
+    Interface {
+        /// The interface's number, from 0.
+        interface: u32,
+        /// The interfaces there are.
+        described: usize,
+    },
+    /// A frame of the final format without its trailer.
+    #[error("frame of {length} octets, the header's 8 and the trailer's 4 included, without the trailer A5A5A5A5")]
+    Trailer {
+        /// The length it gives.
+        length: usize,
+    },
+    /// A packet from a link whose headers are not known.
+    #[error("packet of link type {link_type}; known are 0, 1, 101, 108, 113, 228, 229 and 276")]
+    LinkType {
+        /// The number of the link type.
+        link_type: i32,
+    },
+    /// A packet of which the capture kept the begin only.
+    #[error("packet of {original} octets, of which the capture kept {captured}; capture whole packets")]
+    PacketCut {
+        /// The octets that were captured.
+        captured: usize,
+        /// The octets that came.
+        original: usize,
+    },
+    /// A packet whose headers contradict each other or its length.
+    #[error("packet of {captured} octets whose {layer} header is impossible")]
+    Header {
+        /// The protocol.
+        layer: &'static str,
+        /// The packet's octets.
+        captured: usize,
+    },
+    /// A frame that carries neither IPv4 nor IPv6.
+    #[error("frame of protocol {ether_type:#06X}, not IPv4 (0x0800) or IPv6 (0x86DD)")]
+    EtherType {
+        /// Its EtherType.
+        ether_type: u16,
+    },
+    /// An IEEE 802.3 frame that is no unnumbered information, or of a protocol that is surely another.
+    #[error("802.3 frame for service access point {service:#04X} with control field {control:#04X}, no ASTERIX")]
+    LogicalLink {
+        /// The destination's service access point.
+        service: u8,
+        /// The control field.
+        control: u8,
+    },
+    /// An IP packet that is not UDP.
+    #[error("IP packet of protocol {protocol}, not UDP (17)")]
+    Transport {
+        /// The protocol's number.
+        protocol: u8,
+    },
+    /// Fragments of an IP packet of which others are missing or contradict them.
+    #[error("IP packet that is not complete; fragments captured: {fragments}")]
+    Fragments {
+        /// The fragments that were captured.
+        fragments: usize,
+    },
+}
+
+impl Reason {
+    /// What is wrong in a few words, the same for all parts skipped for the same reason: to count them by.
+    pub fn label(&self) -> &'static str {
+        match self {
+            Self::OtherContainer { .. } => "other container",
+            Self::FileCut { .. } => "recording cut short",
+            Self::BlockLength { .. } | Self::ByteOrder { .. } => "damaged pcapng",
+            Self::BlockContent { .. } => "damaged pcapng block",
+            Self::BlockType { .. } => "unknown pcapng block",
+            Self::Interface { .. } => "unknown interface",
+            Self::Trailer { .. } => "damaged frame",
+            Self::LinkType { .. } => "unknown link type",
+            Self::PacketCut { .. } => "packet not captured whole",
+            Self::Header { .. } => "impossible header",
+            Self::EtherType { .. } | Self::LogicalLink { .. } | Self::Transport { .. } => "other protocol",
+            Self::Fragments { .. } => "incomplete fragments",
+        }
+    }
+}
+
+/// What became of a recording: every octet is in a datagram, in something skipped, or framing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Datagrams given.
+    pub datagrams: u64,
+    /// Those of them that were put together from fragments.
+    pub datagrams_joined: u64,
+    /// The octets of all datagrams.
+    pub datagram_octets: u64,
+    /// Headers, padding, trailers, and blocks of a capture that hold no packets.
+    pub framing_octets: u64,
+    /// Octets of what was skipped.
+    pub octets_skipped: u64,
+    /// Packets of other protocols.
+    pub packets_other: u64,
+    /// Packets that were not captured whole, or whose headers are impossible, or whose link is not known.
+    pub packets_refused: u64,
+    /// IP packets of which fragments are missing.
+    pub packets_incomplete: u64,
+    /// Places where the recording itself is damaged, cut short or not known.
+    pub damages: u64,
+}
+
+impl Counts {
+    /// Label, a sentence and the value of each counter, for whoever shows them.
+    pub fn entries(&self) -> [(&'static str, &'static str, u64); 9] {
+        [
+            ("datagrams", "datagrams given", self.datagrams),
+            (
+                "datagrams_joined",
+                "datagrams put together from fragments",
+                self.datagrams_joined,
+            ),
+            ("datagram_octets", "octets of all datagrams", self.datagram_octets),
+            (
+                "framing_octets",
+                "octets of headers, padding and trailers",
+                self.framing_octets,
+            ),
+            ("octets_skipped", "octets of what was skipped", self.octets_skipped),
+            ("packets_other", "packets of other protocols", self.packets_other),
+            (
+                "packets_refused",
+                "packets not captured whole, or with impossible headers or an unknown link",
+                self.packets_refused,
+            ),
+            (
+                "packets_incomplete",
+                "IP packets of which fragments are missing",
+                self.packets_incomplete,
+            ),
+            (
+                "damages",
+                "places where the recording is damaged, cut short or not known",
+                self.damages,
+            ),
+        ]
+    }
+
+    /// Counts a datagram for which `octets` of the recording were used up.
+    pub(super) fn datagram(&mut self, datagram: &Datagram<'_>, octets: usize) {
+        self.datagrams += 1;
+        self.datagram_octets += datagram.bytes.len() as u64;
+        self.framing_octets += (octets - datagram.bytes.len()) as u64;
+    }
+
+    /// Counts what was skipped, and the octets of framing around it.
+    pub(super) fn skip(&mut self, skipped: Skipped, framing_octets: u64) -> Skipped {
+        self.framing_octets += framing_octets;
+        self.octets_skipped += skipped.octets as u64;
+        *match skipped.why {
+            Reason::EtherType { .. } | Reason::LogicalLink { .. } | Reason::Transport { .. } => &mut self.packets_other,
+            Reason::LinkType { .. } | Reason::PacketCut { .. } | Reason::Header { .. } | Reason::Interface { .. } => {
+                &mut self.packets_refused
+            }
+            Reason::Fragments { .. } => &mut self.packets_incomplete,
+            Reason::OtherContainer { .. }
+            | Reason::FileCut { .. }
+            | Reason::BlockLength { .. }
+            | Reason::ByteOrder { .. }
+            | Reason::BlockContent { .. }
+            | Reason::BlockType { .. }
+            | Reason::Trailer { .. } => &mut self.damages,
+        } += 1;
+        skipped
+    }
+}

@@ -1,0 +1,360 @@
+//! Tables of text: a header line with the columns' names, then a row per line.
+//!
+//! Columns are found by name and may stand in any order; those that nobody asks for are passed over, so files may carry
+//! more than a reader knows. Values are separated by commas and not quoted: none of the formats here needs it, and a
+//! stray quotation mark would swallow the lines that follow it. Blanks around values, blank lines and the line ends of
+//! other systems do no harm.
+//!
+//! A file of a hundred thousand rows that is wrong in one of them is of no use to somebody who is not told in which. So
+//! every error names the line as an editor counts it, the column, the value, and what should stand there.
+
+use std::fmt::Display;
+use std::io::{self, Read};
+use std::str::FromStr;
+
+use csv::{ByteRecord, Reader, ReaderBuilder, Terminator, Trim};
+use thiserror::Error;
+
+/// Longest time that is accepted, seconds: 46 days, the most that seconds in 64 bits give exactly to the nanosecond.
+const TIME_MAX_S: f64 = 4e6;
+/// Characters of a value that an error shows.
+const SHOWN_MAX: usize = 40;
+
+/// Why a table cannot be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CsvError {
+    /// The header lacks a column, or names it more than once.
+    #[error("header: column {column} {fault}; the header is {header:?}")]
+    Header {
+        /// The column's name.
+        column: &'static str,
+        /// What is wrong with it.
+        fault: &'static str,
+        /// The header as read.
+        header: String,
+    },
+
+    /// A row has more or fewer values than the header has names.
+    #[error("line {line}: {found} values, but the header names {expected} columns")]
+    Length {
+        /// The line, from 1.
+        line: u64,
+        /// Values in the row.
+        found: usize,
+        /// Names in the header.
+        expected: usize,
+    },
+
+    /// A value is not what its column holds.
+    #[error("line {line}, column {column}: {value:?} {reason}")]
+    Value {
+        /// The line, from 1.
+        line: u64,
+        /// The column's name.
+        column: &'static str,
+        /// The value as read, or its beginning.
+        value: String,
+        /// What is wrong with it, and what should stand there.
+        reason: String,
+    },
+
+    /// The input failed.
+    #[error("line {line}: {reason}")]
+    Input {
+        /// The line, from 1, that could not be read.
+        line: u64,
+        /// Why.
+        reason: io::Error,
+    },
+}
+
+/// A table that is read row by row.
+#[derive(Debug)]
+pub(crate) struct Table<R> {
+    reader: Reader<io::Chain<R, &'static [u8]>>,
+    header: ByteRecord,
+    row: ByteRecord,
+    failed: bool,
+}
+
+/// A column that the header names.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Column {
+    name: &'static str,
+    place: usize,
+}
+
+/// A row with as many values as there are columns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row<'a> {
+    line: u64,
+    values: &'a ByteRecord,
+}
+
+impl<R: Read> Table<R> {
+    /// Reads the header.
+    pub(crate) fn new(input: R) -> Result<Self, CsvError> {
+        // Every line ends with a line feed, the last one too: then the number of line feeds passed is that of the line.
+        let mut reader = ReaderBuilder::new()
+            .terminator(Terminator::Any(b'\n'))
+            .quoting(false)
+            .flexible(true)
+            .trim(Trim::All)
+            .from_reader(input.chain(&b"\n"[..]));
+        let header = reader.byte_headers().cloned().map_err(|error| failed(error, 1))?;
+        Ok(Self {
+            reader,
+            header,
+            row: ByteRecord::new(),
+            failed: false,
+        })
+    }
+
+    /// A column that must be there.
+    pub(crate) fn required(&self, name: &'static str) -> Result<Column, CsvError> {
+        self.optional(name)?
+            .ok_or_else(|| self.header_error(name, "is missing"))
+    }
+
+    /// Columns that must all be there.
+    pub(crate) fn all<const N: usize>(&self, names: [&'static str; N]) -> Result<[Column; N], CsvError> {
+        let mut columns = names.map(|name| Column { name, place: 0 });
+        for column in &mut columns {
+            *column = self.required(column.name)?;
+        }
+        Ok(columns)
+    }
+
+    /// A column that may be there.
+    pub(crate) fn optional(&self, name: &'static str) -> Result<Option<Column>, CsvError> {
+        let mut places = self
+            .header
+            .iter()
+            .enumerate()
+            .filter(|(_, found)| *found == name.as_bytes());
+        let found = places.next().map(|(place, _)| Column { name, place });
+        match places.next() {
+            Some(_) => Err(self.header_error(name, "stands there more than once")),
+            None => Ok(found),
+        }
+    }
+
+    /// The next row, `None` at the end. After a row that could not be read the next one may be asked for.
+    pub(crate) fn next_row(&mut self) -> Option<Result<Row<'_>, CsvError>> {
+        if self.failed {
+            return None;
+        }
+        loop {
+            let before = self.reader.position().line();
+            match self.reader.read_byte_record(&mut self.row) {
+                Ok(false) => return None,
+                // A line with nothing but the carriage return of another system's line end.
+                Ok(true) if self.row.len() == 1 && self.row[0].is_empty() => {}
+                Ok(true) => break,
+                Err(error) => {
+                    self.failed = true;
+                    return Some(Err(failed(error, before)));
+                }
+            }
+        }
+        let line = self.reader.position().line() - 1;
+        let (found, expected) = (self.row.len(), self.header.len());
+        Some(match found == expected {
+            true => Ok(Row {
+                line,
+                values: &self.row,
+            }),
+            false => Err(CsvError::Length { line, found, expected }),
+        })
+    }
+
+    fn header_error(&self, column: &'static str, fault: &'static str) -> CsvError {
+        let names: Vec<_> = self.header.iter().map(String::from_utf8_lossy).collect();
+        CsvError::Header {
+            column,
+            fault,
+            header: shown(&names.join(","), 10 * SHOWN_MAX),
+        }
+    }
+}
+
+impl Row<'_> {
+    /// The value as text; `None` if it is empty or the column is not there.
+    pub(crate) fn text(&self, column: impl Into<Option<Column>>) -> Result<Option<&str>, CsvError> {
+        let Some(column) = column.into() else { return Ok(None) };
+        match std::str::from_utf8(&self.values[column.place]) {
+            Ok(text) => Ok(Some(text).filter(|text| !text.is_empty())),
+            Err(_) => Err(self.error(column, "is not UTF-8 text")),
+        }
+    }
+
+    /// A finite number.
+    pub(crate) fn number(&self, column: Column) -> Result<f64, CsvError> {
+        self.number_or_empty(column)?
+            .ok_or_else(|| self.error(column, "is empty; write a number"))
+    }
+
+    /// A finite number, or `None` if the value is empty or the column is not there.
+    pub(crate) fn number_or_empty(&self, column: impl Into<Option<Column>>) -> Result<Option<f64>, CsvError> {
+        let Some(column) = column.into() else { return Ok(None) };
+        let Some(text) = self.text(column)? else {
+            return Ok(None);
+        };
+        match text.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(Some(number)),
+            Ok(_) => Err(self.error(column, "is not finite; leave out rows without a value")),
+            Err(_) => Err(self.error(column, "is no number; write one like -12.5")),
+        }
+    }
+
+    /// A whole number that `T` can hold.
+    pub(crate) fn whole<T: FromStr>(&self, column: Column) -> Result<T, CsvError> {
+        let text = self.text(column)?.unwrap_or_default();
+        let fault = || format!("is no whole number of the kind {}", std::any::type_name::<T>());
+        text.parse().map_err(|_| self.error(column, fault()))
+    }
+
+    /// Nanoseconds of a time in seconds.
+    pub(crate) fn time_ns(&self, column: Column) -> Result<i64, CsvError> {
+        let seconds = self.number(column)?;
+        if seconds.abs() > TIME_MAX_S {
+            let reason = format!("is more than {TIME_MAX_S} s away; count from midnight (UTC) of the first day");
+            return Err(self.error(column, reason));
+        }
+        Ok(frames::time::ns(seconds))
+    }
+
+    /// What is wrong with the value of a column.
+    pub(crate) fn error(&self, column: Column, reason: impl Display) -> CsvError {
+        CsvError::Value {
+            line: self.line,
+            column: column.name,
+            value: shown(&String::from_utf8_lossy(&self.values[column.place]), SHOWN_MAX),
+            reason: reason.to_string(),
+        }
+    }
+}
+
+fn shown(text: &str, characters_max: usize) -> String {
+    match text.char_indices().nth(characters_max) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// The reader is set up so that nothing but its input can fail.
+fn failed(error: csv::Error, line: u64) -> CsvError {
+    CsvError::Input {
+        line,
+        reason: error.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The numbers of column `b`, or what is wrong.
+    fn column_b(text: &[u8]) -> Vec<Result<f64, String>> {
+        let mut table = Table::new(text).unwrap();
+        let column = table.required("b").unwrap();
+        let mut found = Vec::new();
+        while let Some(row) = table.next_row() {
+            found.push(
+                row.and_then(|row| row.number(column))
+                    .map_err(|error| error.to_string()),
+            );
+        }
+        found
+    }
+
+    #[test]
+    fn columns_are_found_by_name_whatever_the_line_ends() {
+        for text in [
+            "a,b\n1,2\n3,4\n",
+            " a , b\r\n\r\n1,2\r\n \r\n3, 4",
+            "\u{feff}b,c,a\n2,,1\n\n4,,3",
+        ] {
+            assert_eq!(column_b(text.as_bytes()), [Ok(2.0), Ok(4.0)], "{text:?}");
+        }
+        assert!(column_b(b"a,b").is_empty());
+    }
+
+    #[test]
+    fn errors_name_line_column_value_and_remedy_and_reading_goes_on() {
+        let text = b"a,b\r\n1,2\r\n\r\n1,x\r\n1\r\n1,inf\r\n1,\r\n1,\xff\r\n1,\"2\"\r\n1,3";
+        let expected = [
+            Ok(2.0),
+            Err("line 4, column b: \"x\" is no number; write one like -12.5"),
+            Err("line 5: 1 values, but the header names 2 columns"),
+            Err("line 6, column b: \"inf\" is not finite; leave out rows without a value"),
+            Err("line 7, column b: \"\" is empty; write a number"),
+            Err("line 8, column b: \"\u{fffd}\" is not UTF-8 text"),
+            Err("line 9, column b: \"\\\"2\\\"\" is no number; write one like -12.5"),
+            Ok(3.0),
+        ];
+        assert_eq!(column_b(text), expected.map(|one| one.map_err(str::to_owned)));
+    }
+
+    #[test]
+    fn a_header_that_lacks_or_repeats_a_column_is_refused() {
+        let fault = |text: &str| {
+            Table::new(text.as_bytes())
+                .unwrap()
+                .required("b")
+                .unwrap_err()
+                .to_string()
+        };
+        assert_eq!(fault("a,c\n"), "header: column b is missing; the header is \"a,c\"");
+        assert_eq!(fault(""), "header: column b is missing; the header is \"\"");
+        assert!(fault("b,a,b\n").contains("more than once"));
+    }
+
+    #[test]
+    fn times_are_exact_to_the_nanosecond() {
+        let time = |text: &str| {
+            let text = format!("b\n{text}\n");
+            let mut table = Table::new(text.as_bytes()).unwrap();
+            let column = table.required("b").unwrap();
+            table
+                .next_row()
+                .unwrap()
+                .unwrap()
+                .time_ns(column)
+                .map_err(|error| error.to_string())
+        };
+        assert_eq!(time("3999999.999999999"), Ok(3_999_999_999_999_999));
+        assert_eq!(time("-0.000000001"), Ok(-1));
+        assert!(time("1620114891.8").unwrap_err().contains("count from midnight"));
+    }
+
+    #[test]
+    fn an_input_that_fails_ends_the_table() {
+        struct Failing(&'static [u8]);
+        impl Read for Failing {
+            fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+                match self.0.read(buffer)? {
+                    0 => Err(io::Error::other("unplugged")),
+                    count => Ok(count),
+                }
+            }
+        }
+        let mut table = Table::new(Failing(b"b\n1\n2\n")).unwrap();
+        assert!(table.next_row().unwrap().is_ok() && table.next_row().unwrap().is_ok());
+        assert!(table.next_row().unwrap().unwrap_err().to_string().contains("unplugged"));
+        assert!(table.next_row().is_none());
+    }
+
+    proptest! {
+        #[test]
+        fn any_octets_are_a_table_or_an_error(octets in prop::collection::vec(any::<u8>(), 0..200)) {
+            let mut text = b"a,b\n".to_vec();
+            text.extend(octets);
+            let rows = column_b(&text).len();
+            prop_assert!(rows <= text.iter().filter(|octet| **octet == b'\n').count());
+        }
+    }
+}

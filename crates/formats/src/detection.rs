@@ -1,0 +1,162 @@
+//! One measurement of one sensor at one time, not yet part of any track (FM-6).
+//!
+//! A radar plot, a lidar return or a camera's bearing says where something is, or only in which direction, and nothing
+//! about which target it belongs to. Some sensors give two coordinates, some three, some an angle alone, so a detection
+//! names its kind, and the kind names the measured quantities in their order. Positions are in the system frame, east,
+//! north and up. Angles are radians: bearings clockwise from north, elevations up from the horizontal, both as seen from
+//! where the sensor was at that moment.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Most quantities that a detection holds beside the range rate.
+pub const QUANTITIES_MAX: usize = 3;
+
+/// One measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detection {
+    /// When it was measured, UTC, nanoseconds since 1970.
+    pub time_of_measurement_ns: i64,
+    /// The sensor, as its files number it.
+    pub sensor_id: u32,
+    /// The sensor's scan, turn or frame; it rises with time.
+    pub scan: u32,
+    /// Number of the detection, unique within its scan at least.
+    pub detection_id: u32,
+    /// Which quantities were measured.
+    pub kind: DetectionKind,
+    /// Their values, in the order of [`DetectionKind::quantities`]; 0 beyond.
+    pub values: [f64; QUANTITIES_MAX],
+    /// Speed away from the sensor, metres per second, where it was measured too.
+    pub range_rate_mps: Option<f64>,
+    /// Standard deviations of the values and, last, of the range rate, all above 0, in the units of the values; 0
+    /// where there is no value. `None` where the source states none.
+    pub sigmas: Option<[f64; QUANTITIES_MAX + 1]>,
+    /// Where the sensor was, metres east, north and up.
+    pub platform_m: [f64; 3],
+    /// What it was really of, where somebody knows: for scoring, never for tracking.
+    pub truth: Option<Truth>,
+}
+
+/// Which quantities a detection measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DetectionKind {
+    /// Position in the plane.
+    Position2,
+    /// Position in space.
+    Position3,
+    /// Slant range and bearing.
+    RangeBearing,
+    /// Slant range, bearing and elevation.
+    RangeBearingElevation,
+    /// Bearing alone.
+    Bearing,
+    /// Bearing and elevation.
+    BearingElevation,
+}
+
+/// A measured quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Metres east.
+    East,
+    /// Metres north.
+    North,
+    /// Metres up.
+    Up,
+    /// Distance from the sensor, metres.
+    Range,
+    /// Direction in the plane, radians clockwise from north.
+    Bearing,
+    /// Direction above the horizontal, radians.
+    Elevation,
+}
+
+/// What a detection was really of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Truth {
+    /// Of the target with this number.
+    Target(u32),
+    /// Of none: clutter or noise.
+    FalseAlarm,
+    /// Of several that the sensor could not tell apart.
+    Merged,
+}
+
+impl DetectionKind {
+    /// Every kind.
+    pub const ALL: [Self; 6] = [
+        Self::Position2,
+        Self::Position3,
+        Self::RangeBearing,
+        Self::RangeBearingElevation,
+        Self::Bearing,
+        Self::BearingElevation,
+    ];
+
+    /// The word that files use (FM-6).
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Position2 => "position2",
+            Self::Position3 => "position3",
+            Self::RangeBearing => "range_bearing",
+            Self::RangeBearingElevation => "range_bearing_elevation",
+            Self::Bearing => "bearing",
+            Self::BearingElevation => "bearing_elevation",
+        }
+    }
+
+    /// The kind that a file's word names.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.word() == word)
+    }
+
+    /// The quantities, in the order of their values.
+    pub fn quantities(self) -> &'static [Quantity] {
+        use Quantity::{Bearing, East, Elevation, North, Range, Up};
+        match self {
+            Self::Position2 => &[East, North],
+            Self::Position3 => &[East, North, Up],
+            Self::RangeBearing => &[Range, Bearing],
+            Self::RangeBearingElevation => &[Range, Bearing, Elevation],
+            Self::Bearing => &[Bearing],
+            Self::BearingElevation => &[Bearing, Elevation],
+        }
+    }
+}
+
+impl Quantity {
+    /// What is wrong with a finite value of this quantity, and what to do about it; `None` if nothing is.
+    pub fn fault(self, value: f64) -> Option<&'static str> {
+        match self {
+            Self::East | Self::North | Self::Up => None,
+            Self::Range => (value < 0.0).then_some("is negative, which no range is"),
+            Self::Bearing => (value.abs() > TAU).then_some("is more than a full turn; write radians, not degrees"),
+            Self::Elevation => {
+                (value.abs() > FRAC_PI_2).then_some("is beyond the vertical; write radians, not degrees")
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_is_found_by_its_word_and_fits() {
+        for kind in DetectionKind::ALL {
+            assert_eq!(DetectionKind::from_word(kind.word()), Some(kind));
+            assert!((1..=QUANTITIES_MAX).contains(&kind.quantities().len()));
+        }
+        assert_eq!(DetectionKind::from_word("Bearing"), None);
+    }
+
+    #[test]
+    fn degrees_are_noticed() {
+        assert_eq!(Quantity::Bearing.fault(-3.1), None);
+        assert!(Quantity::Bearing.fault(270.0).unwrap().contains("radians"));
+        assert!(Quantity::Elevation.fault(1.6).unwrap().contains("radians"));
+        assert!(Quantity::Range.fault(-0.1).is_some());
+        assert_eq!(Quantity::Up.fault(-1e4), None);
+    }
+}

@@ -1,0 +1,452 @@
+//! Detections as CSV rows (FM-6).
+//!
+//! The measured values stand in `m0`, `m1`, `m2` in the order of their kind, the range rate in `m3`, and their standard
+//! deviations in the `s` columns below the same numbers. What a kind does not measure is left empty, and must be: a value
+//! in such a place means that columns have been mixed up. A row states all of its standard deviations or none.
+
+use std::io::{self, Read, Write};
+
+use crate::csv_table::{Column, CsvError, Row, Table};
+use crate::detection::{Detection, DetectionKind, QUANTITIES_MAX, Truth};
+use crate::tracks_csv::write_time;
+
+/// Place of the range rate among the columns of measured values.
+const RANGE_RATE: usize = QUANTITIES_MAX;
+const VALUES: [&str; QUANTITIES_MAX + 1] = ["m0", "m1", "m2", "m3"];
+const SIGMAS: [&str; QUANTITIES_MAX + 1] = ["s0", "s1", "s2", "s3"];
+const PLATFORM: [&str; 3] = ["px", "py", "pz"];
+
+/// Reads detections, row by row.
+///
+/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
+#[derive(Debug)]
+pub struct DetectionReader<R> {
+    table: Table<R>,
+    columns: Columns,
+    first_day_ns: i64,
+}
+
+#[derive(Debug)]
+struct Columns {
+    time: Column,
+    sensor: Column,
+    scan: Column,
+    number: Column,
+    kind: Column,
+    values: [Column; QUANTITIES_MAX + 1],
+    sigmas: [Column; QUANTITIES_MAX + 1],
+    platform: [Column; 3],
+    truth: Option<Column>,
+}
+
+impl<R: Read> DetectionReader<R> {
+    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// [`CsvError`] if a column is missing or the input fails.
+    pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
+        let table = Table::new(input)?;
+        let columns = Columns {
+            time: table.required("time_s")?,
+            sensor: table.required("sensor_id")?,
+            scan: table.required("scan")?,
+            number: table.required("detection_id")?,
+            kind: table.required("kind")?,
+            values: table.all(VALUES)?,
+            sigmas: table.all(SIGMAS)?,
+            platform: table.all(PLATFORM)?,
+            truth: table.optional("truth_id")?,
+        };
+        Ok(Self {
+            table,
+            columns,
+            first_day_ns,
+        })
+    }
+}
+
+impl<R: Read> Iterator for DetectionReader<R> {
+    type Item = Result<Detection, CsvError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let row = self.table.next_row()?;
+        Some(row.and_then(|row| self.columns.detection(row, self.first_day_ns)))
+    }
+}
+
+impl Columns {
+    fn detection(&self, row: Row<'_>, first_day_ns: i64) -> Result<Detection, CsvError> {
+        let time_ns = row.time_ns(self.time)?;
+        let kind = self.kind(row)?;
+        let values = self.values(row, kind)?;
+        let range_rate_mps = row.number_or_empty(self.values[RANGE_RATE])?;
+        let mut platform_m = [0.0; 3];
+        for (place, column) in platform_m.iter_mut().zip(self.platform) {
+            *place = row.number(column)?;
+        }
+        Ok(Detection {
+            time_of_measurement_ns: first_day_ns.saturating_add(time_ns),
+            sensor_id: row.whole(self.sensor)?,
+            scan: row.whole(self.scan)?,
+            detection_id: row.whole(self.number)?,
+            kind,
+            values,
+            range_rate_mps,
+            sigmas: self.sigmas(row, kind, range_rate_mps.is_some())?,
+            platform_m,
+            truth: self.truth(row)?,
+        })
+    }
+
+    fn kind(&self, row: Row<'_>) -> Result<DetectionKind, CsvError> {
+        let word = row.text(self.kind)?.unwrap_or_default();
+        DetectionKind::from_word(word).ok_or_else(|| {
+            let words = DetectionKind::ALL.map(DetectionKind::word).join(", ");
+            row.error(self.kind, format!("is no kind of detection; write one of {words}"))
+        })
+    }
+
+    fn values(&self, row: Row<'_>, kind: DetectionKind) -> Result<[f64; QUANTITIES_MAX], CsvError> {
+        let mut values = [0.0; QUANTITIES_MAX];
+        let quantities = kind.quantities();
+        for ((value, quantity), column) in values.iter_mut().zip(quantities).zip(self.values) {
+            *value = row.number(column)?;
+            if let Some(fault) = quantity.fault(*value) {
+                return Err(row.error(column, fault));
+            }
+        }
+        for column in &self.values[quantities.len()..RANGE_RATE] {
+            expect_empty(row, *column, kind)?;
+        }
+        Ok(values)
+    }
+
+    /// The standard deviations of what was measured: of all of it, or of nothing.
+    fn sigmas(
+        &self,
+        row: Row<'_>,
+        kind: DetectionKind,
+        range_rate: bool,
+    ) -> Result<Option<[f64; QUANTITIES_MAX + 1]>, CsvError> {
+        let mut sigmas = [0.0; QUANTITIES_MAX + 1];
+        let (mut stated, mut unstated) = (None, None);
+        for (place, column) in self.sigmas.into_iter().enumerate() {
+            let measured = place < kind.quantities().len() || (place == RANGE_RATE && range_rate);
+            if !measured {
+                expect_empty(row, column, kind)?;
+                continue;
+            }
+            match row.number_or_empty(column)? {
+                Some(sigma) if sigma > 0.0 => {
+                    sigmas[place] = sigma;
+                    stated = Some(column);
+                }
+                Some(_) => return Err(row.error(column, "must be greater than 0; a standard deviation is")),
+                None => unstated = Some(column),
+            }
+        }
+        match (stated, unstated) {
+            (Some(_), Some(column)) => {
+                let reason = "is empty where others of the row are given; state all standard deviations or none";
+                Err(row.error(column, reason))
+            }
+            (stated, _) => Ok(stated.map(|_| sigmas)),
+        }
+    }
+
+    fn truth(&self, row: Row<'_>) -> Result<Option<Truth>, CsvError> {
+        let (Some(column), Some(text)) = (self.truth, row.text(self.truth)?) else {
+            return Ok(None);
+        };
+        match (text, text.parse()) {
+            ("-1", _) => Ok(Some(Truth::FalseAlarm)),
+            ("merged", _) => Ok(Some(Truth::Merged)),
+            (_, Ok(target)) => Ok(Some(Truth::Target(target))),
+            _ => Err(row.error(
+                column,
+                "is no target; write its number, -1 for a false alarm, or merged",
+            )),
+        }
+    }
+}
+
+fn expect_empty(row: Row<'_>, column: Column, kind: DetectionKind) -> Result<(), CsvError> {
+    match row.text(column)? {
+        None => Ok(()),
+        Some(_) => Err(row.error(
+            column,
+            format!("belongs to no value of the kind {}; leave it empty", kind.word()),
+        )),
+    }
+}
+
+/// Writes detections. What was written and read again is the same to the last bit.
+#[derive(Debug)]
+pub struct DetectionWriter<W: Write> {
+    writer: W,
+    first_day_ns: i64,
+}
+
+impl<W: Write> DetectionWriter<W> {
+    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// If `writer` fails.
+    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
+        let columns = [&VALUES[..], &SIGMAS, &PLATFORM].concat().join(",");
+        writeln!(writer, "time_s,sensor_id,scan,detection_id,kind,{columns},truth_id")?;
+        Ok(Self { writer, first_day_ns })
+    }
+
+    /// Writes one row.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub fn write(&mut self, detection: &Detection) -> io::Result<()> {
+        let out = &mut self.writer;
+        write_time(out, detection.time_of_measurement_ns - self.first_day_ns)?;
+        write!(out, ",{},{}", detection.sensor_id, detection.scan)?;
+        write!(out, ",{},{}", detection.detection_id, detection.kind.word())?;
+        let measured = detection.kind.quantities().len();
+        let mut values = [None; QUANTITIES_MAX + 1];
+        for (place, value) in detection.values.iter().enumerate().take(measured) {
+            values[place] = Some(*value);
+        }
+        values[RANGE_RATE] = detection.range_rate_mps;
+        let sigma = |(place, value): (usize, &Option<f64>)| {
+            let sigmas = detection.sigmas.filter(|_| value.is_some());
+            sigmas.map(|sigmas| sigmas[place])
+        };
+        write_numbers(out, values)?;
+        write_numbers(out, values.iter().enumerate().map(sigma))?;
+        write_numbers(out, detection.platform_m.map(Some))?;
+        match detection.truth {
+            Some(Truth::Target(target)) => writeln!(out, ",{target}"),
+            Some(Truth::FalseAlarm) => writeln!(out, ",-1"),
+            Some(Truth::Merged) => writeln!(out, ",merged"),
+            None => writeln!(out, ","),
+        }
+    }
+
+    /// Flushes the writer.
+    ///
+    /// # Errors
+    /// If it fails.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+/// Each number with as many decimals as it takes to get it back.
+fn write_numbers(out: &mut impl Write, numbers: impl IntoIterator<Item = Option<f64>>) -> io::Result<()> {
+    numbers.into_iter().try_for_each(|number| match number {
+        Some(number) => write!(out, ",{number}"),
+        None => write!(out, ","),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const HEADER: &str = "time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz,truth_id";
+
+    fn read(rows: &str) -> Vec<Result<Detection, String>> {
+        let text = format!("{HEADER}\n{rows}");
+        let reader = DetectionReader::new(text.as_bytes(), 1_000).unwrap();
+        reader.map(|row| row.map_err(|error| error.to_string())).collect()
+    }
+
+    #[test]
+    fn rows_of_several_kinds_are_read() {
+        let rows = "2.500,1,1,7,position2,-100.25,2000,,,50,50,,,0,0,0,3\n\
+                    3,2,9,0,bearing,-2.5,,,,0.01,,,,10,20,30,-1\n\
+                    3.25,3,9,1,range_bearing_elevation,5e3,1,0.5,-30,,,,,1,2,3,\n\
+                    4,3,9,2,range_bearing,5000,1,,-30,20,0.01,,1.5,1,2,3,merged\n";
+        let found: Vec<_> = read(rows).into_iter().map(Result::unwrap).collect();
+        let position = Detection {
+            time_of_measurement_ns: 2_500_001_000,
+            sensor_id: 1,
+            scan: 1,
+            detection_id: 7,
+            kind: DetectionKind::Position2,
+            values: [-100.25, 2000.0, 0.0],
+            range_rate_mps: None,
+            sigmas: Some([50.0, 50.0, 0.0, 0.0]),
+            platform_m: [0.0; 3],
+            truth: Some(Truth::Target(3)),
+        };
+        assert_eq!(found[0], position);
+        assert_eq!(
+            (found[1].kind, found[1].values[0], found[1].sigmas),
+            (DetectionKind::Bearing, -2.5, Some([0.01, 0.0, 0.0, 0.0]))
+        );
+        assert_eq!(
+            (found[1].platform_m, found[1].truth),
+            ([10.0, 20.0, 30.0], Some(Truth::FalseAlarm))
+        );
+        assert_eq!(
+            (found[2].range_rate_mps, found[2].sigmas, found[2].truth),
+            (Some(-30.0), None, None)
+        );
+        assert_eq!(
+            (found[3].sigmas, found[3].truth),
+            (Some([20.0, 0.01, 0.0, 1.5]), Some(Truth::Merged))
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_refused_with_place_and_remedy() {
+        for (row, expected) in [
+            (
+                "2,1,1,7,plot,1,2,,,5,5,,,0,0,0,",
+                "column kind: \"plot\" is no kind of detection; write one of position2",
+            ),
+            ("2,1,1,7,position2,1,,,,5,5,,,0,0,0,", "column m1: \"\" is empty"),
+            (
+                "2,1,1,7,position2,1,2,3,,5,5,,,0,0,0,",
+                "column m2: \"3\" belongs to no value of the kind position2",
+            ),
+            (
+                "2,1,1,7,position2,1,2,,,5,,,,0,0,0,",
+                "column s1: \"\" is empty where others",
+            ),
+            (
+                "2,1,1,7,position2,1,2,,,5,5,9,,0,0,0,",
+                "column s2: \"9\" belongs to no value",
+            ),
+            (
+                "2,1,1,7,position2,1,2,,,5,5,,9,0,0,0,",
+                "column s3: \"9\" belongs to no value",
+            ),
+            (
+                "2,1,1,7,position2,1,2,,30,5,5,,,0,0,0,",
+                "column s3: \"\" is empty where others",
+            ),
+            (
+                "2,1,1,7,position2,1,2,,,5,0,,,0,0,0,",
+                "column s1: \"0\" must be greater than 0",
+            ),
+            (
+                "2,1,1,7,bearing,270,,,,,,,,0,0,0,",
+                "column m0: \"270\" is more than a full turn; write radians",
+            ),
+            (
+                "2,1,1,7,range_bearing,-5,1,,,,,,,0,0,0,",
+                "column m0: \"-5\" is negative",
+            ),
+            (
+                "2,1.0,1,7,bearing,1,,,,,,,,0,0,0,",
+                "column sensor_id: \"1.0\" is no whole number",
+            ),
+            (
+                "2,1,-1,7,bearing,1,,,,,,,,0,0,0,",
+                "column scan: \"-1\" is no whole number of the kind u32",
+            ),
+            ("2,1,1,7,bearing,1,,,,,,,,0,0,,", "column pz: \"\" is empty"),
+            (
+                "2,1,1,7,bearing,1,,,,,,,,0,0,0,ghost",
+                "column truth_id: \"ghost\" is no target",
+            ),
+            (
+                "1620114891,1,1,7,bearing,1,,,,,,,,0,0,0,",
+                "column time_s: \"1620114891\" is more than",
+            ),
+        ] {
+            let [found] = &read(row)[..] else { panic!("{row}") };
+            let text = found.as_ref().unwrap_err();
+            assert!(text.starts_with("line 2, ") && text.contains(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_header_must_name_every_column_but_the_truth() {
+        let without = |name: &str| {
+            HEADER
+                .split(',')
+                .filter(|column| *column != name)
+                .collect::<Vec<_>>()
+                .join(",")
+        };
+        for name in HEADER.split(',') {
+            let result = DetectionReader::new(without(name).as_bytes(), 0).map(|_| ());
+            match name {
+                "truth_id" => result.unwrap(),
+                _ => assert!(
+                    result
+                        .unwrap_err()
+                        .to_string()
+                        .contains(&format!("column {name} is missing"))
+                ),
+            }
+        }
+    }
+
+    fn detection() -> impl Strategy<Value = Detection> {
+        let numbers = (any::<u32>(), any::<u32>(), any::<u32>());
+        let time_ns = -4_000_000_000_000_000i64..4_000_000_000_000_000;
+        let truth = prop_oneof![
+            Just(None),
+            Just(Some(Truth::FalseAlarm)),
+            Just(Some(Truth::Merged)),
+            any::<u32>().prop_map(|target| Some(Truth::Target(target))),
+        ];
+        let measured = (
+            prop::sample::select(DetectionKind::ALL.to_vec()),
+            prop::array::uniform3(0.0..1.5),
+            prop::option::of(-1e3..1e3),
+            prop::option::of(prop::array::uniform4(1e-9..1e9)),
+        );
+        (time_ns, numbers, measured, prop::array::uniform3(-1e7..1e7), truth).prop_map(
+            |(
+                time_ns,
+                (sensor_id, scan, detection_id),
+                (kind, mut values, range_rate_mps, mut sigmas),
+                platform_m,
+                truth,
+            )| {
+                let measured = kind.quantities().len();
+                values[measured..].fill(0.0);
+                if let Some(sigmas) = &mut sigmas {
+                    sigmas[measured..RANGE_RATE].fill(0.0);
+                    sigmas[RANGE_RATE] *= f64::from(u8::from(range_rate_mps.is_some()));
+                }
+                Detection {
+                    time_of_measurement_ns: time_ns,
+                    sensor_id,
+                    scan,
+                    detection_id,
+                    kind,
+                    values,
+                    range_rate_mps,
+                    sigmas,
+                    platform_m,
+                    truth,
+                }
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_is_read_again_exactly(
+            detections in prop::collection::vec(detection(), 0..5),
+            first_day_ns in 0i64..2_000_000_000_000_000_000,
+        ) {
+            let moved = |mut detection: Detection| {
+                detection.time_of_measurement_ns += first_day_ns;
+                detection
+            };
+            let detections: Vec<_> = detections.into_iter().map(moved).collect();
+            let mut writer = DetectionWriter::begin(Vec::new(), first_day_ns).unwrap();
+            for detection in &detections {
+                writer.write(detection).unwrap();
+            }
+            let reader = DetectionReader::new(&writer.writer[..], first_day_ns).unwrap();
+            let found: Vec<_> = reader.map(Result::unwrap).collect();
+            prop_assert_eq!(found, detections);
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Short numbers for tracks.
+//!
+//! The pipeline numbers tracks with 32 bits and never uses a number again; ASTERIX gives a track 12 or 16 bits. A receiver
+//! tells tracks apart by these alone, so no two live tracks may have the same, a track must keep its own, and the number
+//! of a track that ended must rest for a while, or the receiver joins two targets into one.
+//!
+//! A track gets its own number where that is short enough and free, else the next free one after what is left of it;
+//! numbers of consecutive tracks so come back only when all others have been used. The table has a fixed size. Ended
+//! tracks stay in it until room is needed, which lengthens their rest; then all leave that have rested, and with them
+//! tracks that fell silent without an end: some sources report none. A table full of live tracks refuses the next.
+
+use rustc_hash::FxHashMap;
+
+/// A number rests at least this long after its track's end, nanoseconds.
+const REST_NS: i64 = 60_000_000_000;
+/// A track that is silent for this long has ended, nanoseconds.
+const SILENCE_NS: i64 = 600_000_000_000;
+
+/// The short numbers of tracks, with what `T` remembers of each.
+#[derive(Debug)]
+pub(super) struct TrackNumbers<T> {
+    tracks: FxHashMap<u32, Track<T>>,
+    tracks_max: usize,
+    /// Bit n for the number n.
+    taken: Vec<u64>,
+    /// The greatest number; the least is 1.
+    greatest: u16,
+    /// No track leaves the table before this time.
+    sweep_from_ns: i64,
+}
+
+/// A track in the table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Track<T> {
+    /// Its short number.
+    pub(super) number: u16,
+    /// Whether this is its first report.
+    pub(super) is_first: bool,
+    /// What is remembered of it.
+    pub(super) memory: T,
+    ended: bool,
+    last_ns: i64,
+}
+
+impl<T: Default> TrackNumbers<T> {
+    /// A table of up to `tracks_max` tracks, ended ones included, with numbers from 1 to `greatest`.
+    pub(super) fn new(greatest: u16, tracks_max: usize) -> Self {
+        let tracks_max = tracks_max.min(usize::from(greatest));
+        Self {
+            // Twice the room, so that the map can tidy up in place instead of growing.
+            tracks: FxHashMap::with_capacity_and_hasher(2 * tracks_max, Default::default()),
+            tracks_max,
+            taken: vec![0; usize::from(greatest) / 64 + 1],
+            greatest,
+            sweep_from_ns: i64::MIN,
+        }
+    }
+
+    /// The entry of a track that reports at `now_ns`, a new one at its first report; `None` if the table is full. A track
+    /// that ended begins again under its number.
+    pub(super) fn report(&mut self, track: u32, now_ns: i64) -> Option<&mut Track<T>> {
+        if !self.tracks.contains_key(&track) {
+            let number = self.free_number(track, now_ns)?;
+            self.taken[usize::from(number) / 64] |= 1 << (number % 64);
+            self.tracks.insert(track, Track::new(number, now_ns));
+            return self.tracks.get_mut(&track);
+        }
+        let entry = self.tracks.get_mut(&track)?;
+        if entry.ended {
+            *entry = Track::new(entry.number, now_ns);
+        } else {
+            entry.is_first = false;
+            entry.last_ns = now_ns;
+        }
+        Some(entry)
+    }
+
+    /// The entry of a track that ends; `None` if it never reported or has ended before.
+    pub(super) fn end(&mut self, track: u32, now_ns: i64) -> Option<&Track<T>> {
+        let entry = self.tracks.get_mut(&track).filter(|entry| !entry.ended)?;
+        entry.ended = true;
+        entry.is_first = false;
+        entry.last_ns = now_ns;
+        self.sweep_from_ns = self.sweep_from_ns.min(entry.leaves_ns());
+        Some(entry)
+    }
+
+    /// Forgets every track.
+    pub(super) fn clear(&mut self) {
+        self.tracks.clear();
+        self.taken.fill(0);
+        self.sweep_from_ns = i64::MIN;
+    }
+
+    fn free_number(&mut self, track: u32, now_ns: i64) -> Option<u16> {
+        if self.tracks.len() >= self.tracks_max {
+            self.sweep(now_ns);
+        }
+        if self.tracks.len() >= self.tracks_max {
+            return None;
+        }
+        let own = (track.wrapping_sub(1) % u32::from(self.greatest)) as u16 + 1;
+        let is_free = |number: &u16| self.taken[usize::from(*number) / 64] >> (number % 64) & 1 == 0;
+        (own..=self.greatest).chain(1..own).find(is_free)
+    }
+
+    /// Takes rested and silent tracks out, and notes when there will be more of them.
+    fn sweep(&mut self, now_ns: i64) {
+        if now_ns < self.sweep_from_ns {
+            return;
+        }
+        let mut next_ns = i64::MAX;
+        self.tracks.retain(|_, track| {
+            let stays = now_ns < track.leaves_ns();
+            if stays {
+                next_ns = next_ns.min(track.leaves_ns());
+            } else {
+                self.taken[usize::from(track.number) / 64] &= !(1 << (track.number % 64));
+            }
+            stays
+        });
+        self.sweep_from_ns = next_ns;
+    }
+}
+
+impl<T: Default> Track<T> {
+    fn new(number: u16, now_ns: i64) -> Self {
+        Self {
+            number,
+            is_first: true,
+            memory: T::default(),
+            ended: false,
+            last_ns: now_ns,
+        }
+    }
+}
+
+impl<T> Track<T> {
+    /// When it may leave the table.
+    fn leaves_ns(&self) -> i64 {
+        self.last_ns
+            .saturating_add(if self.ended { REST_NS } else { SILENCE_NS })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::{HashMap, HashSet};
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const S: i64 = 1_000_000_000;
+
+    fn number(numbers: &mut TrackNumbers<()>, track: u32, now_ns: i64) -> Option<u16> {
+        numbers.report(track, now_ns).map(|entry| entry.number)
+    }
+
+    #[test]
+    fn a_track_has_its_own_number_where_it_can() {
+        let mut numbers = TrackNumbers::new(4095, 4095);
+        assert_eq!(number(&mut numbers, 17, 0), Some(17));
+        assert_eq!(number(&mut numbers, 4095, 0), Some(4095));
+        assert_eq!(number(&mut numbers, 4095 + 17, 0), Some(18), "17 is taken");
+        assert_eq!(number(&mut numbers, 2 * 4095, 0), Some(1), "goes round, without 0");
+        assert_eq!(
+            number(&mut numbers, 0, 0),
+            Some(256),
+            "2^32 is 256 more than a multiple of 4095"
+        );
+    }
+
+    #[test]
+    fn numbers_rest_after_the_end_and_silent_tracks_leave() {
+        let mut numbers = TrackNumbers::new(2, 2);
+        assert_eq!(number(&mut numbers, 1, 0), Some(1));
+        assert_eq!(number(&mut numbers, 2, 0), Some(2));
+        assert_eq!(number(&mut numbers, 3, 0), None, "full");
+        assert!(numbers.end(1, 10 * S).is_some());
+        assert!(numbers.end(1, 11 * S).is_none(), "has ended");
+        assert_eq!(number(&mut numbers, 3, 69 * S), None, "the number rests");
+        assert_eq!(number(&mut numbers, 3, 70 * S), Some(1));
+        assert_eq!(number(&mut numbers, 4, 500 * S), None);
+        assert_eq!(number(&mut numbers, 4, 600 * S), Some(2), "2 fell silent");
+    }
+
+    #[test]
+    fn a_track_that_begins_again_keeps_its_number() {
+        let mut numbers = TrackNumbers::<()>::new(4095, 10);
+        assert!(numbers.report(5, 0).unwrap().is_first);
+        assert!(!numbers.report(5, S).unwrap().is_first);
+        assert!(!numbers.end(5, 2 * S).unwrap().is_first);
+        let again = numbers.report(5, 3 * S).unwrap();
+        assert!(again.is_first && again.number == 5);
+        assert!(numbers.end(6, 0).is_none(), "never seen");
+    }
+
+    proptest! {
+        /// Whatever comes: live tracks have different numbers, each keeps its own, and a number that changes hands has
+        /// rested.
+        #[test]
+        fn numbers_are_unique_stable_and_rested(
+            events in prop::collection::vec((0..60u32, 0..20i64, prop::bool::weighted(0.3)), 1..400),
+            greatest in 1..40u16, tracks_max in 1..40usize,
+        ) {
+            let mut numbers = TrackNumbers::new(greatest, tracks_max);
+            let mut live = HashMap::<u32, (u16, i64)>::new();
+            let mut released = HashMap::<u16, (u32, i64)>::new();
+            let mut now_ns = 0;
+            for (track, step_s, ends) in events {
+                now_ns += step_s * S;
+                live.retain(|_, (_, last_ns)| now_ns - *last_ns < SILENCE_NS);
+                if ends {
+                    let ended = numbers.end(track, now_ns).map(|entry| entry.number);
+                    if let Some((known, _)) = live.remove(&track) {
+                        prop_assert_eq!(ended, Some(known));
+                        released.insert(known, (track, now_ns));
+                    }
+                    continue;
+                }
+                let Some(found) = number(&mut numbers, track, now_ns) else {
+                    prop_assert!(!live.contains_key(&track), "a live track was refused");
+                    continue;
+                };
+                prop_assert!((1..=greatest).contains(&found));
+                if let Some((known, _)) = live.get(&track) {
+                    prop_assert_eq!(*known, found);
+                } else if let Some((before, ended_ns)) = released.get(&found) {
+                    prop_assert!(*before == track || now_ns - ended_ns >= REST_NS);
+                }
+                live.insert(track, (found, now_ns));
+                let distinct: HashSet<u16> = live.values().map(|(number, _)| *number).collect();
+                prop_assert_eq!(distinct.len(), live.len());
+                prop_assert!(live.len() <= tracks_max);
+            }
+        }
+    }
+}

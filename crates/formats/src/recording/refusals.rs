@@ -1,0 +1,74 @@
+//! What of a recording is not given: how often, why, and where for the first time.
+//!
+//! Reasons are few and their occurrences many, so each is counted, and the first is kept with everything it says.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::asterix::Error;
+use crate::containers::Skipped;
+
+/// Everything refused for one reason.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Refusal {
+    /// The category of the blocks; none for packets and frames, and where no category could be read.
+    pub category: Option<u8>,
+    /// The item in which it was noticed, if it was in one.
+    pub item: Option<&'static str>,
+    /// The reason in a few words.
+    pub reason: &'static str,
+    /// The blocks, packets or frames.
+    pub count: u64,
+    /// Their octets.
+    pub octets: u64,
+    /// Where the first was noticed, in octets from the begin of the recording.
+    pub first_offset: usize,
+    /// What was wrong with the first.
+    pub first: String,
+}
+
+/// What of a recording was refused.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Refusals {
+    by_reason: BTreeMap<Key, Refusal>,
+}
+
+/// Category, reason, item.
+type Key = (Option<u8>, &'static str, Option<&'static str>);
+
+impl Refusals {
+    /// The refusals, the most frequent first.
+    pub fn by_count(&self) -> Vec<&Refusal> {
+        let mut refusals: Vec<&Refusal> = self.by_reason.values().collect();
+        refusals.sort_by_key(|refusal| std::cmp::Reverse(refusal.count));
+        refusals
+    }
+
+    /// Counts something that gave no datagram.
+    pub(super) fn skipped(&mut self, skipped: &Skipped) {
+        let key = (None, skipped.why.label(), None);
+        self.note(key, skipped.octets, skipped.offset, || skipped.to_string());
+    }
+
+    /// Counts `octets` that are given up for an error in them.
+    pub(super) fn error(&mut self, error: &Error, octets: usize) {
+        let key = (error.category(), error.label(), error.item());
+        self.note(key, octets, error.offset(), || error.to_string());
+    }
+
+    fn note(&mut self, key: Key, octets: usize, offset: usize, text: impl FnOnce() -> String) {
+        let (category, reason, item) = key;
+        let refusal = self.by_reason.entry(key).or_insert_with(|| Refusal {
+            category,
+            item,
+            reason,
+            count: 0,
+            octets: 0,
+            first_offset: offset,
+            first: text(),
+        });
+        refusal.count += 1;
+        refusal.octets += octets as u64;
+    }
+}

@@ -1,0 +1,187 @@
+//! How far off a report may be: the covariance of its position and velocity.
+//!
+//! A report's own word is believed down to the configured accuracy: no source knows its positions better than its
+//! antennas, clocks and survey allow, and those that say so are the ones that do not know. Sources that say nothing get
+//! the configured accuracy.
+
+use frames::{SensorFrame, polar_covariance};
+use messages::{Counter, Covariance};
+
+use super::observation::{Observation, Position, Quality};
+use super::placing::Placed;
+use super::velocity::Slope;
+use super::{CovarianceFrom, PoorQuality, RADIUS95_SIGMAS, SourceModel};
+
+/// Standard deviation given to a position of unknown accuracy, metres.
+pub(crate) const UNKNOWN_POSITION_SIGMA_M: f64 = 500.0;
+/// Standard deviation given to a velocity that is not known, metres per second.
+pub(crate) const UNKNOWN_VELOCITY_SIGMA_MPS: f64 = 100.0;
+/// Covariance given to a velocity that is not known.
+pub(crate) const UNKNOWN_VELOCITY: Horizontal = [
+    UNKNOWN_VELOCITY_SIGMA_MPS * UNKNOWN_VELOCITY_SIGMA_MPS,
+    0.0,
+    UNKNOWN_VELOCITY_SIGMA_MPS * UNKNOWN_VELOCITY_SIGMA_MPS,
+];
+/// Standard deviation given to a height that is not known, metres.
+const UNKNOWN_HEIGHT_SIGMA_M: f64 = 5000.0;
+/// A derived velocity is at best this much less accurate than a delivered one.
+const DERIVED_VELOCITY_FACTOR: f64 = 2.0;
+/// Standard deviation of what a target may have accelerated since it had the derived velocity, metres per second².
+const ACCELERATION_SIGMA_MPS2: f64 = 1.0;
+
+/// East-east, east-north and north-north of a horizontal covariance.
+pub(crate) type Horizontal = [f64; 3];
+
+/// Where a velocity comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Velocity {
+    /// From the source, with its own covariance (in the system frame) where it states one.
+    Delivered([f64; 2], Option<Horizontal>),
+    /// From successive positions.
+    Derived(Slope),
+    Unknown,
+}
+
+/// The report's own horizontal covariance of the position that is used, where it states one and the configuration wants
+/// it.
+pub(crate) fn own_position(
+    model: &SourceModel,
+    observation: &Observation,
+    used: Position,
+) -> Result<Option<Horizontal>, Counter> {
+    let poor = model.covariance.poor_quality;
+    if observation.suspect || observation.quality == Quality::Unknown && poor == PoorQuality::Reject {
+        return Err(Counter::RejectedQuality);
+    }
+    // A radar's statement is of its track, not of the plot beside it.
+    let of_another = matches!(used, Position::Slant(_)) && observation.cartesian.is_some();
+    if model.covariance.from == CovarianceFrom::Configuration || of_another {
+        return Ok(None);
+    }
+    let floor = model.covariance.position_sigma_m;
+    let circular = |sigma: f64| Some([sigma.max(floor).powi(2), 0.0, sigma.max(floor).powi(2)]);
+    Ok(match observation.quality {
+        Quality::Unstated => None,
+        Quality::Covariance(stated) => {
+            let own = no_less(stated, floor);
+            Some(match used {
+                Position::Geodetic(_) => own,
+                _ => turned(own, &model.frame),
+            })
+        }
+        Quality::Dilution(dilution) => circular(dilution * floor),
+        Quality::Radius95(radius) => circular(radius / RADIUS95_SIGMAS),
+        Quality::Unknown => circular(UNKNOWN_POSITION_SIGMA_M),
+    })
+}
+
+/// The report's own covariance of its velocity in the system frame, of which the axes are those of `axes`.
+pub(crate) fn own_velocity(model: &SourceModel, observation: &Observation, axes: &SensorFrame) -> Option<Horizontal> {
+    let stated = observation
+        .velocity_covariance
+        .filter(|_| model.covariance.from == CovarianceFrom::Report)?;
+    Some(turned(no_less(stated, model.covariance.velocity_sigma_mps), axes))
+}
+
+/// The covariance of a whole report.
+pub(crate) fn covariance(
+    model: &SourceModel,
+    placed: &Placed,
+    own: Option<Horizontal>,
+    height_known: bool,
+    velocity: Velocity,
+) -> Covariance {
+    let height = if height_known {
+        model.covariance.height_sigma_m
+    } else {
+        UNKNOWN_HEIGHT_SIGMA_M
+    };
+    let sensor = sensor_position(model, placed);
+    let position = wider(own.unwrap_or(sensor), model, placed);
+    let rate = model.covariance.velocity_sigma_mps;
+    let (vertical, horizontal) = match velocity {
+        Velocity::Delivered(_, own) => (rate, own.unwrap_or([rate * rate, 0.0, rate * rate])),
+        Velocity::Derived(slope) => {
+            let floor = DERIVED_VELOCITY_FACTOR * rate;
+            (floor, no_less(of_slope(sensor, slope), floor))
+        }
+        Velocity::Unknown => (UNKNOWN_VELOCITY_SIGMA_MPS, UNKNOWN_VELOCITY),
+    };
+    let mut covariance = Covariance::diagonal([0.0, 0.0, height], [0.0, 0.0, vertical]);
+    for (first, [xx, xy, yy]) in [(0, position), (3, horizontal)] {
+        covariance.set(first, first, xx);
+        covariance.set(first, first + 1, xy);
+        covariance.set(first + 1, first + 1, yy);
+    }
+    covariance
+}
+
+/// Covariance of a position as configured: of range and azimuth, else of the plane.
+fn sensor_position(model: &SourceModel, placed: &Placed) -> Horizontal {
+    let plane = model.covariance.position_sigma_m;
+    let Some(sigma) = model.covariance.polar else {
+        return [plane * plane, 0.0, plane * plane];
+    };
+    let offset = from_sensor(model, placed);
+    let Some(slant) = placed.slant else {
+        return polar_covariance(offset, sigma);
+    };
+    let along_m2 = slant.variance_m2(sigma.range_m, model.covariance.height_sigma_m);
+    // Across, the antenna's error is one of angle times the straight distance, however high the target.
+    let across_m2 = (sigma.azimuth_rad * slant.range_m()).powi(2);
+    along_and_across(offset, along_m2.max(sigma.range_m.powi(2)), across_m2)
+}
+
+/// With what a height other than the target's own may be wrong by along the line of sight.
+fn wider([xx, xy, yy]: Horizontal, model: &SourceModel, placed: &Placed) -> Horizontal {
+    let along_m2 = placed.slant.map_or(0.0, |slant| slant.height_error_m2());
+    let [more_xx, more_xy, more_yy] = along_and_across(from_sensor(model, placed), along_m2, 0.0);
+    [xx + more_xx, xy + more_xy, yy + more_yy]
+}
+
+/// Of a velocity from successive positions. What is wrong with all of them alike cancels, so that it is the sensor's
+/// accuracy that counts and not what a report says of its own; but the velocity is one of some time ago.
+fn of_slope([xx, xy, yy]: Horizontal, slope: Slope) -> Horizontal {
+    let since_then = (ACCELERATION_SIGMA_MPS2 * slope.age_s).powi(2);
+    [
+        xx / slope.spread_s2 + since_then,
+        xy / slope.spread_s2,
+        yy / slope.spread_s2 + since_then,
+    ]
+}
+
+fn from_sensor(model: &SourceModel, placed: &Placed) -> [f64; 2] {
+    let [x0, y0] = model.frame.place();
+    [placed.position_m[0] - x0, placed.position_m[1] - y0]
+}
+
+/// Variances along the direction of `offset` and across it, as a covariance; in no direction, the larger in all.
+fn along_and_across(offset: [f64; 2], along_m2: f64, across_m2: f64) -> Horizontal {
+    let length = offset[0].hypot(offset[1]);
+    if length < 1e-9 {
+        let larger = along_m2.max(across_m2);
+        return [larger, 0.0, larger];
+    }
+    let [east, north] = [offset[0] / length, offset[1] / length];
+    [
+        along_m2 * east * east + across_m2 * north * north,
+        (along_m2 - across_m2) * east * north,
+        along_m2 * north * north + across_m2 * east * east,
+    ]
+}
+
+/// With variances of at least the square of `sigma`.
+fn no_less([xx, xy, yy]: Horizontal, sigma: f64) -> Horizontal {
+    [xx.max(sigma * sigma), xy, yy.max(sigma * sigma)]
+}
+
+/// A covariance along a sensor's own axes, in the system frame: R·C·Rᵀ.
+fn turned([xx, xy, yy]: Horizontal, axes: &SensorFrame) -> Horizontal {
+    let [a, c] = axes.velocity([1.0, 0.0]);
+    let [b, d] = axes.velocity([0.0, 1.0]);
+    [
+        a * a * xx + 2.0 * a * b * xy + b * b * yy,
+        a * c * xx + (a * d + b * c) * xy + b * d * yy,
+        c * c * xx + 2.0 * c * d * xy + d * d * yy,
+    ]
+}

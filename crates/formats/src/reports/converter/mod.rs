@@ -1,0 +1,340 @@
+//! An observation into a sensor track of the pipeline, checked.
+
+use frames::SensorFrame;
+use frames::time::DayUnroller;
+use messages::{
+    COUNTERS_MAX, Counter, Covariance, SensorTrack, StageTimes, TrackState, alert_bits, sensor_track_bits as bits,
+};
+use rustc_hash::FxHashMap;
+
+use super::accuracy::{self, UNKNOWN_POSITION_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS, Velocity};
+use super::atmosphere::altitude_correction_m;
+use super::observation::{Axes, Observation, Position};
+use super::placing::{Height, Placed, place};
+use super::plausibility::{TimeCheck, TrackMemory};
+use super::truncated_time::complete;
+use super::{PositionForm, SourceModel};
+
+/// A track's last height is used for so long where its reports have none, nanoseconds.
+const HEIGHT_AGE_MAX_NS: i64 = 30_000_000_000;
+/// How fast an airliner may climb or descend, metres per second.
+const CLIMB_MAX_MPS: f64 = 20.0;
+/// Tracks silent for this long are forgotten when room is needed, nanoseconds.
+const FORGET_NS: i64 = 120_000_000_000;
+
+/// Turns one source's observations into sensor tracks, and counts what it refuses.
+#[derive(Debug)]
+pub struct Converter {
+    model: SourceModel,
+    day: Option<DayUnroller>,
+    first_day_ns: i64,
+    /// Time of receipt of what is converted now, UTC, nanoseconds; `None` for recordings.
+    received_ns: Option<i64>,
+    time_check: TimeCheck,
+    /// Who sent the latest report; holds for those after it that do not say.
+    sender: Option<(u8, u8)>,
+    altitude_correction_m: f64,
+    tracks: FxHashMap<u32, TrackMemory>,
+    counters: [u64; COUNTERS_MAX],
+}
+
+impl Converter {
+    /// A converter for a source whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds).
+    pub fn new(model: SourceModel, first_day_ns: i64) -> Self {
+        Self {
+            model,
+            day: None,
+            first_day_ns,
+            received_ns: None,
+            time_check: TimeCheck::new(),
+            sender: None,
+            altitude_correction_m: altitude_correction_m(model.qnh_hpa),
+            tracks: FxHashMap::default(),
+            counters: [0; COUNTERS_MAX],
+        }
+    }
+
+    /// What follows was received at `received_ns` (UTC, nanoseconds). From now on that is what times of day are compared
+    /// with: they are of the day that brings them nearest to it, and refused if they are farther from it than the limit
+    /// on time steps. A recording has no such time; there the source's running time takes its place.
+    pub fn received(&mut self, received_ns: i64) {
+        self.received_ns = Some(received_ns);
+    }
+
+    /// What has been counted, indexed by [`Counter`].
+    pub fn counters(&self) -> &[u64; COUNTERS_MAX] {
+        &self.counters
+    }
+
+    /// The source's running time, UTC, nanoseconds; `None` before its first stamp.
+    pub fn running_ns(&self) -> Option<i64> {
+        self.day.as_ref().map(DayUnroller::running_ns)
+    }
+
+    /// A record that is no target report, with its time of day.
+    pub fn service(&mut self, time_of_day_ns: Option<i64>) {
+        self.count(Counter::ServiceMessages);
+        if let Some(time_of_day_ns) = time_of_day_ns {
+            let _ = self.utc(time_of_day_ns);
+        }
+    }
+
+    /// The sensor track that `observation` reports; `None` if it was refused.
+    pub fn convert(&mut self, observation: &Observation, ingested_ns: i64) -> Option<SensorTrack> {
+        match self.try_convert(observation, ingested_ns) {
+            Ok(track) => {
+                self.count(if track.state == TrackState::Terminated as u8 {
+                    Counter::TracksEnded
+                } else {
+                    Counter::Reports
+                });
+                Some(track)
+            }
+            Err(reason) => {
+                self.count(reason);
+                None
+            }
+        }
+    }
+
+    fn count(&mut self, counter: Counter) {
+        self.counters[counter as usize] += 1;
+    }
+
+    fn try_convert(&mut self, observation: &Observation, ingested_ns: i64) -> Result<SensorTrack, Counter> {
+        self.admit(observation)?;
+        let time_ns = self.time(observation)?;
+        if observation.field_monitor {
+            return Err(Counter::RejectedFieldMonitor);
+        }
+        if observation.test {
+            return Err(Counter::RejectedTestTarget);
+        }
+        let number = observation.track_number.ok_or(Counter::RejectedNoTrackNumber)?;
+        let height = self.height(observation, number, time_ns);
+        let Some(used) = self.position(observation) else {
+            return match observation.state {
+                TrackState::Terminated => self.end(number, time_ns, ingested_ns),
+                _ => Err(Counter::RejectedNoPosition),
+            };
+        };
+        let placed = place(&self.model, used, height)?;
+        let delivered = self.velocity(observation, &placed)?;
+        let own = accuracy::own_position(&self.model, observation, used)?;
+        let velocity = self.remember(number, time_ns, &placed, height, delivered)?;
+        if placed.slant.is_some_and(|slant| slant.is_assumed()) {
+            self.count(Counter::HeightAssumed);
+        }
+        let mut track = self.blank(number, time_ns, ingested_ns);
+        track.identity = observation.identity;
+        track.position_m = placed.position_m;
+        track.state = observation.state as u8;
+        track.alerts = observation.alerts | alerts_of_code(observation.identity.mode_3a());
+        track.covariance = accuracy::covariance(&self.model, &placed, own, height.is_known(), velocity);
+        let mut set = |condition: bool, bit: u16| track.valid |= if condition { bit } else { 0 };
+        set(height.is_known(), bits::HEIGHT);
+        set(velocity != Velocity::Unknown, bits::VELOCITY);
+        set(matches!(velocity, Velocity::Derived(_)), bits::DERIVED_VELOCITY);
+        set(observation.vertical_rate_mps.is_some(), bits::VERTICAL_RATE);
+        set(observation.on_ground, bits::ON_GROUND);
+        set(own.is_some(), bits::OWN_COVARIANCE);
+        let [vx, vy] = match velocity {
+            Velocity::Delivered(velocity, _) => velocity,
+            Velocity::Derived(slope) => slope.velocity_mps,
+            Velocity::Unknown => [0.0; 2],
+        };
+        track.velocity_mps = [vx, vy, observation.vertical_rate_mps.unwrap_or_default()];
+        if let Some(measured_m) = self.measured(observation, used, height) {
+            track.measured_m = measured_m;
+            track.valid |= bits::MEASURED;
+        }
+        Ok(track)
+    }
+
+    /// Whether the sender is wanted.
+    fn admit(&mut self, observation: &Observation) -> Result<(), Counter> {
+        self.sender = observation.sac_sic.or(self.sender);
+        if self.model.sac_sic.is_some() && self.sender != self.model.sac_sic {
+            return Err(Counter::RejectedSource);
+        }
+        Ok(())
+    }
+
+    /// UTC of the measurement, checked.
+    fn time(&mut self, observation: &Observation) -> Result<i64, Counter> {
+        let near_ns = self.received_ns.or(self.running_ns());
+        let completed = || Some(complete(observation.truncated_time_ns?, near_ns?));
+        let time_of_day_ns = observation.time_of_day_ns.or_else(completed);
+        self.utc(time_of_day_ns.ok_or(Counter::RejectedTime)?)
+    }
+
+    /// UTC of a time of day, checked against the source's running time.
+    fn utc(&mut self, time_of_day_ns: i64) -> Result<i64, Counter> {
+        if !(0..=frames::time::NS_PER_DAY).contains(&time_of_day_ns) {
+            return Err(Counter::RejectedTime);
+        }
+        if let Some(received_ns) = self.received_ns {
+            let utc_ns = DayUnroller::near(received_ns).utc_ns(time_of_day_ns);
+            if (utc_ns - received_ns).abs() > self.model.limits.time_step_ns {
+                return Err(Counter::RejectedTime);
+            }
+            self.day
+                .get_or_insert_with(|| DayUnroller::near(utc_ns))
+                .advance(utc_ns);
+            return Ok(utc_ns);
+        }
+        let first_ns = self.first_day_ns + time_of_day_ns;
+        let day = self.day.get_or_insert_with(|| DayUnroller::near(first_ns));
+        let utc_ns = day.utc_ns(time_of_day_ns);
+        self.time_check.check(&self.model.limits, day.running_ns(), utc_ns)?;
+        day.advance(utc_ns);
+        Ok(utc_ns)
+    }
+
+    /// The height: by the pressure first, which all sources have in common.
+    fn height(&mut self, observation: &Observation, number: u32, time_ns: i64) -> Height {
+        let by_pressure = observation
+            .pressure_altitude_m
+            .map(|altitude_m| altitude_m + self.altitude_correction_m);
+        let limits = &self.model.limits;
+        match by_pressure.or(observation.geometric_height_m) {
+            Some(height_m) if (limits.height_min_m..=limits.height_max_m).contains(&height_m) => {
+                return Height::Known(height_m);
+            }
+            Some(_) => self.count(Counter::RejectedHeight),
+            None => {}
+        }
+        let last = self.tracks.get(&number).and_then(|memory| memory.last_height);
+        match last {
+            Some((last_ns, height_m)) if (0..=HEIGHT_AGE_MAX_NS).contains(&(time_ns - last_ns)) => {
+                let age_s = (time_ns - last_ns) as f64 / messages::NS_PER_S;
+                Height::Remembered {
+                    height_m,
+                    off_m: CLIMB_MAX_MPS * age_s,
+                }
+            }
+            _ => Height::Unknown,
+        }
+    }
+
+    /// The position that is used; `None` if the report has none in a form that may be used.
+    fn position(&self, observation: &Observation) -> Option<Position> {
+        match self.model.positions {
+            PositionForm::Any => observation.position(),
+            PositionForm::Cartesian => Some(Position::Cartesian(observation.cartesian?, observation.plane)),
+            PositionForm::Polar => observation.polar_position(),
+        }
+    }
+
+    /// The velocity that the source delivers, in the system frame, and checked.
+    fn velocity(&self, observation: &Observation, placed: &Placed) -> Result<Velocity, Counter> {
+        let Some(velocity) = observation.velocity else {
+            return Ok(Velocity::Unknown);
+        };
+        let system = &self.model.system;
+        let axes = match observation.axes {
+            Axes::Sensor => self.model.frame,
+            Axes::Target => SensorFrame::new(system, system.to_geodetic(placed.position_m), 0.0),
+        };
+        let [vx, vy] = axes.velocity(velocity);
+        // Written so that NaN is refused.
+        if (0.0..=self.model.limits.speed_mps).contains(&vx.hypot(vy)) {
+            let own = accuracy::own_velocity(&self.model, observation, &axes);
+            // What a tracker says of the velocity of a track that it does not believe yet is a guess.
+            let guess = || (observation.state == TrackState::Tentative).then_some(accuracy::UNKNOWN_VELOCITY);
+            Ok(Velocity::Delivered([vx, vy], own.or_else(guess)))
+        } else {
+            Err(Counter::RejectedSpeed)
+        }
+    }
+
+    /// Remembers where the track is, if it can be there; gives the velocity, derived where none was delivered.
+    fn remember(
+        &mut self,
+        number: u32,
+        time_ns: i64,
+        placed: &Placed,
+        height: Height,
+        delivered: Velocity,
+    ) -> Result<Velocity, Counter> {
+        self.make_room(number, time_ns)?;
+        let memory = self.tracks.entry(number).or_default();
+        let [x, y, _] = placed.position_m;
+        if !memory.accepts(&self.model.limits, time_ns, [x, y]) {
+            return Err(Counter::RejectedJump);
+        }
+        memory.last_position_m = placed.position_m;
+        if let Height::Known(height_m) = height {
+            memory.last_height = Some((time_ns, height_m));
+        }
+        Ok(match delivered {
+            Velocity::Unknown => memory.positions.velocity().map_or(Velocity::Unknown, Velocity::Derived),
+            delivered => delivered,
+        })
+    }
+
+    /// What the sensor measured, where the position used is that of its track.
+    fn measured(&self, observation: &Observation, used: Position, height: Height) -> Option<[f64; 3]> {
+        // Without detection there may be a range and an azimuth, but they are extrapolated.
+        if !matches!(used, Position::Cartesian(..)) || observation.state == TrackState::Coasted {
+            return None;
+        }
+        let measured = place(&self.model, observation.polar_position()?, height);
+        measured.ok().map(|placed| placed.position_m)
+    }
+
+    /// Sees to it that the track `number` can be remembered.
+    fn make_room(&mut self, number: u32, time_ns: i64) -> Result<(), Counter> {
+        if self.tracks.len() < self.model.limits.tracks || self.tracks.contains_key(&number) {
+            return Ok(());
+        }
+        let recent = |memory: &TrackMemory| {
+            memory
+                .positions
+                .newest()
+                .is_some_and(|(last_ns, _)| time_ns - last_ns < FORGET_NS)
+        };
+        self.tracks.retain(|_, memory| recent(memory));
+        if self.tracks.len() < self.model.limits.tracks {
+            Ok(())
+        } else {
+            Err(Counter::RefusedTracks)
+        }
+    }
+
+    /// The source says that a track has ended, without saying where.
+    fn end(&mut self, number: u32, time_ns: i64, ingested_ns: i64) -> Result<SensorTrack, Counter> {
+        let memory = self.tracks.remove(&number).ok_or(Counter::RejectedNoPosition)?;
+        let mut track = self.blank(number, time_ns, ingested_ns);
+        track.position_m = memory.last_position_m;
+        track.state = TrackState::Terminated as u8;
+        track.covariance = Covariance::diagonal([UNKNOWN_POSITION_SIGMA_M; 3], [UNKNOWN_VELOCITY_SIGMA_MPS; 3]);
+        Ok(track)
+    }
+
+    fn blank(&self, number: u32, time_ns: i64, ingested_ns: i64) -> SensorTrack {
+        SensorTrack {
+            time_of_measurement_ns: time_ns,
+            stages: StageTimes {
+                ingested_ns,
+                ..StageTimes::default()
+            },
+            track_number: number,
+            source: self.model.number,
+            ..SensorTrack::default()
+        }
+    }
+}
+
+/// What a Mode 3/A code says by itself.
+fn alerts_of_code(code: Option<u16>) -> u8 {
+    match code {
+        Some(0o7500) => alert_bits::UNLAWFUL_INTERFERENCE,
+        Some(0o7600) => alert_bits::COMMUNICATION_FAILURE,
+        Some(0o7700) => alert_bits::EMERGENCY,
+        _ => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests;

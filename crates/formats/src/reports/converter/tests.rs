@@ -1,0 +1,667 @@
+//! Observations into sensor tracks.
+
+use frames::{Geodetic, SystemFrame};
+
+use super::*;
+use crate::reports::observation::{Plane, Quality};
+use crate::reports::{CovarianceFrom, CovarianceModel, Limits, PoorQuality, STANDARD_PRESSURE_HPA};
+
+const S: i64 = 1_000_000_000;
+const DAY: i64 = 16_931 * 86_400 * S;
+
+fn converter() -> Converter {
+    let place = Geodetic::from_degrees(41.297063, 2.078447, 0.0).unwrap();
+    let system = SystemFrame::at(place);
+    let model = SourceModel {
+        number: 1,
+        sac_sic: Some((0, 107)),
+        positions: PositionForm::Any,
+        frame: SensorFrame::new(&system, place, 0.0),
+        system,
+        height_m: 0.0,
+        assumed_height_m: 5000.0,
+        qnh_hpa: STANDARD_PRESSURE_HPA,
+        limits: Limits {
+            range_m: 50e3,
+            height_min_m: -500.0,
+            height_max_m: 20e3,
+            speed_mps: 350.0,
+            jump_m: 100.0,
+            time_step_ns: 60 * S,
+            tracks: 2,
+        },
+        covariance: CovarianceModel {
+            from: CovarianceFrom::Report,
+            position_sigma_m: 5.0,
+            velocity_sigma_mps: 2.0,
+            height_sigma_m: 30.0,
+            polar: None,
+            poor_quality: PoorQuality::Use,
+        },
+    };
+    Converter::new(model, DAY)
+}
+
+fn observation(time_s: f64) -> Observation {
+    Observation {
+        sac_sic: Some((0, 107)),
+        time_of_day_ns: Some((time_s * S as f64) as i64),
+        track_number: Some(7),
+        cartesian: Some([1000.0, -500.0]),
+        velocity: Some([30.0, 0.0]),
+        pressure_altitude_m: Some(120.0),
+        state: TrackState::Confirmed,
+        ..Observation::default()
+    }
+}
+
+fn refused(observation: Observation) -> Counter {
+    let mut converter = converter();
+    assert_eq!(converter.convert(&observation, 0), None);
+    let counted: Vec<_> = Counter::ALL
+        .iter()
+        .filter(|counter| converter.counters()[**counter as usize] == 1)
+        .collect();
+    assert_eq!(counted.len(), 1, "one reason each");
+    *counted[0]
+}
+
+#[test]
+fn the_velocity_of_a_tentative_track_is_a_guess() {
+    let variance = |state| {
+        let track = converter()
+            .convert(
+                &Observation {
+                    state,
+                    ..observation(1.0)
+                },
+                0,
+            )
+            .unwrap();
+        track.covariance.get(3, 3)
+    };
+    assert_eq!(variance(TrackState::Confirmed), 4.0);
+    assert_eq!(variance(TrackState::Tentative), 1e4);
+}
+
+#[test]
+fn a_sound_report_becomes_a_sensor_track() {
+    let track = converter().convert(&observation(86_399.5), 42).unwrap();
+    assert_eq!(track.time_of_measurement_ns, DAY + 86_399_500_000_000);
+    // The earth falls away by 10 cm over 1.1 km.
+    assert!((track.position_m[0] - 1000.0).abs() < 1e-6 && (track.position_m[2] - 119.9).abs() < 0.005);
+    assert_eq!((track.track_number, track.source, track.stages.ingested_ns), (7, 1, 42));
+    assert!(track.has(bits::HEIGHT | bits::VELOCITY));
+    assert!(!track.has(bits::OWN_COVARIANCE));
+    assert_eq!(track.covariance.get(0, 0), 25.0);
+}
+
+#[test]
+fn live_stamps_are_judged_by_the_time_of_receipt() {
+    let mut converter = converter();
+    let midnight = DAY + 5 * 86_400 * S;
+    converter.received(midnight + S / 2);
+    let before = converter.convert(&observation(86_399.5), 0).unwrap();
+    assert_eq!(
+        before.time_of_measurement_ns,
+        midnight - S / 2,
+        "late, of the day before"
+    );
+    let early = converter.convert(&observation(1.0), 0).unwrap();
+    assert_eq!(early.time_of_measurement_ns, midnight + S, "its clock is ahead");
+    let count = |converter: &Converter| converter.counters()[Counter::RejectedTime as usize];
+    for (refused, time_s) in [(1, 61.0), (2, 62.0), (3, 43_000.0)] {
+        assert_eq!(
+            converter.convert(&observation(time_s), 0),
+            None,
+            "however often it insists"
+        );
+        assert_eq!(count(&converter), refused);
+    }
+    converter.received(midnight + 61 * S);
+    assert!(converter.convert(&observation(61.0), 0).is_some());
+}
+
+#[test]
+fn what_cannot_be_is_refused_by_reason() {
+    let good = observation(100.0);
+    assert_eq!(
+        refused(Observation {
+            sac_sic: Some((0, 7)),
+            ..good
+        }),
+        Counter::RejectedSource
+    );
+    assert_eq!(
+        refused(Observation {
+            time_of_day_ns: None,
+            ..good
+        }),
+        Counter::RejectedTime
+    );
+    assert_eq!(
+        refused(Observation {
+            time_of_day_ns: Some(90_000 * S),
+            ..good
+        }),
+        Counter::RejectedTime
+    );
+    assert_eq!(
+        refused(Observation {
+            field_monitor: true,
+            ..good
+        }),
+        Counter::RejectedFieldMonitor
+    );
+    assert_eq!(refused(Observation { test: true, ..good }), Counter::RejectedTestTarget);
+    assert_eq!(
+        refused(Observation {
+            track_number: None,
+            ..good
+        }),
+        Counter::RejectedNoTrackNumber
+    );
+    assert_eq!(
+        refused(Observation {
+            cartesian: None,
+            ..good
+        }),
+        Counter::RejectedNoPosition
+    );
+    assert_eq!(
+        refused(Observation {
+            cartesian: Some([60e3, 0.0]),
+            ..good
+        }),
+        Counter::RejectedPosition
+    );
+    assert_eq!(
+        refused(Observation {
+            cartesian: Some([f64::NAN, 0.0]),
+            ..good
+        }),
+        Counter::RejectedPosition
+    );
+    assert_eq!(
+        refused(Observation {
+            velocity: Some([400.0, 0.0]),
+            ..good
+        }),
+        Counter::RejectedSpeed
+    );
+    let antarctic = Observation {
+        cartesian: None,
+        geodetic: Some([-71f64.to_radians(), 0.0]),
+        ..good
+    };
+    assert_eq!(refused(antarctic), Counter::RejectedPosition);
+}
+
+#[test]
+fn an_impossible_height_costs_the_height_only() {
+    let mut converter = converter();
+    let track = converter
+        .convert(
+            &Observation {
+                pressure_altitude_m: Some(40e3),
+                ..observation(1.0)
+            },
+            0,
+        )
+        .unwrap();
+    assert!(!track.has(bits::HEIGHT));
+    assert!(track.covariance.get(2, 2) > 1e6);
+    assert_eq!(converter.counters()[Counter::RejectedHeight as usize], 1);
+}
+
+#[test]
+fn a_missing_velocity_is_derived_once_it_can_be() {
+    let mut converter = converter();
+    let mut last = None;
+    for second in 0..4 {
+        let x = 1000.0 + 20.0 * f64::from(second);
+        let report = Observation {
+            velocity: None,
+            cartesian: Some([x, 0.0]),
+            ..observation(f64::from(second))
+        };
+        last = converter.convert(&report, 0);
+        assert_eq!(last.unwrap().has(bits::DERIVED_VELOCITY), second > 0);
+    }
+    assert!((last.unwrap().velocity_mps[0] - 20.0).abs() < 1e-6);
+}
+
+#[test]
+fn own_quality_is_believed_down_to_the_floor() {
+    let variance = |quality: Quality| {
+        converter()
+            .convert(
+                &Observation {
+                    quality,
+                    ..observation(1.0)
+                },
+                0,
+            )
+            .unwrap()
+            .covariance
+            .get(0, 0)
+    };
+    assert_eq!(variance(Quality::Covariance([400.0, 0.0, 100.0])), 400.0);
+    assert_eq!(variance(Quality::Covariance([1.0, 0.0, 1.0])), 25.0);
+    assert_eq!(variance(Quality::Dilution(3.0)), 225.0);
+    assert!((variance(Quality::Radius95(92.6)).sqrt() - 37.83).abs() < 0.01);
+    assert_eq!(variance(Quality::Unknown).sqrt(), UNKNOWN_POSITION_SIGMA_M);
+}
+
+#[test]
+fn polar_and_cartesian_forms_of_one_plot_are_the_same_place() {
+    // A plot of the Barcelona surface radar carries both.
+    let both = Observation {
+        cartesian: Some([-673.0, -823.0]),
+        polar: Some([1063.0, 219.309_082_031_25f64.to_radians()]),
+        ..observation(1.0)
+    };
+    let place = |form: PositionForm| {
+        let mut converter = converter();
+        converter.model.positions = form;
+        converter.convert(&both, 0).unwrap().position_m
+    };
+    let (cartesian, polar) = (place(PositionForm::Cartesian), place(PositionForm::Polar));
+    assert_eq!(place(PositionForm::Any), cartesian);
+    assert_ne!(polar, cartesian, "each form is really used");
+    assert!((polar[0] - cartesian[0]).hypot(polar[1] - cartesian[1]) < 1.0);
+    let mut converter = converter();
+    converter.model.positions = PositionForm::Polar;
+    assert_eq!(
+        converter.convert(&Observation { polar: None, ..both }, 0),
+        None,
+        "the other form is not wanted"
+    );
+}
+
+#[test]
+fn an_end_without_position_ends_where_the_track_was() {
+    let mut converter = converter();
+    converter.convert(&observation(1.0), 0).unwrap();
+    let end = Observation {
+        cartesian: None,
+        state: TrackState::Terminated,
+        ..observation(2.0)
+    };
+    let ended = converter.convert(&end, 0).unwrap();
+    assert_eq!(ended.state, TrackState::Terminated as u8);
+    assert!((ended.position_m[0] - 1000.0).abs() < 1e-6);
+    assert_eq!(converter.convert(&end, 0), None, "a track that nobody knows");
+}
+
+#[test]
+fn a_full_table_refuses_new_tracks_and_forgets_old_ones() {
+    let mut converter = converter();
+    for number in 0..2 {
+        assert!(
+            converter
+                .convert(
+                    &Observation {
+                        track_number: Some(number),
+                        ..observation(1.0)
+                    },
+                    0
+                )
+                .is_some()
+        );
+    }
+    let third = |time| Observation {
+        track_number: Some(9),
+        ..observation(time)
+    };
+    assert_eq!(converter.convert(&third(2.0), 0), None);
+    assert_eq!(converter.counters()[Counter::RefusedTracks as usize], 1);
+    for second in 0..4 {
+        converter.service(Some(second * 50 * S));
+    }
+    assert!(converter.convert(&third(160.0), 0).is_some());
+}
+
+/// A radar at 45° N, 10° E, 150 m, in a system around 45.5° N, 11° E.
+fn radar() -> Converter {
+    radar_in(SystemFrame::at(Geodetic::from_degrees(45.5, 11.0, 0.0).unwrap()))
+}
+
+/// The same radar, where the system is around it.
+fn central_radar() -> Converter {
+    radar_in(SystemFrame::at(Geodetic::from_degrees(45.0, 10.0, 0.0).unwrap()))
+}
+
+fn radar_in(system: SystemFrame) -> Converter {
+    let place = Geodetic::from_degrees(45.0, 10.0, 150.0).unwrap();
+    let mut model = converter().model;
+    model.frame = SensorFrame::new(&system, place, 0.0);
+    model.system = system;
+    model.height_m = 150.0;
+    model.limits.range_m = 400e3;
+    model.limits.jump_m = 1000.0;
+    Converter::new(model, DAY)
+}
+
+/// What that radar sees of an aircraft at 46° N, 12° E, FL 350: from the coordinates of both in the earth's own frame,
+/// worked out apart from this program.
+const SLANT: [f64; 2] = [192_233.109, 0.940_324_3];
+/// Where it is in the system, from the same.
+const PLACE: [f64; 3] = [77_588.699, 56_148.553, 9950.518];
+
+/// A plot of it.
+fn plot(time_s: f64) -> Observation {
+    Observation {
+        slant_polar: Some(SLANT),
+        plot: true,
+        cartesian: None,
+        velocity: None,
+        pressure_altitude_m: Some(10_668.0),
+        ..observation(time_s)
+    }
+}
+
+fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+}
+
+#[test]
+fn a_radar_plot_lies_where_its_height_puts_it() {
+    let track = radar().convert(&plot(1.0), 0).unwrap();
+    assert!(apart(track.position_m, PLACE) < 0.1, "{:?}", track.position_m);
+    assert!(track.has(bits::HEIGHT) && !track.has(bits::MEASURED));
+}
+
+#[test]
+fn all_planes_of_x_and_y_lead_to_the_same_place() {
+    let cartesian = |x: f64, y: f64, plane| {
+        let report = Observation {
+            cartesian: Some([x, y]),
+            plane,
+            slant_polar: None,
+            ..plot(1.0)
+        };
+        radar().convert(&report, 0).unwrap().position_m
+    };
+    let (sine, cosine) = SLANT[1].sin_cos();
+    let slant = cartesian(SLANT[0] * sine, SLANT[0] * cosine, Plane::Slant);
+    assert!(apart(slant, PLACE) < 0.1, "{slant:?}");
+    // The radar's own east and north of the aircraft.
+    let tangent = cartesian(155_153.765, 113_237.088, Plane::Tangent);
+    assert!(apart(tangent, PLACE) < 20.0, "{tangent:?}");
+    // Along the ground it is 191,789.890 m to the place below the aircraft, which is 191,804.375 m on the map.
+    let map = cartesian(154_929.862, 113_073.675, Plane::Stereographic);
+    assert!(apart(map, PLACE) < 20.0, "{map:?}");
+    assert!(
+        apart(cartesian(154_929.862, 113_073.675, Plane::Tangent), PLACE) > 250.0,
+        "it is not the same plane"
+    );
+}
+
+#[test]
+fn a_plot_without_height_is_placed_by_an_assumed_one_and_pays_for_it() {
+    let mut converter = central_radar();
+    let at = |range: f64| Observation {
+        slant_polar: Some([range, 0.0]),
+        pressure_altitude_m: None,
+        ..plot(1.0)
+    };
+    let track = converter.convert(&at(20e3), 0).unwrap();
+    assert_eq!(converter.counters()[Counter::HeightAssumed as usize], 1);
+    assert!(!track.has(bits::HEIGHT) && track.position_m[2] == 0.0);
+    let ground = track.position_m[0].hypot(track.position_m[1]);
+    // √(20² − 4.82²) km: 4.85 km above the radar is 30 m less above its horizon, as the earth falls away.
+    assert!((ground - 19_410.4).abs() < 1.0, "{ground}");
+    // Ground ranges from √(20² − 11.85²) = 16.111 km to 20.000 km: 3.889²/12 + (18.055 − 19.403)² = 3.077 km².
+    let along = track.covariance.get(1, 1);
+    assert!((along - 3.077e6).abs() < 0.01e6, "{along}");
+    assert!(
+        (track.covariance.get(0, 0) - 25.0).abs() < 1e-6,
+        "across, it is as good as ever"
+    );
+    let near = central_radar().convert(&at(4e3), 0).unwrap();
+    let ground = near.position_m[0].hypot(near.position_m[1]);
+    assert!((ground - 3464.0).abs() < 2.0, "no steeper than 30°: {ground}");
+    let known = central_radar().convert(
+        &Observation {
+            pressure_altitude_m: Some(5000.0),
+            ..at(20e3)
+        },
+        0,
+    );
+    assert!(
+        known.unwrap().covariance.get(1, 1) < 1e-3 * along,
+        "a known height costs nothing"
+    );
+}
+
+#[test]
+fn a_track_keeps_its_height_for_a_while() {
+    let mut converter = central_radar();
+    let at = |time_s: f64, height: Option<f64>| Observation {
+        slant_polar: Some([20e3, 0.0]),
+        pressure_altitude_m: height,
+        ..plot(time_s)
+    };
+    let known = converter.convert(&at(1.0, Some(10_000.0)), 0).unwrap();
+    let remembered = converter.convert(&at(11.0, None), 0).unwrap();
+    assert_eq!(
+        remembered.position_m[..2],
+        known.position_m[..2],
+        "not where 5 km would put it"
+    );
+    assert!(!remembered.has(bits::HEIGHT) && remembered.position_m[2] == 0.0);
+    assert_eq!(converter.counters()[Counter::HeightAssumed as usize], 0);
+    // It may be 200 m higher or lower by now: 9.85 km / 17.41 km of that along the ground.
+    let along = remembered.covariance.get(1, 1) - known.covariance.get(1, 1);
+    assert!((along.sqrt() - 113.2).abs() < 0.5, "{along}");
+    assert!(converter.convert(&at(32.0, None), 0).is_some());
+    assert_eq!(
+        converter.counters()[Counter::HeightAssumed as usize],
+        1,
+        "31 s are too long"
+    );
+}
+
+#[test]
+fn range_and_azimuth_errors_count_along_and_across_the_line_of_sight() {
+    let mut converter = central_radar();
+    converter.model.covariance.polar = Some(frames::PolarSigma {
+        range_m: 50.0,
+        azimuth_rad: 0.001,
+    });
+    let seen = |range: f64, height: f64| {
+        let report = Observation {
+            slant_polar: Some([range, 0.0]),
+            pressure_altitude_m: Some(height),
+            ..plot(1.0)
+        };
+        let covariance = Converter::new(converter.model, DAY)
+            .convert(&report, 0)
+            .unwrap()
+            .covariance;
+        (covariance.get(1, 1).sqrt(), covariance.get(0, 0).sqrt())
+    };
+    let (along, across) = seen(100e3, 1000.0);
+    assert!(
+        (along - 50.0).abs() < 0.1 && (across - 100.0).abs() < 0.1,
+        "{along} {across}"
+    );
+    // At 45° of elevation a range error counts √2-fold, and the height error of 30 m once.
+    let (along, across) = seen(10e3, 150.0 + 10e3 / 2f64.sqrt());
+    assert!((along - (5000f64 + 900.0).sqrt()).abs() < 1.0, "{along}");
+    assert!((across - 10.0).abs() < 0.1, "{across}");
+}
+
+#[test]
+fn the_plot_goes_along_with_its_track() {
+    let both = Observation {
+        cartesian: Some([SLANT[0] * SLANT[1].sin() + 300.0, SLANT[0] * SLANT[1].cos()]),
+        plane: Plane::Slant,
+        quality: Quality::Covariance([400.0, 0.0, 400.0]),
+        ..plot(1.0)
+    };
+    let track = radar().convert(&both, 0).unwrap();
+    assert!(track.has(bits::MEASURED | bits::OWN_COVARIANCE));
+    assert!(apart(track.measured_m, PLACE) < 0.1, "{:?}", track.measured_m);
+    assert!((apart(track.position_m, track.measured_m) - 300.0).abs() < 2.0);
+    let coasted = Observation {
+        state: TrackState::Coasted,
+        ..both
+    };
+    assert!(
+        !radar().convert(&coasted, 0).unwrap().has(bits::MEASURED),
+        "not seen in this turn"
+    );
+    let mut converter = radar();
+    converter.model.positions = PositionForm::Polar;
+    let plot = converter.convert(&both, 0).unwrap();
+    assert!(apart(plot.position_m, PLACE) < 0.1 && !plot.has(bits::MEASURED));
+    assert!(!plot.has(bits::OWN_COVARIANCE), "the statement is the track's");
+}
+
+#[test]
+fn a_velocity_towards_the_targets_north_is_turned() {
+    let mut converter = radar();
+    let place = Observation {
+        cartesian: None,
+        // Four degrees of longitude east of the system's origin, where north is 2.852° to the left of the origin's.
+        geodetic: Some([45.5f64.to_radians(), 15f64.to_radians()]),
+        velocity: Some([0.0, 200.0]),
+        axes: Axes::Target,
+        velocity_covariance: Some([100.0, 0.0, 900.0]),
+        ..observation(1.0)
+    };
+    let track = converter.convert(&place, 0).unwrap();
+    let [vx, vy, _] = track.velocity_mps;
+    assert!((vx.atan2(vy).to_degrees() + 2.852).abs() < 0.01, "{vx} {vy}");
+    assert!((vx.hypot(vy) - 200.0).abs() < 0.5);
+    let (sine, cosine) = 2.852f64.to_radians().sin_cos();
+    let cross = track.covariance.get(3, 4);
+    assert!((cross + 800.0 * sine * cosine).abs() < 1.0, "{cross}");
+    // Against the sensor's north, of one degree of longitude further west.
+    let sensor = Observation {
+        axes: Axes::Sensor,
+        ..place
+    };
+    let [vx, vy, _] = radar().convert(&sensor, 0).unwrap().velocity_mps;
+    assert!((vx.atan2(vy).to_degrees() - 0.71).abs() < 0.01, "{vx} {vy}");
+}
+
+#[test]
+fn own_velocity_accuracy_is_believed_down_to_the_floor() {
+    let variance = |stated: [f64; 3]| {
+        let report = Observation {
+            velocity_covariance: Some(stated),
+            ..observation(1.0)
+        };
+        converter().convert(&report, 0).unwrap().covariance.get(3, 3)
+    };
+    assert!((variance([25.0, 0.0, 1.0]) - 25.0).abs() < 1e-6);
+    assert!((variance([0.01, 0.0, 0.01]) - 4.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_derived_velocity_is_as_good_as_the_positions_it_comes_from() {
+    let mut converter = converter();
+    converter.model.covariance.position_sigma_m = 100.0;
+    let mut last = None;
+    for turn in 0..3 {
+        let report = Observation {
+            velocity: None,
+            cartesian: Some([1000.0 * f64::from(turn), 0.0]),
+            ..observation(5.0 * f64::from(turn))
+        };
+        last = converter.convert(&report, 0);
+    }
+    let track = last.unwrap();
+    assert!((track.velocity_mps[0] - 200.0).abs() < 1e-6);
+    // 100² m² over (5² + 0 + 5²) s², and 1 m/s² since the mean time of 5 s ago.
+    assert!((track.covariance.get(3, 3) - 225.0).abs() < 1e-6);
+}
+
+#[test]
+fn the_local_pressure_corrects_pressure_altitudes_only() {
+    let mut converter = radar();
+    converter.model.qnh_hpa = 1003.25;
+    let mut converter = Converter::new(converter.model, DAY);
+    let mut up = |report: Observation| converter.convert(&report, 0).unwrap().position_m[2];
+    let by_pressure = up(plot(1.0));
+    // 10 hPa less are 83.7 m less by the altimeter's formula.
+    assert!((PLACE[2] - by_pressure - 83.7).abs() < 1.0, "{by_pressure}");
+    let geometric = Observation {
+        pressure_altitude_m: None,
+        geometric_height_m: Some(10_668.0),
+        ..plot(2.0)
+    };
+    assert!((up(geometric) - PLACE[2]).abs() < 0.1);
+}
+
+#[test]
+fn codes_of_emergency_are_alerts() {
+    let alerts = |code: u16, said: u8| {
+        let report = Observation {
+            identity: messages::Identity::default().with_mode_3a(code),
+            alerts: said,
+            ..observation(1.0)
+        };
+        converter().convert(&report, 0).unwrap().alerts
+    };
+    assert_eq!(alerts(0o7500, 0), alert_bits::UNLAWFUL_INTERFERENCE);
+    assert_eq!(alerts(0o7600, 0), alert_bits::COMMUNICATION_FAILURE);
+    assert_eq!(
+        alerts(0o7700, alert_bits::MEDICAL),
+        alert_bits::EMERGENCY | alert_bits::MEDICAL
+    );
+    assert_eq!(alerts(0o7777, 0), 0);
+}
+
+#[test]
+fn a_suspect_position_is_refused() {
+    let report = Observation {
+        suspect: true,
+        ..observation(1.0)
+    };
+    assert_eq!(refused(report), Counter::RejectedQuality);
+}
+
+#[test]
+fn half_a_time_is_completed_by_the_service_messages() {
+    let truncated = |seconds: i64| Observation {
+        time_of_day_ns: None,
+        truncated_time_ns: Some(seconds * S),
+        ..observation(0.0)
+    };
+    assert_eq!(
+        refused(truncated(100)),
+        Counter::RejectedTime,
+        "nothing to complete it by"
+    );
+    let mut converter = converter();
+    converter.service(Some(43_200 * S));
+    // 43,200 s are 84 periods and 192 s.
+    let track = converter.convert(&truncated(190), 0).unwrap();
+    assert_eq!(track.time_of_measurement_ns, DAY + 43_198 * S);
+    let mut live = self::converter();
+    live.received(DAY + 43_200 * S);
+    assert!(live.convert(&truncated(190), 0).is_some(), "or by the time of receipt");
+}
+
+#[test]
+fn a_sender_that_is_not_repeated_stays_the_same() {
+    let mut converter = converter();
+    let unsaid = |time| Observation {
+        sac_sic: None,
+        ..observation(time)
+    };
+    assert_eq!(converter.convert(&unsaid(1.0), 0), None, "nobody has said who");
+    converter.convert(&observation(1.5), 0).unwrap();
+    assert!(converter.convert(&unsaid(2.0), 0).is_some());
+    let other = Observation {
+        sac_sic: Some((0, 7)),
+        ..observation(2.5)
+    };
+    assert_eq!(converter.convert(&other, 0), None);
+    assert_eq!(converter.convert(&unsaid(3.0), 0), None);
+    assert_eq!(converter.counters()[Counter::RejectedSource as usize], 3);
+}

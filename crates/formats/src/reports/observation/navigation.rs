@@ -1,0 +1,78 @@
+//! What aircraft say of how well they navigate: small numbers that stand for radii.
+//!
+//! Aircraft of the first generation send an uncertainty category for position (NUCp); later ones an accuracy category
+//! (NACp), the radius that holds 95 % of the errors, beside an integrity category (NIC), the radius that an error leaves
+//! unnoticed hardly ever. All of them send a category for velocity (NUCr, later NACv).
+
+use super::Quality;
+use crate::asterix::typed::fields::NAUTICAL_MILE_M;
+use crate::reports::RADIUS95_SIGMAS;
+
+/// Radius of 95 % containment for a navigation uncertainty category (NUCp): RTCA DO-260, table of horizontal position
+/// error.
+pub(super) fn radius_of_nucp(category: u8) -> Quality {
+    match category {
+        9 => Quality::Radius95(3.0),
+        8 => Quality::Radius95(10.0),
+        7 => Quality::Radius95(0.05 * NAUTICAL_MILE_M),
+        6 => Quality::Radius95(0.1 * NAUTICAL_MILE_M),
+        5 => Quality::Radius95(0.25 * NAUTICAL_MILE_M),
+        4 => Quality::Radius95(0.5 * NAUTICAL_MILE_M),
+        3 => Quality::Radius95(NAUTICAL_MILE_M),
+        2 => Quality::Radius95(5.0 * NAUTICAL_MILE_M),
+        1 => Quality::Radius95(10.0 * NAUTICAL_MILE_M),
+        _ => Quality::Unknown,
+    }
+}
+
+/// Covariance for a category of velocity, NUCr or NACv: RTCA DO-260, DO-260A and DO-260B give both the same horizontal
+/// errors with 95 % probability. `None` for a category that says nothing.
+pub(super) fn covariance_of_velocity_category(category: u8) -> Option<[f64; 3]> {
+    let error_mps = match category {
+        4 => 0.3,
+        3 => 1.0,
+        2 => 3.0,
+        1 => 10.0,
+        _ => return None,
+    };
+    let variance = (error_mps / RADIUS95_SIGMAS).powi(2);
+    Some([variance, 0.0, variance])
+}
+
+/// Radius of 95 % containment for a navigation accuracy category (NACp): RTCA DO-260B, table of the estimated position
+/// uncertainty.
+pub(super) fn radius_of_nacp(category: u8) -> Quality {
+    match category {
+        11 => Quality::Radius95(3.0),
+        10 => Quality::Radius95(10.0),
+        9 => Quality::Radius95(30.0),
+        8 => Quality::Radius95(0.05 * NAUTICAL_MILE_M),
+        7 => Quality::Radius95(0.1 * NAUTICAL_MILE_M),
+        6 => Quality::Radius95(0.3 * NAUTICAL_MILE_M),
+        5 => Quality::Radius95(0.5 * NAUTICAL_MILE_M),
+        4 => Quality::Radius95(NAUTICAL_MILE_M),
+        3 => Quality::Radius95(2.0 * NAUTICAL_MILE_M),
+        2 => Quality::Radius95(4.0 * NAUTICAL_MILE_M),
+        1 => Quality::Radius95(10.0 * NAUTICAL_MILE_M),
+        _ => Quality::Unknown,
+    }
+}
+
+/// Radius of containment for a navigation integrity category (NIC): RTCA DO-260B; of those that the supplements tell
+/// apart, the larger.
+pub(super) fn radius_of_nic(category: u8) -> Quality {
+    match category {
+        11 => Quality::Radius95(7.5),
+        10 => Quality::Radius95(25.0),
+        9 => Quality::Radius95(75.0),
+        8 => Quality::Radius95(0.1 * NAUTICAL_MILE_M),
+        7 => Quality::Radius95(0.2 * NAUTICAL_MILE_M),
+        6 => Quality::Radius95(0.6 * NAUTICAL_MILE_M),
+        5 => Quality::Radius95(NAUTICAL_MILE_M),
+        4 => Quality::Radius95(2.0 * NAUTICAL_MILE_M),
+        3 => Quality::Radius95(4.0 * NAUTICAL_MILE_M),
+        2 => Quality::Radius95(8.0 * NAUTICAL_MILE_M),
+        1 => Quality::Radius95(20.0 * NAUTICAL_MILE_M),
+        _ => Quality::Unknown,
+    }
+}

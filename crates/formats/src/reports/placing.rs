@@ -1,0 +1,193 @@
+//! A position in the sensor's own terms into the system frame.
+//!
+//! Most of the work is that of [`SensorFrame`](frames::SensorFrame). What is decided here is which height to use where a
+//! radar's slant range must be turned into a place on the ground.
+//!
+//! # Without a height
+//!
+//! A target that sends no height may be anywhere between the ground and some 12 km. At slant range ρ from a radar at
+//! height h₀ its ground range is about g(h) = √(ρ² − (h − h₀)²), shorter than ρ by (h − h₀)²/2ρ: 120 m between ground and
+//! 5 km at 100 km, but half of everything at 14 km. One height is assumed for all; the error this makes, if every ground
+//! range between g(0) and g(12 km) is as likely as any other, has the mean square
+//!
+//! > w²/12 + (m − g(hₐ))², w = |g(0) − g(12 km)|, m = (g(0) + g(12 km))/2,
+//!
+//! which is added to the variance along the line of sight. The default of 5 km divides the error: targets without
+//! height are mostly low, without transponder; the fast ones among them are not.
+//!
+//! A track that had a height some seconds ago is near it still: that height is used instead, and is less certain by what
+//! the target may have climbed.
+
+use std::f64::consts::FRAC_PI_2;
+
+use frames::Geodetic;
+use messages::Counter;
+
+use super::SourceModel;
+use super::observation::{Plane, Position};
+
+/// Height that hardly any target without a transponder exceeds, metres.
+const UNKNOWN_HEIGHT_MAX_M: f64 = 12_000.0;
+/// Mean radius of the earth, metres: what a map's scale depends on only weakly.
+const EARTH_RADIUS_M: f64 = 6_371_000.0;
+
+/// What is known of a target's height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Height {
+    /// From the report, metres.
+    Known(f64),
+    /// From an earlier report of the track.
+    Remembered {
+        /// What it was, metres.
+        height_m: f64,
+        /// What it may be off by now, metres.
+        off_m: f64,
+    },
+    /// Nothing.
+    Unknown,
+}
+
+impl Height {
+    /// Where the target is, as far as anybody has said, metres.
+    fn value_m(self) -> Option<f64> {
+        match self {
+            Self::Known(height_m) | Self::Remembered { height_m, .. } => Some(height_m),
+            Self::Unknown => None,
+        }
+    }
+
+    /// Whether the report says it.
+    pub(crate) fn is_known(self) -> bool {
+        matches!(self, Self::Known(_))
+    }
+}
+
+/// A position in the system frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    pub(crate) position_m: [f64; 3],
+    /// How it came about, if from a straight distance.
+    pub(crate) slant: Option<Slant>,
+}
+
+/// A straight distance that was turned into one along the ground.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slant {
+    range_m: f64,
+    /// Of the target above the sensor.
+    up_m: f64,
+    /// Of the sensor.
+    sensor_height_m: f64,
+    height: Height,
+}
+
+/// Places a position.
+pub(crate) fn place(model: &SourceModel, position: Position, height: Height) -> Result<Placed, Counter> {
+    let height_m = height.value_m().unwrap_or(model.height_m);
+    let above = |offset: [f64; 2]| Placed {
+        position_m: model.frame.above(offset, height_m),
+        slant: None,
+    };
+    let mut placed = match position {
+        Position::Cartesian(offset, Plane::Tangent) => above(offset),
+        Position::Cartesian(offset, Plane::Slant) => slant(model, to_polar(offset), height),
+        Position::Cartesian(offset, Plane::Stereographic) => stereographic(model, offset, height_m),
+        Position::Polar(polar) => above(to_cartesian(polar)),
+        Position::Slant(polar) => slant(model, polar, height),
+        Position::Geodetic([latitude, longitude]) => {
+            let place = Geodetic::from_degrees(latitude.to_degrees(), longitude.to_degrees(), height_m);
+            Placed {
+                position_m: model.system.to_local(place.map_err(|_| Counter::RejectedPosition)?),
+                slant: None,
+            }
+        }
+    };
+    if !height.is_known() {
+        placed.position_m[2] = 0.0; // what the report does not say is not passed on
+    }
+    let [x0, y0] = model.frame.place();
+    // Written so that NaN is refused.
+    if (placed.position_m[0] - x0).hypot(placed.position_m[1] - y0) <= model.limits.range_m {
+        Ok(placed)
+    } else {
+        Err(Counter::RejectedPosition)
+    }
+}
+
+fn slant(model: &SourceModel, [range_m, azimuth_rad]: [f64; 2], height: Height) -> Placed {
+    let highest_m = model.height_m + 0.5 * range_m;
+    let height_m = height.value_m().unwrap_or(model.assumed_height_m.min(highest_m));
+    Placed {
+        position_m: model.frame.slant(range_m, azimuth_rad, height_m),
+        slant: Some(Slant {
+            range_m,
+            up_m: height_m - model.height_m,
+            sensor_height_m: model.height_m,
+            height,
+        }),
+    }
+}
+
+/// On a sphere of radius R, a point at distance d on the map is at the angle c = 2·atan(d/2R) from its middle. The
+/// straight distance to what flies above it follows, and with it the place on the ellipsoid.
+fn stereographic(model: &SourceModel, [x, y]: [f64; 2], height_m: f64) -> Placed {
+    let (near, far) = (EARTH_RADIUS_M + model.height_m, EARTH_RADIUS_M + height_m);
+    let tangent = x.hypot(y) / (2.0 * EARTH_RADIUS_M);
+    let sine_squared = tangent * tangent / (1.0 + tangent * tangent);
+    let range_m = ((far - near).powi(2) + 4.0 * near * far * sine_squared).sqrt();
+    Placed {
+        position_m: model.frame.slant(range_m, x.atan2(y), height_m),
+        slant: None,
+    }
+}
+
+fn to_polar([x, y]: [f64; 2]) -> [f64; 2] {
+    [x.hypot(y), FRAC_PI_2 - y.atan2(x)]
+}
+
+fn to_cartesian([range, azimuth]: [f64; 2]) -> [f64; 2] {
+    let (sine, cosine) = azimuth.sin_cos();
+    [range * sine, range * cosine]
+}
+
+impl Slant {
+    /// Whether the height was assumed.
+    pub(crate) fn is_assumed(&self) -> bool {
+        self.height == Height::Unknown
+    }
+
+    /// The straight distance, metres.
+    pub(crate) fn range_m(&self) -> f64 {
+        self.range_m
+    }
+
+    /// Variance of the ground range for a standard deviation of range and height, square metres: by differences, as the
+    /// derivatives grow beyond all limits where the target is straight above.
+    pub(crate) fn variance_m2(&self, range_sigma_m: f64, height_sigma_m: f64) -> f64 {
+        let (range, up) = (self.range_m, self.up_m);
+        let by_range = ground_m(range + range_sigma_m, up) - ground_m(range - range_sigma_m, up);
+        let by_height = ground_m(range, up + height_sigma_m) - ground_m(range, up - height_sigma_m);
+        (by_range * by_range + by_height * by_height) / 4.0
+    }
+
+    /// Mean square of the error that a height other than the target's own makes in the ground range, square metres.
+    pub(crate) fn height_error_m2(&self) -> f64 {
+        let ground_m = |up_m: f64| ground_m(self.range_m, up_m);
+        match self.height {
+            Height::Known(_) => 0.0,
+            Height::Remembered { off_m, .. } => {
+                (ground_m(self.up_m + off_m) - ground_m(self.up_m - off_m)).powi(2) / 4.0
+            }
+            Height::Unknown => {
+                let [low, high] = [0.0, UNKNOWN_HEIGHT_MAX_M].map(|height_m| ground_m(height_m - self.sensor_height_m));
+                let off = (low + high) / 2.0 - ground_m(self.up_m);
+                (low - high).powi(2) / 12.0 + off * off
+            }
+        }
+    }
+}
+
+/// Ground range of a target `up_m` above the sensor, on a flat earth.
+fn ground_m(range_m: f64, up_m: f64) -> f64 {
+    (range_m * range_m - up_m * up_m).max(0.0).sqrt()
+}

@@ -1,0 +1,557 @@
+//! One line, as it was written.
+
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+use messages::Callsign;
+
+const M_PER_FT: f64 = 0.3048;
+const MPS_PER_KT: f64 = 1852.0 / 3600.0;
+/// Values that a message must have: up to the times. Those that are missing at the end are empty.
+const VALUES_MIN: usize = 10;
+/// Values that have a meaning; some programs append more.
+const VALUES_MAX: usize = 22;
+/// Characters of a value that an error shows.
+const SHOWN_MAX: usize = 40;
+
+/// What transponders can code, in feet: from the lowest to the highest of both codings.
+const ALTITUDE_FT: RangeInclusive<f64> = -1_500.0..=126_750.0;
+/// What transponders can code, in knots, with some margin for slow additions.
+const SPEED_KT: RangeInclusive<f64> = 0.0..=6_000.0;
+/// What transponders can code, in feet per minute.
+const VERTICAL_RATE_FTPMIN: RangeInclusive<f64> = -32_640.0..=32_640.0;
+
+/// One line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Line {
+    /// `MSG`: something that an aircraft sent.
+    Message(Message),
+    /// Something that happened at the receiver.
+    Other(OtherKind),
+}
+
+/// What an aircraft sent, as far as one transmission says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Message {
+    /// Which transmission, 1 to 8: identification, surface position, airborne position, velocity, altitude, altitude and
+    /// code, air to air, all-call.
+    pub transmission: u8,
+    /// 24-bit address of the aircraft.
+    pub address: u32,
+    /// When it was received, by the receiver's clock.
+    pub received: Stamp,
+    /// When the line was written, by the computer's clock.
+    pub written: Stamp,
+    /// Callsign, padded with blanks.
+    pub callsign: Option<Callsign>,
+    /// Pressure altitude, metres.
+    pub altitude_m: Option<f64>,
+    /// Ground speed, metres per second.
+    pub ground_speed_mps: Option<f64>,
+    /// Direction of motion over ground, radians clockwise from north.
+    pub track_rad: Option<f64>,
+    /// Latitude and longitude, radians.
+    pub position_rad: Option<[f64; 2]>,
+    /// Rate of climb, metres per second.
+    pub vertical_rate_mps: Option<f64>,
+    /// Mode 3/A code. Receivers write 0000 where they know none, so that code counts as unknown.
+    pub mode_3a: Option<u16>,
+    /// Whether the code has changed lately.
+    pub alert: Option<bool>,
+    /// Whether the code is one of an emergency.
+    pub emergency: Option<bool>,
+    /// Whether the pilot has pressed the identification button.
+    pub identifies: Option<bool>,
+    /// Whether the aircraft says that it is on the ground.
+    pub on_ground: Option<bool>,
+}
+
+/// A date and a time of day, of an unknown zone, each of which may be missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stamp {
+    /// The date.
+    pub date: Option<Date>,
+    /// Time of day, nanoseconds since midnight.
+    pub time_of_day_ns: Option<i64>,
+}
+
+/// A date, not checked against the lengths of months.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Date {
+    /// The year.
+    pub year: u16,
+    /// The month, 1 to 12.
+    pub month: u8,
+    /// The day of the month, 1 to 31.
+    pub day: u8,
+}
+
+/// Kinds of line that say nothing about aircraft.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OtherKind {
+    /// `SEL`: the user has selected an aircraft.
+    Selection,
+    /// `ID`: a callsign is shown for the first time.
+    Identification,
+    /// `AIR`: an aircraft is shown for the first time.
+    Aircraft,
+    /// `STA`: an aircraft's line in the window has changed its state.
+    Status,
+    /// `CLK`: the user has clicked.
+    Click,
+}
+
+/// Why a line was rejected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Rejection {
+    /// It is not text.
+    Text,
+    /// It is of no known kind.
+    Kind,
+    /// It has too few values.
+    Length,
+    /// It is of no known transmission.
+    Transmission,
+    /// Its address is none.
+    Address,
+    /// A date or time is none.
+    Time,
+    /// Its callsign is none.
+    Callsign,
+    /// Its altitude cannot be.
+    Altitude,
+    /// Its speed or track cannot be.
+    Velocity,
+    /// Its position is not on the globe, or half of it is missing.
+    Position,
+    /// Its vertical rate cannot be.
+    VerticalRate,
+    /// Its code is none.
+    Code,
+    /// A flag is no number.
+    Flag,
+}
+
+/// What is wrong with a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SbsError<'a> {
+    /// Why it was rejected.
+    pub rejection: Rejection,
+    /// Place of the value in the line, from 1; 0 if the line as a whole is wrong.
+    pub place: usize,
+    /// The value as written, or the line.
+    pub value: &'a str,
+}
+
+impl std::error::Error for SbsError<'_> {}
+
+impl fmt::Display for SbsError<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown: String = self.value.chars().take(SHOWN_MAX).collect();
+        match self.place {
+            0 => write!(f, "line {shown:?} {}", self.rejection.sentence()),
+            place => write!(f, "value {place} {shown:?} {}", self.rejection.sentence()),
+        }
+    }
+}
+
+impl Rejection {
+    /// Every reason, in the order of its code.
+    pub const ALL: [Self; 13] = [
+        Self::Text,
+        Self::Kind,
+        Self::Length,
+        Self::Transmission,
+        Self::Address,
+        Self::Time,
+        Self::Callsign,
+        Self::Altitude,
+        Self::Velocity,
+        Self::Position,
+        Self::VerticalRate,
+        Self::Code,
+        Self::Flag,
+    ];
+
+    /// What is wrong, and what would be right.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Text => "is not UTF-8 text",
+            Self::Kind => "is none of MSG, SEL, ID, AIR, STA and CLK",
+            Self::Length => "has fewer than the 10 values of a message",
+            Self::Transmission => "is no transmission; 1 to 8 are",
+            Self::Address => "is no address of six hexadecimal digits",
+            Self::Time => "is no date like 2026/03/04, or no time like 07:08:09.250",
+            Self::Callsign => "is no callsign of up to eight letters and digits",
+            Self::Altitude => "is no altitude of -1500 to 126750 ft",
+            Self::Velocity => "is no speed of 0 to 6000 kt, or no track of 0 to 360 degrees",
+            Self::Position => "is no latitude of -90 to 90 with a longitude of -180 to 180 degrees",
+            Self::VerticalRate => "is no vertical rate of -32640 to 32640 ft/min",
+            Self::Code => "is no code of up to four octal digits",
+            Self::Flag => "is no flag: 0 for no, another whole number for yes",
+        }
+    }
+}
+
+impl Line {
+    /// Reads a line without its end.
+    ///
+    /// # Errors
+    /// [`SbsError`] for the first value that cannot be meant; then nothing of the line is used.
+    pub fn parse(line: &[u8]) -> Result<Self, SbsError<'_>> {
+        let text = std::str::from_utf8(line).map_err(|_| SbsError {
+            rejection: Rejection::Text,
+            place: 0,
+            value: "",
+        })?;
+        let mut values = Values {
+            line: text,
+            found: [""; VALUES_MAX],
+        };
+        let mut count = 0;
+        for (place, value) in values.found.iter_mut().zip(text.split(',')) {
+            *place = value.trim();
+            count += 1;
+        }
+        let other = match values.found[0] {
+            "MSG" if count < VALUES_MIN => return Err(values.whole(Rejection::Length)),
+            "MSG" => return values.message().map(Self::Message),
+            "SEL" => OtherKind::Selection,
+            "ID" => OtherKind::Identification,
+            "AIR" => OtherKind::Aircraft,
+            "STA" => OtherKind::Status,
+            "CLK" => OtherKind::Click,
+            _ => return Err(values.whole(Rejection::Kind)),
+        };
+        Ok(Self::Other(other))
+    }
+}
+
+/// The values of a line, without blanks around them.
+struct Values<'a> {
+    line: &'a str,
+    found: [&'a str; VALUES_MAX],
+}
+
+impl<'a> Values<'a> {
+    fn message(&self) -> Result<Message, SbsError<'a>> {
+        let transmission = self.required(2, Rejection::Transmission, |text| {
+            text.parse().ok().filter(|kind| (1..=8).contains(kind))
+        })?;
+        let speed_kt = self.number(13, Rejection::Velocity, SPEED_KT)?;
+        let altitude_ft = self.number(12, Rejection::Altitude, ALTITUDE_FT)?;
+        let rate_ftpmin = self.number(17, Rejection::VerticalRate, VERTICAL_RATE_FTPMIN)?;
+        let track_degrees = self.number(14, Rejection::Velocity, 0.0..=360.0)?;
+        Ok(Message {
+            transmission,
+            address: self.required(5, Rejection::Address, address)?,
+            received: self.stamp(7)?,
+            written: self.stamp(9)?,
+            callsign: self.optional(11, Rejection::Callsign, callsign)?,
+            altitude_m: altitude_ft.map(|altitude| altitude * M_PER_FT),
+            ground_speed_mps: speed_kt.map(|speed| speed * MPS_PER_KT),
+            track_rad: track_degrees.map(f64::to_radians),
+            position_rad: self.position()?,
+            vertical_rate_mps: rate_ftpmin.map(|rate| rate * M_PER_FT / 60.0),
+            mode_3a: self.optional(18, Rejection::Code, code)?.filter(|code| *code != 0),
+            alert: self.flag(19)?,
+            emergency: self.flag(20)?,
+            identifies: self.flag(21)?,
+            on_ground: self.flag(22)?,
+        })
+    }
+
+    fn position(&self) -> Result<Option<[f64; 2]>, SbsError<'a>> {
+        let latitude = self.number(15, Rejection::Position, -90.0..=90.0)?;
+        let longitude = self.number(16, Rejection::Position, -180.0..=180.0)?;
+        match (latitude, longitude) {
+            (Some(latitude), Some(longitude)) => Ok(Some([latitude.to_radians(), longitude.to_radians()])),
+            (None, None) => Ok(None),
+            (None, Some(_)) => Err(self.error(15, Rejection::Position)),
+            (Some(_), None) => Err(self.error(16, Rejection::Position)),
+        }
+    }
+
+    /// The date at `place` and the time behind it.
+    fn stamp(&self, place: usize) -> Result<Stamp, SbsError<'a>> {
+        Ok(Stamp {
+            date: self.optional(place, Rejection::Time, date)?,
+            time_of_day_ns: self.optional(place + 1, Rejection::Time, time_of_day_ns)?,
+        })
+    }
+
+    fn flag(&self, place: usize) -> Result<Option<bool>, SbsError<'a>> {
+        let flag = |text: &str| text.parse::<i32>().ok().map(|number| number != 0);
+        self.optional(place, Rejection::Flag, flag)
+    }
+
+    fn number(
+        &self,
+        place: usize,
+        rejection: Rejection,
+        limits: RangeInclusive<f64>,
+    ) -> Result<Option<f64>, SbsError<'a>> {
+        // Limits refuse NaN and infinity too.
+        let number = |text: &str| text.parse().ok().filter(|number| limits.contains(number));
+        self.optional(place, rejection, number)
+    }
+
+    /// The value at `place`, `None` if it is empty.
+    fn optional<T>(
+        &self,
+        place: usize,
+        rejection: Rejection,
+        read: impl FnOnce(&str) -> Option<T>,
+    ) -> Result<Option<T>, SbsError<'a>> {
+        match self.found[place - 1] {
+            "" => Ok(None),
+            _ => self.required(place, rejection, read).map(Some),
+        }
+    }
+
+    fn required<T>(
+        &self,
+        place: usize,
+        rejection: Rejection,
+        read: impl FnOnce(&str) -> Option<T>,
+    ) -> Result<T, SbsError<'a>> {
+        read(self.found[place - 1]).ok_or_else(|| self.error(place, rejection))
+    }
+
+    fn error(&self, place: usize, rejection: Rejection) -> SbsError<'a> {
+        SbsError {
+            rejection,
+            place,
+            value: self.found[place - 1],
+        }
+    }
+
+    fn whole(&self, rejection: Rejection) -> SbsError<'a> {
+        SbsError {
+            rejection,
+            place: 0,
+            value: self.line,
+        }
+    }
+}
+
+/// Addresses that no aircraft has, which some programs mark with a tilde, are none here.
+fn address(text: &str) -> Option<u32> {
+    let plain = text.len() == 6 && text.bytes().all(|octet| octet.is_ascii_hexdigit());
+    u32::from_str_radix(text, 16).ok().filter(|_| plain)
+}
+
+fn callsign(text: &str) -> Option<Callsign> {
+    let mut callsign = *b"        ";
+    callsign.get_mut(..text.len())?.copy_from_slice(text.as_bytes());
+    let fits = |octet: u8| octet.is_ascii_uppercase() || octet.is_ascii_digit() || octet == b' ';
+    text.bytes().all(fits).then_some(callsign)
+}
+
+fn code(text: &str) -> Option<u16> {
+    let plain = text.len() <= 4 && text.bytes().all(|octet| octet.is_ascii_digit());
+    u16::from_str_radix(text, 8).ok().filter(|_| plain)
+}
+
+fn date(text: &str) -> Option<Date> {
+    let mut parts = text.split('/');
+    let date = Date {
+        year: whole(parts.next()?, 4)?,
+        month: whole(parts.next()?, 2)?,
+        day: whole(parts.next()?, 2)?,
+    };
+    let fits = (1..=12).contains(&date.month) && (1..=31).contains(&date.day);
+    (fits && parts.next().is_none()).then_some(date)
+}
+
+fn time_of_day_ns(text: &str) -> Option<i64> {
+    let (clock, fraction) = text.split_once('.').unwrap_or((text, "0"));
+    let mut parts = clock.split(':');
+    let mut next = |limit: i64| whole::<i64>(parts.next()?, 2).filter(|part| *part < limit);
+    let seconds = (next(24)? * 60 + next(60)?) * 60 + next(60)?;
+    let digits = u32::try_from(fraction.len()).ok().filter(|digits| *digits <= 9)?;
+    let fraction_ns = whole::<i64>(fraction, 9)? * 10i64.pow(9 - digits);
+    parts.next().is_none().then_some(seconds * 1_000_000_000 + fraction_ns)
+}
+
+/// A number of at most `digits_max` digits and nothing else.
+fn whole<T: FromStr>(text: &str, digits_max: usize) -> Option<T> {
+    let plain = text.len() <= digits_max && text.bytes().all(|octet| octet.is_ascii_digit());
+    text.parse().ok().filter(|_| plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn message(line: &str) -> Message {
+        match Line::parse(line.as_bytes()) {
+            Ok(Line::Message(message)) => message,
+            other => panic!("{line}: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn an_airborne_position_has_position_altitude_and_flags() {
+        let found = message(
+            "MSG,3,1,1,3C1A2B,1,2026/03/04,07:08:09.250,2026/03/04,07:08:09.500,,31000,,,48.25,-11.5,,,0,-1,0,0",
+        );
+        let day = Date {
+            year: 2026,
+            month: 3,
+            day: 4,
+        };
+        let stamp = |ms: i64| Stamp {
+            date: Some(day),
+            time_of_day_ns: Some(((7 * 3600 + 8 * 60 + 9) * 1000 + ms) * 1_000_000),
+        };
+        let expected = Message {
+            transmission: 3,
+            address: 0x3c_1a2b,
+            received: stamp(250),
+            written: stamp(500),
+            altitude_m: Some(9_448.8),
+            position_rad: Some([48.25f64.to_radians(), (-11.5f64).to_radians()]),
+            alert: Some(false),
+            emergency: Some(true),
+            identifies: Some(false),
+            on_ground: Some(false),
+            ..Message::default()
+        };
+        assert!((found.altitude_m.unwrap() - 9_448.8).abs() < 1e-9);
+        let found = Message {
+            altitude_m: expected.altitude_m,
+            ..found
+        };
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_velocity_is_in_metres_and_radians() {
+        let found = message("MSG,4,1,2,3c1a2b,3,,,,,,,100,90.0,,,-600,,,,,");
+        assert!((found.ground_speed_mps.unwrap() - 51.444_444).abs() < 1e-5);
+        assert!((found.track_rad.unwrap() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        assert!((found.vertical_rate_mps.unwrap() + 3.048).abs() < 1e-12);
+        assert_eq!((found.received, found.on_ground), (Stamp::default(), None));
+    }
+
+    #[test]
+    fn lines_may_have_blanks_and_be_cut_short_or_long() {
+        let found = message("MSG,1, 0,  0,3C1A2B, 0,2026/03/04,07:08:09.250,,,ABC12   ");
+        assert_eq!(found.callsign, Some(*b"ABC12   "));
+        let found = message("MSG,6,1,1,3C1A2B,1,,,,,,,,,,,,0417,0,0,0,0,extra,0.5");
+        assert_eq!((found.mode_3a, found.on_ground), (Some(0o417), Some(false)));
+        assert_eq!(message("MSG,6,1,1,3C1A2B,1,,,,,,,,,,,,0000,,,,").mode_3a, None);
+        assert_eq!(message("MSG,8,1,1,3C1A2B,1,,,,,,,,,,,,,,,,1").on_ground, Some(true));
+    }
+
+    #[test]
+    fn other_kinds_are_known() {
+        for (line, kind) in [
+            (
+                "SEL,,1,2,3C1A2B,3,2026/03/04,07:08:09.250,,,ABC12",
+                OtherKind::Selection,
+            ),
+            ("ID ,,1,2,3C1A2B,3", OtherKind::Identification),
+            ("AIR,,1", OtherKind::Aircraft),
+            ("STA,,1,2,3C1A2B,3,,,,,RM", OtherKind::Status),
+            ("CLK,,1,-1,,-1", OtherKind::Click),
+        ] {
+            assert_eq!(Line::parse(line.as_bytes()), Ok(Line::Other(kind)), "{line}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_rejected_with_place_and_reason() {
+        const GOOD: [&str; VALUES_MAX] = [
+            "MSG", "3", "1", "1", "3C1A2B", "1", "", "", "", "", "", "", "", "", "51.5", "-1.0", "", "", "", "", "", "",
+        ];
+        message(&GOOD.join(","));
+        for (place, value, rejection) in [
+            (2, "9", Rejection::Transmission),
+            (2, "", Rejection::Transmission),
+            (5, "", Rejection::Address),
+            (5, "~3C1A2B", Rejection::Address),
+            (5, "3C1A2G", Rejection::Address),
+            (5, "+3C1A2", Rejection::Address),
+            (7, "04/03/2026", Rejection::Time),
+            (7, "2026/13/01", Rejection::Time),
+            (8, "24:00:00.000", Rejection::Time),
+            (8, "12:00", Rejection::Time),
+            (8, "12:00:00.0000000001", Rejection::Time),
+            (8, "12:00:00.-5", Rejection::Time),
+            (10, "12:00:60", Rejection::Time),
+            (11, "NINECHARS", Rejection::Callsign),
+            (11, "A?B", Rejection::Callsign),
+            (12, "130000", Rejection::Altitude),
+            (12, "NaN", Rejection::Altitude),
+            (13, "-1", Rejection::Velocity),
+            (14, "361", Rejection::Velocity),
+            (15, "90.1", Rejection::Position),
+            (15, "", Rejection::Position),
+            (16, "", Rejection::Position),
+            (16, "inf", Rejection::Position),
+            (17, "1e9", Rejection::VerticalRate),
+            (18, "7800", Rejection::Code),
+            (18, "01234", Rejection::Code),
+            (19, "x", Rejection::Flag),
+            (22, "0.5", Rejection::Flag),
+        ] {
+            let mut values = GOOD;
+            values[place - 1] = value;
+            let line = values.join(",");
+            let error = Line::parse(line.as_bytes()).unwrap_err();
+            assert_eq!(
+                error,
+                SbsError {
+                    rejection,
+                    place,
+                    value
+                },
+                "{line}"
+            );
+        }
+        let whole = |line: &'static [u8]| Line::parse(line).unwrap_err();
+        assert_eq!(whole(b"").rejection, Rejection::Kind);
+        assert_eq!(whole(b"MLAT,3,1,1,3C1A2B").rejection, Rejection::Kind);
+        assert_eq!(whole(b"MSG,3,1,1,3C1A2B,1,,,").rejection, Rejection::Length);
+        assert_eq!(whole(b"MSG,3,1,1,\xff").rejection, Rejection::Text);
+        let text = Line::parse(b"MSG,3,1,1,3C1A2B,1,,,,,,99,,,100,0")
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            text,
+            "value 15 \"100\" is no latitude of -90 to 90 with a longitude of -180 to 180 degrees"
+        );
+    }
+
+    #[test]
+    fn every_reason_stands_at_the_place_of_its_code() {
+        for (place, rejection) in Rejection::ALL.into_iter().enumerate() {
+            assert_eq!(rejection as usize, place);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_octets_are_a_line_or_an_error(octets in prop::collection::vec(any::<u8>(), 0..200)) {
+            let _ = Line::parse(&octets);
+        }
+
+        #[test]
+        fn any_values_are_a_message_or_an_error(values in prop::collection::vec("[-+.:/0-9a-fA-F]{0,8}", 0..25)) {
+            let _ = Line::parse(format!("MSG,3,,,ABCDEF,{}", values.join(",")).as_bytes()).map_err(|error| error.to_string());
+        }
+
+        #[test]
+        fn times_of_day_are_read_to_the_last_digit(ms in 0i64..86_400_000) {
+            let (seconds, rest) = (ms / 1000, ms % 1000);
+            let text = format!("{:02}:{:02}:{:02}.{rest:03}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+            prop_assert_eq!(time_of_day_ns(&text), Some(ms * 1_000_000));
+        }
+    }
+}

@@ -1,0 +1,440 @@
+//! Sensor tracks from CSV rows (FM-5); [`SensorTrackWriter`] writes them.
+//!
+//! A row is one report: time, whose track it is, state vector, the covariance's upper triangle, and the track's state. Who
+//! the target says it is, the method, the trace, and whether height and velocity were observed may follow; where those
+//! last two columns are missing, both were. A column `truth_id` is never read: fusion must not see it.
+
+use std::io::Read;
+
+use messages::sensor_track_bits as bits;
+use messages::{COVARIANCE_LEN, Callsign, Covariance, Identity, STATE_LEN, SensorTrack, TrackState};
+
+use crate::csv_table::{Column, CsvError, Row, Table};
+pub use crate::tracks_csv::SensorTrackWriter;
+
+const KINEMATICS: [&str; STATE_LEN] = ["x", "y", "z", "vx", "vy", "vz"];
+/// In the order of [`Covariance::upper`].
+const COVARIANCE: [&str; COVARIANCE_LEN] = [
+    "P00", "P01", "P02", "P03", "P04", "P05", "P11", "P12", "P13", "P14", "P15", "P22", "P23", "P24", "P25", "P33",
+    "P34", "P35", "P44", "P45", "P55",
+];
+/// How far a covariance may go beyond the product of its standard deviations: files round to a few decimals.
+const ROUNDING: f64 = 1e-3;
+
+/// Reads sensor tracks, row by row.
+///
+/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
+#[derive(Debug)]
+pub struct SensorTrackReader<R, F> {
+    table: Table<R>,
+    columns: Columns,
+    first_day_ns: i64,
+    source_of: F,
+}
+
+#[derive(Debug)]
+struct Columns {
+    time: Column,
+    sensor: Column,
+    number: Column,
+    kinematics: [Column; STATE_LEN],
+    covariance: [Column; COVARIANCE_LEN],
+    state: Column,
+    address: Option<Column>,
+    mode_3a: Option<Column>,
+    callsign: Option<Column>,
+    method: Option<Column>,
+    trace: Option<Column>,
+    height_valid: Option<Column>,
+    velocity_valid: Option<Column>,
+}
+
+impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
+    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds). `source_of` says which
+    /// source a `sensor_id` is; `None` refuses the row.
+    ///
+    /// # Errors
+    /// [`CsvError`] if a column is missing or the input fails.
+    pub fn new(input: R, first_day_ns: i64, source_of: F) -> Result<Self, CsvError> {
+        let table = Table::new(input)?;
+        let columns = Columns {
+            time: table.required("time_s")?,
+            sensor: table.required("sensor_id")?,
+            number: table.required("sensor_track_id")?,
+            kinematics: table.all(KINEMATICS)?,
+            covariance: table.all(COVARIANCE)?,
+            state: table.required("state")?,
+            address: table.optional("address")?,
+            mode_3a: table.optional("mode_3a")?,
+            callsign: table.optional("callsign")?,
+            method: table.optional("method")?,
+            trace: table.optional("trace")?,
+            height_valid: table.optional("height_valid")?,
+            velocity_valid: table.optional("velocity_valid")?,
+        };
+        Ok(Self {
+            table,
+            columns,
+            first_day_ns,
+            source_of,
+        })
+    }
+}
+
+impl<R: Read, F: FnMut(u32) -> Option<u16>> Iterator for SensorTrackReader<R, F> {
+    type Item = Result<SensorTrack, CsvError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let row = match self.table.next_row()? {
+            Ok(row) => row,
+            Err(error) => return Some(Err(error)),
+        };
+        Some(self.columns.track(row, &mut self.source_of).map(|mut track| {
+            track.time_of_measurement_ns = track.time_of_measurement_ns.saturating_add(self.first_day_ns);
+            track
+        }))
+    }
+}
+
+impl Columns {
+    /// The row's track; its time counts from the first day.
+    fn track(&self, row: Row<'_>, source_of: &mut impl FnMut(u32) -> Option<u16>) -> Result<SensorTrack, CsvError> {
+        let sensor = row.whole(self.sensor)?;
+        let source = source_of(sensor).ok_or_else(|| {
+            let reason = "is no sensor of this run; name it in the configuration, or leave its file out";
+            row.error(self.sensor, reason)
+        })?;
+        let [x, y, z, vx, vy, vz] = self.kinematics.map(|column| row.number(column));
+        let trace_m2 = self.trace(row)?;
+        Ok(SensorTrack {
+            time_of_measurement_ns: row.time_ns(self.time)?,
+            track_number: row.whole(self.number)?,
+            source,
+            valid: self.valid(row, trace_m2.is_some())?,
+            identity: self.identity(row)?,
+            position_m: [x?, y?, z?],
+            velocity_mps: [vx?, vy?, vz?],
+            covariance: self.covariance(row)?,
+            trace_m2: trace_m2.unwrap_or_default(),
+            state: self.state(row)? as u8,
+            method: self.method(row)?,
+            ..SensorTrack::default()
+        })
+    }
+
+    fn state(&self, row: Row<'_>) -> Result<TrackState, CsvError> {
+        let word = row.text(self.state)?.unwrap_or_default();
+        TrackState::from_word(word).ok_or_else(|| {
+            let words = TrackState::ALL.map(TrackState::word).join(", ");
+            row.error(self.state, format!("is no state; write one of {words}"))
+        })
+    }
+
+    fn valid(&self, row: Row<'_>, trace: bool) -> Result<u16, CsvError> {
+        let height = flag(row, self.height_valid)?;
+        let velocity = flag(row, self.velocity_valid)?;
+        let bit = |set: bool, bit: u16| if set { bit } else { 0 };
+        Ok(bits::OWN_COVARIANCE
+            | bit(height, bits::HEIGHT)
+            | bit(velocity, bits::VELOCITY)
+            | bit(height && velocity, bits::VERTICAL_RATE)
+            | bit(trace, bits::TRACE))
+    }
+
+    fn covariance(&self, row: Row<'_>) -> Result<Covariance, CsvError> {
+        let mut covariance = Covariance::default();
+        for (place, column) in covariance.upper.iter_mut().zip(self.covariance) {
+            *place = row.number(column)?;
+        }
+        for line in 0..STATE_LEN {
+            if covariance.get(line, line) < 0.0 {
+                let column = self.covariance[Covariance::index(line, line)];
+                return Err(row.error(column, "is negative, which no variance is"));
+            }
+        }
+        for line in 0..STATE_LEN {
+            for other in line + 1..STATE_LEN {
+                let limit = (covariance.get(line, line) * covariance.get(other, other)).sqrt() + ROUNDING;
+                if covariance.get(line, other).abs() > limit {
+                    let column = self.covariance[Covariance::index(line, other)];
+                    let reason = format!("is beyond the product of its standard deviations, {limit:.4}");
+                    return Err(row.error(column, reason));
+                }
+            }
+        }
+        Ok(covariance)
+    }
+
+    fn trace(&self, row: Row<'_>) -> Result<Option<f64>, CsvError> {
+        match (self.trace, row.number_or_empty(self.trace)?) {
+            (Some(column), Some(trace)) if trace < 0.0 => Err(row.error(column, "is negative, which no trace is")),
+            (_, trace) => Ok(trace),
+        }
+    }
+
+    fn method(&self, row: Row<'_>) -> Result<u8, CsvError> {
+        match (self.method, row.text(self.method)?) {
+            (Some(column), Some(_)) => row.whole(column),
+            _ => Ok(0),
+        }
+    }
+
+    fn identity(&self, row: Row<'_>) -> Result<Identity, CsvError> {
+        let mut identity = Identity::default();
+        if let Some(address) = digits(row, self.address, 16, 6, "an address of up to six hexadecimal digits")? {
+            identity = identity.with_address(address);
+        }
+        if let Some(code) = digits(row, self.mode_3a, 8, 4, "a Mode 3/A code of up to four octal digits")? {
+            identity = identity.with_mode_3a(code as u16);
+        }
+        if let (Some(column), Some(text)) = (self.callsign, row.text(self.callsign)?) {
+            let callsign = callsign(text)
+                .ok_or_else(|| row.error(column, "is no callsign; write up to eight characters of plain ASCII"))?;
+            identity = identity.with_callsign(callsign);
+        }
+        Ok(identity)
+    }
+}
+
+/// A column of zeros and ones; where it is missing or empty, ones.
+fn flag(row: Row<'_>, column: Option<Column>) -> Result<bool, CsvError> {
+    let Some(column) = column else { return Ok(true) };
+    match row.text(column)? {
+        None | Some("1") => Ok(true),
+        Some("0") => Ok(false),
+        Some(_) => Err(row.error(column, "is neither 0 nor 1")),
+    }
+}
+
+fn digits(
+    row: Row<'_>,
+    column: Option<Column>,
+    radix: u32,
+    digits_max: usize,
+    what: &str,
+) -> Result<Option<u32>, CsvError> {
+    let (Some(column), Some(text)) = (column, row.text(column)?) else {
+        return Ok(None);
+    };
+    let plain = text.len() <= digits_max && text.chars().all(|character| character.is_digit(radix));
+    match u32::from_str_radix(text, radix) {
+        Ok(number) if plain => Ok(Some(number)),
+        _ => Err(row.error(column, format!("is not {what}"))),
+    }
+}
+
+/// A callsign padded with blanks.
+fn callsign(text: &str) -> Option<Callsign> {
+    let mut callsign = *b"        ";
+    callsign.get_mut(..text.len())?.copy_from_slice(text.as_bytes());
+    text.bytes()
+        .all(|octet| octet.is_ascii_graphic() || octet == b' ')
+        .then_some(callsign)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const HEADER: &str = "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,P02,P03,P04,P05,P11,P12,P13,P14,P15,\
+                          P22,P23,P24,P25,P33,P34,P35,P44,P45,P55,state";
+    const VARIANCES: &str = "25,0,0,0,0,0,25,0,0,0,0,100,0,0,0,4,0,0,4,0,9";
+
+    /// The tracks of `rows` below a header with further `columns`; sensor 9 is no source.
+    fn read(columns: &str, rows: &str) -> Vec<Result<SensorTrack, String>> {
+        let text = format!("{HEADER}{columns}\n{rows}");
+        let source_of = |sensor: u32| (sensor < 9).then_some(sensor as u16 + 100);
+        let reader = SensorTrackReader::new(text.as_bytes(), 1_000, source_of).unwrap();
+        reader.map(|row| row.map_err(|error| error.to_string())).collect()
+    }
+
+    #[test]
+    fn a_row_without_further_columns_is_a_whole_report() {
+        let rows = format!("2.5,3,42,1,-2,3.25,4,5,-6,{VARIANCES},coasted,7\n");
+        let found = read(",truth_id", &rows);
+        let mut covariance = Covariance::diagonal([5.0, 5.0, 10.0], [2.0, 2.0, 3.0]);
+        let expected = SensorTrack {
+            time_of_measurement_ns: 2_500_001_000,
+            track_number: 42,
+            source: 103,
+            valid: bits::HEIGHT | bits::VELOCITY | bits::VERTICAL_RATE | bits::OWN_COVARIANCE,
+            position_m: [1.0, -2.0, 3.25],
+            velocity_mps: [4.0, 5.0, -6.0],
+            covariance,
+            state: TrackState::Coasted as u8,
+            ..SensorTrack::default()
+        };
+        assert_eq!(found, [Ok(expected)]);
+        covariance.set(1, 4, -3.5);
+        let correlated = rows.replace("25,0,0,0,0,100", "25,0,0,-3.5,0,100");
+        assert_eq!(
+            read(",truth_id", &correlated)[0].as_ref().unwrap().covariance,
+            covariance
+        );
+    }
+
+    #[test]
+    fn further_columns_are_read_by_name_and_may_be_empty() {
+        let columns = ",velocity_valid,callsign,method,address,trace,mode_3a,height_valid";
+        let row = |further: &str| format!("0,1,1,0,0,0,0,0,0,{VARIANCES},tentative,{further}\n");
+        let track = read(columns, &row("1,VLG 20,3,3444cf,50.5,0412,0"))[0].clone().unwrap();
+        let identity = Identity::default()
+            .with_address(0x3444cf)
+            .with_mode_3a(0o412)
+            .with_callsign(*b"VLG 20  ");
+        assert_eq!((track.identity, track.method, track.trace_m2), (identity, 3, 50.5));
+        assert_eq!(track.valid, bits::VELOCITY | bits::OWN_COVARIANCE | bits::TRACE);
+        let track = read(columns, &row(",,,,,,"))[0].clone().unwrap();
+        assert_eq!((track.identity, track.method), (Identity::default(), 0));
+        assert!(track.has(bits::HEIGHT | bits::VELOCITY) && !track.has(bits::TRACE));
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_refused_with_place_and_remedy() {
+        let columns = ",address,mode_3a,callsign,method,trace,height_valid";
+        let good = format!("0,1,1,0,0,0,0,0,0,{VARIANCES},confirmed,,,,,,");
+        read(columns, &good)[0].as_ref().unwrap();
+        for (from, to, expected) in [
+            ("0,1,1", "0,9,1", "column sensor_id: \"9\" is no sensor of this run"),
+            ("0,1,1", "0,1,-1", "column sensor_track_id: \"-1\" is no whole number"),
+            ("0,1,1,0", "0,1,1,NaN", "column x: \"NaN\" is not finite"),
+            ("25,0,0", "-25,0,0", "column P00: \"-25\" is negative"),
+            (
+                "25,0,0",
+                "25,25.1,0",
+                "column P01: \"25.1\" is beyond the product of its standard deviations, 25.0010",
+            ),
+            (
+                "confirmed",
+                "Confirmed",
+                "column state: \"Confirmed\" is no state; write one of tentative, confirmed",
+            ),
+            (
+                "confirmed,",
+                "confirmed,3444CFF",
+                "column address: \"3444CFF\" is not an address",
+            ),
+            (
+                "confirmed,",
+                "confirmed,+44",
+                "column address: \"+44\" is not an address",
+            ),
+            (
+                "confirmed,,",
+                "confirmed,,7800",
+                "column mode_3a: \"7800\" is not a Mode 3/A code",
+            ),
+            (
+                "confirmed,,,",
+                "confirmed,,,TOOLONG12",
+                "column callsign: \"TOOLONG12\" is no callsign",
+            ),
+            ("confirmed,,,", "confirmed,,,É", "column callsign: \"É\" is no callsign"),
+            (
+                "confirmed,,,,",
+                "confirmed,,,,256",
+                "column method: \"256\" is no whole number of the kind u8",
+            ),
+            ("confirmed,,,,,", "confirmed,,,,,-1", "column trace: \"-1\" is negative"),
+            (
+                "confirmed,,,,,,",
+                "confirmed,,,,,,yes",
+                "column height_valid: \"yes\" is neither 0 nor 1",
+            ),
+        ] {
+            let row = good.replacen(from, to, 1);
+            let [found] = &read(columns, &row)[..] else {
+                panic!("{row}")
+            };
+            let text = found.as_ref().unwrap_err();
+            assert!(text.starts_with("line 2, ") && text.contains(expected), "{text}");
+        }
+    }
+
+    /// A track whose numbers have no more decimals than files carry.
+    fn track() -> impl Strategy<Value = SensorTrack> {
+        let thousandths =
+            || prop::array::uniform3(-1_000_000_000i64..1_000_000_000).prop_map(|all| all.map(|one| one as f64 / 1e3));
+        let sigmas = prop::array::uniform6(0.0f64..1e4);
+        let correlation = -0.9f64..0.9;
+        let identity = (
+            prop::option::of(0u32..1 << 24),
+            prop::option::of(0u16..0o10000),
+            prop::option::of("[A-Z0-9]{1,8}"),
+        );
+        let flags = (0u16..16, 0u8..4, any::<u8>());
+        (
+            (0i64..4_000_000_000_000_000, 0u16..1000, any::<u32>()),
+            (thousandths(), thousandths(), sigmas, correlation),
+            (identity, flags, 0i64..1_000_000_000),
+        )
+            .prop_map(
+                |((time_ns, source, number), (position_m, velocity_mps, sigmas, correlation), rest)| {
+                    let ((address, code, name), (flags, state, method), trace) = rest;
+                    let mut identity = Identity::default();
+                    identity = address.map_or(identity, |address| identity.with_address(address));
+                    identity = code.map_or(identity, |code| identity.with_mode_3a(code));
+                    if let Some(name) = name {
+                        identity = identity.with_callsign(callsign(&name).unwrap());
+                    }
+                    let mut covariance = Covariance::default();
+                    for line in 0..STATE_LEN {
+                        for other in line..STATE_LEN {
+                            let share = if line == other { 1.0 } else { correlation };
+                            let value = sigmas[line] * sigmas[other] * share;
+                            covariance.set(line, other, (value * 1e4).round() / 1e4);
+                        }
+                    }
+                    let bit = |place: u16, bit: u16| if flags >> place & 1 == 1 { bit } else { 0 };
+                    let (height, velocity, trace_bit) =
+                        (bit(0, bits::HEIGHT), bit(1, bits::VELOCITY), bit(2, bits::TRACE));
+                    let vertical = if height != 0 && velocity != 0 {
+                        bits::VERTICAL_RATE
+                    } else {
+                        0
+                    };
+                    SensorTrack {
+                        time_of_measurement_ns: time_ns,
+                        source,
+                        track_number: number,
+                        identity,
+                        position_m,
+                        velocity_mps,
+                        covariance,
+                        trace_m2: if trace_bit != 0 { trace as f64 / 1e4 } else { 0.0 },
+                        state,
+                        method,
+                        valid: bits::OWN_COVARIANCE | height | velocity | vertical | trace_bit,
+                        ..SensorTrack::default()
+                    }
+                },
+            )
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_is_read_again(tracks in prop::collection::vec(track(), 0..4), first_day_ns in 0i64..1 << 60) {
+            let write = |tracks: &[SensorTrack]| {
+                let mut text = Vec::new();
+                let mut writer = SensorTrackWriter::begin(&mut text, first_day_ns).unwrap();
+                for track in tracks {
+                    writer.write(track).unwrap();
+                }
+                text
+            };
+            let moved = |mut track: SensorTrack| {
+                track.time_of_measurement_ns += first_day_ns;
+                track
+            };
+            let tracks: Vec<_> = tracks.into_iter().map(moved).collect();
+            let text = write(&tracks);
+            let source_of = |sensor: u32| u16::try_from(sensor - 1).ok();
+            let reader = SensorTrackReader::new(&text[..], first_day_ns, source_of).unwrap();
+            let found: Vec<_> = reader.map(Result::unwrap).collect();
+            prop_assert_eq!(&found, &tracks);
+            prop_assert_eq!(write(&found), text);
+        }
+    }
+}

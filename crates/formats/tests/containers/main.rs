@@ -1,0 +1,9 @@
+//! Tests of the containers of recordings through their public interface.
+
+mod captures;
+mod final_format;
+mod forge;
+mod packets;
+mod properties;
+mod recordings;
+mod sections;

@@ -1,0 +1,198 @@
+//! The plots of an en-route radar, recorded, on their way into sensor tracks.
+//!
+//! The recording does not say where the radar stands; any place near the mountain it is named after will do, as what is
+//! checked does not depend on it: that each plot comes to lie at its own range, azimuth and height, and that the
+//! aircraft move as their own computers say in register 5,0.
+//!
+//! The recording is no part of the project. It is looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
+//! workspace; where it is absent the tests say so and pass.
+
+use std::env;
+use std::f64::consts::{PI, TAU};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use formats::asterix::typed::cat048;
+use formats::asterix::{Decoder, Mode};
+use formats::reports::observation::{self, Reading};
+use formats::reports::{
+    Converter, CovarianceFrom, CovarianceModel, Limits, Observation, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA,
+    SourceModel,
+};
+use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
+use messages::{COUNTERS_MAX, Counter, SensorTrack, sensor_track_bits as bits};
+
+const S: i64 = 1_000_000_000;
+
+fn recording() -> Option<Vec<u8>> {
+    let folder = env::var_os("KOSEKI_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        PathBuf::from,
+    );
+    let path = folder.join("akapetanovic/Jahorina.raw");
+    let bytes = fs::read(&path).ok();
+    if bytes.is_none() {
+        println!("skipped: no recording {}", path.display());
+    }
+    bytes
+}
+
+/// The system around the radar's supposed place, 100 km to the south-east.
+fn model() -> SourceModel {
+    let system = SystemFrame::at(Geodetic::from_degrees(43.0, 19.3, 0.0).unwrap());
+    let place = Geodetic::from_degrees(43.72, 18.57, 1900.0).unwrap();
+    SourceModel {
+        number: 0,
+        sac_sic: Some((23, 2)),
+        positions: PositionForm::Any,
+        frame: SensorFrame::new(&system, place, 0.0),
+        system,
+        height_m: place.height_m(),
+        assumed_height_m: 5000.0,
+        qnh_hpa: STANDARD_PRESSURE_HPA,
+        limits: Limits {
+            range_m: 400e3,
+            height_min_m: -500.0,
+            height_max_m: 20e3,
+            speed_mps: 350.0,
+            jump_m: 1000.0,
+            time_step_ns: 60 * S,
+            tracks: 1000,
+        },
+        covariance: CovarianceModel {
+            from: CovarianceFrom::Configuration,
+            position_sigma_m: 100.0,
+            velocity_sigma_mps: 2.0,
+            height_sigma_m: 50.0,
+            polar: Some(PolarSigma {
+                range_m: 30.0,
+                azimuth_rad: 0.03f64.to_radians(),
+            }),
+            poor_quality: PoorQuality::Use,
+        },
+    }
+}
+
+/// One plot, what it became, and the velocity that the aircraft sent with it.
+struct Seen {
+    plot: Observation,
+    track: SensorTrack,
+    /// Speed in m/s and true track in rad.
+    sent: Option<[f64; 2]>,
+}
+
+/// The plots in the order recorded. The recording's second half is of the time before its first: it gets a converter of
+/// its own. Gives what was counted by both.
+fn convert(bytes: &[u8]) -> (Vec<Seen>, [u64; COUNTERS_MAX]) {
+    let mut decoder = Decoder::new(Mode::Strict);
+    let mut converters = vec![Converter::new(model(), 0)];
+    let mut seen: Vec<Seen> = Vec::new();
+    for record in decoder.records(bytes) {
+        let record = record.unwrap();
+        let sent = cat048::registers(&record)
+            .find(|register| register.number == 0x50)
+            .and_then(|register| track_and_turn(register.content));
+        match observation::read(&record) {
+            Reading::Target(plot) => {
+                if plot.time_of_day_ns.unwrap() < converters[converters.len() - 1].running_ns().unwrap_or(0) - 60 * S {
+                    converters.push(Converter::new(model(), 0));
+                }
+                let converter = converters.last_mut().unwrap();
+                if let Some(track) = converter.convert(&plot, 0) {
+                    seen.push(Seen { plot, track, sent });
+                }
+            }
+            Reading::Service(time_of_day_ns) => converters.last_mut().unwrap().service(time_of_day_ns),
+            Reading::Other => panic!("{record:?}"),
+        }
+    }
+    assert_eq!(converters.len(), 2);
+    let counted = std::array::from_fn(|counter| converters.iter().map(|converter| converter.counters()[counter]).sum());
+    (seen, counted)
+}
+
+/// Ground speed and true track of register 5,0: ICAO Doc 9871, table A-2-80.
+fn track_and_turn(content: [u8; 7]) -> Option<[f64; 2]> {
+    let bits = content.iter().fold(0u64, |bits, octet| bits << 8 | u64::from(*octet));
+    let field = |first: u32, last: u32| bits >> (56 - last) & ((1 << (last - first + 1)) - 1);
+    let (has_track, has_speed) = (field(12, 12) == 1, field(24, 24) == 1);
+    let track_rad = field(14, 23) as f64 * (PI / 1024.0) - if field(13, 13) == 1 { PI } else { 0.0 };
+    let speed_mps = field(25, 34) as f64 * (2.0 * 1852.0 / 3600.0);
+    (has_track && has_speed).then_some([speed_mps, track_rad])
+}
+
+#[test]
+fn every_plot_lies_at_its_range_azimuth_and_height() {
+    let Some(bytes) = recording() else { return };
+    let (seen, counted) = convert(&bytes);
+    let model = model();
+    let mut placed = 0;
+    for seen in &seen {
+        if !seen.track.has(bits::HEIGHT) {
+            continue;
+        }
+        let [range, azimuth] = seen.plot.slant_polar.unwrap();
+        let sighting = model.frame.sighting(seen.track.position_m);
+        assert!((sighting.slant_range_m - range).abs() < 0.01, "{sighting:?} {range}");
+        assert!((sighting.azimuth_rad - azimuth).abs() < 1e-9, "{sighting:?} {azimuth}");
+        let height = model.system.to_geodetic(seen.track.position_m).height_m();
+        let sent = seen.plot.pressure_altitude_m.unwrap();
+        assert!((height - sent).abs() < 0.1, "{height} {sent}");
+        placed += 1;
+    }
+    let count = |counter: Counter| counted[counter as usize];
+    // 49 plots have no address to number them by. Two of the rest have no height, nor had their aircraft before.
+    let reports = count(Counter::Reports) as usize;
+    assert_eq!(
+        (reports, seen.len(), count(Counter::RejectedNoTrackNumber)),
+        (2050, 2050, 49)
+    );
+    assert_eq!(
+        (placed, count(Counter::HeightAssumed), count(Counter::RejectedJump)),
+        (2045, 2, 0)
+    );
+}
+
+#[test]
+fn aircraft_move_as_they_say() {
+    let Some(bytes) = recording() else { return };
+    let (seen, _) = convert(&bytes);
+    let model = model();
+    let (mut faster, mut right, mut normal) = (vec![], vec![], vec![]);
+    for seen in &seen {
+        let (Some([speed, track]), true) = (seen.sent, seen.track.has(bits::DERIVED_VELOCITY)) else {
+            continue;
+        };
+        // At the aircraft, where its own north is.
+        let here = SensorFrame::new(&model.system, model.system.to_geodetic(seen.track.position_m), 0.0);
+        let [east, north] = here.to_velocity([seen.track.velocity_mps[0], seen.track.velocity_mps[1]]);
+        faster.push(east.hypot(north) - speed);
+        right.push((east.atan2(north) - track + PI).rem_euclid(TAU) - PI);
+        let error = [east - speed * track.sin(), north - speed * track.cos()];
+        let [xx, xy, yy] = [(3, 3), (3, 4), (4, 4)].map(|(row, column)| seen.track.covariance.get(row, column));
+        let square = (yy * error[0] * error[0] - 2.0 * xy * error[0] * error[1] + xx * error[1] * error[1])
+            / (xx * yy - xy * xy);
+        normal.push(square);
+    }
+    assert!(faster.len() > 700, "{}", faster.len());
+    let [faster, right] = [faster, right].map(median);
+    println!(
+        "median: {faster:.2} m/s faster, {:.3}° to the right",
+        right.to_degrees()
+    );
+    assert!(faster.abs() < 1.0 && right.to_degrees().abs() < 0.3);
+    // Of two components, normal and as large as stated, half of the squares are below 1.4 and 99 % below 9.2. A few plots
+    // are far worse than the others.
+    let within = normal.iter().filter(|square| **square < 9.2).count() as f64 / normal.len() as f64;
+    let typical = median(normal);
+    println!(
+        "normalised errors: median {typical:.2}, {:.1} % within bounds",
+        100.0 * within
+    );
+    assert!((0.05..1.4).contains(&typical) && within > 0.9);
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}

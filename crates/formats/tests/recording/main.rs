@@ -1,0 +1,6 @@
+//! Tests of whole recordings through their public interface.
+
+mod belief;
+mod forge;
+mod recordings;
+mod statistics;

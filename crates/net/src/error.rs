@@ -1,0 +1,67 @@
+//! What can go wrong when a socket is opened, and what to do about it.
+
+use std::io;
+
+use thiserror::Error;
+
+/// A setting cannot be used, or the machine refused it.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum NetError {
+    /// A value that cannot be right, whatever the machine.
+    #[error("{setting} {value}: {reason}")]
+    Setting {
+        /// Which setting.
+        setting: &'static str,
+        /// Its value.
+        value: String,
+        /// Why it cannot be used, and what can.
+        reason: String,
+    },
+
+    /// The machine has no such network interface.
+    #[error("interface {interface}: this machine has none of that name or address; it has {present}")]
+    NoInterface {
+        /// The interface as configured.
+        interface: String,
+        /// The interfaces that there are, with their addresses.
+        present: String,
+    },
+
+    /// The operating system refused.
+    #[error("{action}: {reason}{}", remedy(reason))]
+    Refused {
+        /// What was tried.
+        action: String,
+        /// Why it was refused.
+        reason: io::Error,
+    },
+}
+
+impl NetError {
+    pub(crate) fn setting(setting: &'static str, value: impl ToString, reason: impl Into<String>) -> Self {
+        Self::Setting {
+            setting,
+            value: value.to_string(),
+            reason: reason.into(),
+        }
+    }
+
+    /// For `map_err`: what was tried when the operating system refused.
+    pub(crate) fn refused<E: Into<io::Error>>(action: impl ToString) -> impl FnOnce(E) -> Self {
+        move |reason| Self::Refused {
+            action: action.to_string(),
+            reason: reason.into(),
+        }
+    }
+}
+
+fn remedy(reason: &io::Error) -> &'static str {
+    match reason.kind() {
+        io::ErrorKind::AddrInUse => "; end the process that holds it (`ss -lunp` names it), or take another port",
+        io::ErrorKind::AddrNotAvailable => "; take an address of one of this machine's interfaces (`ip address`)",
+        io::ErrorKind::PermissionDenied => "; take a port above 1023, or grant CAP_NET_BIND_SERVICE",
+        io::ErrorKind::NetworkUnreachable => "; name an interface, or give the machine a route to it (`ip route`)",
+        _ => "",
+    }
+}

@@ -1,0 +1,377 @@
+//! Checking receivers, the sources behind them, and gateways.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::net::{SocketAddr, ToSocketAddrs as _};
+
+use formats::asterix::{Category, Edition, Mode, registry};
+use formats::outgoing::{HeightReference, Technology};
+use formats::sbs::SbsSettings;
+use net::{AllowedSenders, Interface, ReceiverSettings, SenderSettings};
+use scenario::{SensorKind, SensorSettings};
+
+use super::check::{Checked, check_name, nanoseconds, problem, within};
+use super::network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
+use super::raw::{RawGateway, RawHeights, RawLive, RawReceiver, RawTechnology, RawUdp};
+use super::{Input, RecordedFormat, Simulated, Source};
+
+/// Port of the first simulated sensor on the deployment's loopback address; the others follow.
+const FIRST_SIMULATED_PORT: u16 = 30_001;
+/// Most octets that a datagram can carry over IPv4.
+const DATAGRAM_OCTETS_MAX: usize = 65_507;
+/// The shortest block that takes any report whole.
+const BLOCK_OCTETS_MIN: usize = 256;
+/// What a gateway can send of a sensor.
+const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
+/// What a gateway sends of the fused picture.
+const SYSTEM_CATEGORY: u8 = 62;
+
+/// SAC and SIC of a simulated sensor: those of data that stay where they are, and its number from 1.
+pub(super) fn simulated_sac_sic(number: u16) -> (u8, u8) {
+    (0, (number + 1) as u8)
+}
+
+/// The receivers of a file, and those that simulated sensors bring along.
+#[derive(Debug)]
+pub(super) struct Network {
+    receivers: Vec<Receiver>,
+    /// Receivers that the file names.
+    named: usize,
+}
+
+impl Network {
+    pub(super) fn new(raw: &[RawReceiver]) -> Checked<Self> {
+        let mut names = BTreeSet::new();
+        let mut receivers = Vec::new();
+        for (index, each) in raw.iter().enumerate() {
+            let key = |part: &str| format!("receiver[{index}].{part}");
+            check_name(&key("name"), &each.name)?;
+            if !names.insert(&each.name) {
+                let what = format!(
+                    "\"{}\" is the name of an earlier receiver; give each its own",
+                    each.name
+                );
+                return Err(problem(key("name"), what));
+            }
+            let transport = match (&each.udp, &each.sbs) {
+                (Some(udp), None) => Transport::Udp(check_udp(&key("udp"), udp)?),
+                (None, Some(sbs)) => Transport::Sbs {
+                    server: server(&key("sbs.connect"), &sbs.connect)?,
+                    settings: SbsSettings {
+                        ahead_of_utc_min: within(
+                            &key("sbs.ahead_of_utc_min"),
+                            f64::from(sbs.ahead_of_utc_min),
+                            -840.0,
+                            840.0,
+                        )? as i32,
+                        ..SbsSettings::default()
+                    },
+                },
+                _ => {
+                    let what = format!(
+                        "\"{}\" needs exactly one of [receiver.udp] and [receiver.sbs]",
+                        each.name
+                    );
+                    return Err(problem(key("name"), what));
+                }
+            };
+            receivers.push(Receiver {
+                name: each.name.clone(),
+                transport,
+            });
+        }
+        Ok(Self {
+            named: receivers.len(),
+            receivers,
+        })
+    }
+
+    /// A source behind one of the receivers.
+    pub(super) fn live(&self, index: usize, raw: &RawLive) -> Checked<Live> {
+        let key = |part: &str| format!("source[{index}].live.{part}");
+        if !self.receivers.iter().any(|receiver| receiver.name == raw.receiver) {
+            let known: Vec<&str> = self.receivers.iter().map(|receiver| receiver.name.as_str()).collect();
+            let known = if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
+            };
+            let what = format!(
+                "there is no [[receiver]] named \"{}\"; those before the sources are: {known}",
+                raw.receiver
+            );
+            return Err(problem(key("receiver"), what));
+        }
+        Ok(Live {
+            receiver: raw.receiver.clone(),
+            asterix: asterix(&key("editions"), &raw.editions, raw.strict)?,
+        })
+    }
+
+    /// Whether the receiver called `name` reads SBS-1.
+    fn is_sbs(&self, name: &str) -> bool {
+        let is_it = |receiver: &Receiver| receiver.name == name && matches!(receiver.transport, Transport::Sbs { .. });
+        self.receivers.iter().any(is_it)
+    }
+
+    /// A simulated source, with a receiver of its own.
+    pub(super) fn simulated(&mut self, index: usize, name: &str, sensor: &SensorSettings) -> Simulated {
+        self.receivers.push(Receiver {
+            name: name.to_owned(),
+            transport: Transport::Loopback {
+                port: FIRST_SIMULATED_PORT + index as u16,
+            },
+        });
+        Simulated {
+            sensor: Box::new(sensor.clone()),
+            live: Live {
+                receiver: name.to_owned(),
+                asterix: Asterix {
+                    tables: Vec::new(),
+                    mode: Mode::Strict,
+                },
+            },
+        }
+    }
+
+    /// All receivers, each of which must have work, and be able to tell its sources apart.
+    pub(super) fn receivers(self, sources: &[Source]) -> Checked<Vec<Receiver>> {
+        for (index, receiver) in self.receivers[..self.named].iter().enumerate() {
+            let key = format!("receiver[{index}].name");
+            let name = &receiver.name;
+            let owned = |source: &&Source| matches!(&source.input, Input::Live(live) if live.receiver == *name);
+            let behind: Vec<&Source> = sources.iter().filter(owned).collect();
+            if behind.is_empty() {
+                let what = format!("no source has [source.live] with receiver = \"{name}\"");
+                return Err(problem(key, what));
+            }
+            if let Some(other) = sources.iter().find(|source| source.adapter == *name && !owned(source)) {
+                let what = format!(
+                    "\"{name}\" is also the name of the adapter process of source \"{}\"; give the receiver another",
+                    other.name
+                );
+                return Err(problem(key, what));
+            }
+            if matches!(receiver.transport, Transport::Sbs { .. }) && behind.len() > 1 {
+                let what = format!(
+                    "an SBS-1 feed is one source, but {} have receiver = \"{name}\"",
+                    behind.len()
+                );
+                return Err(problem(key, what));
+            }
+            let mut senders = BTreeSet::new();
+            for source in &behind {
+                if !senders.insert(source.model.sac_sic) {
+                    let sender = source.model.sac_sic.map_or_else(
+                        || "no sac and sic".to_owned(),
+                        |(sac, sic)| format!("sac = {sac} and sic = {sic}"),
+                    );
+                    let what = format!(
+                        "two sources with receiver = \"{name}\" have {sender}; reports could not be told apart"
+                    );
+                    return Err(problem(format!("source[{}].live", source.number), what));
+                }
+            }
+        }
+        Ok(self.receivers)
+    }
+}
+
+fn check_udp(key: &str, raw: &RawUdp) -> Checked<ReceiverSettings> {
+    let listen_key = format!("{key}.listen");
+    let listen: SocketAddr = raw.listen.parse().map_err(|_| {
+        let what = format!(
+            "\"{}\" is no address and port; write the multicast group or this machine's address, as in \
+             \"239.1.2.3:8600\", \"0.0.0.0:8600\" or \"[ff15::1]:8600\"",
+            raw.listen
+        );
+        problem(&listen_key, what)
+    })?;
+    if listen.port() == 0 {
+        return Err(problem(listen_key, "port 0 is no port; give one from 1 to 65535"));
+    }
+    let settings = ReceiverSettings {
+        interface: raw.interface.as_deref().map(interface),
+        allowed_senders: AllowedSenders::parse(raw.senders.iter().map(String::as_str))
+            .map_err(|error| problem(format!("{key}.senders"), error.to_string()))?,
+        receive_buffer_octets: raw.buffer_bytes,
+        ..ReceiverSettings::new(listen.ip(), listen.port())
+    };
+    settings
+        .check()
+        .map_err(|error| problem(listen_key, error.to_string()))?;
+    Ok(settings)
+}
+
+fn interface(text: &str) -> Interface {
+    let Ok(interface) = text.parse();
+    interface
+}
+
+fn server(key: &str, text: &str) -> Checked<SocketAddr> {
+    let found = text.to_socket_addrs().ok().and_then(|mut addresses| addresses.next());
+    found.ok_or_else(|| {
+        let what = format!("\"{text}\" is no server and port, or its name is not known; write \"127.0.0.1:30003\"");
+        problem(key, what)
+    })
+}
+
+/// How ASTERIX records are read, with the editions that `key` states.
+pub(super) fn asterix(key: &str, editions: &BTreeMap<String, String>, strict: bool) -> Checked<Asterix> {
+    let mut tables = Vec::new();
+    for (category, edition) in editions {
+        let number: u8 = category.parse().map_err(|_| {
+            let what = format!("\"{category}\" is not an ASTERIX category: write \"21\" = \"0.23\"");
+            problem(key, what)
+        })?;
+        tables.push(table(key, number, Some(edition))?);
+    }
+    Ok(Asterix {
+        tables,
+        mode: if strict { Mode::Strict } else { Mode::Lenient },
+    })
+}
+
+/// The table of a category's edition, or of its default edition.
+fn table(key: &str, number: u8, edition: Option<&str>) -> Checked<&'static Category> {
+    let Some(edition) = edition else {
+        return registry::default_edition(number)
+            .ok_or_else(|| problem(key, format!("category {number} is not known")));
+    };
+    let table = edition
+        .parse::<Edition>()
+        .ok()
+        .and_then(|edition| registry::find(number, edition));
+    table.ok_or_else(|| {
+        let mut known: Vec<String> = registry::editions(number).map(ToString::to_string).collect();
+        if known.is_empty() {
+            known = registry::defaults()
+                .map(|table| format!("CAT{:03}", table.number))
+                .collect();
+        }
+        let what = format!(
+            "category {number} edition \"{edition}\" is not known; there are: {}",
+            known.join(", ")
+        );
+        problem(key, what)
+    })
+}
+
+/// The gateways.
+pub(super) fn check_gateways(raw: &[RawGateway], sources: &[Source]) -> Checked<Vec<Gateway>> {
+    let mut names = BTreeSet::new();
+    let mut gateways = Vec::new();
+    for (index, each) in raw.iter().enumerate() {
+        let key = |part: &str| format!("gateway[{index}].{part}");
+        check_name(&key("name"), &each.name)?;
+        if !names.insert(&each.name) {
+            let what = format!("\"{}\" is the name of an earlier gateway; give each its own", each.name);
+            return Err(problem(key("name"), what));
+        }
+        if sources.iter().any(|source| source.adapter == each.name) {
+            let what = format!(
+                "\"{}\" is the name of an adapter process; give the gateway another",
+                each.name
+            );
+            return Err(problem(key("name"), what));
+        }
+        gateways.push(check_gateway(&key, each, sources)?);
+    }
+    Ok(gateways)
+}
+
+fn check_gateway(key: &impl Fn(&str) -> String, raw: &RawGateway, sources: &[Source]) -> Checked<Gateway> {
+    let send_to: SocketAddr = raw.send_to.parse().map_err(|_| {
+        let what = format!(
+            "\"{}\" is no address and port; write a multicast group or an address, as in \"239.1.2.3:8610\"",
+            raw.send_to
+        );
+        problem(key("send_to"), what)
+    })?;
+    if send_to.port() == 0 {
+        return Err(problem(key("send_to"), "port 0 is no port; give one from 1 to 65535"));
+    }
+    let sender = SenderSettings {
+        interface: raw.interface.as_deref().map(interface),
+        time_to_live: raw.ttl,
+        ..SenderSettings::new(send_to)
+    };
+    sender
+        .check()
+        .map_err(|error| problem(key("send_to"), error.to_string()))?;
+    let (content, category) = match (&raw.source, raw.category) {
+        (None, None | Some(SYSTEM_CATEGORY)) => (GatewayContent::SystemTracks, SYSTEM_CATEGORY),
+        (None, Some(other)) => {
+            let what = format!("{other}: the fused picture goes out in category 62; for sensor tracks give a source");
+            return Err(problem(key("category"), what));
+        }
+        (Some(name), Some(category)) if SENSOR_CATEGORIES.contains(&category) => {
+            let source = sources.iter().find(|source| source.name == *name);
+            let source =
+                source.ok_or_else(|| problem(key("source"), format!("there is no source named \"{name}\"")))?;
+            (GatewayContent::SensorTracks(source.number), category)
+        }
+        (Some(_), _) => {
+            let what = "sensor tracks go out in category 10, 20, 21 or 48: give one of them";
+            return Err(problem(key("category"), what));
+        }
+    };
+    Ok(Gateway {
+        name: raw.name.clone(),
+        sender,
+        content,
+        table: table(&key("edition"), category, raw.edition.as_deref())?,
+        sac: raw.sac,
+        sic: raw.sic,
+        refresh_ns: nanoseconds(within(&key("refresh_s"), raw.refresh_s, 0.0, 3600.0)?),
+        status_ns: nanoseconds(within(&key("status_s"), raw.status_s, 0.1, 3600.0)?),
+        block_bytes: within(
+            &key("block_bytes"),
+            raw.block_bytes as f64,
+            BLOCK_OCTETS_MIN as f64,
+            DATAGRAM_OCTETS_MAX as f64,
+        )? as usize,
+        heights: match raw.heights {
+            RawHeights::Barometric => HeightReference::Barometric,
+            RawHeights::Geometric => HeightReference::Geometric,
+        },
+    })
+}
+
+/// How a source observes: as the file says, or as what it sends tells.
+pub(super) fn technology(raw: Option<RawTechnology>, input: &Input, network: &Network) -> Technology {
+    match raw {
+        Some(RawTechnology::Primary) => return Technology::Primary,
+        Some(RawTechnology::Secondary) => return Technology::Secondary,
+        Some(RawTechnology::ModeS) => return Technology::ModeS,
+        Some(RawTechnology::AdsB) => return Technology::AdsB,
+        Some(RawTechnology::Multilateration) => return Technology::Multilateration,
+        Some(RawTechnology::Other) => return Technology::Other,
+        None => {}
+    }
+    match input {
+        Input::Simulated(simulated) => match simulated.sensor.kind {
+            SensorKind::Radar => Technology::Secondary,
+            SensorKind::Multilateration => Technology::Multilateration,
+            SensorKind::AdsB => Technology::AdsB,
+        },
+        Input::Live(live) if network.is_sbs(&live.receiver) => Technology::AdsB,
+        Input::Live(live) => of_categories(&live.asterix),
+        Input::Recorded(recorded) if recorded.format == RecordedFormat::Sbs => Technology::AdsB,
+        Input::Recorded(recorded) => of_categories(&recorded.asterix),
+    }
+}
+
+fn of_categories(asterix: &Asterix) -> Technology {
+    let has = |numbers: &[u8]| asterix.tables.iter().any(|table| numbers.contains(&table.number));
+    if has(&[48]) {
+        Technology::ModeS
+    } else if has(&[1]) {
+        Technology::Secondary
+    } else if has(&[19, 20]) {
+        Technology::Multilateration
+    } else if has(&[21]) {
+        Technology::AdsB
+    } else {
+        Technology::Other
+    }
+}

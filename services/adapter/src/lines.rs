@@ -1,0 +1,97 @@
+//! SBS-1 (BaseStation) from a server on the network: one connection, and the source behind it.
+//!
+//! A server may not be there yet, go away and come back; the connection is made again whenever it is lost. A line has come
+//! in when it is read, as TCP keeps no time stamps of its own.
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+use formats::sbs::{Merger, Rejection, SbsSettings};
+use messages::{COUNTERS_MAX, Counter};
+use net::{LinesSettings, TcpLines};
+use runtime::config::Source;
+use runtime::{Agent, HealthEntry, Now, Process, Turn};
+
+use crate::channel::Channel;
+
+/// Longest wait for a line in one turn: health messages must be said, and a stop be heard.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// The agent of a receiver of lines.
+#[derive(Debug)]
+pub(crate) struct Lines {
+    client: TcpLines,
+    merger: Merger,
+    channel: Channel,
+    server: std::net::SocketAddr,
+}
+
+impl Lines {
+    pub(crate) fn new(
+        process: &Process,
+        server: std::net::SocketAddr,
+        settings: SbsSettings,
+        sources: &[&Source],
+    ) -> anyhow::Result<Self> {
+        let source = sources.first().context("no source is behind this receiver")?;
+        Ok(Self {
+            client: TcpLines::new(LinesSettings::new(server))?,
+            merger: Merger::new(settings),
+            channel: Channel::open(process, source)?,
+            server,
+        })
+    }
+}
+
+impl Agent for Lines {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        let (merger, channel) = (&mut self.merger, &mut self.channel);
+        let mut failed = Ok(());
+        self.client.poll(now.mono_ns, PATIENCE, |line| {
+            let read = Now::read();
+            // A line that was rejected has been counted by reason.
+            if let Ok(Some(observed)) = merger.take(line, read.utc_ns) {
+                channel.received(read.utc_ns);
+                let taken = channel.take(&observed, read.mono_ns);
+                if failed.is_ok() {
+                    failed = taken;
+                }
+            }
+        });
+        failed?;
+        self.channel.publish()?;
+        Ok(Turn::Worked)
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let (counted, lines) = (self.merger.counters(), self.client.counters());
+        let mut decoded = [0; COUNTERS_MAX];
+        decoded[Counter::Records as usize] = counted.messages;
+        decoded[Counter::BlocksRefused as usize] = Rejection::ALL
+            .iter()
+            .map(|reason| counted.rejected(*reason))
+            .sum::<u64>()
+            + lines.oversized;
+        decoded[Counter::RejectedNoPosition as usize] = counted.without_position;
+        decoded[Counter::RefusedTracks as usize] = counted.refused_aircraft;
+        let of_source = self.channel.health(&decoded);
+        let mut whole = HealthEntry {
+            progress_ns: of_source.progress_ns,
+            ..HealthEntry::default()
+        };
+        for counter in [
+            Counter::Records,
+            Counter::Reports,
+            Counter::Published,
+            Counter::BlocksRefused,
+        ] {
+            whole.set(counter, of_source.counters[counter as usize]);
+        }
+        whole.set(Counter::Connections, lines.connections);
+        if !self.client.is_connected() {
+            whole.note = format!("not connected to {}", self.server);
+        }
+        entries.push(whole);
+        entries.push(of_source);
+    }
+}

@@ -1,0 +1,308 @@
+//! The duty cycle of a gateway.
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+use bus::{Bus, Payload, Subscriber, Transport, WaitMode, Waiter};
+use formats::asterix::registry;
+use formats::outgoing::{OutgoingCounts, SendBlock, SensorReports, StatusReports, SystemReports, SystemSource};
+use messages::{Counter, Health, SensorTrack, SystemTrack, Topic, TrackState};
+use net::UdpSender;
+use runtime::config::{Config, Gateway, GatewayContent, Source};
+use runtime::{Agent, HealthEntry, Now, Turn};
+
+use crate::schedule::Schedule;
+use crate::sensor_states::SensorStates;
+
+/// Slices taken in one turn: as many as can wait.
+const SLICES_PER_TURN: usize = 256;
+/// Time between two looks at whose turn it is, nanoseconds: those of one look share datagrams.
+const LOOK_PERIOD_NS: i64 = 20_000_000;
+/// The categories of the state of a system and of its sensors.
+const STATUS_CATEGORIES: [u8; 2] = [65, 63];
+/// Longest sleep: status messages must be sent, and health be heard.
+const SLEEP_MAX_NS: i64 = 50_000_000;
+
+/// A gateway as an agent; generic over the transport, so that tests drive it in process.
+#[derive(Debug)]
+pub(crate) struct GatewayAgent<S: Transport> {
+    content: Content<S>,
+    health: Subscriber<S, Health>,
+    sensors: SensorStates,
+    sender: UdpSender,
+    waiter: Waiter<S>,
+    status_ns: i64,
+    next_status_ns: i64,
+}
+
+/// What is sent.
+#[derive(Debug)]
+enum Content<S: Transport> {
+    System(Box<Picture<S, SystemTrack, SystemReports>>, StatusReports),
+    Sensor(Box<Picture<S, SensorTrack, SensorReports>>),
+}
+
+/// The tracks of one topic on their way out.
+#[derive(Debug)]
+struct Picture<S: Transport, T: Payload, R> {
+    subscriber: Subscriber<S, T>,
+    schedule: Schedule<T>,
+    reports: R,
+    /// Incarnation of the publisher that the tracks are from.
+    publisher: u64,
+    next_look_ns: i64,
+}
+
+/// A track, as far as the gateway looks at it.
+trait Track: Payload + Copy {
+    fn number(&self) -> u32;
+    fn state(&self) -> Option<TrackState>;
+    /// The track's last word.
+    fn ended(self) -> Self;
+}
+
+/// Puts tracks into data blocks.
+trait Reports<T> {
+    fn report(&mut self, track: &T, send: &mut SendBlock<'_>);
+    fn flush(&mut self, send: &mut SendBlock<'_>);
+    fn counts(&self) -> OutgoingCounts;
+}
+
+impl<S: Transport> GatewayAgent<S> {
+    /// The gateway `gateway` of `config`, connected to `bus`; `incarnation` is the process's monotonic start time.
+    ///
+    /// # Errors
+    /// If its socket or a topic cannot be opened.
+    pub(crate) fn new(config: &Config, gateway: &Gateway, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
+        let sender =
+            UdpSender::open(&gateway.sender).with_context(|| format!("sending to {}", gateway.sender.destination))?;
+        let mut waiter = bus.waiter(WaitMode::Event);
+        let (sac, sic, block_bytes) = (gateway.sac, gateway.sic, gateway.block_bytes);
+        let content = match gateway.content {
+            GatewayContent::SystemTracks => {
+                let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
+                let reports = SystemReports::new(gateway.table, sac, sic, config.frame, &sources, block_bytes)?
+                    .with_height(gateway.heights);
+                let topic = messages::system_tracks();
+                waiter.watch(bus, &topic)?;
+                let capacity = config.fusion.settings.capacity.system_tracks;
+                let picture = Picture::open(bus, &topic, incarnation, gateway.refresh_ns, capacity, reports)?;
+                let [of_system, of_sensors] = STATUS_CATEGORIES.map(registry::default_edition);
+                let (of_system, of_sensors) = of_system.zip(of_sensors).context("CAT065 and CAT063 have tables")?;
+                let status = StatusReports::new(of_system, of_sensors, sac, sic, block_bytes)?;
+                Content::System(Box::new(picture), status)
+            }
+            GatewayContent::SensorTracks(number) => {
+                let source = &config.sources[usize::from(number)];
+                let model = &source.model;
+                let reports = SensorReports::new(gateway.table, sac, sic, model.frame, model.system, block_bytes)?
+                    .with_height(gateway.heights);
+                let topic = messages::sensor_tracks(&source.name);
+                waiter.watch(bus, &topic)?;
+                let capacity = model.limits.tracks;
+                let picture = Picture::open(bus, &topic, incarnation, gateway.refresh_ns, capacity, reports)?;
+                Content::Sensor(Box::new(picture))
+            }
+        };
+        Ok(Self {
+            content,
+            health: bus.subscriber(&messages::health(), || incarnation)?,
+            sensors: SensorStates::new(config),
+            sender,
+            waiter,
+            status_ns: gateway.status_ns,
+            next_status_ns: i64::MIN,
+        })
+    }
+
+    fn say_status(&mut self, now: Now) {
+        if now.utc_ns < self.next_status_ns {
+            return;
+        }
+        self.next_status_ns = now.utc_ns + self.status_ns;
+        let sender = &mut self.sender;
+        let mut send = |datagram: &[u8]| drop(sender.send(datagram));
+        match &mut self.content {
+            Content::System(_, status) => self.sensors.report(now, status, &mut send),
+            Content::Sensor(picture) => picture.reports.status(now.utc_ns, &mut send),
+        }
+    }
+}
+
+fn system_source(source: &Source) -> SystemSource {
+    SystemSource {
+        number: source.number,
+        technology: source.technology,
+    }
+}
+
+impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
+    fn open(
+        bus: &Bus<S>,
+        topic: &Topic<T>,
+        incarnation: u64,
+        refresh_ns: i64,
+        capacity: usize,
+        reports: R,
+    ) -> anyhow::Result<Self> {
+        Ok(Self {
+            subscriber: bus.subscriber(topic, || incarnation)?,
+            schedule: Schedule::new(refresh_ns, capacity),
+            reports,
+            publisher: 0,
+            next_look_ns: i64::MIN,
+        })
+    }
+
+    /// Takes what has been published and sends what is due; whether more may be waiting.
+    fn turn(&mut self, now: Now, send: &mut SendBlock<'_>) -> anyhow::Result<bool> {
+        let (schedule, reports, publisher) = (&mut self.schedule, &mut self.reports, &mut self.publisher);
+        let slices = self.subscriber.take(SLICES_PER_TURN, |header, tracks| {
+            if header.incarnation != *publisher {
+                // Whoever published the tracks so far is gone, and with it whoever would have ended them.
+                *publisher = header.incarnation;
+                schedule.forget_all(|track| reports.report(&track.ended(), send));
+            }
+            for track in tracks {
+                let at_once = match track.state() {
+                    Some(TrackState::Confirmed | TrackState::Coasted) => {
+                        schedule.take(track.number(), *track, now.mono_ns)
+                    }
+                    Some(TrackState::Terminated) => schedule.end(track.number()),
+                    Some(TrackState::Tentative) | None => false,
+                };
+                if at_once {
+                    reports.report(track, send);
+                }
+            }
+        })?;
+        if now.mono_ns >= self.next_look_ns {
+            self.next_look_ns = now.mono_ns + LOOK_PERIOD_NS;
+            while let Some(track) = schedule.next_turn(now.mono_ns) {
+                reports.report(&track, send);
+            }
+        }
+        reports.flush(send);
+        Ok(slices == SLICES_PER_TURN)
+    }
+
+    fn next_turn_ns(&self) -> Option<i64> {
+        self.schedule
+            .next_turn_ns()
+            .map(|turn_ns| turn_ns.max(self.next_look_ns))
+    }
+
+    fn count(&self, entry: &mut HealthEntry) {
+        let (taken, sent) = (self.subscriber.counts(), self.reports.counts());
+        entry.set(Counter::Taken, taken.taken);
+        entry.set(Counter::Lost, taken.lost);
+        entry.set(Counter::SchemaMismatch, taken.schema_mismatch);
+        entry.set(Counter::RecordsSent, sent.records);
+        entry.set(Counter::RefusedTracks, sent.refused() + self.schedule.refused());
+    }
+}
+
+impl<S: Transport> Agent for GatewayAgent<S> {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        let sensors = &mut self.sensors;
+        self.health.take(SLICES_PER_TURN, |_, said| {
+            said.iter().for_each(|health| sensors.hear(health))
+        })?;
+        self.say_status(now);
+        let sender = &mut self.sender;
+        // What could not be sent is counted by the sender; the others are still there.
+        let mut send = |datagram: &[u8]| drop(sender.send(datagram));
+        let (more, next_ns) = match &mut self.content {
+            Content::System(picture, _) => (picture.turn(now, &mut send)?, picture.next_turn_ns()),
+            Content::Sensor(picture) => (picture.turn(now, &mut send)?, picture.next_turn_ns()),
+        };
+        if more {
+            return Ok(Turn::Worked);
+        }
+        let until_ns = next_ns.map_or(SLEEP_MAX_NS, |next_ns| (next_ns - now.mono_ns).clamp(0, SLEEP_MAX_NS));
+        Ok(Turn::Idle(Duration::from_nanos(until_ns as u64)))
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        let content = &self.content;
+        self.waiter.wait(at_most, || match content {
+            Content::System(picture, _) => picture.subscriber.has_slices(),
+            Content::Sensor(picture) => picture.subscriber.has_slices(),
+        })?;
+        Ok(())
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let mut entry = HealthEntry::default();
+        match &self.content {
+            Content::System(picture, _) => picture.count(&mut entry),
+            Content::Sensor(picture) => picture.count(&mut entry),
+        }
+        let counted = self.sender.counters();
+        entry.set(Counter::DatagramsSent, counted.sent);
+        entry.set(Counter::SendFailures, counted.failed);
+        entries.push(entry);
+    }
+}
+
+impl Track for SystemTrack {
+    fn number(&self) -> u32 {
+        self.track_number
+    }
+
+    fn state(&self) -> Option<TrackState> {
+        TrackState::from_code(self.state)
+    }
+
+    fn ended(self) -> Self {
+        Self {
+            state: TrackState::Terminated as u8,
+            ..self
+        }
+    }
+}
+
+impl Track for SensorTrack {
+    fn number(&self) -> u32 {
+        self.track_number
+    }
+
+    fn state(&self) -> Option<TrackState> {
+        TrackState::from_code(self.state)
+    }
+
+    fn ended(self) -> Self {
+        Self {
+            state: TrackState::Terminated as u8,
+            ..self
+        }
+    }
+}
+
+impl Reports<SystemTrack> for SystemReports {
+    fn report(&mut self, track: &SystemTrack, send: &mut SendBlock<'_>) {
+        self.report(track, send);
+    }
+
+    fn flush(&mut self, send: &mut SendBlock<'_>) {
+        self.flush(send);
+    }
+
+    fn counts(&self) -> OutgoingCounts {
+        self.counts()
+    }
+}
+
+impl Reports<SensorTrack> for SensorReports {
+    fn report(&mut self, track: &SensorTrack, send: &mut SendBlock<'_>) {
+        self.report(track, send);
+    }
+
+    fn flush(&mut self, send: &mut SendBlock<'_>) {
+        self.flush(send);
+    }
+
+    fn counts(&self) -> OutgoingCounts {
+        self.counts()
+    }
+}

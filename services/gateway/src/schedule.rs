@@ -1,0 +1,174 @@
+//! Which track is sent when.
+//!
+//! Fusion publishes a state for every report, several per second and track; a display wants each track once in a while,
+//! and all of them evenly, not in one burst that overflows its socket. So the latest state of each track is kept, and
+//! each track has its own turn: the first time at once, then after every refresh period. As all periods are equal, the
+//! turns form a queue. The end of a track is sent at once, too: it is the last word.
+
+use std::collections::VecDeque;
+
+use rustc_hash::FxHashMap;
+
+/// A track that has not been heard of for so long is forgotten: its source has ended without saying so.
+const SILENCE_MAX_NS: i64 = 120_000_000_000;
+
+/// The latest states of tracks, and their turns.
+#[derive(Debug)]
+pub(crate) struct Schedule<T> {
+    refresh_ns: i64,
+    capacity: usize,
+    entries: FxHashMap<u32, Entry<T>>,
+    /// Turns in their order. One that does not agree with its track's entry is out of date.
+    turns: VecDeque<(i64, u32)>,
+    refused: u64,
+}
+
+#[derive(Debug)]
+struct Entry<T> {
+    latest: T,
+    heard_ns: i64,
+    turn_ns: i64,
+}
+
+impl<T: Copy> Schedule<T> {
+    /// A schedule for `capacity` tracks; with a refresh period of 0, every state has its turn at once.
+    pub(crate) fn new(refresh_ns: i64, capacity: usize) -> Self {
+        Self {
+            refresh_ns,
+            capacity,
+            entries: FxHashMap::with_capacity_and_hasher(capacity, rustc_hash::FxBuildHasher),
+            turns: VecDeque::with_capacity(2 * capacity),
+            refused: 0,
+        }
+    }
+
+    /// A state of track `number` has come at `now_ns`; whether it is to be sent at once.
+    pub(crate) fn take(&mut self, number: u32, track: T, now_ns: i64) -> bool {
+        if self.refresh_ns == 0 {
+            return true;
+        }
+        if let Some(entry) = self.entries.get_mut(&number) {
+            entry.latest = track;
+            entry.heard_ns = now_ns;
+            return false;
+        }
+        if self.entries.len() == self.capacity {
+            self.refused += 1;
+            return false;
+        }
+        let turn_ns = now_ns + self.refresh_ns;
+        let entry = Entry {
+            latest: track,
+            heard_ns: now_ns,
+            turn_ns,
+        };
+        self.entries.insert(number, entry);
+        self.turns.push_back((turn_ns, number));
+        true
+    }
+
+    /// Track `number` has ended; whether it was known.
+    pub(crate) fn end(&mut self, number: u32) -> bool {
+        self.entries.remove(&number).is_some() || self.refresh_ns == 0
+    }
+
+    /// The state of the next track whose turn has come by `now_ns`.
+    pub(crate) fn next_turn(&mut self, now_ns: i64) -> Option<T> {
+        loop {
+            let (turn_ns, number) = *self.turns.front()?;
+            if turn_ns > now_ns {
+                return None;
+            }
+            self.turns.pop_front();
+            let Some(entry) = self.entries.get_mut(&number).filter(|entry| entry.turn_ns == turn_ns) else {
+                continue;
+            };
+            if now_ns - entry.heard_ns > SILENCE_MAX_NS {
+                self.entries.remove(&number);
+                continue;
+            }
+            // From now on, not from when it was due: a gateway that was held up does not catch up in a burst.
+            entry.turn_ns = now_ns + self.refresh_ns;
+            self.turns.push_back((entry.turn_ns, number));
+            return Some(entry.latest);
+        }
+    }
+
+    /// When the next turn comes.
+    pub(crate) fn next_turn_ns(&self) -> Option<i64> {
+        self.turns.front().map(|(turn_ns, _)| *turn_ns)
+    }
+
+    /// Forgets all tracks, and hands out the latest state of each, in the order of their numbers.
+    pub(crate) fn forget_all(&mut self, mut visit: impl FnMut(T)) {
+        let mut numbers: Vec<u32> = self.entries.keys().copied().collect();
+        numbers.sort_unstable();
+        for number in numbers {
+            if let Some(entry) = self.entries.remove(&number) {
+                visit(entry.latest);
+            }
+        }
+        self.turns.clear();
+    }
+
+    /// States of tracks for which there was no room.
+    pub(crate) fn refused(&self) -> u64 {
+        self.refused
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: i64 = 1_000_000_000;
+
+    #[test]
+    fn a_track_is_sent_at_once_and_then_by_its_period_with_its_latest_state() {
+        let mut schedule = Schedule::new(4 * S, 10);
+        assert!(schedule.take(7, 'a', 0));
+        assert!(!schedule.take(7, 'b', S));
+        assert_eq!(schedule.next_turn(3 * S), None);
+        assert_eq!(schedule.next_turn_ns(), Some(4 * S));
+        assert_eq!(schedule.next_turn(4 * S), Some('b'));
+        assert_eq!(schedule.next_turn(4 * S), None, "once");
+        assert_eq!(schedule.next_turn(20 * S), Some('b'), "held up: once, not four times");
+        assert_eq!(schedule.next_turn(23 * S), None);
+    }
+
+    #[test]
+    fn a_number_used_again_has_one_turn() {
+        let mut schedule = Schedule::new(4 * S, 10);
+        assert!(schedule.take(7, 'a', 0));
+        assert!(schedule.end(7) && !schedule.end(7));
+        assert!(schedule.take(7, 'b', S));
+        assert_eq!(schedule.next_turn(4 * S), None, "the turn of the earlier track");
+        assert_eq!(schedule.next_turn(5 * S), Some('b'));
+        assert_eq!(schedule.next_turn(5 * S), None);
+    }
+
+    #[test]
+    fn without_a_period_everything_goes_out_at_once() {
+        let mut schedule = Schedule::new(0, 1);
+        assert!((0..5).all(|number| schedule.take(number, 'a', 0)));
+        assert!(schedule.end(3));
+        assert_eq!(schedule.next_turn(S), None);
+    }
+
+    #[test]
+    fn a_full_table_refuses_and_the_silent_are_forgotten() {
+        let mut schedule = Schedule::new(S, 1);
+        assert!(schedule.take(1, 'a', 0));
+        assert!(!schedule.take(2, 'b', 0));
+        assert_eq!(schedule.refused(), 1);
+        for second in 1..=120 {
+            assert_eq!(schedule.next_turn(second * S), Some('a'));
+        }
+        assert_eq!(schedule.next_turn(121 * S), None);
+        assert!(schedule.take(2, 'b', 121 * S), "there is room again");
+        let mut forgotten = Vec::new();
+        schedule.forget_all(|state| forgotten.push(state));
+        assert_eq!(forgotten, ['b']);
+        assert_eq!(schedule.next_turn_ns(), None);
+    }
+}

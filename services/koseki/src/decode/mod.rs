@@ -1,0 +1,194 @@
+//! `koseki decode`: the records of a recording as JSON, or statistics of them (FM-8).
+//!
+//! What a recording holds and which of it can be believed is the business of [`formats::recording`]; here are files,
+//! tables and sentences. Standard output has what was asked for and nothing else; what was refused is summed up on
+//! standard error, each reason with its first occurrence.
+
+mod expansions;
+mod notes;
+mod tables;
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, IsTerminal as _, Write};
+use std::path::Path;
+
+use anyhow::Context as _;
+use formats::asterix::{Mode, NamedRecord};
+use formats::containers::TimeStamp;
+use formats::recording::{Recording, Statistics, Survey};
+
+use crate::args::{ChosenEdition, Decode, Usage};
+use expansions::Expansions;
+
+/// What `--out` means by standard output.
+const STANDARD_OUTPUT: &str = "-";
+/// Recordings shorter than this are decoded before anybody wonders.
+const PROGRESS_BYTES_MIN: usize = 64 << 20;
+
+/// Decodes.
+///
+/// # Errors
+/// If what is asked for makes no sense, or a file cannot be read or written.
+pub(crate) fn run(decode: &Decode) -> anyhow::Result<()> {
+    check(decode)?;
+    let bytes = fs::read(&decode.file).with_context(|| format!("{} cannot be read", decode.file.display()))?;
+    let recording = open(decode, &bytes);
+    let survey = recording.survey();
+    let mut expansions = Expansions::new(decode);
+    if let Some(out) = &decode.out {
+        let lines = Lines {
+            recording: &recording,
+            survey: &survey,
+            bytes: bytes.len(),
+        };
+        lines.write_to(out, &mut expansions)?;
+    }
+    if decode.statistics {
+        let statistics = gather(&recording, &survey);
+        crate::print(&tables::tables(&decode.file, &survey, &statistics))?;
+        if let Some(path) = &decode.json {
+            let text = format!("{:#}\n", tables::as_json(&survey, &statistics));
+            fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))?;
+        }
+    }
+    // With standard error closed, the records are written all the same.
+    let said = notes::notes(decode, &survey) + &expansions.notes();
+    let _ = io::stderr().write_all(said.as_bytes());
+    Ok(())
+}
+
+fn check(decode: &Decode) -> Result<(), Usage> {
+    let refuse = |what: &str| Err(Usage(format!("{what} (see `koseki decode --help`)")));
+    let to_standard_output = decode.out.as_deref() == Some(Path::new(STANDARD_OUTPUT));
+    match &decode.out {
+        None if !decode.statistics => refuse(
+            "nothing is asked for: write the records with --out FILE.jsonl, or with --out - to standard output, or \
+             print statistics with --statistics",
+        )?,
+        Some(_) if to_standard_output && decode.statistics => {
+            refuse("--out - and --statistics would mix on standard output: give --out a file")?;
+        }
+        _ => {}
+    }
+    for written in [&decode.out, &decode.json].into_iter().flatten() {
+        if is_same_file(written, &decode.file) {
+            refuse(&format!(
+                "{} is the recording itself: name another file",
+                written.display()
+            ))?;
+        }
+    }
+    let mut chosen: Vec<String> = decode.editions.iter().map(subject).collect();
+    chosen.sort_unstable();
+    match chosen.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => refuse(&format!("--edition names two editions of {}: name one", pair[0])),
+        None => Ok(()),
+    }
+}
+
+fn subject(chosen: &ChosenEdition) -> String {
+    match chosen {
+        ChosenEdition::Category(table) => format!("category {:03}", table.number),
+        ChosenEdition::Expansion(rules) => format!("I{:03}/RE", rules.number),
+    }
+}
+
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
+}
+
+fn open<'a>(decode: &Decode, bytes: &'a [u8]) -> Recording<'a> {
+    let mut recording = Recording::new(bytes);
+    if let Some(container) = decode.container {
+        recording = recording.in_container(container);
+    }
+    if decode.strict {
+        recording = recording.with_mode(Mode::Strict);
+    }
+    for chosen in &decode.editions {
+        if let ChosenEdition::Category(table) = chosen {
+            recording = recording.with_table(table);
+        }
+    }
+    recording
+}
+
+/// The records of a recording as lines.
+struct Lines<'r, 'b> {
+    recording: &'r Recording<'b>,
+    survey: &'r Survey,
+    bytes: usize,
+}
+
+impl Lines<'_, '_> {
+    fn write_to(&self, out: &Path, expansions: &mut Expansions) -> anyhow::Result<()> {
+        if out == Path::new(STANDARD_OUTPUT) {
+            return match self.write(io::stdout().lock(), expansions) {
+                Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
+                _ => Ok(()),
+            };
+        }
+        let file = File::create(out).with_context(|| format!("--out {} cannot be made", out.display()))?;
+        self.write(file, expansions)
+            .with_context(|| format!("--out {} cannot be written", out.display()))
+    }
+
+    fn write(&self, out: impl Write, expansions: &mut Expansions) -> io::Result<()> {
+        let mut out = BufWriter::with_capacity(1 << 16, out);
+        let mut progress = Progress::new(self.bytes);
+        let mut line = Vec::new();
+        self.recording.for_each(self.survey, |found| {
+            let mut named = NamedRecord::new(found.record);
+            named.time_stamp_s = found.time_stamp.map(TimeStamp::seconds);
+            expansions.read(found.record, &mut named);
+            line.clear();
+            named.write_json(&mut line);
+            line.push(b'\n');
+            progress.at(found.record.offset());
+            out.write_all(&line)
+        })?;
+        out.flush()
+    }
+}
+
+/// How far a long recording is decoded, on a terminal.
+struct Progress {
+    bytes: usize,
+    percent: usize,
+    is_shown: bool,
+}
+
+impl Progress {
+    fn new(bytes: usize) -> Self {
+        Self {
+            bytes,
+            percent: 0,
+            is_shown: bytes >= PROGRESS_BYTES_MIN && io::stderr().is_terminal() && !io::stdout().is_terminal(),
+        }
+    }
+
+    fn at(&mut self, offset: usize) {
+        let percent = offset / (self.bytes / 100).max(1);
+        if self.is_shown && percent > self.percent {
+            self.percent = percent;
+            let _ = write!(io::stderr(), "\r{percent} %");
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if self.percent > 0 {
+            let _ = write!(io::stderr(), "\r     \r");
+        }
+    }
+}
+
+fn gather(recording: &Recording<'_>, survey: &Survey) -> Statistics {
+    let mut statistics = Statistics::default();
+    let Ok(()) = recording.for_each(survey, |found| {
+        statistics.add(found.record, found.time_stamp);
+        Ok::<(), std::convert::Infallible>(())
+    });
+    statistics
+}

@@ -1,0 +1,141 @@
+//! The sentences for standard error: what was found, what was left out, and which edition to try.
+
+use std::fmt::Write as _;
+
+use formats::asterix::Edition;
+use formats::recording::{CategorySurvey, Refusal, Survey};
+use telemetry::table::count;
+
+use crate::args::Decode;
+
+/// Reasons that are shown; `--statistics` shows all.
+const REASONS_SHOWN_MAX: usize = 20;
+/// Categories without a table that are shown.
+const CATEGORIES_SHOWN_MAX: usize = 8;
+/// Editions that are shown, of those that fit equally well.
+const EDITIONS_SHOWN_MAX: usize = 4;
+
+/// What was found in one line, and a line for everything that was not given.
+pub(super) fn notes(decode: &Decode, survey: &Survey) -> String {
+    let mut text = format!(
+        "koseki: {}: {} of {} in {} ({})\n",
+        decode.file.display(),
+        several(records_given(survey), "record"),
+        several(survey.blocks(), "block"),
+        several(survey.unpacked.datagrams, "datagram"),
+        survey.container,
+    );
+    // Writing to a string cannot fail.
+    let mut note = |line: &str| writeln!(text, "koseki: {line}").unwrap_or(());
+    for (number, category) in &survey.categories {
+        if let Some(edition) = category.edition.filter(|_| category.blocks_refused > 0) {
+            note(&verdict(*number, category, edition, decode.strict));
+        }
+    }
+    if let Some(line) = without_table(survey) {
+        note(&line);
+    }
+    let refusals = survey.refusals.by_count();
+    // A table shows them better.
+    let shown = if decode.statistics { 0 } else { REASONS_SHOWN_MAX };
+    for refusal in refusals.iter().take(shown) {
+        note(&sentence(refusal));
+    }
+    if !decode.statistics && refusals.len() > shown {
+        note(&format!(
+            "and for {} more reasons; --statistics shows all",
+            refusals.len() - shown
+        ));
+    }
+    text
+}
+
+fn records_given(survey: &Survey) -> u64 {
+    let given = survey.categories.values().filter(|category| !category.is_withheld());
+    given.map(|category| category.records).sum()
+}
+
+/// What becomes of a category of which not all blocks fit, and what to try.
+fn verdict(number: u8, category: &CategorySurvey, edition: Edition, strict: bool) -> String {
+    let refused = count(category.blocks_refused);
+    let of = match category.blocks {
+        1 => "1 block does".to_owned(),
+        blocks => format!("{} blocks do", count(blocks)),
+    };
+    let consequence = match category.is_withheld() {
+        true => "none of its records is given, since those that fit may do so by accident",
+        false => "they are left out",
+    };
+    let strictly = if strict { " strictly" } else { "" };
+    let remedy = remedy(number, category, strict);
+    format!("category {number:03}: {refused} of {of} not fit edition {edition}{strictly}: {consequence}{remedy}")
+}
+
+fn remedy(number: u8, category: &CategorySurvey, strict: bool) -> String {
+    let list = |editions: &[Edition]| {
+        let names: Vec<String> = editions.iter().map(ToString::to_string).collect();
+        names.join(", ")
+    };
+    if let Some((editions, fitting)) = category.better() {
+        let (first, fitting) = (editions[0], count(fitting));
+        let so_do = match &editions[1..editions.len().min(EDITIONS_SHOWN_MAX)] {
+            [] => String::new(),
+            same => format!(" (so do {})", list(same)),
+        };
+        return format!("; edition {first} fits {fitting} of them{so_do}: try --edition {number}={first}");
+    }
+    if !category.is_withheld() {
+        return String::new();
+    }
+    let others: Vec<Edition> = category.others.iter().map(|(edition, _)| *edition).collect();
+    match (others.is_empty(), strict) {
+        (true, _) => "; there is no table of another edition".to_owned(),
+        (false, true) => format!("; the other editions here ({}) fit no better", list(&others)),
+        (false, false) => format!(
+            "; the other editions here ({}) fit no better, so the sender uses one that is not known",
+            list(&others)
+        ),
+    }
+}
+
+/// Categories that nobody can decode here; where a capture holds other traffic, they may be many.
+fn without_table(survey: &Survey) -> Option<String> {
+    let categories = survey
+        .categories
+        .iter()
+        .filter(|(_, category)| category.edition.is_none());
+    let mut names: Vec<String> = categories
+        .map(|(number, category)| format!("{number:03} ({})", several(category.blocks, "block")))
+        .collect();
+    if names.len() > CATEGORIES_SHOWN_MAX {
+        let more = names.len() - CATEGORIES_SHOWN_MAX;
+        names.truncate(CATEGORIES_SHOWN_MAX);
+        names.push(format!("{more} more"));
+    }
+    (!names.is_empty()).then(|| {
+        format!(
+            "left out, since there is no table of the category: {}",
+            names.join(", ")
+        )
+    })
+}
+
+fn sentence(refusal: &Refusal) -> String {
+    let place = match (refusal.category, refusal.item) {
+        (Some(category), Some(item)) => format!(" in I{category:03}/{item}"),
+        (Some(category), None) => format!(" in category {category:03}"),
+        (None, _) => String::new(),
+    };
+    format!(
+        "{} x {}{place} ({}), the first: {}",
+        count(refusal.count),
+        refusal.reason,
+        several(refusal.octets, "octet"),
+        refusal.first
+    )
+}
+
+fn several(number: u64, what: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{} {what}{plural}", count(number))
+}

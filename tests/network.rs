@@ -1,0 +1,366 @@
+//! Live feeds in and ASTERIX out, as a user runs them: real sockets on the loopback interface, real processes, hostile
+//! senders and killed processes.
+
+#[path = "common/home.rs"]
+mod home;
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use formats::asterix::typed::{cat062, cat063, cat065};
+use formats::asterix::{Decoder, Mode, registry};
+use formats::outgoing::{HeightReference, SensorReports};
+use frames::{Geodetic, SensorFrame, SystemFrame};
+use home::{Home, PATIENCE, Running, kill};
+use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits as bits};
+use net::{Interface, ReceiverSettings, SenderSettings, UdpReceiver, UdpSender};
+use rustix::process::Signal;
+
+/// Targets that the test's sensors see.
+const TARGETS: u32 = 5;
+/// Time between two scans.
+const SCAN: Duration = Duration::from_millis(100);
+const LOOPBACK: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
+/// A neighbour that is on nobody's list.
+const STRANGER: [u8; 4] = [127, 9, 9, 9];
+const PLACE: [f64; 2] = [41.297063, 2.078447];
+
+/// A deployment with two sensors behind one multicast socket, a feed of transponders, and a gateway to the test.
+struct Site {
+    home: Home,
+    group: SocketAddr,
+    feed: TcpListener,
+    gateway: UdpReceiver,
+}
+
+impl Site {
+    fn new(gateway: &str) -> Self {
+        let home = Home::new();
+        // A port that was free a moment ago, in a group that nobody else uses.
+        let port = UdpSocket::bind((LOOPBACK, 0)).unwrap().local_addr().unwrap().port();
+        let group = SocketAddr::from(([239, 255, (port >> 8) as u8, port as u8], port));
+        let feed = TcpListener::bind((LOOPBACK, 0)).unwrap();
+        let receiver = UdpReceiver::open(&ReceiverSettings::new(LOOPBACK, 0)).unwrap();
+        let text = format!(
+            r#"name = "test"
+[frame]
+latitude_deg = {}
+longitude_deg = {}
+[[receiver]]
+name = "lan"
+[receiver.udp]
+listen = "{group}"
+interface = "127.0.0.1"
+senders = ["127.0.0.1"]
+[[receiver]]
+name = "box"
+[receiver.sbs]
+connect = "{}"
+[[source]]
+name = "radar"
+period_s = 0.1
+fresh_s = 5.0
+[source.live]
+receiver = "lan"
+sac = 1
+sic = 1
+strict = true
+[[source]]
+name = "mlat"
+period_s = 0.1
+fresh_s = 5.0
+[source.live]
+receiver = "lan"
+sac = 1
+sic = 2
+editions = {{ "20" = "1.9" }}
+[[source]]
+name = "adsb"
+period_s = 0.1
+fresh_s = 5.0
+[source.live]
+receiver = "box"
+[[gateway]]
+name = "out"
+send_to = "{}"
+sac = 9
+sic = 8
+refresh_s = 0.2
+status_s = 0.2
+{gateway}
+[fusion.life]
+confirm_reports = 2
+terminate_s = 10.0
+[recorder]
+enabled = false
+"#,
+            PLACE[0],
+            PLACE[1],
+            feed.local_addr().unwrap(),
+            receiver.local_address(),
+        );
+        std::fs::write(home.path("site.toml"), text).unwrap();
+        Self {
+            home,
+            group,
+            feed,
+            gateway: receiver,
+        }
+    }
+
+    fn start(&self) -> Running {
+        let running = self
+            .home
+            .start(&["up", "site.toml", "--instance", "test", "--out", "out"]);
+        running.until_said("instance test runs");
+        running
+    }
+
+    /// The report that the monitor has written at the end.
+    fn report(&self) -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(self.home.path("out/report.json")).unwrap()).unwrap()
+    }
+}
+
+fn utc_ns() -> i64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64
+}
+
+fn system() -> SystemFrame {
+    SystemFrame::at(Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap())
+}
+
+/// Where target `number` flies, as all sensors see it.
+fn track(number: u32, time_ns: i64) -> SensorTrack {
+    SensorTrack {
+        time_of_measurement_ns: time_ns,
+        track_number: number + 1,
+        valid: bits::VELOCITY | bits::HEIGHT,
+        identity: Identity::default()
+            .with_address(0x40_0000 + number)
+            .with_mode_3a(0o1200 + number as u16),
+        position_m: [8_000.0 + 5_000.0 * f64::from(number), -12_000.0, 3_000.0],
+        velocity_mps: [0.0, 0.0, 0.0],
+        covariance: Covariance::diagonal([20.0; 3], [2.0; 3]),
+        state: TrackState::Confirmed as u8,
+        ..SensorTrack::default()
+    }
+}
+
+/// A sensor that sends ASTERIX to the group.
+struct Sensor {
+    reports: SensorReports,
+    sender: UdpSender,
+}
+
+impl Sensor {
+    fn new(group: SocketAddr, category: u8, sic: u8) -> Self {
+        let place = Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap();
+        let frame = SensorFrame::new(&system(), place, 0.0);
+        let table = registry::default_edition(category).unwrap();
+        let settings = SenderSettings {
+            interface: Some(Interface::Address(LOOPBACK)),
+            ..SenderSettings::new(group)
+        };
+        Self {
+            reports: SensorReports::new(table, 1, sic, frame, system(), 1472)
+                .unwrap()
+                .with_height(HeightReference::Barometric),
+            sender: UdpSender::open(&settings).unwrap(),
+        }
+    }
+
+    fn scan(&mut self) -> u64 {
+        let sender = &mut self.sender;
+        let mut send = |datagram: &[u8]| sender.send(datagram).unwrap();
+        for number in 0..TARGETS {
+            self.reports.report(&track(number, utc_ns()), &mut send);
+        }
+        self.reports.flush(&mut send);
+        u64::from(TARGETS)
+    }
+}
+
+/// What the gateway has sent so far.
+#[derive(Default)]
+struct Heard {
+    /// Latest report of each address.
+    tracks: BTreeMap<u32, cat062::TrackMessage>,
+    sensors: BTreeMap<u8, cat063::SensorMessage>,
+    system_statuses: u64,
+}
+
+impl Heard {
+    fn hear(&mut self, gateway: &mut UdpReceiver, patience: Duration) {
+        let mut decoder = Decoder::new(Mode::Strict);
+        gateway
+            .receive(patience, |datagram| {
+                for record in decoder.records(datagram.bytes) {
+                    let record = record.expect("a gateway sends sound records");
+                    if let Some(track) = cat062::TrackMessage::read(&record)
+                        && let Some(address) = track.aircraft.address
+                    {
+                        self.tracks.insert(address, track);
+                    }
+                    if let Some(status) = cat063::SensorMessage::read(&record)
+                        && let Some(sensor) = status.sensor
+                    {
+                        self.sensors.insert(sensor.sic, status);
+                    }
+                    self.system_statuses += u64::from(cat065::ServiceMessage::read(&record).is_some());
+                }
+            })
+            .unwrap();
+    }
+}
+
+/// Scans until `done`, and listens to the gateway between the scans.
+fn scan_until(
+    what: &str,
+    site: &mut Site,
+    sensors: &mut [Sensor],
+    heard: &mut Heard,
+    mut done: impl FnMut(&Heard) -> bool,
+) -> u64 {
+    let (begun, mut sent) = (Instant::now(), 0);
+    while !done(heard) {
+        assert!(begun.elapsed() < PATIENCE, "never happened: {what}");
+        sent += sensors.iter_mut().map(Sensor::scan).sum::<u64>();
+        let next = Instant::now() + SCAN;
+        while Instant::now() < next {
+            heard.hear(&mut site.gateway, next.saturating_duration_since(Instant::now()));
+        }
+    }
+    sent
+}
+
+fn assert_in_place(heard: &Heard) {
+    for number in 0..TARGETS {
+        let track = &heard.tracks[&(0x40_0000 + number)];
+        let expected = system().to_geodetic(self::track(number, 0).position_m);
+        let found = track.geodetic_position.unwrap();
+        let found = system().to_local(
+            Geodetic::from_degrees(
+                found.latitude_rad.to_degrees(),
+                found.longitude_rad.to_degrees(),
+                expected.height_m(),
+            )
+            .unwrap(),
+        );
+        let place = self::track(number, 0).position_m;
+        let off = (found[0] - place[0]).hypot(found[1] - place[1]);
+        assert!(off < 40.0, "target {number} is {off} m off");
+    }
+}
+
+#[test]
+fn what_sensors_send_comes_out_of_the_gateway() {
+    let mut site = Site::new("");
+    let running = site.start();
+    let mut sensors = [Sensor::new(site.group, 48, 1), Sensor::new(site.group, 20, 2)];
+    let mut heard = Heard::default();
+    let all =
+        |heard: &Heard| heard.tracks.len() == TARGETS as usize && heard.sensors.len() == 3 && heard.system_statuses > 0;
+    scan_until("all targets and states", &mut site, &mut sensors, &mut heard, all);
+    assert_in_place(&heard);
+
+    // A feed of lines adds the one target that nobody else sees.
+    let (mut feed, _) = site.feed.accept().unwrap();
+    let line = || {
+        let seconds = utc_ns() / 1_000_000_000 % 86_400;
+        let time = format!("{:02}:{:02}:{:02}.000", seconds / 3600, seconds / 60 % 60, seconds % 60);
+        format!("MSG,3,1,1,4CA2D6,1,2026/01/01,{time},2026/01/01,{time},,10000,,,41.5,2.3,,,0,0,0,0\r\nnonsense\r\n")
+    };
+    let has_it = |heard: &Heard| heard.tracks.contains_key(&0x4C_A2D6);
+    let begun = Instant::now();
+    while !has_it(&heard) {
+        assert!(begun.elapsed() < PATIENCE, "the feed's target never came out");
+        feed.write_all(line().as_bytes()).unwrap();
+        heard.hear(&mut site.gateway, SCAN);
+    }
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    site.home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn hostile_datagrams_are_counted_and_change_nothing() {
+    let mut site = Site::new("");
+    let running = site.start();
+    let mut sensors = [Sensor::new(site.group, 48, 1)];
+    let mut heard = Heard::default();
+    let all = |heard: &Heard| heard.tracks.len() == TARGETS as usize;
+    let mut sent = scan_until("all targets", &mut site, &mut sensors, &mut heard, all);
+
+    let stranger = UdpSocket::bind((IpAddr::from(STRANGER), 0)).unwrap();
+    for _ in 0..500 {
+        stranger.send_to(&[48, 0, 4, 0], site.group).unwrap();
+    }
+    let neighbour = UdpSocket::bind((LOOPBACK, 0)).unwrap();
+    let junk = vec![0xFF; 60_000];
+    let bad: [&[u8]; 7] = [
+        &[],                                  // empty
+        &junk,                                // as long as can be
+        &[48],                                // no header
+        &[48, 0, 2],                          // a length that is less than the header
+        &[48, 0, 200, 0xFF],                  // a length beyond the datagram
+        &[250, 0, 7, 0x80, 1, 1, 0],          // a category that nobody has, from the radar
+        &[48, 0, 7, 0b1000_0000, 7, 7, 0x40], // a sensor that no source has
+    ];
+    for datagram in bad {
+        neighbour.send_to(datagram, site.group).unwrap();
+    }
+    heard.tracks.clear();
+    sent += scan_until("all targets again", &mut site, &mut sensors, &mut heard, all);
+    assert_in_place(&heard);
+    // What was sent before the last scan that has come out has been read.
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    let report = site.report();
+    let network = report["network"].as_array().unwrap();
+    let lan = network.iter().find(|entry| entry["process"] == "adapter lan").unwrap();
+    let count = |label: &str| lan["counters"][label].as_u64().unwrap();
+    assert_eq!(count("datagrams_refused"), 500);
+    assert_eq!(count("datagrams_unusable"), 1, "the empty one");
+    assert_eq!(count("kernel_drops"), 0);
+    assert_eq!(count("blocks_refused"), 4, "{lan}");
+    assert_eq!(count("rejected_source"), 1);
+    let radar = &report["sources"][0];
+    assert_eq!(radar["name"], "radar");
+    let of_radar = |part: &str, label: &str| radar[part][label].as_u64().unwrap();
+    assert_eq!(
+        of_radar("adapter", "blocks_refused"),
+        1,
+        "of the category that nobody has"
+    );
+    assert!(of_radar("adapter", "published") <= sent);
+    assert!(
+        of_radar("adapter", "published") + u64::from(TARGETS) >= sent,
+        "{} of {sent} published",
+        of_radar("adapter", "published")
+    );
+    site.home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn killed_adapters_and_gateways_come_back() {
+    let mut site = Site::new("block_bytes = 300");
+    let running = site.start();
+    let mut sensors = [Sensor::new(site.group, 48, 1), Sensor::new(site.group, 20, 2)];
+    let mut heard = Heard::default();
+    let all = |heard: &Heard| heard.tracks.len() == TARGETS as usize;
+    scan_until("all targets", &mut site, &mut sensors, &mut heard, all);
+    for name in ["lan", "out"] {
+        let pid = site.home.status_row(name).pid;
+        kill(pid, Signal::KILL);
+        running.until_said(&format!("{name} restarted (1)"));
+        heard = Heard::default();
+        scan_until("all targets after a kill", &mut site, &mut sensors, &mut heard, all);
+    }
+    assert_in_place(&heard);
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    site.home.assert_nothing_is_left("test");
+}
