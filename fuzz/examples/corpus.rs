@@ -1,4 +1,4 @@
-//! Makes a corpus for the target `codec` out of files of ASTERIX blocks.
+//! Makes a corpus for the target `codec` out of recordings, whatever their blocks are packed in.
 //!
 //! ```text
 //! cargo run --release --manifest-path fuzz/Cargo.toml --example corpus -- fuzz/corpus/codec FILE...
@@ -13,6 +13,7 @@ use std::fs;
 use std::path::Path;
 
 use formats::asterix::{blocks, registry};
+use formats::containers::datagrams;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -23,12 +24,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut seen = HashSet::new();
     for file in files {
         let bytes = fs::read(file)?;
-        for block in blocks(&bytes).flatten() {
-            let body = block.body();
-            let goes_on = body.iter().take_while(|octet| *octet & 1 == 1).count();
-            let fspec = body[..body.len().min(goes_on + 1)].to_vec();
-            if seen.insert((block.category, body.len(), fspec)) {
-                write_inputs(Path::new(folder), seen.len(), block.category, body)?;
+        for datagram in datagrams(&bytes).flatten() {
+            for block in blocks(&datagram.bytes).flatten() {
+                let body = block.body();
+                let goes_on = body.iter().take_while(|octet| *octet & 1 == 1).count();
+                let fspec = body[..body.len().min(goes_on + 1)].to_vec();
+                if seen.insert((block.category, body.len(), fspec)) {
+                    write_inputs(Path::new(folder), seen.len(), block.category, body)?;
+                }
             }
         }
     }

@@ -18,7 +18,7 @@ use std::thread;
 use formats::asterix::{Block, Category, Mode, blocks, registry};
 
 /// Mutations where the environment does not say: a few seconds of testing.
-const MUTATIONS: u64 = 200_000;
+const MUTATIONS: u64 = 100_000;
 
 /// What the blocks are taken from; blocks of categories without a table are left out.
 const RECORDINGS: &[&str] = &[
@@ -30,6 +30,9 @@ const RECORDINGS: &[&str] = &[
     "cro/cat048.raw",
     "cro/cat062cat065.raw",
     "cro/cat21_re.ast",
+    "cro/cat_034_048.pcap",
+    "cro/cat_062_065.pcap",
+    "cro/asterix.pcap", // of an edition before 1.0
 ];
 
 /// Of each recording so many blocks, spread over it.

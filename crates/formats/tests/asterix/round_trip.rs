@@ -107,6 +107,8 @@ static RECORDINGS: &[Expected] = &[
     ("cro/cat048.raw", &[], 1, &[]),
     ("cro/cat062cat065.raw", &[], 2, &[(UNDEFINED_CHARACTER, 1)]),
     ("cro/cat21_re.ast", &[], 2, &[]),
+    ("cro/cat_034_048.pcap", &[], 160, &[(UNDEFINED_CHARACTER, 2)]),
+    ("cro/cat_062_065.pcap", &[], 3, &[]),
 ];
 
 const SPARE_BIT: &str = "spare bits that are set";

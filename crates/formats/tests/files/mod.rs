@@ -7,16 +7,20 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The octets of a recording, named by its path in the folder of recordings.
+use formats::containers::datagrams;
+
+/// The data blocks of a recording, whatever they are packed in, one after the other. It is named by its path in the
+/// folder of recordings.
 pub(crate) fn recording(name: &str) -> Option<Vec<u8>> {
     let folder = env::var_os("KOSEKI_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
         PathBuf::from,
     );
     let path = folder.join(name);
-    let bytes = fs::read(&path).ok();
-    if bytes.is_none() {
+    let Ok(bytes) = fs::read(&path) else {
         println!("skipped: no recording {}", path.display());
-    }
-    bytes
+        return None;
+    };
+    let datagrams = datagrams(&bytes).flatten();
+    Some(datagrams.flat_map(|datagram| datagram.bytes.into_owned()).collect())
 }
