@@ -33,10 +33,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sensor = SensorFrame::new(&system, Geodetic::from_degrees(47.8, 8.1, 700.0)?, 0.05);
     let write = |table: &Category, bytes: Vec<u8>, tables: &[&Category]| {
         let name = format!("{:03}_{}.ast", table.number, table.edition);
-        let choices = tables
+        let mut choices: Vec<String> = tables
             .iter()
-            .map(|table| format!(" {}={}", table.number, table.edition));
-        println!("{name}{}", choices.collect::<String>());
+            .map(|table| format!(" {}={}", table.number, table.edition))
+            .collect();
+        choices.dedup();
+        println!("{name}{}", choices.concat());
         fs::write(Path::new(folder).join(name), bytes)
     };
     for table in registry::editions(62) {
