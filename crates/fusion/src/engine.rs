@@ -607,5 +607,6 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         life: LifeSettings::default(),
         rule: RuleSettings::default(),
         process_noise_m2ps3: 1.0,
+        refresh_ns: None,
     }
 }

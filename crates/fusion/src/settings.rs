@@ -20,6 +20,9 @@ pub struct Settings {
     pub rule: RuleSettings,
     /// Spectral density of the white-noise acceleration with which states are carried forward, m²/s³.
     pub process_noise_m2ps3: f64,
+    /// Time between two states of a system track, nanoseconds: published at its whole multiples for every system track
+    /// (QF-6). `None`: whenever a report has changed a system track.
+    pub refresh_ns: Option<i64>,
 }
 
 /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4).
@@ -233,6 +236,9 @@ impl Settings {
             1e5,
         )?;
         in_range("fusion.process_noise_m2ps3", self.process_noise_m2ps3, 0.0, 1e6)?;
+        if let Some(refresh_ns) = self.refresh_ns {
+            in_range("fusion.refresh_s", refresh_ns as f64 / messages::NS_PER_S, 1e-3, 3600.0)?;
+        }
         in_range("fusion.rule.recency", self.rule.recency, 1e-6, 1.0)?;
         for (index, source) in self.sources.iter().enumerate() {
             source.check(&format!("source[{index}]"))?;

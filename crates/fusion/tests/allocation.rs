@@ -40,6 +40,7 @@ fn settings() -> Settings {
         life: LifeSettings::default(),
         rule: RuleSettings::default(),
         process_noise_m2ps3: 1.0,
+        refresh_ns: None,
     }
 }
 

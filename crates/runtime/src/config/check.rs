@@ -395,6 +395,7 @@ fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checke
             tentative_ns: nanoseconds(fusion.life.tentative_s),
         },
         process_noise_m2ps3: fusion.process_noise_m2ps3,
+        refresh_ns: fusion.refresh_s.map(nanoseconds),
     };
     settings
         .check()
