@@ -12,7 +12,8 @@ use fusion::settings as engine;
 use messages::NS_PER_S;
 
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
-use super::raw::{AccuracyModel, RawAccuracy, RawConfig, RawPlace, RawRecorded, RawResidual, RawSource, RawTie};
+use super::check_rule::check_rule;
+use super::raw::{AccuracyModel, RawAccuracy, RawConfig, RawPlace, RawRecorded, RawSource};
 use super::{Config, Fusion, Input, Monitor, Order, Recorded, RecordedFormat, Source};
 use crate::cores::{self, Placement};
 
@@ -296,6 +297,7 @@ fn accuracy(raw: &RawAccuracy, frame: &SensorFrame) -> engine::Accuracy {
                 range_sigma_m: raw.range_sigma_m,
                 azimuth_sigma_rad: raw.azimuth_sigma_deg.to_radians(),
             },
+            AccuracyModel::Reported => engine::AccuracyBase::Reported,
             AccuracyModel::Estimated => engine::AccuracyBase::Estimated {
                 initial_m: raw.initial_m,
                 memory: raw.memory,
@@ -381,7 +383,7 @@ fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checke
         within("fusion.realtime_priority", f64::from(priority), 1.0, 99.0)?;
     }
     let settings = engine::Settings {
-        rule: check_rule(raw, &sources)?,
+        rule: check_rule(&raw.fusion.rule, &sources)?,
         sources,
         capacity: engine::Capacity {
             system_tracks: fusion.capacity.system_tracks,
@@ -434,45 +436,5 @@ fn check_association(raw: &RawConfig) -> Checked<engine::AssociationSettings> {
         split_reports: raw.split_reports,
         merge_reports: raw.merge_reports,
         cell_m: raw.cell_m,
-    })
-}
-
-fn check_rule(raw: &RawConfig, sources: &[engine::SourceSettings]) -> Checked<engine::RuleSettings> {
-    let raw = &raw.fusion.rule;
-    let rule = fusion::rules::find(&raw.name).ok_or_else(|| {
-        let known: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name).collect();
-        problem(
-            "fusion.rule.name",
-            format!("\"{}\" is no fusion rule; there are: {}", raw.name, known.join(", ")),
-        )
-    })?;
-    let reference_source = match &raw.reference_source {
-        None => None,
-        Some(name) => {
-            let number = sources.iter().position(|source| source.name == *name);
-            let number = number.ok_or_else(|| {
-                problem(
-                    "fusion.rule.reference_source",
-                    format!("there is no source named \"{name}\""),
-                )
-            })?;
-            Some(number as u16)
-        }
-    };
-    Ok(engine::RuleSettings {
-        rule,
-        residual: match raw.residual {
-            RawResidual::Position => engine::Residual::Position,
-            RawResidual::Velocity => engine::Residual::Velocity,
-            RawResidual::PerAxis => engine::Residual::PerAxis,
-            RawResidual::Innovation => engine::Residual::Innovation,
-        },
-        recency: raw.recency,
-        reference_source,
-        tie: match raw.tie {
-            RawTie::LastThenPriority => engine::Tie::LastThenPriority,
-            RawTie::Priority => engine::Tie::Priority,
-        },
-        ..engine::RuleSettings::default()
     })
 }
