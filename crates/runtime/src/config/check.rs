@@ -396,6 +396,7 @@ fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checke
         },
         process_noise_m2ps3: fusion.process_noise_m2ps3,
         refresh_ns: fusion.refresh_s.map(nanoseconds),
+        refresh_delay_ns: nanoseconds(fusion.refresh_delay_s),
     };
     settings
         .check()
