@@ -15,6 +15,16 @@
 mod accuracy;
 mod association_step;
 mod counts;
+mod existence;
+mod explanation;
+mod feeding;
+mod filter;
+mod life;
+mod linking;
+mod publishing;
+pub mod registration;
+mod scan;
+mod source_model;
 mod engine;
 #[cfg(test)]
 mod engine_tests;
@@ -30,6 +40,7 @@ mod weighing;
 
 pub use counts::Counts;
 pub use engine::Engine;
+pub use explanation::{Decision, DecisionKind, Sink};
 pub use merger::{Merger, Pushed};
 pub use settings::{Settings, SettingsError};
 pub use state::State;

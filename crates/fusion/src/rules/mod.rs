@@ -26,6 +26,8 @@ pub struct RuleEntry {
     /// Whether the covariance it gives is meant to be the true one, which the normalised error squared shows; otherwise
     /// it is a bound.
     pub claims_consistency: bool,
+    /// Whether one point of each target is kept where the sources see different ones.
+    pub keeps_points: bool,
     /// Fills the weights of one share per candidate and returns the state at the candidates' common time.
     ///
     /// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of
