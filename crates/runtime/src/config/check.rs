@@ -473,5 +473,6 @@ fn check_rule(raw: &RawConfig, sources: &[engine::SourceSettings]) -> Checked<en
             RawTie::LastThenPriority => engine::Tie::LastThenPriority,
             RawTie::Priority => engine::Tie::Priority,
         },
+        ..engine::RuleSettings::default()
     })
 }
