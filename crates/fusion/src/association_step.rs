@@ -44,7 +44,9 @@ impl Search<'_> {
         let state = gaussian_of(report);
         self.near(report, &state, |system| {
             if system == entry.system
-                || self.speaker(system, report.source, own, report.time_of_measurement_ns).is_some()
+                || self
+                    .speaker(system, report.source, own, report.time_of_measurement_ns)
+                    .is_some()
                 || self.must_wait_for(own, system)
             {
                 return;
@@ -67,7 +69,8 @@ impl Search<'_> {
                 return;
             };
             let other = gaussian_of(&self.sensors.get(speaker).latest);
-            let seconds = (now_ns - self.sensors.get(speaker).latest.time_of_measurement_ns) as f64 / messages::NS_PER_S;
+            let seconds =
+                (now_ns - self.sensors.get(speaker).latest.time_of_measurement_ns) as f64 / messages::NS_PER_S;
             let apart = |axis: usize| state.mean[axis] - other.mean[axis] - other.mean[axis + 3] * seconds;
             let metres = apart(0).hypot(apart(1));
             let number = self.systems.get(system).number;
@@ -111,7 +114,8 @@ impl Search<'_> {
                     }
                 }
             });
-        best.filter(|(d2, _)| second > d2 + MARGIN).map(|(d2, system)| (system, d2))
+        best.filter(|(d2, _)| second > d2 + MARGIN)
+            .map(|(d2, system)| (system, d2))
     }
 
     /// Fresh sources of a system track, as bits.

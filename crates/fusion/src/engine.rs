@@ -156,14 +156,21 @@ impl Engine {
             self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
             return;
         }
-        let fresh_link = self.sensors.get(sensor).system == NO_SYSTEM;
+        let before = self.sensors.get(sensor).system;
         self.relate(sensor, sink);
-        if self.sensors.get(sensor).system == NO_SYSTEM {
+        let system = self.sensors.get(sensor).system;
+        if system == NO_SYSTEM {
             return;
         }
+        let new_here = system != before;
         self.assign_role(sensor);
         if self.sensors.get(sensor).role == Role::Primary {
-            self.contribute(sensor, measurement.filter(|_| !fresh_link), sink);
+            let measurement = if new_here {
+                Some(self.whole_report(sensor))
+            } else {
+                measurement
+            };
+            self.contribute(sensor, measurement, sink);
         } else {
             self.counts.add(report.source, Counter::Duplicates);
         }
@@ -196,16 +203,23 @@ impl Engine {
             }
             _ => self.models[index].measurement(None, &raw, has_height),
         };
-        let shift = self
-            .registration
-            .shift(report.source, report.position_m, report.velocity_mps, self.place_of(report.source));
+        let shift = self.registration.shift(
+            report.source,
+            report.position_m,
+            report.velocity_mps,
+            self.place_of(report.source),
+        );
         let inflation = self.models[index].inflation();
         let mut corrected = *report;
         for axis in 0..messages::AXES {
             corrected.position_m[axis] -= shift[axis];
         }
         if inflation != 1.0 {
-            corrected.covariance.upper.iter_mut().for_each(|value| *value *= inflation);
+            corrected
+                .covariance
+                .upper
+                .iter_mut()
+                .for_each(|value| *value *= inflation);
         }
         let sensor = match earlier {
             Some((sensor, ..)) => {

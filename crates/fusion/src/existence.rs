@@ -107,9 +107,9 @@ impl Coverage {
             return area.probability_at(position_m).min(FOLLOWS_MAX);
         }
         let general = self.general[index].share(FOLLOWS_PRIOR, GENERAL_WEIGHT);
-        let cell = self
-            .place(position_m[0], position_m[1])
-            .map_or(general, |place| self.tallies[place * self.sources + index].share(general, GENERAL_WEIGHT));
+        let cell = self.place(position_m[0], position_m[1]).map_or(general, |place| {
+            self.tallies[place * self.sources + index].share(general, GENERAL_WEIGHT)
+        });
         cell.min(FOLLOWS_MAX)
     }
 

@@ -112,7 +112,11 @@ impl Engine {
         } else if point.reports >= POINT_REPORTS_MIN {
             let variance = 0.5 * (measurement.covariance_m2[(0, 0)] + measurement.covariance_m2[(1, 1)]);
             let course = self.systems.get(system).course;
-            (true, from_body(point.offset_m, course), variance / f64::from(point.reports))
+            (
+                true,
+                from_body(point.offset_m, course),
+                variance / f64::from(point.reports),
+            )
         } else {
             (false, [0.0; 2], 0.0)
         }
@@ -128,9 +132,12 @@ impl Engine {
 
     /// The contributing sensor track that has followed the target longest.
     fn senior(&self, system: SystemSlot, now_ns: i64) -> Option<SensorSlot> {
-        self.search()
-            .fresh_primaries(system, now_ns)
-            .min_by_key(|member| (self.sensors.get(*member).started_ns, self.sensors.get(*member).latest.source))
+        self.search().fresh_primaries(system, now_ns).min_by_key(|member| {
+            (
+                self.sensors.get(*member).started_ns,
+                self.sensors.get(*member).latest.source,
+            )
+        })
     }
 
     /// Learns where this sensor track's detection point lies on the target.
@@ -225,6 +232,9 @@ impl Engine {
     fn keep_alive(&mut self, system: SystemSlot, report: &SensorTrack) {
         let fresh_until_ns = self.fresh_until(system);
         let entry = self.systems.get_mut(system);
+        if entry.life == TrackState::Confirmed {
+            self.models[usize::from(report.source)].learn_detection(true);
+        }
         entry.last_report_ns = entry.last_report_ns.max(report.time_of_measurement_ns);
         entry.fresh_until_ns = fresh_until_ns;
         entry.reports = entry.reports.saturating_add(1);

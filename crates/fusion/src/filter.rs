@@ -54,6 +54,11 @@ impl Filter {
         State::of_gaussian(self.time_ns, &self.estimate, self.has_height)
     }
 
+    /// [`Self::at`], as rules and messages know states.
+    pub(crate) fn state_at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> State {
+        State::of_gaussian(time_ns, &self.at(time_ns, noise), self.has_height)
+    }
+
     /// The estimate at `time_ns`, later or earlier.
     pub(crate) fn at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> Gaussian {
         let ns = time_ns - self.time_ns;
@@ -124,7 +129,7 @@ impl Filter {
             self.estimate.update_position(z, r)?;
             let after = self.estimate.covariance.fixed_view::<D, D>(0, 0);
             let kept = (after[(0, 0)] + after[(1, 1)]) / (before[(0, 0)] + before[(1, 1)]);
-            innovation.gain = (1.0 - kept).clamp(0.0, 1.0);
+            innovation.gain = (1.0_f64 - kept).clamp(0.0, 1.0);
         }
         Some(innovation)
     }

@@ -15,25 +15,25 @@
 mod accuracy;
 mod association_step;
 mod counts;
+mod engine;
+#[cfg(test)]
+mod engine_tests;
 mod existence;
 mod explanation;
 mod feeding;
 mod filter;
+mod history;
 mod life;
 mod linking;
-mod publishing;
-pub mod registration;
-mod scan;
-mod source_model;
-mod engine;
-#[cfg(test)]
-mod engine_tests;
-mod history;
 mod merger;
+mod publishing;
 pub mod quality;
+pub mod registration;
 pub mod rules;
+mod scan;
 mod sensor_tracks;
 pub mod settings;
+mod source_model;
 mod state;
 mod system_tracks;
 mod weighing;

@@ -78,13 +78,7 @@ impl Engine {
     }
 
     /// A contributing source has seen nothing, `misses` times in a row.
-    pub(crate) fn count_miss(
-        &mut self,
-        system: SystemSlot,
-        report: &SensorTrack,
-        misses: u32,
-        sink: &mut impl Sink,
-    ) {
+    pub(crate) fn count_miss(&mut self, system: SystemSlot, report: &SensorTrack, misses: u32, sink: &mut impl Sink) {
         let model = &mut self.models[usize::from(report.source)];
         let entry = self.systems.get_mut(system);
         if entry.life == TrackState::Tentative {

@@ -51,13 +51,7 @@ impl Engine {
 
     /// Weighs the contributions to `system` at `reference_ns`, stores what comes out and hands it to `sink`. `cause` is
     /// the report that made it necessary.
-    fn weigh(
-        &mut self,
-        system: SystemSlot,
-        reference_ns: i64,
-        cause: Option<&SensorTrack>,
-        sink: &mut impl Sink,
-    ) {
+    fn weigh(&mut self, system: SystemSlot, reference_ns: i64, cause: Option<&SensorTrack>, sink: &mut impl Sink) {
         let weighed = self.weigher().weigh(system, reference_ns);
         if let Some(report) = cause {
             self.learn(report.source, &weighed);

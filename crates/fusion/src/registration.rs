@@ -171,7 +171,11 @@ impl Registration {
         let three = a.has_height && b.has_height;
         let axes = if three { AXES } else { 2 };
         let difference = SVector::<f64, AXES>::from_fn(|axis, _| {
-            if axis < axes { a.position_m[axis] - b.position_m[axis] } else { 0.0 }
+            if axis < axes {
+                a.position_m[axis] - b.position_m[axis]
+            } else {
+                0.0
+            }
         });
         let mut weight = a.covariance_m2 + b.covariance_m2;
         if !three {
@@ -194,8 +198,22 @@ impl Registration {
             return;
         }
         let weight = weight * SAMPLE_WEIGHT;
-        self.add(a.source, b.source, &(of_a.transpose() * weight), &of_a, &of_b, &difference);
-        self.add(b.source, a.source, &(of_b.transpose() * weight), &of_b, &of_a, &-difference);
+        self.add(
+            a.source,
+            b.source,
+            &(of_a.transpose() * weight),
+            &of_a,
+            &of_b,
+            &difference,
+        );
+        self.add(
+            b.source,
+            a.source,
+            &(of_b.transpose() * weight),
+            &of_b,
+            &of_a,
+            &-difference,
+        );
     }
 
     fn add(
@@ -332,7 +350,14 @@ mod tests {
                 let truth = [f64::from(target) * 3000.0, f64::from(second) * 100.0, 5000.0];
                 let of = |source: u16| {
                     let index = usize::from(source);
-                    view(source, truth, velocity, offsets[index], late_s[index], second * 20 + target)
+                    view(
+                        source,
+                        truth,
+                        velocity,
+                        offsets[index],
+                        late_s[index],
+                        second * 20 + target,
+                    )
                 };
                 registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16));
             }
@@ -375,7 +400,12 @@ mod tests {
     fn sources_that_agree_are_left_alone() {
         let registration = registered(None, [[0.0; 2]; 3], [0.0; 3]);
         for source in 0..3 {
-            assert_eq!(registration.of(source).removed, [false; ERRORS], "{:?}", registration.of(source));
+            assert_eq!(
+                registration.of(source).removed,
+                [false; ERRORS],
+                "{:?}",
+                registration.of(source)
+            );
         }
     }
 }

@@ -6,7 +6,7 @@
 //! gives the second one what is left. So they wait until the scan they came in is complete, a fraction of the source's
 //! period, and are then assigned together so that the sum of their statistical distances is smallest.
 
-use association::{Assignment, Pair};
+use association::assignment::{Assignment, Pair};
 use messages::{Counter, TrackState};
 
 use crate::engine::Engine;
@@ -151,7 +151,13 @@ impl Engine {
         match best.filter(|(system, _)| self.systems.get(*system).life != TrackState::Terminated) {
             Some((system, d2)) if unlinked => {
                 self.join(sensor, system);
-                self.decide(sensor, DecisionKind::Joined, d2, self.settings.association.scan_gate(), sink);
+                self.decide(
+                    sensor,
+                    DecisionKind::Joined,
+                    d2,
+                    self.settings.association.scan_gate(),
+                    sink,
+                );
                 self.assign_role(sensor);
                 if self.sensors.get(sensor).role == Role::Primary {
                     let measurement = self.whole_report(sensor);
@@ -171,20 +177,14 @@ impl Engine {
             self.join(sensor, system);
             let limit = self.settings.association.target_extent_m;
             self.decide(sensor, DecisionKind::Duplicate, metres, limit, sink);
-            self.counts.add(self.sensors.get(sensor).latest.source, Counter::Duplicates);
+            self.counts
+                .add(self.sensors.get(sensor).latest.source, Counter::Duplicates);
             return;
         }
         self.start_system_track(sensor, sink);
     }
 
-    pub(crate) fn decide(
-        &self,
-        sensor: SensorSlot,
-        kind: DecisionKind,
-        value: f64,
-        limit: f64,
-        sink: &mut impl Sink,
-    ) {
+    pub(crate) fn decide(&self, sensor: SensorSlot, kind: DecisionKind, value: f64, limit: f64, sink: &mut impl Sink) {
         let entry = self.sensors.get(sensor);
         let number = match entry.system {
             NO_SYSTEM => 0,

@@ -50,7 +50,9 @@ impl Median {
         }
         self.samples = self.samples.saturating_add(1);
         let step = (2.0 / f64::from(self.samples)).clamp(0.02, 0.5);
-        self.logarithm += step.min((logarithm - self.logarithm).abs()).copysign(logarithm - self.logarithm);
+        self.logarithm += step
+            .min((logarithm - self.logarithm).abs())
+            .copysign(logarithm - self.logarithm);
     }
 
     pub(crate) fn value(&self) -> f64 {
@@ -191,7 +193,11 @@ impl SourceModel {
         // The squared length of a mean of noise is half a chi-square with two degrees of freedom.
         let excess = self.spread_ratio.value() / (0.5 * CHI2_MEDIAN_2) - 1.0;
         // Chance alone reaches half of what noise explains.
-        if excess < 0.5 { 0.0 } else { excess * self.spread_noise_m2.value() }
+        if excess < 0.5 {
+            0.0
+        } else {
+            excess * self.spread_noise_m2.value()
+        }
     }
 
     /// Whether the detection points lie further apart than the source's measurement errors blur them.
@@ -225,16 +231,27 @@ fn as_reported(report: &Gaussian, factor: f64, has_height: bool) -> Measurement 
 }
 
 fn recover(predicted: &Gaussian, updated: &Gaussian, has_height: bool) -> Option<Measurement> {
-    if has_height && let Some(Recovered { position_m, covariance_m2 }) = recovered::<3>(predicted, updated) {
+    if has_height
+        && let Some(Recovered {
+            position_m,
+            covariance_m2,
+        }) = recovered::<3>(predicted, updated)
+    {
         return Some(Measurement {
             position_m: position_m.into(),
             covariance_m2,
             has_height: true,
         });
     }
-    let Recovered { position_m, covariance_m2 } = recovered::<2>(predicted, updated)?;
+    let Recovered {
+        position_m,
+        covariance_m2,
+    } = recovered::<2>(predicted, updated)?;
     let mut measurement = as_reported(updated, 1.0, false);
     measurement.position_m[..2].copy_from_slice(position_m.as_slice());
-    measurement.covariance_m2.fixed_view_mut::<2, 2>(0, 0).copy_from(&covariance_m2);
+    measurement
+        .covariance_m2
+        .fixed_view_mut::<2, 2>(0, 0)
+        .copy_from(&covariance_m2);
     Some(measurement)
 }
