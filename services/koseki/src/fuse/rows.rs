@@ -1,8 +1,7 @@
 //! Which states of system tracks become rows.
 //!
 //! Without a refresh time every state does. With one, those at its whole multiples do, of tracks that are confirmed or
-//! coasted: one row per track and time, in the order of the tracks' numbers. A state is moved to such a time along its
-//! velocity.
+//! coasted: one row per track and time, in the order of the tracks' numbers.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -15,10 +14,8 @@ use messages::{SystemTrack, TrackState};
 pub(crate) struct Rows<W: Write> {
     writer: SystemTrackWriter<W>,
     refresh_ns: Option<i64>,
-    /// The latest state of each track that has not ended.
-    latest: BTreeMap<u32, SystemTrack>,
-    /// The next time that gets rows.
-    next_ns: Option<i64>,
+    /// The states of one time, by track; written when a later one comes.
+    waiting: BTreeMap<u32, SystemTrack>,
     written: u64,
 }
 
@@ -31,8 +28,7 @@ impl<W: Write> Rows<W> {
         Ok(Self {
             writer: SystemTrackWriter::begin(writer, 0)?.with_sensor_ids(sensor_ids),
             refresh_ns,
-            latest: BTreeMap::new(),
-            next_ns: None,
+            waiting: BTreeMap::new(),
             written: 0,
         })
     }
@@ -46,18 +42,15 @@ impl<W: Write> Rows<W> {
             self.written += 1;
             return self.writer.write(state);
         };
-        let time_ns = state.reference_time_ns;
-        let mut next_ns = self.next_ns.unwrap_or(time_ns + (-time_ns).rem_euclid(refresh_ns));
-        while next_ns < time_ns {
-            self.write_at(next_ns)?;
-            next_ns += refresh_ns;
+        let is_shown = [TrackState::Confirmed as u8, TrackState::Coasted as u8].contains(&state.state);
+        if state.reference_time_ns % refresh_ns != 0 || !is_shown {
+            return Ok(());
         }
-        self.next_ns = Some(next_ns);
-        if state.state == TrackState::Terminated as u8 {
-            self.latest.remove(&state.track_number);
-        } else {
-            self.latest.insert(state.track_number, *state);
+        let waits_for = self.waiting.values().next().map(|first| first.reference_time_ns);
+        if waits_for.is_some_and(|time_ns| time_ns != state.reference_time_ns) {
+            self.write_waiting()?;
         }
+        self.waiting.insert(state.track_number, *state);
         Ok(())
     }
 
@@ -66,24 +59,16 @@ impl<W: Write> Rows<W> {
     /// # Errors
     /// If the writer fails.
     pub(crate) fn finish(mut self) -> io::Result<(W, u64)> {
-        if let Some(next_ns) = self.next_ns {
-            self.write_at(next_ns)?;
-        }
+        self.write_waiting()?;
         Ok((self.writer.into_inner(), self.written))
     }
 
-    fn write_at(&mut self, time_ns: i64) -> io::Result<()> {
-        let shown = [TrackState::Confirmed as u8, TrackState::Coasted as u8];
-        for state in self.latest.values().filter(|state| shown.contains(&state.state)) {
-            let mut moved = *state;
-            let step_s = (time_ns - state.reference_time_ns) as f64 / messages::NS_PER_S;
-            for (axis, place) in moved.position_m.iter_mut().enumerate() {
-                *place += step_s * state.velocity_mps[axis];
-            }
-            moved.reference_time_ns = time_ns;
-            self.writer.write(&moved)?;
+    fn write_waiting(&mut self) -> io::Result<()> {
+        for state in self.waiting.values() {
+            self.writer.write(state)?;
             self.written += 1;
         }
+        self.waiting.clear();
         Ok(())
     }
 }
