@@ -41,6 +41,7 @@ fn settings(targets: usize) -> Settings {
         rule: RuleSettings::default(),
         process_noise_m2ps3: 1.0,
         refresh_ns: None,
+        refresh_delay_ns: 0,
     }
 }
 

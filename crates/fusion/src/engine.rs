@@ -8,11 +8,12 @@ use messages::{
 use crate::accuracy::Accuracies;
 use crate::association_step::Search;
 use crate::counts::Counts;
-use crate::rules::{self, Candidate, Share};
+use crate::rules;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
-use crate::settings::{Settings, SettingsError};
-use crate::state::{State, combine};
+use crate::settings::{AccuracyBase, Settings, SettingsError};
+use crate::state::State;
 use crate::system_tracks::{SystemSlot, SystemTracks};
+use crate::weighing::{Weighed, Weigher};
 
 /// Fusion of sensor tracks into system tracks.
 #[derive(Debug)]
@@ -24,13 +25,8 @@ pub struct Engine {
     counts: Counts,
     /// No entry is left unlooked-at for longer than this, so that its deadline can be put off but never missed.
     shortest_fresh_ns: i64,
-}
-
-/// The contributions of one system track at its reference time; `len` of each array hold something.
-struct Gathered {
-    members: [SensorSlot; CONTRIBUTIONS_MAX],
-    states: [State; CONTRIBUTIONS_MAX],
-    len: usize,
+    /// The next whole multiple of the refresh time; `None` before the first report, and where reports refresh.
+    next_refresh_ns: Option<i64>,
 }
 
 impl Engine {
@@ -48,6 +44,7 @@ impl Engine {
             accuracies: Accuracies::new(sources),
             counts: Counts::new(sources),
             shortest_fresh_ns: settings.sources.iter().map(|source| source.fresh_ns).min().unwrap_or(1),
+            next_refresh_ns: None,
             settings,
         })
     }
@@ -79,8 +76,17 @@ impl Engine {
     }
 
     /// Lets time pass up to `now_ns` (UTC): no report measured before that will follow. System tracks whose
-    /// contributions have become too old coast, then end; each such change is handed to `sink`.
+    /// contributions have become too old coast, then end; each such change is handed to `sink`. With a refresh time set,
+    /// so is the state of every system track at each whole multiple of it.
     pub fn advance(&mut self, now_ns: i64, sink: &mut impl FnMut(&SystemTrack)) {
+        while let Some(refresh_ns) = self.refresh_due_before(now_ns) {
+            self.meet_deadlines(refresh_ns + self.settings.refresh_delay_ns, sink);
+            self.refresh_all(refresh_ns, sink);
+        }
+        self.meet_deadlines(now_ns, sink);
+    }
+
+    fn meet_deadlines(&mut self, now_ns: i64, sink: &mut impl FnMut(&SystemTrack)) {
         while let Some((deadline_ns, slot)) = self.systems.due_before(now_ns) {
             self.meet_deadline(slot, deadline_ns, sink);
         }
@@ -140,6 +146,17 @@ impl Engine {
 
     /// Stores the report in its sensor track's entry, a new one if need be (then not linked yet).
     fn store(&mut self, report: &SensorTrack) -> Option<SensorSlot> {
+        let sensor = self.find_entry(report)?;
+        let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
+        let confirmed = report.state == TrackState::Confirmed as u8;
+        let time_ns = report.time_of_measurement_ns;
+        self.sensors
+            .qualities
+            .push(sensor as usize, time_ns, period_ns, confirmed);
+        Some(sensor)
+    }
+
+    fn find_entry(&mut self, report: &SensorTrack) -> Option<SensorSlot> {
         if let Some(sensor) = self.sensors.find(report.source, report.track_number) {
             let age_ns = report.time_of_measurement_ns - self.sensors.get(sensor).latest.time_of_measurement_ns;
             if age_ns < 0 {
@@ -317,111 +334,129 @@ impl Engine {
         self.sensors.get_mut(sensor).role = Role::Primary;
     }
 
-    /// Weighs and combines the contributions to the system track of `sensor`, whose report has just been stored.
+    /// A report of a speaker has been stored: its system track is kept alive and, unless states come at uniform times,
+    /// weighed anew.
     fn refresh(&mut self, sensor: SensorSlot, sink: &mut impl FnMut(&SystemTrack)) {
         let entry = self.sensors.get(sensor);
         let (system, report) = (entry.system, entry.latest);
-        let reference_ns = self
-            .systems
-            .get(system)
-            .state
-            .time_ns
-            .max(report.time_of_measurement_ns);
-        let gathered = self.gather(system, reference_ns);
-        let states = &gathered.states[..gathered.len];
-        let mut candidates = [EMPTY_CANDIDATE; CONTRIBUTIONS_MAX];
-        let mut shares = [Share::default(); CONTRIBUTIONS_MAX];
-        let three_axes = states.iter().all(|state| state.has_height);
-        for (index, candidate) in candidates[..gathered.len].iter_mut().enumerate() {
-            *candidate = self.candidate(gathered.members[index], &states[index], three_axes);
-        }
-        if let Some(residual) = candidates[..gathered.len]
-            .iter()
-            .find(|c| c.source == report.source)
-            .and_then(|c| c.residual)
-        {
-            self.accuracies.learn(&self.settings, report.source, residual);
-        }
-        let rule = self.settings.rule.rule;
-        let shares = &mut shares[..gathered.len];
-        let before = self.systems.get(system).memory;
-        let mut memory = before;
-        (rule.weigh)(&self.settings.rule, &candidates[..gathered.len], &mut memory, shares);
-        if before.selected[0] != memory.selected[0] && before.selected[0] != rules::NO_SOURCE {
-            self.counts.add(memory.selected[0], Counter::HandOvers);
-        }
-        let fused = combine(states, shares);
         let fresh_until_ns = self.fresh_until(system);
-        let confirm_reports = self.settings.life.confirm_reports;
-        let members = &gathered.members[..gathered.len];
-        let latest = || members.iter().map(|member| &self.sensors.get(*member).latest);
-        let alerts = latest().fold(0, |alerts, report| alerts | report.alerts);
-        let on_ground = latest().any(|report| report.has(sensor_track_bits::ON_GROUND));
         let entry = self.systems.get_mut(system);
-        entry.alerts = alerts;
-        entry.on_ground = on_ground;
-        entry.memory = memory;
-        entry.state = fused;
         entry.last_report_ns = entry.last_report_ns.max(report.time_of_measurement_ns);
         entry.fresh_until_ns = fresh_until_ns;
         entry.reports = entry.reports.saturating_add(1);
-        let (life, reports) = (entry.life, entry.reports);
-        if life == TrackState::Coasted {
-            self.systems.set_life(system, TrackState::Confirmed);
-        } else if life == TrackState::Tentative && reports >= confirm_reports {
-            self.systems.set_life(system, TrackState::Confirmed);
-            self.counts.add(report.source, Counter::TracksConfirmed);
-        }
+        let reference_ns = entry.state.time_ns.max(report.time_of_measurement_ns);
         self.systems.identify(system, &report.identity);
-        self.systems
-            .grid
-            .place(system, fused.position_m[0], fused.position_m[1]);
-        sink(&self.message(system, Some(&report), &gathered, shares));
+        if self.settings.refresh_ns.is_none() {
+            self.weigh(system, reference_ns, Some(&report), sink);
+            return;
+        }
+        let [x, y, _] = report.position_m;
+        self.systems.grid.place(system, x, y);
+        if self.learns(report.source) {
+            // A report teaches once, however often its system track is weighed.
+            let weighed = self.weigher().weigh(system, reference_ns);
+            self.learn(report.source, &weighed);
+        }
     }
 
-    /// The contributions to `system`, in the order of their sources, carried to `reference_ns`.
-    fn gather(&self, system: SystemSlot, reference_ns: i64) -> Gathered {
-        let mut gathered = Gathered {
-            members: [0; CONTRIBUTIONS_MAX],
-            states: [State::default(); CONTRIBUTIONS_MAX],
-            len: 0,
+    fn weigher(&self) -> Weigher<'_> {
+        Weigher {
+            search: self.search(),
+            accuracies: &self.accuracies,
+        }
+    }
+
+    fn learns(&self, source: u16) -> bool {
+        let accuracy = &self.settings.sources[usize::from(source)].accuracy;
+        matches!(accuracy.base, AccuracyBase::Estimated { .. })
+    }
+
+    /// Lets the accuracy of `source` learn from its residual.
+    fn learn(&mut self, source: u16, weighed: &Weighed) {
+        let mut candidates = weighed.candidates().iter();
+        if let Some(residual) = candidates.find(|c| c.source == source).and_then(|c| c.residual) {
+            self.accuracies.learn(&self.settings, source, residual);
+        }
+    }
+
+    /// Weighs the contributions to `system` at `reference_ns`, stores what comes out and hands it to `sink`. `cause` is
+    /// the report that made it necessary.
+    fn weigh(
+        &mut self,
+        system: SystemSlot,
+        reference_ns: i64,
+        cause: Option<&SensorTrack>,
+        sink: &mut impl FnMut(&SystemTrack),
+    ) {
+        let weighed = self.weigher().weigh(system, reference_ns);
+        if let Some(report) = cause {
+            self.learn(report.source, &weighed);
+        }
+        let latest = || {
+            let members = weighed.members().iter();
+            members.map(|member| &self.sensors.get(*member).latest)
         };
-        for member in self.search().fresh_primaries(system, reference_ns) {
-            if gathered.len == CONTRIBUTIONS_MAX {
-                break;
+        let alerts = latest().fold(0, |alerts, report| alerts | report.alerts);
+        let on_ground = latest().any(|report| report.has(sensor_track_bits::ON_GROUND));
+        let process_noise = self.settings.process_noise_m2ps3;
+        let entry = self.systems.get_mut(system);
+        let (last, chosen) = (entry.memory.selected[0], weighed.memory.selected[0]);
+        entry.alerts = alerts;
+        entry.on_ground = on_ground;
+        entry.memory = weighed.memory;
+        entry.state = match weighed.state {
+            Some(state) => state,
+            None => entry.state.at(reference_ns, process_noise),
+        };
+        let (life, reports, position_m) = (entry.life, entry.reports, entry.state.position_m);
+        if last != chosen && last != rules::NO_SOURCE {
+            self.counts.add(chosen, Counter::HandOvers);
+        }
+        if weighed.state.is_none() {
+            if life == TrackState::Confirmed {
+                self.systems.set_life(system, TrackState::Coasted);
             }
-            let source = |member: SensorSlot| self.sensors.get(member).latest.source;
-            let place = gathered.members[..gathered.len].partition_point(|other| source(*other) < source(member));
-            gathered.members[place..=gathered.len].rotate_right(1);
-            gathered.members[place] = member;
-            gathered.len += 1;
+        } else if life == TrackState::Coasted {
+            self.systems.set_life(system, TrackState::Confirmed);
+        } else if life == TrackState::Tentative && reports >= self.settings.life.confirm_reports {
+            self.systems.set_life(system, TrackState::Confirmed);
+            let source = cause.map_or(NO_SOURCE, |report| report.source);
+            self.counts.add(source, Counter::TracksConfirmed);
         }
-        for (state, member) in gathered.states.iter_mut().zip(&gathered.members[..gathered.len]) {
-            let latest = State::of_report(&self.sensors.get(*member).latest);
-            *state = latest.at(reference_ns, self.settings.process_noise_m2ps3);
-        }
-        gathered
+        self.systems.grid.place(system, position_m[0], position_m[1]);
+        sink(&self.message(system, cause, Some(&weighed)));
     }
 
-    fn candidate(&self, member: SensorSlot, state: &State, three_axes: bool) -> Candidate {
-        let latest = &self.sensors.get(member).latest;
-        let (source, rule) = (latest.source, &self.settings.rule);
-        // A track that its source does not believe yet is scored like one with a single report (TI-10): its velocity
-        // is a guess.
-        let believed = latest.state != TrackState::Tentative as u8;
-        let residual = || {
-            self.sensors
-                .histories
-                .residual(member as usize, rule.residual, rule.recency, state.time_ns)
+    /// The next refresh time that can be worked off: no report measured up to it will follow before `now_ns`.
+    fn refresh_due_before(&mut self, now_ns: i64) -> Option<i64> {
+        let (period_ns, delay_ns) = (self.settings.refresh_ns?, self.settings.refresh_delay_ns);
+        let latest_ns = now_ns
+            .saturating_sub(delay_ns)
+            .saturating_sub(1)
+            .div_euclid(period_ns)
+            .saturating_mul(period_ns);
+        let nothing_lives = self.systems.is_empty();
+        let next_ns = match self.next_refresh_ns {
+            Some(next_ns) if !nothing_lives => next_ns,
+            // Nothing to be shown meanwhile, however long it was.
+            _ => latest_ns.saturating_add(period_ns),
         };
-        Candidate {
-            source,
-            priority: self.settings.sources[usize::from(source)].priority,
-            alpha: self
-                .accuracies
-                .alpha(&self.settings, source, state.position_m, state.speed_mps()),
-            residual: believed.then(residual).flatten(),
-            three_axes,
+        let due = next_ns <= latest_ns;
+        self.next_refresh_ns = Some(if due {
+            next_ns.saturating_add(period_ns)
+        } else {
+            next_ns
+        });
+        due.then_some(next_ns)
+    }
+
+    /// Weighs every live system track at `time_ns`, in the order of their places in the table.
+    fn refresh_all(&mut self, time_ns: i64, sink: &mut impl FnMut(&SystemTrack)) {
+        for system in self.systems.slots() {
+            let entry = self.systems.get(system);
+            if entry.life != TrackState::Terminated && entry.state.time_ns <= time_ns {
+                self.weigh(system, time_ns, None, sink);
+            }
         }
     }
 
@@ -469,13 +504,17 @@ impl Engine {
     }
 
     fn coast(&mut self, slot: SystemSlot, now_ns: i64, sink: &mut impl FnMut(&SystemTrack)) {
-        let process_noise = self.settings.process_noise_m2ps3;
         self.systems.set_life(slot, TrackState::Coasted);
+        if self.settings.refresh_ns.is_some() {
+            // The next refresh shows it.
+            return;
+        }
+        let process_noise = self.settings.process_noise_m2ps3;
         let entry = self.systems.get_mut(slot);
         entry.state = entry.state.at(now_ns.max(entry.state.time_ns), process_noise);
         let [x, y, _] = entry.state.position_m;
         self.systems.grid.place(slot, x, y);
-        sink(&self.message(slot, None, &NOTHING_GATHERED, &[]));
+        sink(&self.message(slot, None, None));
     }
 
     /// Ends a system track; its remaining sensor tracks, all stale, go with it.
@@ -489,17 +528,12 @@ impl Engine {
         entry.merged_into = merged_into;
         entry.state = entry.state.at(now_ns.max(entry.state.time_ns), process_noise);
         self.counts.add(NO_SOURCE, Counter::TracksTerminated);
-        sink(&self.message(slot, None, &NOTHING_GATHERED, &[]));
+        sink(&self.message(slot, None, None));
     }
 
-    fn message(
-        &self,
-        slot: SystemSlot,
-        cause: Option<&SensorTrack>,
-        gathered: &Gathered,
-        shares: &[Share],
-    ) -> SystemTrack {
+    fn message(&self, slot: SystemSlot, cause: Option<&SensorTrack>, weighed: Option<&Weighed>) -> SystemTrack {
         let entry = self.systems.get(slot);
+        let (members, shares) = weighed.map_or((&[][..], &[][..]), |weighed| (weighed.members(), weighed.shares()));
         let mut message = SystemTrack {
             reference_time_ns: entry.state.time_ns,
             time_of_measurement_ns: cause.map_or(entry.state.time_ns, |report| report.time_of_measurement_ns),
@@ -513,8 +547,8 @@ impl Engine {
             velocity_mps: entry.state.velocity_mps,
             covariance: entry.state.covariance,
             contributions: [Contribution::default(); CONTRIBUTIONS_MAX],
-            source_count: gathered.len as u16,
-            contribution_count: gathered.len as u16,
+            source_count: members.len() as u16,
+            contribution_count: members.len() as u16,
             state: entry.life as u8,
             height_valid: u8::from(entry.state.has_height),
             rule: rules::code(self.settings.rule.rule),
@@ -525,7 +559,7 @@ impl Engine {
         };
         let mut heaviest = 0.0;
         for (index, share) in shares.iter().enumerate() {
-            let latest = &self.sensors.get(gathered.members[index]).latest;
+            let latest = &self.sensors.get(members[index]).latest;
             let weight = share.weight.iter().sum::<f64>() / AXES as f64;
             let scored = if share.accuracy.is_finite() {
                 contribution_bits::SCORED
@@ -552,28 +586,6 @@ impl Engine {
         message
     }
 }
-
-const EMPTY_CANDIDATE: Candidate = Candidate {
-    source: NO_SOURCE,
-    priority: 0,
-    alpha: 0.0,
-    residual: None,
-    three_axes: false,
-};
-
-const NOTHING_GATHERED: Gathered = Gathered {
-    members: [0; CONTRIBUTIONS_MAX],
-    states: [State {
-        time_ns: 0,
-        position_m: [0.0; 3],
-        velocity_mps: [0.0; 3],
-        covariance: messages::Covariance {
-            upper: [0.0; messages::COVARIANCE_LEN],
-        },
-        has_height: false,
-    }; CONTRIBUTIONS_MAX],
-    len: 0,
-};
 
 #[cfg(test)]
 pub(crate) fn test_settings(sources: usize) -> Settings {
@@ -608,5 +620,6 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         rule: RuleSettings::default(),
         process_noise_m2ps3: 1.0,
         refresh_ns: None,
+        refresh_delay_ns: 0,
     }
 }

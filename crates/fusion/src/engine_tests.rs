@@ -388,6 +388,50 @@ fn a_ground_sensor_does_not_join_what_flies_overhead() {
     assert_ne!(high.track_number, ground.track_number);
 }
 
+#[test]
+fn with_a_refresh_time_states_come_at_its_multiples_and_at_no_other_time() {
+    let mut settings = test_settings(2);
+    settings.refresh_ns = Some(2 * S);
+    let mut harness = Harness::new(settings);
+    for step in 0..8 {
+        let time = f64::from(step);
+        harness.take(&report(0, 1, time, [0.0, 0.0], [10.0, 0.0]));
+        harness.take(&report(1, 1, time + 0.5, [0.0, 3.0], [10.0, 0.0]));
+    }
+    harness.advance(8.001);
+    let times: Vec<i64> = harness
+        .published
+        .iter()
+        .map(|track| track.reference_time_ns / S)
+        .collect();
+    assert_eq!(
+        times,
+        [0, 2, 4, 6, 8],
+        "one target, one state each, the last as soon as 8 s has passed"
+    );
+    let sources: Vec<_> = harness.published.iter().map(sources_of).collect();
+    assert_eq!(sources[0], [0], "a report measured exactly then is in");
+    assert_eq!(sources[1..], [[0, 1], [0, 1], [0, 1], [0, 1]]);
+    assert_eq!(harness.published[0].state, TrackState::Tentative as u8);
+    assert_eq!(
+        harness.published[1].state,
+        TrackState::Confirmed as u8,
+        "five reports by then"
+    );
+    assert!(harness.published.iter().all(|track| track.trigger_source == NO_SOURCE));
+    assert!((harness.published[4].position_m[0] - 80.0).abs() < 1e-9);
+    // It coasts silently at 10 s, and ends when its time is up.
+    harness.advance(1e9);
+    let coasted: Vec<_> = harness
+        .published
+        .iter()
+        .filter(|track| track.state == TrackState::Coasted as u8)
+        .collect();
+    assert!(coasted.len() >= 8 && coasted.iter().all(|track| track.reference_time_ns % (2 * S) == 0));
+    assert_eq!(harness.published.last().unwrap().state, TrackState::Terminated as u8);
+    assert_eq!(harness.live(), 0);
+}
+
 /// Reports of a few wandering targets by three sources, in time order.
 fn traffic(seed: u64, seconds: u32) -> Vec<SensorTrack> {
     let mut noise = seed | 1;

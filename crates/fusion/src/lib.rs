@@ -20,13 +20,16 @@ mod engine;
 mod engine_tests;
 mod history;
 mod merger;
+pub mod quality;
 pub mod rules;
 mod sensor_tracks;
 pub mod settings;
 mod state;
 mod system_tracks;
+mod weighing;
 
 pub use counts::Counts;
 pub use engine::Engine;
 pub use merger::{Merger, Pushed};
 pub use settings::{Settings, SettingsError};
+pub use state::State;

@@ -4,6 +4,7 @@ use messages::SensorTrack;
 use rustc_hash::FxHashMap;
 
 use crate::history::Histories;
+use crate::quality::Qualities;
 
 /// Place of a sensor track in its table.
 pub(crate) type SensorSlot = u32;
@@ -42,6 +43,7 @@ pub(crate) struct SensorTracks {
     free: Vec<SensorSlot>,
     by_number: FxHashMap<(u16, u32), SensorSlot>,
     pub(crate) histories: Histories,
+    pub(crate) qualities: Qualities,
 }
 
 impl SensorTracks {
@@ -61,6 +63,7 @@ impl SensorTracks {
             free: (0..capacity as SensorSlot).rev().collect(),
             by_number,
             histories: Histories::new(capacity, stored_reports + 1),
+            qualities: Qualities::new(capacity),
         }
     }
 
@@ -73,6 +76,7 @@ impl SensorTracks {
         let slot = self.free.pop()?;
         self.by_number.insert((report.source, report.track_number), slot);
         self.histories.clear(slot as usize);
+        self.qualities.clear(slot as usize);
         self.entries[slot as usize] = SensorEntry {
             latest: *report,
             role: Role::Duplicate,

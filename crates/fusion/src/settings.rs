@@ -3,6 +3,7 @@
 //! These are checked values: the configuration reader turns its file into them, and [`Settings::check`] refuses what
 //! cannot work, naming the key as the file spells it.
 
+use crate::quality::SCANS_MAX;
 use crate::rules::{self, RuleEntry};
 
 /// Everything the engine needs to know.
@@ -23,6 +24,9 @@ pub struct Settings {
     /// Time between two states of a system track, nanoseconds: published at its whole multiples for every system track
     /// (QF-6). `None`: whenever a report has changed a system track.
     pub refresh_ns: Option<i64>,
+    /// How long after a refresh time its states are formed, nanoseconds. Reports measured meanwhile lie on the far side of
+    /// it, so that slow sources are interpolated where they would be extrapolated (QF-6).
+    pub refresh_delay_ns: i64,
 }
 
 /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4).
@@ -141,6 +145,10 @@ pub struct RuleSettings {
     pub reference_source: Option<u16>,
     /// How ties are broken (TI-11).
     pub tie: Tie,
+    /// Age beyond which a source has missed its expected report, in periods of its own (TI-15).
+    pub overdue_periods: f64,
+    /// N of QF-4: due scans over which the quality index is summed.
+    pub quality_scans: u32,
 }
 
 /// Variants of the residual V (TI-6).
@@ -239,7 +247,12 @@ impl Settings {
         if let Some(refresh_ns) = self.refresh_ns {
             in_range("fusion.refresh_s", refresh_ns as f64 / messages::NS_PER_S, 1e-3, 3600.0)?;
         }
+        let delay_s = self.refresh_delay_ns as f64 / messages::NS_PER_S;
+        in_range("fusion.refresh_delay_s", delay_s, 0.0, 3600.0)?;
         in_range("fusion.rule.recency", self.rule.recency, 1e-6, 1.0)?;
+        in_range("fusion.rule.overdue_periods", self.rule.overdue_periods, 0.5, 1e3)?;
+        let scans = f64::from(self.rule.quality_scans);
+        in_range("fusion.rule.quality_scans", scans, 2.0, f64::from(SCANS_MAX))?;
         for (index, source) in self.sources.iter().enumerate() {
             source.check(&format!("source[{index}]"))?;
         }
@@ -380,6 +393,8 @@ impl Default for RuleSettings {
             recency: 1.0,
             reference_source: None,
             tie: Tie::LastThenPriority,
+            overdue_periods: 1.5,
+            quality_scans: 10,
         }
     }
 }

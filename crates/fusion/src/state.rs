@@ -3,17 +3,21 @@
 use messages::{AXES, CONTRIBUTIONS_MAX, Covariance, SensorTrack, sensor_track_bits};
 
 use crate::history::moved;
-use crate::rules::Share;
+use crate::rules::{Candidate, Share};
 
 /// State of a target at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct State {
-    pub(crate) time_ns: i64,
-    pub(crate) position_m: [f64; 3],
-    pub(crate) velocity_mps: [f64; 3],
-    pub(crate) covariance: Covariance,
+pub struct State {
+    /// The time, UTC, nanoseconds.
+    pub time_ns: i64,
+    /// Position east, north, up, metres.
+    pub position_m: [f64; 3],
+    /// Velocity east, north, up, metres per second.
+    pub velocity_mps: [f64; 3],
+    /// Covariance of position and velocity.
+    pub covariance: Covariance,
     /// Whether `position_m[2]` was observed.
-    pub(crate) has_height: bool,
+    pub has_height: bool,
 }
 
 impl State {
@@ -81,12 +85,17 @@ impl State {
         ]
     }
 
+    /// Sum of the position variances over east and north, m²: what traces are compared by (TI-16).
+    pub(crate) fn horizontal_trace_m2(&self) -> f64 {
+        self.covariance.get(0, 0) + self.covariance.get(1, 1)
+    }
+
     pub(crate) fn speed_mps(&self) -> f64 {
         self.velocity_mps[0].hypot(self.velocity_mps[1])
     }
 }
 
-/// Σ eta·state over states at one time (TI-19). `shares` has one entry per state.
+/// Σ eta·state over the candidates' states, all of one time (TI-19). `shares` has one entry per candidate.
 ///
 /// Height comes from the states that have one, their weights scaled to sum to 1; where none of those has weight, from
 /// the one with the smallest accuracy value.
@@ -94,17 +103,18 @@ impl State {
 /// The covariance is the same weighted sum: by convexity, the covariance of Σ eta·e is at most Σ eta·P whatever the
 /// correlation of the errors e. Axes with different weights are different mixtures of sources; between those the
 /// covariance is unknown, and set to 0.
-pub(crate) fn combine(states: &[State], shares: &[Share]) -> State {
-    let weights = weights_per_axis(states, shares);
-    let weights = &weights[..states.len()];
+pub(crate) fn combine(candidates: &[Candidate], shares: &[Share]) -> State {
+    let states = || candidates.iter().map(|candidate| &candidate.state);
+    let weights = weights_per_axis(candidates, shares);
+    let weights = &weights[..candidates.len()];
     let together = |a: usize, b: usize| weights.iter().all(|weight| weight[a] == weight[b]);
-    let has_height = states.iter().any(|state| state.has_height);
+    let has_height = states().any(|state| state.has_height);
     let mut fused = State {
-        time_ns: states[0].time_ns,
+        time_ns: candidates[0].state.time_ns,
         has_height,
         ..State::default()
     };
-    for (state, weight) in states.iter().zip(weights) {
+    for (state, weight) in states().zip(weights) {
         for (axis, weight) in weight.iter().enumerate() {
             fused.position_m[axis] += weight * state.position_m[axis];
             fused.velocity_mps[axis] += weight * state.velocity_mps[axis];
@@ -114,8 +124,7 @@ pub(crate) fn combine(states: &[State], shares: &[Share]) -> State {
         for column in row..2 * AXES {
             let axis = row % AXES;
             if together(axis, column % AXES) {
-                let sum = states
-                    .iter()
+                let sum = states()
                     .zip(weights)
                     .map(|(state, weight)| weight[axis] * state.covariance.get(row, column))
                     .sum();
@@ -127,24 +136,22 @@ pub(crate) fn combine(states: &[State], shares: &[Share]) -> State {
 }
 
 /// The weights with which each state enters each axis.
-fn weights_per_axis(states: &[State], shares: &[Share]) -> [[f64; AXES]; CONTRIBUTIONS_MAX] {
+fn weights_per_axis(candidates: &[Candidate], shares: &[Share]) -> [[f64; AXES]; CONTRIBUTIONS_MAX] {
     let mut weights = [[0.0; AXES]; CONTRIBUTIONS_MAX];
     for (weight, share) in weights.iter_mut().zip(shares) {
         *weight = share.weight;
     }
-    if states.iter().all(|state| state.has_height) || states.iter().all(|state| !state.has_height) {
+    let known = |index: &usize| candidates[*index].state.has_height;
+    let all = 0..candidates.len();
+    if all.clone().all(|index| known(&index)) || !all.clone().any(|index| known(&index)) {
         return weights;
     }
-    let known = |index: &usize| states[*index].has_height;
-    let total: f64 = (0..states.len())
-        .filter(known)
-        .map(|index| shares[index].weight[2])
-        .sum();
-    let best = (0..states.len())
+    let total: f64 = all.clone().filter(known).map(|index| shares[index].weight[2]).sum();
+    let best = all
         .filter(known)
         .min_by(|a, b| shares[*a].accuracy.total_cmp(&shares[*b].accuracy));
-    for (index, weight) in weights[..states.len()].iter_mut().enumerate() {
-        weight[2] = match states[index].has_height {
+    for (index, weight) in weights[..candidates.len()].iter_mut().enumerate() {
+        weight[2] = match known(&index) {
             false => 0.0,
             true if total > 0.0 => weight[2] / total,
             true => f64::from(u8::from(best == Some(index))),
@@ -171,11 +178,19 @@ mod tests {
         }
     }
 
-    fn share(weight: f64) -> Share {
-        Share {
+    /// `combine` over states and their weights.
+    fn combined(parts: &[(State, f64)]) -> State {
+        let candidate = |state| Candidate {
+            state,
+            ..Candidate::default()
+        };
+        let share = |weight: f64| Share {
             weight: [weight; 3],
             accuracy: 1.0 - weight,
-        }
+        };
+        let candidates: Vec<_> = parts.iter().map(|(state, _)| candidate(*state)).collect();
+        let shares: Vec<_> = parts.iter().map(|(_, weight)| share(*weight)).collect();
+        combine(&candidates, &shares)
     }
 
     #[test]
@@ -192,25 +207,19 @@ mod tests {
     #[test]
     fn one_source_passes_through_unchanged() {
         let only = state(10.0, 4.0, true);
-        assert_eq!(combine(&[only], &[share(1.0)]), only);
+        assert_eq!(combined(&[(only, 1.0)]), only);
     }
 
     #[test]
     fn the_mean_and_its_covariance_are_weighted() {
-        let fused = combine(
-            &[state(0.0, 4.0, true), state(100.0, 16.0, true)],
-            &[share(0.25), share(0.75)],
-        );
+        let fused = combined(&[(state(0.0, 4.0, true), 0.25), (state(100.0, 16.0, true), 0.75)]);
         assert!((fused.position_m[0] - 75.0).abs() < 1e-12);
         assert!((fused.covariance.get(0, 0) - 13.0).abs() < 1e-12);
     }
 
     #[test]
     fn a_source_without_height_does_not_give_one() {
-        let fused = combine(
-            &[state(0.0, 4.0, false), state(100.0, 16.0, true)],
-            &[share(1.0), share(0.0)],
-        );
+        let fused = combined(&[(state(0.0, 4.0, false), 1.0), (state(100.0, 16.0, true), 0.0)]);
         assert_eq!(fused.position_m, [0.0, 0.0, 300.0]);
         assert!(fused.has_height);
         assert_eq!(fused.covariance.get(0, 2), 0.0, "of two sources, nothing is known");
@@ -222,9 +231,8 @@ mod tests {
             parts in prop::collection::vec((-1e4..1e4f64, 0.01..1.0f64), 1..6),
         ) {
             let total: f64 = parts.iter().map(|(_, weight)| weight).sum();
-            let states: Vec<_> = parts.iter().map(|(x, _)| state(*x, 9.0, true)).collect();
-            let shares: Vec<_> = parts.iter().map(|(_, weight)| share(weight / total)).collect();
-            let fused = combine(&states, &shares);
+            let weighed: Vec<_> = parts.iter().map(|(x, weight)| (state(*x, 9.0, true), weight / total)).collect();
+            let fused = combined(&weighed);
             let low = parts.iter().map(|(x, _)| *x).fold(f64::INFINITY, f64::min);
             let high = parts.iter().map(|(x, _)| *x).fold(f64::NEG_INFINITY, f64::max);
             prop_assert!((low - 1e-6..=high + 1e-6).contains(&fused.position_m[0]));

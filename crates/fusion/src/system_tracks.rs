@@ -122,6 +122,17 @@ impl SystemTracks {
         self.in_state[life as usize]
     }
 
+    /// Every place of the table, in use or not.
+    pub(crate) fn slots(&self) -> std::ops::Range<SystemSlot> {
+        0..self.entries.len() as SystemSlot
+    }
+
+    /// Whether no system track lives.
+    pub(crate) fn is_empty(&self) -> bool {
+        let live = [TrackState::Tentative, TrackState::Confirmed, TrackState::Coasted];
+        live.iter().all(|life| self.count_in_state(*life) == 0)
+    }
+
     /// The system track that carries `address`.
     pub(crate) fn with_address(&self, address: u32) -> Option<SystemSlot> {
         self.by_address.get(&address).copied()

@@ -4,18 +4,20 @@
 //! Averaging them makes a still target creep as the weights change. This rule never averages: at each refresh the
 //! source with the smallest lambda = alpha·V gets weight 1, all others 0.
 
-use super::{Candidate, Memory, NO_SOURCE, RuleEntry, Share};
+use super::{Candidate, Memory, NO_SOURCE, RuleEntry, Share, Target};
 use crate::settings::{Residual, RuleSettings, Tie};
+use crate::state::{State, combine};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
     name: "best-source",
     summary: "the source with the smallest accuracy value lambda = alpha·V gets weight 1",
     assumption: "none: one source at a time, so correlation between sources does not matter",
-    weigh,
+    claims_consistency: false,
+    fuse,
 };
 
-fn weigh(settings: &RuleSettings, candidates: &[Candidate], memory: &mut Memory, shares: &mut [Share]) {
-    let per_axis = settings.residual == Residual::PerAxis;
+fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
+    let (candidates, per_axis) = (target.candidates, settings.residual == Residual::PerAxis);
     for axis in 0..3 {
         if per_axis || axis == 0 {
             memory.selected[axis] = choose(settings, candidates, memory.selected[axis], axis);
@@ -24,11 +26,11 @@ fn weigh(settings: &RuleSettings, candidates: &[Candidate], memory: &mut Memory,
         }
     }
     for (share, candidate) in shares.iter_mut().zip(candidates) {
-        share.accuracy = norm(candidate).map_or(f64::INFINITY, |v| candidate.alpha * v);
         share.weight = memory
             .selected
             .map(|selected| f64::from(u8::from(selected == candidate.source)));
     }
+    Some(combine(candidates, shares))
 }
 
 /// The best source on one axis.
@@ -51,14 +53,13 @@ struct Key {
 
 impl Key {
     fn new(settings: &RuleSettings, candidate: &Candidate, last: u16, axis: usize) -> Self {
-        let v = if settings.residual == Residual::PerAxis {
-            candidate.residual.map(|residual| residual[axis].abs())
-        } else {
-            norm(candidate)
+        let lambda = match candidate.residual {
+            Some(residual) if settings.residual == Residual::PerAxis => candidate.alpha * residual[axis].abs(),
+            _ => candidate.lambda,
         };
         Self {
             // Without a V a source loses to any that has one, and is scored by alpha alone (TI-10).
-            lambda: v.map_or(f64::INFINITY, |v| candidate.alpha * v),
+            lambda,
             alpha: candidate.alpha,
             chosen_last: settings.tie == Tie::LastThenPriority && candidate.source == last,
             priority: candidate.priority,
@@ -76,31 +77,34 @@ impl Key {
     }
 }
 
-/// V as a norm over the axes that all candidates have.
-fn norm(candidate: &Candidate) -> Option<f64> {
-    let [x, y, z] = candidate.residual?;
-    let z = if candidate.three_axes { z } else { 0.0 };
-    Some((x * x + y * y + z * z).sqrt())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rules::default_rule;
+    use crate::rules::{self, default_rule};
 
     fn candidate(source: u16, alpha: f64, residual: Option<[f64; 3]>) -> Candidate {
-        Candidate {
+        let candidate = Candidate {
             source,
             priority: u32::from(source),
             alpha,
             residual,
-            three_axes: true,
+            ..Candidate::default()
+        };
+        Candidate {
+            lambda: candidate.lambda_over(true),
+            ..candidate
         }
     }
 
     fn selected(settings: &RuleSettings, candidates: &[Candidate], memory: &mut Memory) -> [u16; 3] {
+        let target = Target {
+            candidates,
+            reference_ns: 0,
+            last: State::default(),
+            process_noise_m2ps3: 1.0,
+        };
         let mut shares = vec![Share::default(); candidates.len()];
-        weigh(settings, candidates, memory, &mut shares);
+        rules::fuse(settings, &target, memory, &mut shares).expect("there is a source");
         memory.selected
     }
 

@@ -1,11 +1,15 @@
 //! The rules that weigh a target's sources.
 //!
 //! A rule sees contributions that have already been brought to one reference time, and says how large a share each
-//! one gets. It never sees topics, files, or a clock. A new rule is a file here and a line in [`REGISTRY`].
+//! one gets and which state they yield. It never sees topics, files, or a clock. A new rule is a file here and a line in
+//! [`REGISTRY`].
 
 mod best_source;
 
+use messages::TrackState;
+
 use crate::settings::RuleSettings;
+use crate::state::State;
 
 /// Source number that stands for none.
 pub const NO_SOURCE: u16 = u16::MAX;
@@ -17,10 +21,16 @@ pub struct RuleEntry {
     pub name: &'static str,
     /// One line for help texts.
     pub summary: &'static str,
-    /// What the rule assumes about how the sources' errors are correlated.
+    /// What the rule assumes about how the sources' errors are correlated (BF-1).
     pub assumption: &'static str,
-    /// Fills one share per candidate. For each axis the weights of all candidates sum to 1.
-    pub weigh: fn(&RuleSettings, &[Candidate], &mut Memory, &mut [Share]),
+    /// Whether the covariance it gives is meant to be the true one, which the normalised error squared shows; otherwise
+    /// it is a bound.
+    pub claims_consistency: bool,
+    /// Fills the weights of one share per candidate and returns the state at the candidates' common time.
+    ///
+    /// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of
+    /// the candidates: then the system track coasts. Call it through [`fuse`].
+    pub fuse: fn(&RuleSettings, &Target<'_>, &mut Memory, &mut [Share]) -> Option<State>,
 }
 
 /// Every rule there is.
@@ -44,6 +54,31 @@ pub fn code(rule: &RuleEntry) -> u8 {
         .unwrap_or_default() as u8
 }
 
+/// Lets the configured rule weigh `target`. `shares` holds one share per candidate, of which there is at least one; their
+/// accuracy values are filled in for every rule (TI-9).
+pub fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
+    for (share, candidate) in shares.iter_mut().zip(target.candidates) {
+        *share = Share {
+            accuracy: candidate.lambda,
+            ..Share::default()
+        };
+    }
+    (settings.rule.fuse)(settings, target, memory, shares)
+}
+
+/// One target, as a rule sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Target<'a> {
+    /// The contributions at the reference time, in the order of their sources; at least one, at most one per source.
+    pub candidates: &'a [Candidate],
+    /// The reference time, UTC, nanoseconds.
+    pub reference_ns: i64,
+    /// The system track's state so far, at its own time.
+    pub last: State,
+    /// Spectral density of the white-noise acceleration of targets, m²/s³.
+    pub process_noise_m2ps3: f64,
+}
+
 /// One source's contribution to one target at the reference time, as a rule sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
@@ -55,8 +90,53 @@ pub struct Candidate {
     pub alpha: f64,
     /// V per axis, metres or metres per second; `None` while there is no earlier report (TI-10).
     pub residual: Option<[f64; 3]>,
-    /// Whether every candidate knows its height, so that the third axis may count.
-    pub three_axes: bool,
+    /// Accuracy value lambda = alpha·V, V being the norm over the axes that all candidates have (TI-9); infinite while
+    /// there is no V.
+    pub lambda: f64,
+    /// Age of its latest report, nanoseconds.
+    pub age_ns: i64,
+    /// Time between two reports of its source, nanoseconds.
+    pub period_ns: i64,
+    /// Whether its source has missed the expected report (TI-15).
+    pub overdue: bool,
+    /// State of the track at its source.
+    pub life: TrackState,
+    /// Trace over east and north that the source itself delivered (TI-16), brought to the reference time, m².
+    pub trace_m2: Option<f64>,
+    /// Quality index M: how many of the last scans confirmed the track (QF-4).
+    pub quality: u32,
+    /// Its latest report at the reference time.
+    pub state: State,
+}
+
+impl Candidate {
+    /// alpha·V with V over two axes or all three.
+    pub(crate) fn lambda_over(&self, three_axes: bool) -> f64 {
+        let norm = |[x, y, z]: [f64; 3]| {
+            let z = if three_axes { z } else { 0.0 };
+            (x * x + y * y + z * z).sqrt()
+        };
+        self.residual.map_or(f64::INFINITY, |v| self.alpha * norm(v))
+    }
+}
+
+impl Default for Candidate {
+    fn default() -> Self {
+        Self {
+            source: NO_SOURCE,
+            priority: 0,
+            alpha: 0.0,
+            residual: None,
+            lambda: f64::INFINITY,
+            age_ns: 0,
+            period_ns: 1,
+            overdue: false,
+            life: TrackState::Confirmed,
+            trace_m2: None,
+            quality: 0,
+            state: State::default(),
+        }
+    }
 }
 
 /// One candidate's share.
@@ -94,17 +174,21 @@ mod conformance {
     fn candidates() -> impl Strategy<Value = Vec<Candidate>> {
         let residual = prop::option::weighted(0.8, prop::array::uniform3(0.0..200.0f64));
         prop::collection::vec((0.0..100.0f64, residual, 0u32..3), 1..9).prop_map(|parts| {
-            parts
-                .into_iter()
-                .enumerate()
-                .map(|(source, (alpha, residual, priority))| Candidate {
+            let numbered = parts.into_iter().enumerate();
+            let candidate = |(source, (alpha, residual, priority))| {
+                let candidate = Candidate {
                     source: source as u16,
                     priority,
                     alpha,
                     residual,
-                    three_axes: true,
-                })
-                .collect()
+                    ..Candidate::default()
+                };
+                Candidate {
+                    lambda: candidate.lambda_over(true),
+                    ..candidate
+                }
+            };
+            numbered.map(candidate).collect()
         })
     }
 
@@ -113,8 +197,14 @@ mod conformance {
             rule,
             ..RuleSettings::default()
         };
+        let target = Target {
+            candidates,
+            reference_ns: 0,
+            last: State::default(),
+            process_noise_m2ps3: 1.0,
+        };
         let mut shares = vec![Share::default(); candidates.len()];
-        (rule.weigh)(&settings, candidates, memory, &mut shares);
+        fuse(&settings, &target, memory, &mut shares);
         shares
     }
 

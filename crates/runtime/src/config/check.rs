@@ -415,6 +415,7 @@ pub(super) fn check_fusion(fusion: &RawFusion, sources: Vec<engine::SourceSettin
         },
         process_noise_m2ps3: fusion.process_noise_m2ps3,
         refresh_ns: fusion.refresh_s.map(nanoseconds),
+        refresh_delay_ns: nanoseconds(fusion.refresh_delay_s),
     };
     settings
         .check()

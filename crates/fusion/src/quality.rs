@@ -1,0 +1,109 @@
+//! Quality index of each sensor track: which of its last scans confirmed it (QF-4).
+//!
+//! A report is worth one scan of its source, 1 if the track is confirmed and 0 if not; a due scan without a report is
+//! worth 0. Scans are told apart by time alone: what comes within half a period of the scan's beginning belongs to it,
+//! and a scan is missed once half a period has passed since it was due. So an antenna may turn a little unevenly, and a
+//! source that reports more often than its period does not gain by it.
+
+/// Most scans that the index can look back over: one bit each.
+pub const SCANS_MAX: u32 = 64;
+
+/// The last scans of every sensor-track slot, allocated at once.
+#[derive(Debug)]
+pub(crate) struct Qualities {
+    scans: Vec<Scans>,
+}
+
+/// The last scans of one sensor track.
+#[derive(Clone, Copy, Debug, Default)]
+struct Scans {
+    /// Bit 0 is the latest scan with a report; 1 if it confirmed the track.
+    confirmed: u64,
+    /// When that scan began, nanoseconds; `None` before the first report.
+    began_ns: Option<i64>,
+}
+
+impl Qualities {
+    pub(crate) fn new(slots: usize) -> Self {
+        Self {
+            scans: vec![Scans::default(); slots],
+        }
+    }
+
+    pub(crate) fn clear(&mut self, slot: usize) {
+        self.scans[slot] = Scans::default();
+    }
+
+    /// A report of the track in `slot`, whose source has the given period.
+    pub(crate) fn push(&mut self, slot: usize, time_ns: i64, period_ns: i64, confirmed: bool) {
+        let scans = &mut self.scans[slot];
+        let passed = scans
+            .began_ns
+            .map_or(1, |began_ns| nearest_scan(time_ns - began_ns, period_ns));
+        if passed == 0 {
+            scans.confirmed = (scans.confirmed & !1) | u64::from(confirmed);
+            return;
+        }
+        scans.confirmed = shifted(scans.confirmed, passed) | u64::from(confirmed);
+        scans.began_ns = Some(time_ns);
+    }
+
+    /// M: how many of the last `count` due scans confirmed the track, as of `now_ns`.
+    pub(crate) fn index(&self, slot: usize, now_ns: i64, period_ns: i64, count: u32) -> u32 {
+        let scans = &self.scans[slot];
+        let passed = scans
+            .began_ns
+            .map_or(0, |began_ns| nearest_scan(now_ns - began_ns, period_ns));
+        // The scan that is due about now may still come.
+        let kept = shifted(scans.confirmed, passed.saturating_sub(1));
+        let window = u64::MAX >> (SCANS_MAX - count.clamp(1, SCANS_MAX));
+        (kept & window).count_ones()
+    }
+}
+
+/// How many scans after the one that began `age_ns` ago it is, to the nearest.
+fn nearest_scan(age_ns: i64, period_ns: i64) -> u64 {
+    let period_ns = period_ns.max(1);
+    ((age_ns.max(0) + period_ns / 2) / period_ns) as u64
+}
+
+fn shifted(bits: u64, by: u64) -> u64 {
+    if by < u64::from(SCANS_MAX) { bits << by } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: i64 = 1_000_000_000;
+
+    #[test]
+    fn missed_and_unconfirmed_scans_count_nothing() {
+        let mut qualities = Qualities::new(1);
+        // Scans at 0, 4, 8, 12 s; none at 16 s; 20 s with another turn's jitter, not confirmed there.
+        for time_s in [0, 4, 8, 12] {
+            qualities.push(0, time_s * S, 4 * S, true);
+        }
+        qualities.push(0, 20 * S + S / 2, 4 * S, false);
+        assert_eq!(qualities.index(0, 20 * S + S / 2, 4 * S, 10), 4);
+        assert_eq!(
+            qualities.index(0, 20 * S + S / 2, 4 * S, 5),
+            3,
+            "of 4, 8, 12, (16), (20)"
+        );
+        assert_eq!(qualities.index(0, 25 * S, 4 * S, 5), 3, "24 s may still come");
+        assert_eq!(qualities.index(0, 27 * S, 4 * S, 5), 2, "it has not");
+        assert_eq!(qualities.index(0, i64::MAX / 2, 4 * S, 64), 0);
+    }
+
+    #[test]
+    fn reports_within_one_scan_count_once() {
+        let mut qualities = Qualities::new(1);
+        for step in 0..21 {
+            qualities.push(0, step * S / 10, S, true);
+        }
+        assert!(qualities.index(0, 2 * S, S, 64) <= 5, "21 reports within two seconds");
+        qualities.clear(0);
+        assert_eq!(qualities.index(0, 2 * S, S, 64), 0);
+    }
+}

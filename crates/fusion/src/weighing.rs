@@ -1,0 +1,141 @@
+//! Weighing: from the contributions of one system track to its state at a reference time.
+//!
+//! Each source that speaks for a system track contributes its latest report, brought to the reference time. What is
+//! known of it besides (its accuracy value, age, quality index …) goes with it to the rule as a [`Candidate`]; the rule
+//! gives each its share and the state they yield together. Nothing is changed here: the engine stores what comes out.
+
+use messages::{CONTRIBUTIONS_MAX, TrackState, sensor_track_bits};
+
+use crate::accuracy::Accuracies;
+use crate::association_step::Search;
+use crate::rules::{self, Candidate, Memory, Share, Target};
+use crate::sensor_tracks::SensorSlot;
+use crate::state::State;
+use crate::system_tracks::SystemSlot;
+
+/// What weighing needs to look at, borrowed from the engine.
+pub(crate) struct Weigher<'a> {
+    pub(crate) search: Search<'a>,
+    pub(crate) accuracies: &'a Accuracies,
+}
+
+/// What the rule has made of one system track; `len` entries of each array hold something.
+#[derive(Debug)]
+pub(crate) struct Weighed {
+    members: [SensorSlot; CONTRIBUTIONS_MAX],
+    candidates: [Candidate; CONTRIBUTIONS_MAX],
+    shares: [Share; CONTRIBUTIONS_MAX],
+    len: usize,
+    /// The fused state at the reference time; `None` if the rule can use none of the contributions.
+    pub(crate) state: Option<State>,
+    /// What the rule will remember of the target.
+    pub(crate) memory: Memory,
+}
+
+impl Weighed {
+    /// The contributing sensor tracks, in the order of their sources.
+    pub(crate) fn members(&self) -> &[SensorSlot] {
+        &self.members[..self.len]
+    }
+
+    /// One per member.
+    pub(crate) fn candidates(&self) -> &[Candidate] {
+        &self.candidates[..self.len]
+    }
+
+    /// One per member.
+    pub(crate) fn shares(&self) -> &[Share] {
+        &self.shares[..self.len]
+    }
+
+    fn push(&mut self, member: SensorSlot, candidate: Candidate) {
+        let place = self
+            .candidates()
+            .partition_point(|other| other.source < candidate.source);
+        self.len += 1;
+        self.members[place..self.len].rotate_right(1);
+        self.candidates[place..self.len].rotate_right(1);
+        self.members[place] = member;
+        self.candidates[place] = candidate;
+    }
+}
+
+impl Weigher<'_> {
+    /// Weighs the contributions to `system` at `reference_ns`.
+    pub(crate) fn weigh(&self, system: SystemSlot, reference_ns: i64) -> Weighed {
+        let entry = self.search.systems.get(system);
+        let mut weighed = Weighed {
+            members: [0; CONTRIBUTIONS_MAX],
+            candidates: [Candidate::default(); CONTRIBUTIONS_MAX],
+            shares: [Share::default(); CONTRIBUTIONS_MAX],
+            len: 0,
+            state: None,
+            memory: entry.memory,
+        };
+        self.gather(system, reference_ns, &mut weighed);
+        if weighed.len == 0 {
+            return weighed;
+        }
+        let settings = self.search.settings;
+        let target = Target {
+            candidates: &weighed.candidates[..weighed.len],
+            reference_ns,
+            last: entry.state,
+            process_noise_m2ps3: settings.process_noise_m2ps3,
+        };
+        let shares = &mut weighed.shares[..weighed.len];
+        weighed.state = rules::fuse(&settings.rule, &target, &mut weighed.memory, shares);
+        weighed
+    }
+
+    /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
+    fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+        for member in self.search.fresh_primaries(system, reference_ns) {
+            if weighed.len == CONTRIBUTIONS_MAX {
+                break;
+            }
+            weighed.push(member, self.candidate(member, reference_ns));
+        }
+        let three_axes = weighed.candidates().iter().all(|candidate| candidate.state.has_height);
+        for candidate in &mut weighed.candidates[..weighed.len] {
+            candidate.lambda = candidate.lambda_over(three_axes);
+        }
+    }
+
+    fn candidate(&self, member: SensorSlot, reference_ns: i64) -> Candidate {
+        let (settings, sensors) = (self.search.settings, self.search.sensors);
+        let latest = &sensors.get(member).latest;
+        let (source, rule) = (&settings.sources[usize::from(latest.source)], &settings.rule);
+        let reported = State::of_report(latest);
+        let state = reported.at(reference_ns, settings.process_noise_m2ps3);
+        let life = TrackState::from_code(latest.state).unwrap_or(TrackState::Tentative);
+        // A track that its source does not believe yet is scored like one with a single report (TI-10): its velocity
+        // is a guess.
+        let residual = || {
+            sensors
+                .histories
+                .residual(member as usize, rule.residual, rule.recency, reference_ns)
+        };
+        let age_ns = reference_ns - latest.time_of_measurement_ns;
+        Candidate {
+            source: latest.source,
+            priority: source.priority,
+            alpha: self
+                .accuracies
+                .alpha(settings, latest.source, state.position_m, state.speed_mps()),
+            residual: (life != TrackState::Tentative).then(residual).flatten(),
+            lambda: f64::INFINITY,
+            age_ns,
+            period_ns: source.period_ns,
+            overdue: age_ns as f64 > rule.overdue_periods * source.period_ns as f64,
+            life,
+            trace_m2: latest
+                .has(sensor_track_bits::TRACE)
+                .then(|| latest.trace_m2 + state.horizontal_trace_m2() - reported.horizontal_trace_m2()),
+            quality: sensors
+                .qualities
+                .index(member as usize, reference_ns, source.period_ns, rule.quality_scans),
+            state,
+        }
+    }
+}
