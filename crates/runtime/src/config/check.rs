@@ -490,5 +490,6 @@ fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> Checked<engi
             RawTie::LastThenPriority => engine::Tie::LastThenPriority,
             RawTie::Priority => engine::Tie::Priority,
         },
+        ..engine::RuleSettings::default()
     })
 }
