@@ -79,6 +79,11 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             source_of,
         })
     }
+
+    /// The line, from 1, of the row read last, or of the header.
+    pub fn line(&self) -> u64 {
+        self.table.line()
+    }
 }
 
 impl<R: Read, F: FnMut(u32) -> Option<u16>> Iterator for SensorTrackReader<R, F> {

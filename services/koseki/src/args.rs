@@ -38,6 +38,7 @@ Examples:
   koseki up config/barcelona.toml --speed max   the recorded airport, as fast as this machine can
   koseki status                                 what runs, in another terminal
   koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
+  koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into one picture
 
 Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
 
@@ -62,6 +63,9 @@ pub(crate) enum Command {
     /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
     #[command(after_help = DECODE_EXAMPLES)]
     Decode(Decode),
+    /// Fuse files of sensor tracks into one file of system tracks
+    #[command(after_help = FUSE_EXAMPLES)]
+    Fuse(Fuse),
     /// Score tracks or fixes against a known truth
     #[command(after_help = SCORE_EXAMPLES)]
     Score(Score),
@@ -238,6 +242,64 @@ pub(crate) enum ChosenEdition {
     Category(&'static Category),
     /// The coding rules of its reserved expansion field.
     Expansion(&'static Expansion),
+}
+
+const FUSE_EXAMPLES: &str = "\
+Examples:
+  koseki fuse --tracks radar.csv adsb.csv --refresh 1 --out fused.csv
+  koseki fuse --tracks all.csv --rule best-source --out fused.csv --json
+  koseki fuse --tracks all.csv --config sensors.toml --out fused.csv
+
+FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
+         and, where known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid. Metres, m/s, the upper
+         triangle of the covariance row by row; state is tentative, confirmed, coasted or terminated. A file may hold
+         several sensors; several files are merged by time. Rows that cannot be used are left out and counted.
+--out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
+         and more, a row per update. With --refresh a row at every whole multiple of it for each track that is confirmed or
+         coasted. Several values in a column are joined with |.
+--config a deployment as for `koseki up` (sensor_id 1 is its first source), or [fusion] and [[sensor]] alone:
+           [fusion.rule]
+           name = \"best-source\"
+           [[sensor]]
+           id = 3                # the sensor_id of the files
+           period_s = 4.0        # time between two reports of a track
+           fresh_s = 10.0        # age beyond which a report no longer counts
+           priority = 1          # of equally good sensors the one with the smallest number is taken
+           [sensor.accuracy]
+           sigma_m = 50.0
+           adjustment = 1.0      # more makes it count less
+         What is not configured, a first pass over the files tells: sensors, periods, accuracy as stated, sizes of tables.
+
+The same files and options give the same bytes.";
+
+/// `koseki fuse`.
+#[derive(Debug, Args)]
+pub(crate) struct Fuse {
+    #[command(flatten)]
+    pub(crate) input: OfflineInput,
+    /// How sources are weighed; auto is the best there is for unknown data [default: what --config says, else auto]
+    #[arg(long, value_name = "RULE")]
+    pub(crate) rule: Option<String>,
+    /// Write rows at whole multiples of so many seconds [default: a row per update]
+    #[arg(long, value_name = "SECONDS", value_parser = refresh)]
+    pub(crate) refresh: Option<Duration>,
+    /// File for the system tracks
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// Print what was read and found as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What the offline engines of fusion are given.
+#[derive(Debug, Args)]
+pub(crate) struct OfflineInput {
+    /// Sensor tracks: CSV files, each in the order of time
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) tracks: Vec<PathBuf>,
+    /// What is known of the sensors, and settings of fusion: a TOML file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
 }
 
 const SCORE_EXAMPLES: &str = "\
@@ -545,6 +607,14 @@ fn seconds(text: &str) -> Result<Duration, String> {
         return Ok(Duration::from_secs_f64(seconds));
     }
     Err(format!("it must be more than 0 and at most {SECONDS_MAX}"))
+}
+
+fn refresh(text: &str) -> Result<Duration, String> {
+    let time = seconds(text)?;
+    if (Duration::from_millis(1)..=Duration::from_secs(3600)).contains(&time) {
+        return Ok(time);
+    }
+    Err("it must lie between 0.001 and 3600".to_owned())
 }
 
 fn speed(text: &str) -> Result<Speed, String> {

@@ -2,7 +2,7 @@
 //!
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
-//! that answer questions ([`check`], [`status`]), give orders ([`condition`]) or work on files ([`decode`], [`score`]).
+//! that answer questions ([`check`], [`status`]), give orders ([`condition`]) or work on files ([`decode`], [`fuse`], [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running; the latter two after one line on standard error (FM).
@@ -13,6 +13,9 @@ mod args;
 mod check;
 mod condition;
 mod decode;
+mod files;
+mod fuse;
+mod offline;
 mod recordings;
 mod score;
 mod status;
@@ -79,6 +82,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Status(status) => status::run(status.instance.as_deref()),
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),
+        Command::Fuse(fuse) => fuse::run(&fuse),
         Command::Score(score) => score::run(&score),
         Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, adapter::run),
         Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, fusion_service::run),
@@ -156,7 +160,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
     let refused = error.is::<ConfigError>()
         || error.is::<RecordingError>()
         || error.is::<Usage>()
-        || error.is::<score::InputError>()
+        || error.is::<files::InputError>()
         || error.is::<launcher::ChildRefused>();
     if refused { CODE_REFUSED } else { CODE_FAILED }
 }

@@ -12,14 +12,32 @@ use fusion::settings as engine;
 use messages::NS_PER_S;
 
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
-use super::raw::{AccuracyModel, RawAccuracy, RawConfig, RawPlace, RawRecorded, RawResidual, RawSource, RawTie};
-use super::{Config, Fusion, Input, Monitor, Order, Recorded, RecordedFormat, Source};
+use super::locate::line_of;
+use super::raw::{
+    AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawFusion, RawPlace, RawRecorded, RawResidual, RawRule,
+    RawSource, RawTie,
+};
+use super::{Config, ConfigError, Fusion, Input, Monitor, Order, Recorded, RecordedFormat, Source};
 use crate::cores::{self, Placement};
 
 /// What is wrong with the value at a key.
 pub(super) struct Problem {
     pub(super) key: String,
     pub(super) what: String,
+}
+
+impl Problem {
+    /// As an error that names the line of `text`, read from `path`.
+    pub(super) fn in_file(self, path: &Path, text: &str) -> ConfigError {
+        ConfigError {
+            file: path.to_owned(),
+            line: line_of(text, &self.key),
+            what: match self.key.as_str() {
+                "" => self.what,
+                key => format!("{key}: {}", self.what),
+            },
+        }
+    }
 }
 
 pub(super) type Checked<T> = Result<T, Problem>;
@@ -107,7 +125,7 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
         ));
     }
     Ok(Config {
-        fusion: check_fusion(&raw, weighing)?,
+        fusion: check_fusion(&raw.fusion, weighing)?,
         monitor: Monitor {
             interval_ns: nanoseconds(within("monitor.interval_s", raw.monitor.interval_s, 0.1, 3600.0)?),
             files: raw.monitor.files,
@@ -224,7 +242,7 @@ fn check_source(
             period_s,
             1e5,
         )?),
-        accuracy: accuracy(&raw.accuracy, &source.model.frame),
+        accuracy: accuracy(&raw.accuracy, source.model.frame.place()),
         adjustment: raw.accuracy.adjustment,
         priority: raw.priority.unwrap_or(index as u32),
         ceiling_m: raw.ceiling_m.unwrap_or(f64::INFINITY),
@@ -287,12 +305,12 @@ fn check_sac_sic(index: usize, raw: &RawSource) -> Checked<Option<(u8, u8)>> {
     }
 }
 
-fn accuracy(raw: &RawAccuracy, frame: &SensorFrame) -> engine::Accuracy {
+pub(super) fn accuracy(raw: &RawAccuracy, place_m: [f64; 2]) -> engine::Accuracy {
     engine::Accuracy {
         base: match raw.model {
             AccuracyModel::Constant => engine::AccuracyBase::Constant { sigma_m: raw.sigma_m },
             AccuracyModel::Polar => engine::AccuracyBase::Polar {
-                place_m: frame.place(),
+                place_m,
                 range_sigma_m: raw.range_sigma_m,
                 azimuth_sigma_rad: raw.azimuth_sigma_deg.to_radians(),
             },
@@ -352,8 +370,7 @@ fn check_scenario(raw: &RawConfig, sources: &[Source]) -> Checked<Option<scenari
     }
 }
 
-fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checked<Fusion> {
-    let fusion = &raw.fusion;
+pub(super) fn check_fusion(fusion: &RawFusion, sources: Vec<engine::SourceSettings>) -> Checked<Fusion> {
     let wait = match fusion.wait.as_str() {
         "spin" => WaitMode::Spin,
         "event" => WaitMode::Event,
@@ -380,19 +397,21 @@ fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checke
     if let Some(priority) = fusion.realtime_priority {
         within("fusion.realtime_priority", f64::from(priority), 1.0, 99.0)?;
     }
+    let usual = engine::Capacity::default();
+    let usual_life = engine::LifeSettings::default();
     let settings = engine::Settings {
-        rule: check_rule(raw, &sources)?,
+        rule: check_rule(&fusion.rule, &sources)?,
         sources,
         capacity: engine::Capacity {
-            system_tracks: fusion.capacity.system_tracks,
-            sensor_tracks: fusion.capacity.sensor_tracks,
+            system_tracks: fusion.capacity.system_tracks.unwrap_or(usual.system_tracks),
+            sensor_tracks: fusion.capacity.sensor_tracks.unwrap_or(usual.sensor_tracks),
             stored_reports: fusion.capacity.stored_reports,
         },
-        association: check_association(raw)?,
+        association: check_association(&fusion.association)?,
         life: engine::LifeSettings {
             confirm_reports: fusion.life.confirm_reports,
-            terminate_ns: nanoseconds(fusion.life.terminate_s),
-            tentative_ns: nanoseconds(fusion.life.tentative_s),
+            terminate_ns: fusion.life.terminate_s.map_or(usual_life.terminate_ns, nanoseconds),
+            tentative_ns: fusion.life.tentative_s.map_or(usual_life.tentative_ns, nanoseconds),
         },
         process_noise_m2ps3: fusion.process_noise_m2ps3,
         refresh_ns: fusion.refresh_s.map(nanoseconds),
@@ -417,8 +436,7 @@ fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checke
     })
 }
 
-fn check_association(raw: &RawConfig) -> Checked<engine::AssociationSettings> {
-    let raw = &raw.fusion.association;
+fn check_association(raw: &RawAssociation) -> Checked<engine::AssociationSettings> {
     let gate = |key: &str, probability: f64| -> Checked<f64> {
         let probability = within(&format!("fusion.association.{key}"), probability, 0.5, 1.0 - 1e-12)?;
         Ok(-2.0 * (1.0 - probability).ln())
@@ -437,8 +455,7 @@ fn check_association(raw: &RawConfig) -> Checked<engine::AssociationSettings> {
     })
 }
 
-fn check_rule(raw: &RawConfig, sources: &[engine::SourceSettings]) -> Checked<engine::RuleSettings> {
-    let raw = &raw.fusion.rule;
+fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> Checked<engine::RuleSettings> {
     let rule = fusion::rules::find(&raw.name).ok_or_else(|| {
         let known: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name).collect();
         problem(

@@ -315,19 +315,18 @@ impl Default for RawFusion {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawCapacity {
-    pub(crate) system_tracks: usize,
-    pub(crate) sensor_tracks: usize,
+    pub(crate) system_tracks: Option<usize>,
+    pub(crate) sensor_tracks: Option<usize>,
     pub(crate) stored_reports: usize,
     pub(crate) queue: usize,
 }
 
 impl Default for RawCapacity {
     fn default() -> Self {
-        let engine = fusion::settings::Capacity::default();
         Self {
-            system_tracks: engine.system_tracks,
-            sensor_tracks: engine.sensor_tracks,
-            stored_reports: engine.stored_reports,
+            system_tracks: None,
+            sensor_tracks: None,
+            stored_reports: fusion::settings::Capacity::default().stored_reports,
             queue: 4096,
         }
     }
@@ -370,16 +369,16 @@ impl Default for RawAssociation {
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawLife {
     pub(crate) confirm_reports: u32,
-    pub(crate) terminate_s: f64,
-    pub(crate) tentative_s: f64,
+    pub(crate) terminate_s: Option<f64>,
+    pub(crate) tentative_s: Option<f64>,
 }
 
 impl Default for RawLife {
     fn default() -> Self {
         Self {
-            confirm_reports: 3,
-            terminate_s: 20.0,
-            tentative_s: 6.0,
+            confirm_reports: fusion::settings::LifeSettings::default().confirm_reports,
+            terminate_s: None,
+            tentative_s: None,
         }
     }
 }
