@@ -304,7 +304,7 @@ impl Engine {
             let targets = self.systems.count_in_state(TrackState::Confirmed);
             let models = &self.models;
             self.registration
-                .tick(|source| models[usize::from(source)].spread_m2(), targets);
+                .tick(|source| models[usize::from(source)].spread_m2(), targets, self.keeps_points);
         }
         self.look_at_points();
         self.look_at_motion();

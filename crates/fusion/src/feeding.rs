@@ -10,7 +10,7 @@ use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::engine::Engine;
 use crate::explanation::{DecisionKind, Sink};
-use crate::filter::Innovation;
+use crate::filter::{Filter, Innovation};
 use crate::registration::View;
 use crate::sensor_tracks::{Role, SensorSlot};
 use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, Measurement};
@@ -104,6 +104,7 @@ impl Engine {
             *point = Default::default();
             point.epoch = epoch;
             point.is_reference = true;
+            self.begin_at(senior, system);
             self.decide(senior, DecisionKind::ReferencePoint, f64::NAN, f64::NAN, sink);
         }
         let point = self.sensors.get(sensor).point;
@@ -120,6 +121,14 @@ impl Engine {
         } else {
             (false, [0.0; 2], 0.0)
         }
+    }
+
+    /// Lets the system filter begin anew from a sensor track: what it was before is a mixture of points.
+    fn begin_at(&mut self, sensor: SensorSlot, system: SystemSlot) {
+        let report = self.sensors.get(sensor).latest;
+        let has_height = report.has(sensor_track_bits::HEIGHT);
+        let state = crate::engine::gaussian_of(&report);
+        self.systems.get_mut(system).filter = Filter::new(report.time_of_measurement_ns, state, has_height);
     }
 
     /// Whether some contributing sensor track carries the target's reference point.
