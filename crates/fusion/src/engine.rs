@@ -302,9 +302,11 @@ impl Engine {
         self.next_tick_ns = Some(now_ns.saturating_add(TICK_NS));
         if self.settings.registration.enabled {
             let targets = self.systems.count_in_state(TrackState::Confirmed);
+            // What one source's points are away from the others', the others' are from its.
+            let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
             let models = &self.models;
-            self.registration
-                .tick(|source| models[usize::from(source)].spread_m2(), targets, self.keeps_points);
+            let known = |source: usize| models[source].knows_spread();
+            self.registration.tick(known, spread_m2, targets, self.keeps_points);
         }
         self.look_at_points();
         self.look_at_motion();

@@ -139,13 +139,13 @@ impl Engine {
         })
     }
 
-    /// The contributing sensor track that has followed the target longest.
+    /// The contributing sensor track of the source that has followed the target longest.
     fn senior(&self, system: SystemSlot, now_ns: i64) -> Option<SensorSlot> {
+        let (_, first_source) = self.systems.get(system).first_seen;
         self.search().fresh_primaries(system, now_ns).min_by_key(|member| {
-            (
-                self.sensors.get(*member).started_ns,
-                self.sensors.get(*member).latest.source,
-            )
+            let entry = self.sensors.get(*member);
+            let source = entry.latest.source;
+            (source != first_source, entry.started_ns, source)
         })
     }
 

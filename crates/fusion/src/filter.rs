@@ -91,6 +91,12 @@ impl Filter {
         scaled(noise, factor).predicted(&self.estimate, ns as f64 / NS_PER_S)
     }
 
+    /// Whether its position is known better than the other's.
+    pub(crate) fn is_surer_than(&self, other: &Self) -> bool {
+        let trace = |filter: &Self| filter.estimate.horizontal_trace_m2();
+        trace(self) < trace(other)
+    }
+
     /// Brings the filter forward to `time_ns`; never back.
     pub(crate) fn advance(&mut self, time_ns: i64, noise: &NearlyConstantVelocity) {
         if time_ns <= self.time_ns {

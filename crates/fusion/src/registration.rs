@@ -236,9 +236,10 @@ impl Registration {
         self.sources[usize::from(own)].samples += 1.0;
     }
 
-    /// Solves for all sources, once per tick. `spread_m2` gives the variance of a source's detection points, `targets`
+    /// Solves for all sources, once per tick. `known` says for which sources the spread is known, so that one can decide;
+    /// `spread_m2` is the variance of the detection points on the targets, `targets`
     /// how many targets several sources see; `points` whether the detection points are known to lie far apart.
-    pub(crate) fn tick(&mut self, spread_m2: impl Fn(u16) -> f64, targets: usize, points: bool) {
+    pub(crate) fn tick(&mut self, known: impl Fn(usize) -> bool, spread_m2: f64, targets: usize, points: bool) {
         let count = self.sources.len();
         for pair in &mut self.pairs {
             pair.own *= self.keep;
@@ -252,8 +253,9 @@ impl Registration {
             self.fix_gauge();
         }
         for own in 0..count {
-            let spread = spread_m2(own as u16) / targets.max(1) as f64;
-            self.decide(own, spread, points);
+            if known(own) {
+                self.decide(own, spread_m2 / targets.max(1) as f64, points);
+            }
         }
     }
 
@@ -368,7 +370,7 @@ mod tests {
                 };
                 registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16));
             }
-            registration.tick(|_| 0.0, 20, false);
+            registration.tick(|_| true, 0.0, 20, false);
         }
         registration
     }

@@ -194,9 +194,14 @@ impl SourceModel {
         self.measured_m2.add(measured_m2);
     }
 
+    /// Whether enough targets were seen to know how far the detection points lie apart.
+    pub(crate) fn knows_spread(&self) -> bool {
+        self.spread_ratio.samples >= SPREAD_SAMPLES_MIN
+    }
+
     /// Variance per axis of where this source's detection points lie on targets, m².
     pub(crate) fn spread_m2(&self) -> f64 {
-        if self.spread_ratio.samples < SPREAD_SAMPLES_MIN {
+        if !self.knows_spread() {
             return 0.0;
         }
         // The squared length of a mean of noise is half a chi-square with two degrees of freedom.
