@@ -66,6 +66,9 @@ pub(crate) enum Command {
     /// Fuse files of sensor tracks into one file of system tracks
     #[command(after_help = FUSE_EXAMPLES)]
     Fuse(Fuse),
+    /// Run every fusion rule on the same sensor tracks, and show them side by side
+    #[command(after_help = COMPARE_EXAMPLES)]
+    Compare(Compare),
     /// Score tracks or fixes against a known truth
     #[command(after_help = SCORE_EXAMPLES)]
     Score(Score),
@@ -300,6 +303,43 @@ pub(crate) struct OfflineInput {
     /// What is known of the sensors, and settings of fusion: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
+}
+
+const COMPARE_EXAMPLES: &str = "\
+Examples:
+  koseki compare --tracks radar.csv adsb.csv --truth truth.csv
+  koseki compare --tracks all.csv --truth truth.csv --c 100 --gate 50 --markdown
+  koseki compare --tracks all.csv --config sensors.toml --json
+
+Inputs are those of `koseki fuse`, figures those of `koseki score` (see their --help); without --truth those that need
+none. us_per_report is the time of the engine alone. Every rule has an engine of its own; nothing is written.";
+
+/// `koseki compare`.
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    #[command(flatten)]
+    pub(crate) input: OfflineInput,
+    /// Where the targets are: a CSV file as for `koseki score`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) truth: Option<PathBuf>,
+    /// System tracks are compared at whole multiples of so many seconds
+    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = refresh)]
+    pub(crate) refresh: Duration,
+    /// Cut-off of GOSPA and OSPA: distance from which a track is no track of a target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Distance up to which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// First whole second to score
+    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: i64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print the table as Markdown
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) markdown: bool,
 }
 
 const SCORE_EXAMPLES: &str = "\
