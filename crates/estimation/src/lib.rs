@@ -31,7 +31,7 @@ mod update;
 
 pub use definite::{is_positive_definite, repaired};
 pub use distance::{ComparedComponents, squared_length, statistical_distance};
-pub use gaussian::{Gaussian, Matrix6, Vector6, packed, unpacked};
+pub use gaussian::{Gaussian, Matrix3, Matrix6, Vector6, packed, unpacked};
 pub use initiation::FirstVelocity;
 pub use motion::{AxisNoise, NearlyConstantVelocity};
 pub use recovery::{Recovered, implied_noise, recovered};

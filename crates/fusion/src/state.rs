@@ -1,5 +1,6 @@
 //! A position, a velocity and their covariance, carried through time and combined.
 
+use estimation::Gaussian;
 use messages::{AXES, CONTRIBUTIONS_MAX, Covariance, SensorTrack, sensor_track_bits};
 
 use crate::history::moved;
@@ -28,6 +29,16 @@ impl State {
             velocity_mps: report.velocity_mps,
             covariance: report.covariance,
             has_height: report.has(sensor_track_bits::HEIGHT),
+        }
+    }
+
+    pub(crate) fn of_gaussian(time_ns: i64, estimate: &Gaussian, has_height: bool) -> Self {
+        Self {
+            time_ns,
+            position_m: estimate.position_m(),
+            velocity_mps: estimate.velocity_mps(),
+            covariance: estimate.packed_covariance(),
+            has_height,
         }
     }
 

@@ -12,6 +12,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     name: "best-source",
     summary: "the source with the smallest accuracy value lambda = alpha·V gets weight 1",
     assumption: "none: one source at a time, so correlation between sources does not matter",
+    keeps_points: false,
     claims_consistency: false,
     fuse,
 };

@@ -4,7 +4,9 @@
 //! one gets and which state they yield. It never sees topics, files, or a clock. A new rule is a file here and a line in
 //! [`REGISTRY`].
 
+mod auto;
 mod best_source;
+mod system_filter;
 
 use messages::TrackState;
 
@@ -26,6 +28,8 @@ pub struct RuleEntry {
     /// Whether the covariance it gives is meant to be the true one, which the normalised error squared shows; otherwise
     /// it is a bound.
     pub claims_consistency: bool,
+    /// Whether one point of each target is kept where the sources see different ones.
+    pub keeps_points: bool,
     /// Fills the weights of one share per candidate and returns the state at the candidates' common time.
     ///
     /// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of
@@ -34,7 +38,7 @@ pub struct RuleEntry {
 }
 
 /// Every rule there is.
-pub static REGISTRY: &[RuleEntry] = &[best_source::ENTRY];
+pub static REGISTRY: &[RuleEntry] = &[auto::ENTRY, system_filter::ENTRY, best_source::ENTRY];
 
 /// The rule called `name`.
 pub fn find(name: &str) -> Option<&'static RuleEntry> {
@@ -73,6 +77,8 @@ pub struct Target<'a> {
     pub candidates: &'a [Candidate],
     /// The reference time, UTC, nanoseconds.
     pub reference_ns: i64,
+    /// The estimate of the target's filter at the reference time.
+    pub filtered: State,
     /// The system track's state so far, at its own time.
     pub last: State,
     /// Spectral density of the white-noise acceleration of targets, m²/s³.
@@ -105,6 +111,8 @@ pub struct Candidate {
     pub trace_m2: Option<f64>,
     /// Quality index M: how many of the last scans confirmed the track (QF-4).
     pub quality: u32,
+    /// Its share in the estimate of the target's filter, not yet scaled to sum to 1.
+    pub filter_share: f64,
     /// Its latest report at the reference time.
     pub state: State,
 }
@@ -134,6 +142,7 @@ impl Default for Candidate {
             life: TrackState::Confirmed,
             trace_m2: None,
             quality: 0,
+            filter_share: 0.0,
             state: State::default(),
         }
     }
