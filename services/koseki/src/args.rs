@@ -271,6 +271,9 @@ FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state  
            [sensor.accuracy]
            sigma_m = 50.0
            adjustment = 1.0      # more makes it count less
+           [sensor.coverage]     # where it sees; else that is learned from its reports
+           polygon_m = [[-9e3, -9e3], [9e3, -9e3], [0, 9e3]]    # or range_m, sector_deg and the sensor's position_m
+           probability = 0.9     # that it follows a target in there
          What is not configured, a first pass over the files tells: sensors, periods, accuracy as stated, sizes of tables.
 
 The same files and options give the same bytes.";
