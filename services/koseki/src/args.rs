@@ -260,6 +260,9 @@ FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state  
 --out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
          and more, a row per update. With --refresh a row at every whole multiple of it for each track that is confirmed or
          coasted. Several values in a column are joined with |.
+--explain time_s,decision,system_track_id,other_system_track_id,sensor_id,other_sensor_id,sensor_track_id,value,limit
+         decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value is what was
+         compared with limit.
 --config a deployment as for `koseki up` (sensor_id 1 is its first source), or [fusion] and [[sensor]] alone:
            [fusion.rule]
            name = \"best-source\"
@@ -292,6 +295,9 @@ pub(crate) struct Fuse {
     /// File for the system tracks
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
+    /// File for what was decided and why, a row per decision
+    #[arg(long, value_name = "FILE")]
+    pub(crate) explain: Option<PathBuf>,
     /// Print what was read and found as one JSON object
     #[arg(long)]
     pub(crate) json: bool,

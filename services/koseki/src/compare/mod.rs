@@ -77,7 +77,7 @@ fn fuse(rule: &'static RuleEntry, setup: &Setup<'_>, age_max_s: f64) -> anyhow::
     let mut tracks = Timeline::empty(age_max_s);
     let (mut rows, mut coasted) = (0, 0);
     let mut reports = setup.reports()?;
-    let driven = drive(&mut engine, &mut reports, |state| {
+    let row = |state: &SystemTrack| {
         let is_coasted = state.state == TrackState::Coasted as u8;
         if is_coasted || state.state == TrackState::Confirmed as u8 {
             rows += 1;
@@ -85,7 +85,8 @@ fn fuse(rule: &'static RuleEntry, setup: &Setup<'_>, age_max_s: f64) -> anyhow::
             tracks.add(&shown(state));
         }
         Ok(())
-    });
+    };
+    let driven = drive(&mut engine, &mut reports, row, |_| Ok(()));
     let driven = driven.with_context(|| format!("rule {}", rule.name))?;
     let count = |counter| engine.counts().get(counter);
     let outcome = Outcome {
