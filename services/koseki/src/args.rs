@@ -63,6 +63,9 @@ pub(crate) enum Command {
     /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
     #[command(after_help = DECODE_EXAMPLES)]
     Decode(Decode),
+    /// Write what simulated sensors see of a simulated world, and the truth
+    #[command(after_help = SIMULATE_EXAMPLES)]
+    Simulate(Simulate),
     /// Fuse files of sensor tracks into one file of system tracks
     #[command(after_help = FUSE_EXAMPLES)]
     Fuse(Fuse),
@@ -245,6 +248,39 @@ pub(crate) enum ChosenEdition {
     Category(&'static Category),
     /// The coding rules of its reserved expansion field.
     Expansion(&'static Expansion),
+}
+
+const SIMULATE_EXAMPLES: &str = "\
+Examples:
+  koseki simulate --scenario demo --seed 1 --out case1
+  koseki simulate --scenario dense --seed 3 --for 60 --out case3
+  koseki simulate --scenario my.toml --seed 1 --out mine
+
+NAME  demo      a busy airport and its surroundings, seen by four sensors: what `koseki demo` shows
+      en-route  the same sensors; all targets fly en route, and all of them meet another one on their way
+      dense     demo with 400 targets
+FILE  a deployment with [scenario] and simulated sources, as config/demo.toml
+
+DIR/truth.csv            a row per whole second and target that some sensor could see there
+DIR/sensor_tracks_K.csv  what sensor K reports, for `koseki fuse`
+DIR/detections_K.csv     what it detected before its own tracker made tracks of it; truth_id -1 is a false target
+Times begin at 0. The same scenario and seed give the same bytes.";
+
+/// `koseki simulate`.
+#[derive(Debug, Args)]
+pub(crate) struct Simulate {
+    /// Name of a scenario, or a configuration with one
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) scenario: PathBuf,
+    /// Seed of the simulated world: the same seed gives the same traffic
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the files
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// How long a time is simulated, seconds
+    #[arg(long = "for", value_name = "SECONDS", default_value = "120", value_parser = seconds)]
+    pub(crate) seconds: Duration,
 }
 
 const FUSE_EXAMPLES: &str = "\
