@@ -67,6 +67,11 @@ impl<W: Write> SensorTrackWriter<W> {
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
     }
+
+    /// What was written to; not flushed.
+    pub fn into_inner(self) -> W {
+        self.writer
+    }
 }
 
 /// Writes system tracks.

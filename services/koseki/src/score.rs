@@ -139,7 +139,7 @@ fn show(found: &impl Serialize, words: &[Word], json: bool) -> anyhow::Result<()
 }
 
 /// A number with as many decimals as its significant digits need.
-fn digits(value: f64) -> String {
+pub(crate) fn digits(value: f64) -> String {
     let magnitude = value.abs().log10().floor();
     let decimals = if magnitude.is_finite() {
         (DIGITS as f64 - 1.0 - magnitude).clamp(0.0, 12.0) as usize

@@ -14,8 +14,8 @@ use messages::NS_PER_S;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
 use super::locate::line_of;
 use super::raw::{
-    AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawFusion, RawPlace, RawRecorded, RawResidual, RawRule,
-    RawSource, RawTie,
+    AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawPlace, RawRecorded, RawResidual,
+    RawRule, RawSource, RawTie,
 };
 use super::{Config, ConfigError, Fusion, Input, Monitor, Order, Recorded, RecordedFormat, Source};
 use crate::cores::{self, Placement};
@@ -246,6 +246,10 @@ fn check_source(
         adjustment: raw.accuracy.adjustment,
         priority: raw.priority.unwrap_or(index as u32),
         ceiling_m: raw.ceiling_m.unwrap_or(f64::INFINITY),
+        coverage: match &raw.coverage {
+            Some(area) => Some(coverage(&key("coverage"), area, source.model.frame.place())?),
+            None => None,
+        },
     };
     Ok((source, weighed))
 }
@@ -328,6 +332,32 @@ pub(super) fn accuracy(raw: &RawAccuracy, place_m: [f64; 2]) -> engine::Accuracy
     }
 }
 
+/// Where the source at `place_m` sees.
+pub(super) fn coverage(key: &str, raw: &RawCoverage, place_m: [f64; 2]) -> Checked<engine::CoverageArea> {
+    let part = |part: &str| format!("{key}.{part}");
+    let range_m = match raw.range_m {
+        Some(range_m) => within(&part("range_m"), range_m, 1.0, 2e6)?,
+        None => f64::INFINITY,
+    };
+    for azimuth_deg in raw.sector_deg.into_iter().flatten() {
+        within(&part("sector_deg"), azimuth_deg, -360.0, 360.0)?;
+    }
+    for coordinate_m in raw.polygon_m.iter().flatten() {
+        within(&part("polygon_m"), *coordinate_m, -2e6, 2e6)?;
+    }
+    if (1..3).contains(&raw.polygon_m.len()) {
+        let what = "a polygon has three corners or more, each [east, north]; leave it out for no further limit";
+        return Err(problem(part("polygon_m"), what));
+    }
+    Ok(engine::CoverageArea {
+        place_m,
+        range_m,
+        sector_rad: raw.sector_deg.map(|sector_deg| sector_deg.map(f64::to_radians)),
+        polygon_m: raw.polygon_m.clone(),
+        probability: within(&part("probability"), raw.probability, 0.01, 1.0)?,
+    })
+}
+
 fn first_day(raw: &RawConfig, sources: &[Source]) -> Checked<Option<i64>> {
     let recorded = sources.iter().any(|source| matches!(source.input, Input::Recorded(_)));
     match &raw.time.date {
@@ -401,6 +431,16 @@ pub(super) fn check_fusion(fusion: &RawFusion, sources: Vec<engine::SourceSettin
     let usual_life = engine::LifeSettings::default();
     let settings = engine::Settings {
         rule: check_rule(&fusion.rule, &sources)?,
+        registration: engine::RegistrationSettings {
+            enabled: fusion.registration.enabled,
+            reference_source: source_called(
+                "fusion.registration.reference_source",
+                fusion.registration.reference_source.as_deref(),
+                &sources,
+            )?,
+            memory_s: within("fusion.registration.memory_s", fusion.registration.memory_s, 1.0, 1e6)?,
+        },
+        consistency: fusion.consistency,
         sources,
         capacity: engine::Capacity {
             system_tracks: fusion.capacity.system_tracks.unwrap_or(usual.system_tracks),
@@ -452,7 +492,17 @@ fn check_association(raw: &RawAssociation) -> Checked<engine::AssociationSetting
         split_reports: raw.split_reports,
         merge_reports: raw.merge_reports,
         cell_m: raw.cell_m,
+        error_correlation: raw.error_correlation,
     })
+}
+
+/// Number of the source that the value of `key` names, if it names one.
+fn source_called(key: &str, name: Option<&str>, sources: &[engine::SourceSettings]) -> Checked<Option<u16>> {
+    let Some(name) = name else { return Ok(None) };
+    match sources.iter().position(|source| source.name == name) {
+        Some(number) => Ok(Some(number as u16)),
+        None => Err(problem(key, format!("there is no source named \"{name}\""))),
+    }
 }
 
 fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> Checked<engine::RuleSettings> {
@@ -463,19 +513,8 @@ fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> Checked<engi
             format!("\"{}\" is no fusion rule; there are: {}", raw.name, known.join(", ")),
         )
     })?;
-    let reference_source = match &raw.reference_source {
-        None => None,
-        Some(name) => {
-            let number = sources.iter().position(|source| source.name == *name);
-            let number = number.ok_or_else(|| {
-                problem(
-                    "fusion.rule.reference_source",
-                    format!("there is no source named \"{name}\""),
-                )
-            })?;
-            Some(number as u16)
-        }
-    };
+    let key = "fusion.rule.reference_source";
+    let reference_source = source_called(key, raw.reference_source.as_deref(), sources)?;
     Ok(engine::RuleSettings {
         rule,
         residual: match raw.residual {

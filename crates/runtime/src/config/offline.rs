@@ -12,8 +12,13 @@
 //! [[sensor]]
 //! id = 3                  # the sensor_id of the files
 //! period_s = 4.0
+//! position_m = [12e3, -3e3]
 //! [sensor.accuracy]
 //! sigma_m = 50.0
+//! [sensor.coverage]       # else learned from the reports
+//! range_m = 60e3
+//! sector_deg = [300.0, 120.0]
+//! probability = 0.9
 //! ```
 
 use std::collections::BTreeSet;
@@ -24,9 +29,9 @@ use messages::NS_PER_S;
 use serde::Deserialize;
 
 use super::ConfigError;
-use super::check::{Checked, Problem, accuracy, check_fusion, check_name, nanoseconds, problem, within};
+use super::check::{Checked, Problem, accuracy, check_fusion, check_name, coverage, nanoseconds, problem, within};
 use super::locate::line_at;
-use super::raw::{AccuracyModel, RawAccuracy, RawFusion};
+use super::raw::{AccuracyModel, RawAccuracy, RawCoverage, RawFusion};
 
 /// A report is fresh for so many periods: two may be missed.
 const FRESH_PERIODS: f64 = 2.5;
@@ -90,6 +95,23 @@ struct RawSensor {
     /// East and north in the files' frame, for accuracies that depend on the distance.
     position_m: Option<[f64; 2]>,
     accuracy: Option<RawAccuracy>,
+    coverage: Option<RawCoverage>,
+}
+
+impl RawSensor {
+    /// A key whose meaning depends on where the sensor stands.
+    fn needs_place(&self) -> Option<&'static str> {
+        let (accuracy, coverage) = (self.accuracy.as_ref(), self.coverage.as_ref());
+        if accuracy.is_some_and(|accuracy| accuracy.model == AccuracyModel::Polar) {
+            return Some("accuracy.model");
+        }
+        if coverage.is_some_and(|coverage| coverage.range_m.is_some()) {
+            return Some("coverage.range_m");
+        }
+        coverage
+            .is_some_and(|coverage| coverage.sector_deg.is_some())
+            .then_some("coverage.sector_deg")
+    }
 }
 
 impl Offline {
@@ -139,10 +161,9 @@ impl Offline {
                     return Err(problem(key("name"), what));
                 }
             }
-            let needs_place = |accuracy: &RawAccuracy| accuracy.model == AccuracyModel::Polar;
-            if sensor.accuracy.as_ref().is_some_and(needs_place) && sensor.position_m.is_none() {
-                let what = "\"polar\" depends on the distance from the sensor; give its position_m = [east, north]";
-                return Err(problem(key("accuracy.model"), what));
+            if let Some(part) = sensor.needs_place().filter(|_| sensor.position_m.is_none()) {
+                let what = "depends on where the sensor stands; give its position_m = [east, north]";
+                return Err(problem(key(part), what));
             }
         }
         Ok(())
@@ -205,6 +226,7 @@ impl Offline {
             Some(given_s) => within(&key("fresh_s"), given_s, period_s, 1e5)?,
             None => FRESH_PERIODS * period_s,
         };
+        let place_m = raw.and_then(|raw| raw.position_m).unwrap_or_default();
         let stated = RawAccuracy {
             sigma_m: seen.sigma_m.unwrap_or(SIGMA_UNKNOWN_M).clamp(1e-3, 1e6),
             ..RawAccuracy::default()
@@ -216,10 +238,14 @@ impl Offline {
                 .unwrap_or_else(|| seen.id.to_string()),
             period_ns: nanoseconds(period_s),
             fresh_ns: nanoseconds(fresh_s),
-            accuracy: accuracy(raw_accuracy, raw.and_then(|raw| raw.position_m).unwrap_or_default()),
+            accuracy: accuracy(raw_accuracy, place_m),
             adjustment: raw_accuracy.adjustment,
             priority: raw.and_then(|raw| raw.priority).unwrap_or(place as u32),
             ceiling_m: raw.and_then(|raw| raw.ceiling_m).unwrap_or(f64::INFINITY),
+            coverage: match raw.and_then(|raw| raw.coverage.as_ref()) {
+                Some(area) => Some(coverage(&key("coverage"), area, place_m)?),
+                None => None,
+            },
         })
     }
 }

@@ -76,6 +76,7 @@ pub(crate) struct RawSource {
     pub(crate) covariance: RawCovariance,
     #[serde(default)]
     pub(crate) accuracy: RawAccuracy,
+    pub(crate) coverage: Option<RawCoverage>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -283,11 +284,13 @@ pub(crate) struct RawFusion {
     pub(crate) required: bool,
     pub(crate) deadline_us: f64,
     pub(crate) process_noise_m2ps3: f64,
+    pub(crate) consistency: bool,
     pub(crate) refresh_s: Option<f64>,
     pub(crate) refresh_delay_s: f64,
     pub(crate) capacity: RawCapacity,
     pub(crate) association: RawAssociation,
     pub(crate) life: RawLife,
+    pub(crate) registration: RawRegistration,
     pub(crate) rule: RawRule,
 }
 
@@ -302,11 +305,13 @@ impl Default for RawFusion {
             required: false,
             deadline_us: 1000.0,
             process_noise_m2ps3: 1.0,
+            consistency: true,
             refresh_s: None,
             refresh_delay_s: 0.0,
             capacity: RawCapacity::default(),
             association: RawAssociation::default(),
             life: RawLife::default(),
+            registration: RawRegistration::default(),
             rule: RawRule::default(),
         }
     }
@@ -345,6 +350,7 @@ pub(crate) struct RawAssociation {
     pub(crate) split_reports: u32,
     pub(crate) merge_reports: u32,
     pub(crate) cell_m: f64,
+    pub(crate) error_correlation: f64,
 }
 
 impl Default for RawAssociation {
@@ -361,6 +367,7 @@ impl Default for RawAssociation {
             split_reports: engine.split_reports,
             merge_reports: engine.merge_reports,
             cell_m: engine.cell_m,
+            error_correlation: engine.error_correlation,
         }
     }
 }
@@ -381,6 +388,39 @@ impl Default for RawLife {
             tentative_s: None,
         }
     }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawRegistration {
+    pub(crate) enabled: bool,
+    pub(crate) reference_source: Option<String>,
+    pub(crate) memory_s: f64,
+}
+
+impl Default for RawRegistration {
+    fn default() -> Self {
+        let engine = fusion::settings::RegistrationSettings::default();
+        Self {
+            enabled: engine.enabled,
+            reference_source: None,
+            memory_s: engine.memory_s,
+        }
+    }
+}
+
+/// Where a source sees; what is left out does not limit it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawCoverage {
+    pub(crate) range_m: Option<f64>,
+    /// First and last azimuth, clockwise from north.
+    pub(crate) sector_deg: Option<[f64; 2]>,
+    /// Corners, east and north in the system frame.
+    #[serde(default)]
+    pub(crate) polygon_m: Vec<[f64; 2]>,
+    #[serde(default = "nine_tenths")]
+    pub(crate) probability: f64,
 }
 
 #[derive(Debug, Deserialize)]
@@ -460,6 +500,10 @@ fn four_mebibytes() -> usize {
 /// What fits into one frame of Ethernet beside the headers of IPv4 and UDP.
 fn one_ethernet_frame() -> usize {
     1472
+}
+
+fn nine_tenths() -> f64 {
+    0.9
 }
 
 fn half() -> f64 {

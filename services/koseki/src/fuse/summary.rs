@@ -110,18 +110,7 @@ impl Summary<'_> {
             }
             writeln!(text)?;
         }
-        if self.refusals.rows() > 0 {
-            let reasons: Vec<String> = self
-                .refusals
-                .by_reason
-                .iter()
-                .map(|(reason, rows)| format!("{rows} for {reason}"))
-                .collect();
-            writeln!(text, "left out: {} rows, {}", self.refusals.rows(), reasons.join(", "))?;
-            for said in &self.refusals.first {
-                writeln!(text, "  {said}")?;
-            }
-        }
+        text.push_str(&self.refusals.as_text());
         let tracks: Vec<String> = OF_TRACKS
             .iter()
             .map(|counter| format!("{} {}", self.engine.counts().get(*counter), words(*counter)))

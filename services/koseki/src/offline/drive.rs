@@ -2,7 +2,7 @@
 
 use std::io;
 
-use fusion::Engine;
+use fusion::{Decision, Engine, Sink};
 use messages::SystemTrack;
 
 use super::merged::Merged;
@@ -24,7 +24,24 @@ pub(crate) struct Driven {
     pub(crate) last_ns: Option<i64>,
 }
 
-/// Works off all reports; each state of a system track is handed to `row`.
+/// What the engine hands out for one report.
+#[derive(Debug, Default)]
+struct HandedOut {
+    states: Vec<SystemTrack>,
+    decisions: Vec<Decision>,
+}
+
+impl Sink for HandedOut {
+    fn track(&mut self, track: &SystemTrack) {
+        self.states.push(*track);
+    }
+
+    fn decision(&mut self, decision: &Decision) {
+        self.decisions.push(*decision);
+    }
+}
+
+/// Works off all reports; each state of a system track is handed to `row`, each decision to `explain`.
 ///
 /// After the last report time goes on to the next whole second, or multiple of the refresh time, and no further.
 ///
@@ -34,21 +51,26 @@ pub(crate) fn drive(
     engine: &mut Engine,
     reports: &mut Merged,
     mut row: impl FnMut(&SystemTrack) -> io::Result<()>,
+    mut explain: impl FnMut(&Decision) -> io::Result<()>,
 ) -> anyhow::Result<Driven> {
     let mut driven = Driven {
         by_source: vec![0; engine.settings().sources.len()],
         ..Driven::default()
     };
-    let mut states: Vec<SystemTrack> = Vec::new();
+    let mut out = HandedOut::default();
+    let mut pass_on = |out: &mut HandedOut| -> io::Result<()> {
+        out.states.drain(..).try_for_each(|state| row(&state))?;
+        out.decisions.drain(..).try_for_each(|decision| explain(&decision))
+    };
     let mut progress = Progress::new(reports.octets_in_all);
     while let Some(report) = reports.next()? {
         let begin_ns = runtime::clock::mono_ns();
-        engine.take(&report, &mut |state| states.push(*state));
+        engine.take(&report, &mut out);
         driven.engine_ns += runtime::clock::mono_ns() - begin_ns;
         driven.reports += 1;
         driven.by_source[usize::from(report.source)] += 1;
         driven.last_ns = Some(report.time_of_measurement_ns);
-        states.drain(..).try_for_each(|state| row(&state))?;
+        pass_on(&mut out)?;
         progress.at(*reports.octets.borrow());
     }
     if let Some(last_ns) = driven.last_ns {
@@ -56,9 +78,9 @@ pub(crate) fn drive(
         let settings = engine.settings();
         let end_ns = end_ns(last_ns, settings.refresh_ns) + settings.refresh_delay_ns + 1;
         let begin_ns = runtime::clock::mono_ns();
-        engine.advance(end_ns, &mut |state| states.push(*state));
+        engine.advance(end_ns, &mut out);
         driven.engine_ns += runtime::clock::mono_ns() - begin_ns;
-        states.drain(..).try_for_each(|state| row(&state))?;
+        pass_on(&mut out)?;
     }
     Ok(driven)
 }

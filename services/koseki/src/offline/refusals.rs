@@ -38,6 +38,26 @@ impl Refusals {
         self.by_reason.values().sum()
     }
 
+    /// Lines for a person; none if nothing was left out.
+    pub(crate) fn as_text(&self) -> String {
+        if self.by_reason.is_empty() {
+            return String::new();
+        }
+        let reasons = self
+            .by_reason
+            .iter()
+            .map(|(reason, rows)| format!("{rows} for {reason}"));
+        let mut text = format!(
+            "left out: {} rows, {}\n",
+            self.rows(),
+            reasons.collect::<Vec<_>>().join(", ")
+        );
+        for said in &self.first {
+            text += &format!("  {said}\n");
+        }
+        text
+    }
+
     fn add(&mut self, reason: String, file: &Path, said: impl std::fmt::Display) {
         *self.by_reason.entry(reason).or_default() += 1;
         if self.first.len() < SHOWN_MAX {
