@@ -158,9 +158,10 @@ fn weights_per_axis(candidates: &[Candidate], shares: &[Share]) -> [[f64; AXES];
         return weights;
     }
     let total: f64 = all.clone().filter(known).map(|index| shares[index].weight[2]).sum();
-    let best = all
-        .filter(known)
-        .min_by(|a, b| shares[*a].accuracy.total_cmp(&shares[*b].accuracy));
+    let best = all.filter(known).min_by(|a, b| {
+        let by_accuracy = shares[*a].accuracy.total_cmp(&shares[*b].accuracy);
+        by_accuracy.then(candidates[*a].source.cmp(&candidates[*b].source))
+    });
     for (index, weight) in weights[..candidates.len()].iter_mut().enumerate() {
         weight[2] = match known(&index) {
             false => 0.0,
@@ -198,6 +199,7 @@ mod tests {
         let share = |weight: f64| Share {
             weight: [weight; 3],
             accuracy: 1.0 - weight,
+            ..Share::default()
         };
         let candidates: Vec<_> = parts.iter().map(|(state, _)| candidate(*state)).collect();
         let shares: Vec<_> = parts.iter().map(|(_, weight)| share(*weight)).collect();

@@ -1,8 +1,10 @@
 //! After its construction the engine allocates nothing, whatever it is given (PL-4).
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use fusion::rules;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RuleSettings, Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, DropOut, HandOverSettings, LifeSettings, RuleSettings,
+    Settings, SourceSettings,
 };
 use fusion::{Engine, Merger};
 use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits};
@@ -78,6 +80,9 @@ fn report(step: u64) -> SensorTrack {
     if source == 1 {
         report.identity = Identity::default().with_address(target % 40);
     }
+    if random() < 0.1 {
+        report.covariance.set(0, 1, 130.0);
+    }
     if random() < 0.01 {
         report.position_m[0] = f64::NAN;
     }
@@ -114,5 +119,40 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
         messages::Counter::Invalid,
     ] {
         assert!(counts.get(counter) > 0, "the traffic was meant to cause {counter:?}");
+    }
+}
+
+#[test]
+fn no_rule_allocates_anything_at_reports_or_at_uniform_times() {
+    for (index, rule) in rules::REGISTRY.iter().enumerate() {
+        for refresh_ns in [None, Some(S / 2)] {
+            let settings = Settings {
+                rule: RuleSettings {
+                    rule,
+                    hand_over: HandOverSettings {
+                        ramp: vec![0.3, 0.6],
+                        by_traces: index % 2 == 1,
+                        drop_out: DropOut::Blend,
+                        ..HandOverSettings::default()
+                    },
+                    ..RuleSettings::default()
+                },
+                refresh_ns,
+                refresh_delay_ns: S,
+                ..settings()
+            };
+            let mut engine = Engine::new(settings).unwrap();
+            let mut published = 0u64;
+            assert_no_alloc(|| {
+                for step in 0..20_000 {
+                    engine.take(&report(step), &mut |_| published += 1);
+                }
+                engine.advance(i64::MAX, &mut |_| published += 1);
+            });
+            assert!(published > 2_000, "{}: {published}", rule.name);
+            let repaired = engine.counts().get(messages::Counter::CovariancesRepaired);
+            let uses_covariances = ["information", "covariance-intersection", "bar-shalom-campo"].contains(&rule.name);
+            assert_eq!(repaired > 0, uses_covariances, "{}", rule.name);
+        }
     }
 }
