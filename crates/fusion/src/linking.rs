@@ -207,7 +207,11 @@ impl Engine {
     fn move_to(&mut self, sensor: SensorSlot, target: SystemSlot, d2: f64, sink: &mut impl Sink) {
         let entry = self.sensors.get(sensor);
         let (old, now_ns) = (entry.system, entry.latest.time_of_measurement_ns);
-        if self.search().fresh_primaries(old, now_ns).all(|member| member == sensor) {
+        if self
+            .search()
+            .fresh_primaries(old, now_ns)
+            .all(|member| member == sensor)
+        {
             self.merge(old, target, now_ns, d2, sink);
         } else {
             self.systems.unlink(&mut self.sensors, sensor);

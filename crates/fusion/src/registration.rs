@@ -312,7 +312,14 @@ impl Registration {
         let squared = |row: usize, extra: f64| known.errors[row].powi(2) / (known.variances[row] + extra);
         let horizontal = squared(0, spread_m2) + squared(1, spread_m2);
         let time = if points { 0.0 } else { squared(3, 0.0) };
-        let values = [horizontal, horizontal, squared(2, 0.0), time, squared(4, spread_m2), squared(5, 0.0)];
+        let values = [
+            horizontal,
+            horizontal,
+            squared(2, 0.0),
+            time,
+            squared(4, spread_m2),
+            squared(5, 0.0),
+        ];
         for (row, (removed, value)) in known.removed.iter_mut().zip(values).enumerate() {
             let limit = match (row < 2, *removed) {
                 (true, false) => SIGNIFICANT_2,

@@ -189,6 +189,9 @@ pub struct AssociationSettings {
     /// Part of the variance of a difference that two tracks of one target have in common, in [0, 1): both lag behind the
     /// same manoeuvres.
     pub error_correlation: f64,
+    /// How long sensor tracks that belong nowhere yet wait for the rest of their scan, as a part of their source's period;
+    /// 0: each is placed at once, without regard to the others.
+    pub scan_wait: f64,
 }
 
 impl AssociationSettings {
@@ -402,6 +405,7 @@ impl Settings {
             ("merge_reports", f64::from(association.merge_reports), 1.0, 1e6),
             ("cell_m", association.cell_m, 1.0, 1e6),
             ("error_correlation", association.error_correlation, 0.0, 0.9),
+            ("scan_wait", association.scan_wait, 0.0, 1.0),
         ] {
             in_range(&format!("fusion.association.{key}"), value, low, high)?;
         }
@@ -600,6 +604,7 @@ impl Default for AssociationSettings {
             merge_reports: 2,
             cell_m: 1000.0,
             error_correlation: 0.1,
+            scan_wait: 0.05,
         }
     }
 }

@@ -78,24 +78,6 @@ impl State {
         }
     }
 
-    /// Horizontal position covariance: (east², east·north, north²), m².
-    pub(crate) fn horizontal(&self) -> [f64; 3] {
-        [
-            self.covariance.get(0, 0),
-            self.covariance.get(0, 1),
-            self.covariance.get(1, 1),
-        ]
-    }
-
-    /// Horizontal velocity covariance, m²/s².
-    pub(crate) fn horizontal_velocity(&self) -> [f64; 3] {
-        [
-            self.covariance.get(3, 3),
-            self.covariance.get(3, 4),
-            self.covariance.get(4, 4),
-        ]
-    }
-
     /// Sum of the position variances over east and north, m²: what traces are compared by (TI-16).
     pub(crate) fn horizontal_trace_m2(&self) -> f64 {
         self.covariance.get(0, 0) + self.covariance.get(1, 1)

@@ -226,9 +226,15 @@ pub(crate) mod testing {
     use super::*;
 
     pub(crate) fn target(candidates: &[Candidate]) -> Target<'_> {
+        // What a filter that has heard of all of them equally often might say.
+        let even = Share {
+            weight: [1.0 / candidates.len() as f64; 3],
+            ..Share::default()
+        };
         Target {
             candidates,
             reference_ns: 0,
+            filtered: crate::state::combine(candidates, &vec![even; candidates.len()]),
             last: State::default(),
             process_noise_m2ps3: 1.0,
         }
