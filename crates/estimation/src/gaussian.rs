@@ -7,6 +7,8 @@ use nalgebra::{SMatrix, SVector};
 pub type Vector6 = SVector<f64, STATE_LEN>;
 /// Covariance of a [`Vector6`]: m², m²/s and m²/s².
 pub type Matrix6 = SMatrix<f64, STATE_LEN, STATE_LEN>;
+/// Covariance of a position, m².
+pub type Matrix3 = SMatrix<f64, AXES, AXES>;
 
 /// What is known of a target's position and velocity at one time.
 ///

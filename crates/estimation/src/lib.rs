@@ -8,6 +8,7 @@
 //! - [`update`](Gaussian::update_position): improve it by a measured position,
 //! - [`initiation`](Gaussian::from_first_position): begin it from one measured position,
 //! - [`distance`](statistical_distance): is it the same target as another one?
+//! - [`recovery`](recovered): which measurement is behind a sensor track's latest report?
 //! - [`definite`](repaired): is a covariance that came from outside usable, and can it be made so?
 //! - [`combination`](correlated_combination): make one of several estimates of the same target.
 //!
@@ -27,6 +28,7 @@ mod distance;
 mod gaussian;
 mod initiation;
 mod motion;
+mod recovery;
 #[cfg(test)]
 mod testing;
 mod update;
@@ -38,7 +40,8 @@ pub use combination::{
 pub use common_noise::SteadyFilter;
 pub use definite::{is_positive_definite, repaired};
 pub use distance::{ComparedComponents, squared_length, statistical_distance};
-pub use gaussian::{Gaussian, Matrix6, Vector6, packed, unpacked};
+pub use gaussian::{Gaussian, Matrix3, Matrix6, Vector6, packed, unpacked};
 pub use initiation::FirstVelocity;
 pub use motion::{AxisNoise, NearlyConstantVelocity};
+pub use recovery::{Recovered, implied_noise, recovered};
 pub use update::Innovation;

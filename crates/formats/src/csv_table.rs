@@ -173,7 +173,7 @@ impl<R: Read> Table<R> {
                 }
             }
         }
-        let line = self.reader.position().line() - 1;
+        let line = self.line();
         let (found, expected) = (self.row.len(), self.header.len());
         Some(match found == expected {
             true => Ok(Row {
@@ -182,6 +182,11 @@ impl<R: Read> Table<R> {
             }),
             false => Err(CsvError::Length { line, found, expected }),
         })
+    }
+
+    /// The line, from 1, of the row read last, or of the header.
+    pub fn line(&self) -> u64 {
+        self.reader.position().line() - 1
     }
 
     fn header_error(&self, column: &'static str, fault: &'static str) -> CsvError {

@@ -235,6 +235,11 @@ impl<W: Write> DetectionWriter<W> {
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
     }
+
+    /// What was written to; not flushed.
+    pub fn into_inner(self) -> W {
+        self.writer
+    }
 }
 
 /// Each number with as many decimals as it takes to get it back.

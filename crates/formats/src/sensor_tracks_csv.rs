@@ -13,8 +13,8 @@ use crate::csv_table::{Column, CsvError, Row, Table};
 pub use crate::tracks_csv::SensorTrackWriter;
 
 const KINEMATICS: [&str; STATE_LEN] = ["x", "y", "z", "vx", "vy", "vz"];
-/// In the order of [`Covariance::upper`].
-const COVARIANCE: [&str; COVARIANCE_LEN] = [
+/// The columns of a covariance, in the order of [`Covariance::upper`].
+pub const COVARIANCE_COLUMNS: [&str; COVARIANCE_LEN] = [
     "P00", "P01", "P02", "P03", "P04", "P05", "P11", "P12", "P13", "P14", "P15", "P22", "P23", "P24", "P25", "P33",
     "P34", "P35", "P44", "P45", "P55",
 ];
@@ -62,7 +62,7 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             sensor: table.required("sensor_id")?,
             number: table.required("sensor_track_id")?,
             kinematics: table.all(KINEMATICS)?,
-            covariance: table.all(COVARIANCE)?,
+            covariance: table.all(COVARIANCE_COLUMNS)?,
             state: table.required("state")?,
             address: table.optional("address")?,
             mode_3a: table.optional("mode_3a")?,
@@ -78,6 +78,11 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             first_day_ns,
             source_of,
         })
+    }
+
+    /// The line, from 1, of the row read last, or of the header.
+    pub fn line(&self) -> u64 {
+        self.table.line()
     }
 }
 

@@ -67,6 +67,11 @@ impl<W: Write> SensorTrackWriter<W> {
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
     }
+
+    /// What was written to; not flushed.
+    pub fn into_inner(self) -> W {
+        self.writer
+    }
 }
 
 /// Writes system tracks.
@@ -74,12 +79,24 @@ impl<W: Write> SensorTrackWriter<W> {
 pub struct SystemTrackWriter<W: Write> {
     writer: W,
     first_day_ns: i64,
+    sensor_ids: Option<Vec<u32>>,
 }
 
 impl<W: Write> SystemTrackWriter<W> {
     /// Goes on writing to something that has its header line.
     pub fn resume(writer: W, first_day_ns: i64) -> Self {
-        Self { writer, first_day_ns }
+        Self {
+            writer,
+            first_day_ns,
+            sensor_ids: None,
+        }
+    }
+
+    /// Shows source number n as `sensor_ids[n]` instead of [`sensor_id`]: for tracks from files that have ids of their own.
+    #[must_use]
+    pub fn with_sensor_ids(mut self, sensor_ids: Vec<u32>) -> Self {
+        self.sensor_ids = Some(sensor_ids);
+        self
     }
 
     /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
@@ -97,7 +114,7 @@ impl<W: Write> SystemTrackWriter<W> {
             writer,
             ",sensor_track_ids,report_times_s,height_valid,trigger,merged_into"
         )?;
-        Ok(Self { writer, first_day_ns })
+        Ok(Self::resume(writer, first_day_ns))
     }
 
     /// Writes one row.
@@ -106,6 +123,13 @@ impl<W: Write> SystemTrackWriter<W> {
     /// If the writer fails.
     pub fn write(&mut self, track: &SystemTrack) -> io::Result<()> {
         let (out, first_day_ns) = (&mut self.writer, self.first_day_ns);
+        let sensor_id = |source: u16| match &self.sensor_ids {
+            Some(ids) => ids
+                .get(usize::from(source))
+                .copied()
+                .unwrap_or_else(|| sensor_id(source)),
+            None => sensor_id(source),
+        };
         let parts = track.contributions();
         write_time(out, track.reference_time_ns - first_day_ns)?;
         write!(out, ",{}", track.track_number)?;
@@ -147,6 +171,11 @@ impl<W: Write> SystemTrackWriter<W> {
     /// If it fails.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
+    }
+
+    /// What was written to; not flushed.
+    pub fn into_inner(self) -> W {
+        self.writer
     }
 }
 

@@ -1,33 +1,29 @@
-//! Deciding which system track a report belongs to (TI-3).
+//! Deciding which system track a report could belong to (TI-3, BF-2).
 //!
 //! The obvious answer, "the nearest", flickers: of two aircraft side by side, noise makes now one, now the other the
 //! nearest. So a sensor track, once joined, *stays*: sensors track their targets well, and their track numbers carry
-//! more evidence than one position. It leaves only when
-//! - its identity says so: an address belongs to exactly one system track, and the other way round;
-//! - it has missed the rest of its system track by more than the keep gate several reports in a row (a wrong join, or
-//!   the sensor has swapped targets);
-//! - it is alone on its system track and has found the same other one several reports in a row (one target that was
-//!   started twice).
+//! more evidence than one position. What is here is asked only for sensor tracks that belong nowhere, or stand alone:
+//! which system tracks near them fit, and how well.
 //!
-//! A report without a system track looks for one by address, then by place: among the system tracks near it, the one
-//! with the smallest statistical distance of position and velocity inside the gates. A system track takes one sensor
-//! track of a source. A further one of that source within the extent of the target is taken for another part of the
-//! same target (surface radars break large aircraft up) and recognised, not used.
+//! How well is the statistical distance of position and velocity between the sensor track and the system filter. Both
+//! lag behind the same manoeuvre, so their errors are correlated and their difference is smaller than the sum of their
+//! covariances says: for the nearly constant velocity filters of the literature d² averages 1.1 instead of 2. Distances
+//! are scaled up by what a configured correlation leaves. Where sources see different points of large targets, the
+//! spread of these points is added, as configured or as learned.
 
-use association::distance;
-use messages::{SensorTrack, sensor_track_bits};
+use estimation::{ComparedComponents, Gaussian, NearlyConstantVelocity, statistical_distance};
+use messages::{SensorTrack, TrackState, sensor_track_bits};
 
-use crate::sensor_tracks::{Role, SensorSlot, SensorTracks};
+use crate::engine::gaussian_of;
+use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
 use crate::settings::Settings;
-use crate::state::State;
+use crate::source_model::SourceModel;
 use crate::system_tracks::{SystemSlot, SystemTracks};
 
 /// Most cells of the grid along one side of a search.
 const SEARCH_CELLS_MAX: i32 = 16;
-
 /// Variance added to a difference of velocities, m²/s²: smoothing lags in turns, whatever a source claims.
 const VELOCITY_FLOOR_M2PS2: f64 = 4.0;
-
 /// Variance added to a difference of heights, m²: pressure altitude comes in steps of 100 ft, and drifts with the weather.
 const HEIGHT_FLOOR_M2: f64 = 900.0;
 
@@ -36,120 +32,172 @@ pub(crate) struct Search<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) sensors: &'a SensorTracks,
     pub(crate) systems: &'a SystemTracks,
-}
-
-/// How far a report is from a system track.
-#[derive(Clone, Copy, Debug)]
-struct Fit {
-    /// d² of position, of velocity, and of height where both know it.
-    cost: f64,
-    /// d² of position.
-    position: f64,
-    /// d² of velocity.
-    velocity: f64,
-    /// d² of height; 0 where a side knows none.
-    height: f64,
-    /// Horizontal distance, metres.
-    metres: f64,
+    pub(crate) models: &'a [SourceModel],
+    pub(crate) motion: &'a NearlyConstantVelocity,
 }
 
 impl Search<'_> {
-    /// The system track that `report` (stored in `own`) fits best, without regard to address, other than `not`.
-    pub(crate) fn best(&self, report: &SensorTrack, own: SensorSlot, not: Option<SystemSlot>) -> Option<SystemSlot> {
-        let settings = &self.settings.association;
-        let state = State::of_report(report);
-        let sigma = distance::largest_sigma2(state.horizontal()).hypot(settings.extent_sigma_m);
-        // The track's own uncertainty and the spread of its members are covered by at least half a cell.
-        let reach = (settings.join_gate.sqrt() * sigma).max(settings.target_extent_m) + 0.5 * settings.cell_m;
+    /// Calls `visit` with every system track that the sensor track in `own` could join, and their d².
+    pub(crate) fn admissible(&self, own: SensorSlot, mut visit: impl FnMut(SystemSlot, f64)) {
+        let entry = self.sensors.get(own);
+        let report = &entry.latest;
+        let state = gaussian_of(report);
+        self.near(report, &state, |system| {
+            if system == entry.system
+                || self
+                    .speaker(system, report.source, own, report.time_of_measurement_ns)
+                    .is_some()
+                || self.must_wait_for(own, system)
+            {
+                return;
+            }
+            if let Some(d2) = self.distance(report, &state, system) {
+                visit(system, d2);
+            }
+        });
+    }
+
+    /// A system track that the sensor track's source already follows and whose extent covers it, with the distance in
+    /// metres: then it is another part of that target.
+    pub(crate) fn other_part(&self, own: SensorSlot) -> Option<(SystemSlot, f64)> {
+        let report = &self.sensors.get(own).latest;
+        let state = gaussian_of(report);
+        let now_ns = report.time_of_measurement_ns;
         let mut best: Option<(f64, u32, SystemSlot)> = None;
+        self.near(report, &state, |system| {
+            let Some(speaker) = self.speaker(system, report.source, own, now_ns) else {
+                return;
+            };
+            let latest = &self.sensors.get(speaker).latest;
+            let other = gaussian_of(latest);
+            let seconds = (now_ns - latest.time_of_measurement_ns) as f64 / messages::NS_PER_S;
+            let both = report.has(sensor_track_bits::HEIGHT) && latest.has(sensor_track_bits::HEIGHT);
+            let apart = |axis: usize| state.mean[axis] - other.mean[axis] - other.mean[axis + 3] * seconds;
+            let metres = apart(0).hypot(apart(1));
+            let number = self.systems.get(system).number;
+            if metres <= self.settings.association.target_extent_m
+                && !(both && height_distance(&state, &other) > self.settings.association.join_gate)
+                && self.is_compatible(report, system)
+                && best.is_none_or(|(least, least_number, _)| (metres, number) < (least, least_number))
+            {
+                best = Some((metres, number, system));
+            }
+        });
+        best.map(|(metres, _, system)| (system, metres))
+    }
+
+    /// Another system track that could be the same target as `own`, with their d²: no source follows both, their states
+    /// agree, and no further one comes near to agreeing.
+    pub(crate) fn twin(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
+        const MARGIN: f64 = 6.0;
+        let entry = self.systems.get(own);
+        let state = entry.filter.at(now_ns, self.motion);
+        let sources = self.sources_of(own, now_ns);
+        let (mut best, mut second): (Option<(f64, SystemSlot)>, f64) = (None, f64::INFINITY);
+        let reach = self.reach(&state);
+        self.systems
+            .grid
+            .near(state.mean[0], state.mean[1], reach, SEARCH_CELLS_MAX, |system| {
+                if system == own || self.sources_of(system, now_ns) & sources != 0 {
+                    return;
+                }
+                let other = self.systems.get(system);
+                if entry.identity.contradicts(&other.identity) && self.settings.association.use_identity {
+                    return;
+                }
+                let theirs = other.filter.at(now_ns, self.motion);
+                let heights = entry.filter.has_height && other.filter.has_height;
+                if let Some(d2) = self.compare(&state, &theirs, heights, self.spread_m2(None)) {
+                    if best.is_none_or(|(least, slot)| (d2, system) < (least, slot)) {
+                        second = best.map_or(f64::INFINITY, |(least, _)| least);
+                        best = Some((d2, system));
+                    } else {
+                        second = second.min(d2);
+                    }
+                }
+            });
+        best.filter(|(d2, _)| second > d2 + MARGIN)
+            .map(|(d2, system)| (system, d2))
+    }
+
+    /// Fresh sources of a system track, as bits.
+    pub(crate) fn sources_of(&self, system: SystemSlot, now_ns: i64) -> u64 {
+        self.fresh_primaries(system, now_ns)
+            .fold(0, |bits, member| bits | 1 << self.sensors.get(member).latest.source)
+    }
+
+    /// Calls `visit` with every system track near a report.
+    fn near(&self, report: &SensorTrack, state: &Gaussian, visit: impl FnMut(SystemSlot)) {
+        let reach = self.reach(state);
         self.systems.grid.near(
             report.position_m[0],
             report.position_m[1],
             reach,
             SEARCH_CELLS_MAX,
-            |system| {
-                if Some(system) == not {
-                    return;
-                }
-                let Some(cost) = self.join_cost(report, &state, own, system) else {
-                    return;
-                };
-                let number = self.systems.get(system).number;
-                if best.is_none_or(|(least, least_number, _)| (cost, number) < (least, least_number)) {
-                    best = Some((cost, number, system));
-                }
-            },
+            visit,
         );
-        best.map(|(_, _, system)| system)
     }
 
-    /// What it costs `report` to join `system`; `None` if it may not.
-    fn join_cost(&self, report: &SensorTrack, state: &State, own: SensorSlot, system: SystemSlot) -> Option<f64> {
+    /// How far from `state` a system track of the same target can have been placed.
+    fn reach(&self, state: &Gaussian) -> f64 {
         let settings = &self.settings.association;
-        if self.contradicts(report, system) || !self.can_be_seen_together(report, system) {
+        let p = &state.covariance;
+        let sigma = association::distance::largest_sigma2([p[(0, 0)], p[(0, 1)], p[(1, 1)]]);
+        let sigma = sigma.hypot(self.spread_m2(None).sqrt());
+        let speed = state.mean[3].hypot(state.mean[4]);
+        // The system track was placed at its latest report; its own uncertainty is covered by half a cell.
+        let moved = speed * self.settings.longest_period_s();
+        (settings.join_gate.sqrt() * sigma).max(settings.target_extent_m) + 0.5 * settings.cell_m + moved
+    }
+
+    /// d² between a report and a system track; `None` if the report may not join it.
+    fn distance(&self, report: &SensorTrack, state: &Gaussian, system: SystemSlot) -> Option<f64> {
+        if !self.is_compatible(report, system) {
             return None;
         }
-        let now_ns = report.time_of_measurement_ns;
-        let fit = self.fit(state, system, own)?;
-        let near = match self.speaker(system, report.source, own, now_ns) {
-            Some(_) => fit.metres <= settings.target_extent_m && fit.height <= settings.join_gate,
-            None => fit.position <= settings.join_gate,
-        };
-        (near && fit.velocity <= settings.velocity_gate).then_some(fit.cost)
+        let filter = &self.systems.get(system).filter;
+        let other = filter.at(report.time_of_measurement_ns, self.motion);
+        let heights = filter.has_height && report.has(sensor_track_bits::HEIGHT);
+        self.compare(state, &other, heights, self.spread_m2(Some(report.source)))
     }
 
-    /// Best fit of `state` to the fresh primaries of `system` other than `own`; to its carried-on state if none is fresh.
-    fn fit(&self, state: &State, system: SystemSlot, own: SensorSlot) -> Option<Fit> {
-        let fresh = self
-            .fresh_primaries(system, state.time_ns)
-            .filter(|member| *member != own);
-        let of_members = fresh
-            .map(|member| self.fit_of(state, &State::of_report(&self.sensors.get(member).latest)))
-            .min_by(|a, b| a.cost.total_cmp(&b.cost));
-        if of_members.is_some() {
-            return of_members;
-        }
-        let alone = self.systems.members(self.sensors, system).any(|member| member == own);
-        (!alone).then(|| self.fit_of(state, &self.systems.get(system).state))
-    }
-
-    fn fit_of(&self, state: &State, other: &State) -> Fit {
-        let extent = self.settings.association.extent_sigma_m.powi(2);
-        let other = other.at(state.time_ns, self.settings.process_noise_m2ps3);
-        let add = |a: [f64; 3], b: [f64; 3], extra: f64| [a[0] + b[0] + extra, a[1] + b[1], a[2] + b[2] + extra];
-        let delta = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1]];
-        let apart = delta(state.position_m, other.position_m);
-        let position = distance::squared2(apart, add(state.horizontal(), other.horizontal(), extent));
-        // An unknown velocity has a large variance, and so says nothing here.
-        let s = add(
-            state.horizontal_velocity(),
-            other.horizontal_velocity(),
-            VELOCITY_FLOOR_M2PS2,
-        );
-        let velocity = distance::squared2(delta(state.velocity_mps, other.velocity_mps), s);
-        let height = if state.has_height && other.has_height {
-            let variance = state.covariance.get(2, 2) + other.covariance.get(2, 2) + HEIGHT_FLOOR_M2;
-            (state.position_m[2] - other.position_m[2]).powi(2) / variance
-        } else {
-            0.0
-        };
-        Fit {
-            cost: position + velocity + height,
-            position,
-            velocity,
-            height,
-            metres: apart[0].hypot(apart[1]),
-        }
-    }
-
-    /// Whether the report of `own` still fits the rest of its system track.
-    pub(crate) fn still_fits(&self, report: &SensorTrack, own: SensorSlot) -> bool {
+    /// d² between two states of one time, inside the gates.
+    fn compare(&self, a: &Gaussian, b: &Gaussian, heights: bool, spread_m2: f64) -> Option<f64> {
         let settings = &self.settings.association;
+        let mut wider = *a;
+        for axis in 0..2 {
+            wider.covariance[(axis, axis)] += spread_m2;
+            wider.covariance[(axis + 3, axis + 3)] += VELOCITY_FLOOR_M2PS2;
+        }
+        let scale = 1.0 / (1.0 - settings.error_correlation);
+        let position = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPosition);
+        if position > settings.join_gate {
+            return None;
+        }
+        let both = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPositionAndVelocity);
+        let height = if heights { height_distance(a, b) } else { 0.0 };
+        // Written so that NaN is refused.
+        let inside = height <= settings.join_gate && both + height <= settings.scan_gate();
+        inside.then_some(both + height)
+    }
+
+    /// Variance per axis of where detection points lie on a target, m²: configured, or learned if that is more.
+    pub(crate) fn spread_m2(&self, source: Option<u16>) -> f64 {
+        let configured = self.settings.association.extent_sigma_m.powi(2);
+        let learned = |model: &SourceModel| model.spread_m2();
+        match source {
+            Some(source) => configured.max(learned(&self.models[usize::from(source)])),
+            None => self.models.iter().map(learned).fold(configured, f64::max),
+        }
+    }
+
+    /// Of two system tracks with one source each, the sensor track of the younger moves, so that the older number stays
+    /// and they do not swap places.
+    fn must_wait_for(&self, own: SensorSlot, system: SystemSlot) -> bool {
         let entry = self.sensors.get(own);
-        let Some(fit) = self.fit(&State::of_report(report), entry.system, own) else {
-            return true;
-        };
-        fit.position <= settings.keep_gate || (entry.role == Role::Duplicate && fit.metres <= settings.target_extent_m)
+        entry.system != NO_SYSTEM
+            && self.systems.get(system).number > self.systems.get(entry.system).number
+            && self.has_one_source(system, entry.latest.time_of_measurement_ns)
     }
 
     /// Whether no other source contributes to the system track of `own`.
@@ -177,27 +225,29 @@ impl Search<'_> {
         })
     }
 
-    fn is_fresh(&self, report: &SensorTrack, now_ns: i64) -> bool {
+    pub(crate) fn is_fresh(&self, report: &SensorTrack, now_ns: i64) -> bool {
         let fresh_ns = self.settings.sources[usize::from(report.source)].fresh_ns;
         now_ns - report.time_of_measurement_ns <= fresh_ns
     }
 
-    /// Contradicting identities veto; absent ones abstain.
-    fn contradicts(&self, report: &SensorTrack, system: SystemSlot) -> bool {
-        if !self.settings.association.use_identity {
-            return false;
-        }
-        let differ = |a: Option<u32>, b: Option<u32>| matches!((a, b), (Some(a), Some(b)) if a != b);
-        let (mine, theirs) = (&report.identity, &self.systems.get(system).identity);
-        differ(mine.address(), theirs.address())
-            || differ(mine.mode_3a().map(u32::from), theirs.mode_3a().map(u32::from))
+    /// Whether the source has made enough of its track for it to be compared with others.
+    pub(crate) fn is_established(&self, sensor: SensorSlot) -> bool {
+        let entry = self.sensors.get(sensor);
+        entry.reports >= 2 || entry.latest.state == TrackState::Confirmed as u8
+    }
+
+    /// Whether neither identity nor height forbids that the report belongs to the system track.
+    fn is_compatible(&self, report: &SensorTrack, system: SystemSlot) -> bool {
+        let entry = self.systems.get(system);
+        let identity = !self.settings.association.use_identity || !report.identity.contradicts(&entry.identity);
+        identity && self.can_be_seen_together(report, system)
     }
 
     /// Heights must agree where known, and lie within what every source concerned can see.
     fn can_be_seen_together(&self, report: &SensorTrack, system: SystemSlot) -> bool {
         let entry = self.systems.get(system);
         let height = report.has(sensor_track_bits::HEIGHT).then_some(report.position_m[2]);
-        let theirs = entry.state.has_height.then_some(entry.state.position_m[2]);
+        let theirs = entry.filter.has_height.then_some(entry.filter.estimate.mean[2]);
         let ceiling = |source: u16| self.settings.sources[usize::from(source)].ceiling_m;
         if let (Some(a), Some(b)) = (height, theirs)
             && (a - b).abs() > self.settings.association.height_gate_m
@@ -210,4 +260,10 @@ impl Search<'_> {
                     .all(|member| z <= ceiling(self.sensors.get(member).latest.source))
             })
     }
+}
+
+/// d² of two heights.
+fn height_distance(a: &Gaussian, b: &Gaussian) -> f64 {
+    let variance = a.covariance[(2, 2)] + b.covariance[(2, 2)] + HEIGHT_FLOOR_M2;
+    (a.mean[2] - b.mean[2]).powi(2) / variance
 }

@@ -46,13 +46,16 @@ impl Harness {
 
     fn take(&mut self, report: &SensorTrack) -> Option<SystemTrack> {
         let before = self.published.len();
-        self.engine.take(report, &mut |track| self.published.push(*track));
+        self.engine
+            .take(report, &mut |track: &SystemTrack| self.published.push(*track));
         self.published[before..].last().copied()
     }
 
     fn advance(&mut self, time_s: f64) {
         self.engine
-            .advance((time_s * S as f64) as i64, &mut |track| self.published.push(*track));
+            .advance((time_s * S as f64) as i64, &mut |track: &SystemTrack| {
+                self.published.push(*track)
+            });
     }
 
     fn count(&self, counter: Counter) -> u64 {
@@ -334,6 +337,7 @@ fn an_extrapolation_is_no_observation_and_a_guessed_velocity_does_not_win() {
     assert!(harness.published.iter().all(|track| track.selected_source == 0));
     let mut second = report(1, 1, 3.5, [350.0, 0.0], [0.0, 0.0]);
     second.state = TrackState::Tentative as u8;
+    second.covariance = Covariance::diagonal([10.0, 10.0, 100.0], [150.0; 3]);
     assert_eq!(
         harness.take(&second).unwrap().selected_source,
         0,

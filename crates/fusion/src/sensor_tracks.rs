@@ -1,5 +1,6 @@
 //! The live sensor tracks of all sources: latest report, history, and the system track each belongs to.
 
+use estimation::Gaussian;
 use messages::SensorTrack;
 use rustc_hash::FxHashMap;
 
@@ -32,8 +33,91 @@ pub(crate) struct SensorEntry {
     pub(crate) next: Option<SensorSlot>,
     /// Reports in a row that did not fit the rest of the system track.
     pub(crate) misfits: u32,
-    /// Another system track that the last reports fitted, and how many in a row.
+    /// Number of another system track that the last reports fitted, and how many in a row.
     pub(crate) rival: Option<(u32, u32)>,
+    /// Whether it waits for the end of its scan.
+    pub(crate) waits: bool,
+    /// By how much the source's known errors have been taken off `latest`, metres.
+    pub(crate) shift_m: [f64; 3],
+    /// By how much the covariance of `latest` was inflated.
+    pub(crate) inflation: f64,
+    /// Reports so far.
+    pub(crate) reports: u32,
+    /// Scans in a row without a report.
+    pub(crate) misses: u32,
+    /// Time of its first report, nanoseconds.
+    pub(crate) started_ns: i64,
+    /// Share in the estimate of the system track's filter.
+    pub(crate) share: f64,
+    /// Innovations of the system track's filter so far, their mean over the last ones (east, north), and their variance
+    /// per axis.
+    pub(crate) residuals: u32,
+    pub(crate) residual_mean_m: [f64; 2],
+    pub(crate) residual_variance_m2: f64,
+    /// Where on the target the source sees it.
+    pub(crate) point: DetectionPoint,
+}
+
+/// Where on a target a sensor track's detection point lies.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct DetectionPoint {
+    /// Along and across the target's course, from its reference point, metres.
+    pub(crate) offset_m: [f64; 2],
+    /// Reports from which that was estimated.
+    pub(crate) reports: u32,
+    /// Whether it is the reference point itself.
+    pub(crate) is_reference: bool,
+    /// When that was estimated: see `Engine::points_epoch`.
+    pub(crate) epoch: u32,
+}
+
+impl Default for SensorEntry {
+    fn default() -> Self {
+        Self {
+            latest: SensorTrack::default(),
+            role: Role::Duplicate,
+            system: NO_SYSTEM,
+            next: None,
+            misfits: 0,
+            rival: None,
+            waits: false,
+            shift_m: [0.0; 3],
+            inflation: 1.0,
+            reports: 0,
+            misses: 0,
+            started_ns: 0,
+            share: 0.0,
+            residuals: 0,
+            residual_mean_m: [0.0; 2],
+            residual_variance_m2: 0.0,
+            point: DetectionPoint::default(),
+        }
+    }
+}
+
+impl SensorEntry {
+    /// The latest report as the source gave it, nothing taken off.
+    pub(crate) fn as_reported(&self) -> Gaussian {
+        let mut state = crate::engine::gaussian_of(&self.latest);
+        for axis in 0..messages::AXES {
+            state.mean[axis] += self.shift_m[axis];
+        }
+        if self.inflation != 1.0 {
+            state.covariance /= self.inflation;
+        }
+        state
+    }
+
+    /// It is about to belong to another system track: what it was to the last one says nothing.
+    pub(crate) fn forget_target(&mut self) {
+        self.misfits = 0;
+        self.rival = None;
+        self.share = 0.0;
+        self.residuals = 0;
+        self.residual_mean_m = [0.0; 2];
+        self.residual_variance_m2 = 0.0;
+        self.point = DetectionPoint::default();
+    }
 }
 
 /// The table: preallocated entries, found by source and track number.
@@ -48,18 +132,10 @@ pub(crate) struct SensorTracks {
 
 impl SensorTracks {
     pub(crate) fn new(capacity: usize, stored_reports: usize) -> Self {
-        let empty = SensorEntry {
-            latest: SensorTrack::default(),
-            role: Role::Duplicate,
-            system: NO_SYSTEM,
-            next: None,
-            misfits: 0,
-            rival: None,
-        };
         // With room for twice the entries, the map clears its tombstones in place and never grows.
         let by_number = FxHashMap::with_capacity_and_hasher(2 * capacity, rustc_hash::FxBuildHasher);
         Self {
-            entries: vec![empty; capacity],
+            entries: vec![SensorEntry::default(); capacity],
             free: (0..capacity as SensorSlot).rev().collect(),
             by_number,
             histories: Histories::new(capacity, stored_reports + 1),
@@ -79,11 +155,8 @@ impl SensorTracks {
         self.qualities.clear(slot as usize);
         self.entries[slot as usize] = SensorEntry {
             latest: *report,
-            role: Role::Duplicate,
-            system: NO_SYSTEM,
-            next: None,
-            misfits: 0,
-            rival: None,
+            started_ns: report.time_of_measurement_ns,
+            ..SensorEntry::default()
         };
         self.histories.push(slot as usize, report);
         Some(slot)
@@ -97,7 +170,9 @@ impl SensorTracks {
 
     /// Frees `slot`, which no system track may link to any more.
     pub(crate) fn remove(&mut self, slot: SensorSlot) {
-        let latest = &self.entries[slot as usize].latest;
+        let entry = &mut self.entries[slot as usize];
+        entry.waits = false;
+        let latest = &entry.latest;
         self.by_number.remove(&(latest.source, latest.track_number));
         self.free.push(slot);
     }

@@ -21,6 +21,10 @@ pub struct Settings {
     pub rule: RuleSettings,
     /// Spectral density of the white-noise acceleration with which states are carried forward, m²/s³.
     pub process_noise_m2ps3: f64,
+    /// Systematic errors of the sources.
+    pub registration: RegistrationSettings,
+    /// Whether covariances that claim too much are inflated (BF-5).
+    pub consistency: bool,
     /// Time between two states of a system track, nanoseconds: published at its whole multiples for every system track
     /// (QF-6). `None`: whenever a report has changed a system track.
     pub refresh_ns: Option<i64>,
@@ -57,6 +61,67 @@ pub struct SourceSettings {
     pub priority: u32,
     /// Targets higher than this above the system origin cannot be seen by this source, metres.
     pub ceiling_m: f64,
+    /// Where it sees; `None`: learned from its reports.
+    pub coverage: Option<CoverageArea>,
+}
+
+/// Where a source sees targets, and how surely.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoverageArea {
+    /// East and north of the sensor in the system frame, metres.
+    pub place_m: [f64; 2],
+    /// Farthest horizontal distance, metres.
+    pub range_m: f64,
+    /// First and last azimuth of the sector that is seen, clockwise from north, radians; `None`: all around.
+    pub sector_rad: Option<[f64; 2]>,
+    /// Corners, east and north in the system frame, metres, of the area that is seen; empty: no further limit.
+    pub polygon_m: Vec<[f64; 2]>,
+    /// Probability that it follows a target in there.
+    pub probability: f64,
+}
+
+impl CoverageArea {
+    /// Probability that the source follows a target at this place.
+    pub fn probability_at(&self, position_m: [f64; 3]) -> f64 {
+        let (dx, dy) = (position_m[0] - self.place_m[0], position_m[1] - self.place_m[1]);
+        let in_sector = self.sector_rad.is_none_or(|[first, last]| {
+            let turn = std::f64::consts::TAU;
+            (dx.atan2(dy) - first).rem_euclid(turn) <= (last - first).rem_euclid(turn)
+        });
+        let inside = dx.hypot(dy) <= self.range_m && in_sector && self.polygon_holds(position_m[0], position_m[1]);
+        if inside { self.probability } else { 0.0 }
+    }
+
+    /// Whether a ray from (x, y) crosses the polygon's edges an odd number of times.
+    fn polygon_holds(&self, x: f64, y: f64) -> bool {
+        let corners = &self.polygon_m;
+        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+        let crosses = |([ax, ay], [bx, by]): &(&[f64; 2], &[f64; 2])| {
+            (*ay > y) != (*by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax
+        };
+        corners.is_empty() || edges.filter(crosses).count() % 2 == 1
+    }
+}
+
+/// Systematic errors of the sources (BF-3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegistrationSettings {
+    /// Whether they are estimated and removed.
+    pub enabled: bool,
+    /// Source that is taken as true; `None`: the mean of all sources is.
+    pub reference_source: Option<u16>,
+    /// Time constant with which old comparisons are forgotten, seconds.
+    pub memory_s: f64,
+}
+
+impl Default for RegistrationSettings {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            reference_source: None,
+            memory_s: 600.0,
+        }
+    }
 }
 
 /// Sensor accuracy s ≥ 0 as a function of conditions (TI-7).
@@ -121,6 +186,19 @@ pub struct AssociationSettings {
     pub merge_reports: u32,
     /// Cell width of the neighbourhood grid, metres.
     pub cell_m: f64,
+    /// Part of the variance of a difference that two tracks of one target have in common, in [0, 1): both lag behind the
+    /// same manoeuvres.
+    pub error_correlation: f64,
+    /// How long sensor tracks that belong nowhere yet wait for the rest of their scan, as a part of their source's period;
+    /// 0: each is placed at once, without regard to the others.
+    pub scan_wait: f64,
+}
+
+impl AssociationSettings {
+    /// Gate on d² of position, velocity and height together.
+    pub fn scan_gate(&self) -> f64 {
+        self.join_gate + self.velocity_gate
+    }
 }
 
 /// Life of a system track (QF-8 names the counts; TI has none).
@@ -187,7 +265,7 @@ pub struct PairRamp {
     pub from: u16,
     /// Number of the source that takes over.
     pub to: u16,
-    /// As [`HandOverSettings::ramp`].
+    /// eta_0 at successive refreshes, as for those that are no pair.
     pub ramp: Vec<f64>,
 }
 
@@ -326,6 +404,8 @@ impl Settings {
             ("split_reports", f64::from(association.split_reports), 1.0, 1e6),
             ("merge_reports", f64::from(association.merge_reports), 1.0, 1e6),
             ("cell_m", association.cell_m, 1.0, 1e6),
+            ("error_correlation", association.error_correlation, 0.0, 0.9),
+            ("scan_wait", association.scan_wait, 0.0, 1.0),
         ] {
             in_range(&format!("fusion.association.{key}"), value, low, high)?;
         }
@@ -358,6 +438,12 @@ impl Settings {
             source.check(&format!("source[{index}]"))?;
         }
         self.check_reference()
+    }
+
+    /// Longest time between two reports of any source, seconds.
+    pub(crate) fn longest_period_s(&self) -> f64 {
+        let longest = self.sources.iter().map(|source| source.period_ns).max();
+        longest.unwrap_or(0) as f64 / messages::NS_PER_S
     }
 
     /// TI-8: alpha cannot be normalised by a source whose alpha is 0.
@@ -515,8 +601,10 @@ impl Default for AssociationSettings {
             target_extent_m: 0.0,
             height_gate_m: 600.0,
             split_reports: 5,
-            merge_reports: 3,
+            merge_reports: 2,
             cell_m: 1000.0,
+            error_correlation: 0.1,
+            scan_wait: 0.05,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A position, a velocity and their covariance, carried through time and combined.
 
+use estimation::Gaussian;
 use messages::{AXES, CONTRIBUTIONS_MAX, Covariance, SensorTrack, sensor_track_bits};
 
 use crate::history::moved;
@@ -28,6 +29,16 @@ impl State {
             velocity_mps: report.velocity_mps,
             covariance: report.covariance,
             has_height: report.has(sensor_track_bits::HEIGHT),
+        }
+    }
+
+    pub(crate) fn of_gaussian(time_ns: i64, estimate: &Gaussian, has_height: bool) -> Self {
+        Self {
+            time_ns,
+            position_m: estimate.position_m(),
+            velocity_mps: estimate.velocity_mps(),
+            covariance: estimate.packed_covariance(),
+            has_height,
         }
     }
 
@@ -65,24 +76,6 @@ impl State {
             covariance: carried,
             has_height: self.has_height,
         }
-    }
-
-    /// Horizontal position covariance: (east², east·north, north²), m².
-    pub(crate) fn horizontal(&self) -> [f64; 3] {
-        [
-            self.covariance.get(0, 0),
-            self.covariance.get(0, 1),
-            self.covariance.get(1, 1),
-        ]
-    }
-
-    /// Horizontal velocity covariance, m²/s².
-    pub(crate) fn horizontal_velocity(&self) -> [f64; 3] {
-        [
-            self.covariance.get(3, 3),
-            self.covariance.get(3, 4),
-            self.covariance.get(4, 4),
-        ]
     }
 
     /// Sum of the position variances over east and north, m²: what traces are compared by (TI-16).

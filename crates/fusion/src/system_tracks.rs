@@ -4,9 +4,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use association::Grid;
-use messages::{Identity, TrackState};
+use estimation::Gaussian;
+use messages::{Identity, NO_SOURCE, TrackState};
 use rustc_hash::FxHashMap;
 
+use crate::filter::Filter;
 use crate::rules::Memory;
 use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot, SensorTracks};
 use crate::state::State;
@@ -20,7 +22,26 @@ pub(crate) struct SystemEntry {
     pub(crate) number: u32,
     pub(crate) life: TrackState,
     pub(crate) identity: Identity,
+    /// As last weighed.
     pub(crate) state: State,
+    /// The system filter: what reports are compared with.
+    pub(crate) filter: Filter,
+    /// Course of the target, as sine and cosine; north until it has moved.
+    pub(crate) course: [f64; 2],
+    /// Sum of ln(1 − probability of detection) over the misses since the last report.
+    pub(crate) absence: f64,
+    /// When a sensor track that joined began, earliest, and its source: the one that has followed the target longest.
+    pub(crate) first_seen: (i64, u16),
+    /// Whether it was ever confirmed.
+    pub(crate) was_shown: bool,
+    /// Number of another system track that seems to be the same target, and how many looks in a row it did.
+    pub(crate) twin: Option<(u32, u32)>,
+    /// When to look again for such a one, nanoseconds.
+    pub(crate) twin_due_ns: i64,
+    /// When to note again which sources follow it, nanoseconds.
+    pub(crate) coverage_due_ns: i64,
+    /// Its column while a scan is being assigned.
+    pub(crate) column: u32,
     /// First of its sensor tracks; the others are linked from there.
     pub(crate) members: Option<SensorSlot>,
     pub(crate) memory: Memory,
@@ -36,6 +57,39 @@ pub(crate) struct SystemEntry {
     pub(crate) on_ground: bool,
     /// Number of the system track it was merged into; 0 if it was not.
     pub(crate) merged_into: u32,
+}
+
+const EMPTY: Gaussian = Gaussian {
+    mean: estimation::Vector6::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; 1])),
+    covariance: estimation::Matrix6::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; 6])),
+};
+
+impl SystemEntry {
+    fn new(number: u32, life: TrackState, filter: Filter, fresh_until_ns: i64) -> Self {
+        Self {
+            number,
+            life,
+            identity: Identity::default(),
+            state: filter.state(),
+            course: [0.0, 1.0],
+            absence: 0.0,
+            first_seen: (i64::MAX, NO_SOURCE),
+            was_shown: false,
+            twin: None,
+            twin_due_ns: i64::MIN,
+            coverage_due_ns: i64::MIN,
+            column: 0,
+            members: None,
+            memory: Memory::default(),
+            reports: 0,
+            last_report_ns: filter.time_ns,
+            fresh_until_ns,
+            alerts: 0,
+            on_ground: false,
+            merged_into: 0,
+            filter,
+        }
+    }
 }
 
 /// The table.
@@ -54,20 +108,7 @@ pub(crate) struct SystemTracks {
 
 impl SystemTracks {
     pub(crate) fn new(capacity: usize, cell_m: f64) -> Self {
-        let empty = SystemEntry {
-            number: 0,
-            life: TrackState::Terminated,
-            identity: Identity::default(),
-            state: State::default(),
-            members: None,
-            memory: Memory::default(),
-            reports: 0,
-            last_report_ns: i64::MIN,
-            fresh_until_ns: i64::MIN,
-            alerts: 0,
-            on_ground: false,
-            merged_into: 0,
-        };
+        let empty = SystemEntry::new(0, TrackState::Terminated, Filter::new(0, EMPTY, false), i64::MIN);
         Self {
             entries: vec![empty; capacity],
             free: (0..capacity as SystemSlot).rev().collect(),
@@ -79,25 +120,12 @@ impl SystemTracks {
         }
     }
 
-    /// A new tentative system track in `state`; `None` if the table is full.
-    pub(crate) fn insert(&mut self, state: State, deadline_ns: i64) -> Option<SystemSlot> {
+    /// A new tentative system track with `filter`; `None` if the table is full.
+    pub(crate) fn insert(&mut self, filter: Filter, deadline_ns: i64) -> Option<SystemSlot> {
         let slot = self.free.pop()?;
         let number = self.next_number;
         self.next_number = self.next_number.checked_add(1).unwrap_or(1);
-        self.entries[slot as usize] = SystemEntry {
-            number,
-            life: TrackState::Tentative,
-            identity: Identity::default(),
-            state,
-            members: None,
-            memory: Memory::default(),
-            reports: 0,
-            last_report_ns: state.time_ns,
-            fresh_until_ns: deadline_ns,
-            alerts: 0,
-            on_ground: false,
-            merged_into: 0,
-        };
+        self.entries[slot as usize] = SystemEntry::new(number, TrackState::Tentative, filter, deadline_ns);
         self.in_state[TrackState::Tentative as usize] += 1;
         self.deadlines.push(Reverse((deadline_ns, number, slot)));
         Some(slot)
@@ -191,8 +219,6 @@ impl SystemTracks {
         let entry = sensors.get_mut(sensor);
         entry.system = system;
         entry.next = first.replace(sensor);
-        entry.misfits = 0;
-        entry.rival = None;
     }
 
     /// Takes a sensor track out of its system track.

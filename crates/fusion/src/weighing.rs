@@ -81,6 +81,7 @@ impl Weigher<'_> {
         let target = Target {
             candidates: &weighed.candidates[..weighed.len],
             reference_ns,
+            filtered: entry.filter.state_at(reference_ns, self.search.motion),
             last: entry.state,
             process_noise_m2ps3: settings.process_noise_m2ps3,
         };
@@ -146,7 +147,8 @@ impl Weigher<'_> {
 
     fn candidate(&self, member: SensorSlot, reference_ns: i64) -> Candidate {
         let (settings, sensors) = (self.search.settings, self.search.sensors);
-        let latest = &sensors.get(member).latest;
+        let entry = sensors.get(member);
+        let latest = &entry.latest;
         let (source, rule) = (&settings.sources[usize::from(latest.source)], &settings.rule);
         let reported = State::of_report(latest);
         let state = self.state(member, &reported, reference_ns);
@@ -177,6 +179,7 @@ impl Weigher<'_> {
             quality: sensors
                 .qualities
                 .index(member as usize, reference_ns, source.period_ns, rule.quality_scans),
+            filter_share: entry.share,
             state,
         }
     }

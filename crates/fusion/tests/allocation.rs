@@ -3,11 +3,11 @@
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use fusion::rules;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, DropOut, HandOverSettings, LifeSettings, RuleSettings,
-    Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, DropOut, HandOverSettings, LifeSettings,
+    RegistrationSettings, RuleSettings, Settings, SourceSettings,
 };
 use fusion::{Engine, Merger};
-use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -27,6 +27,7 @@ fn settings() -> Settings {
         adjustment: 1.0,
         priority: 0,
         ceiling_m: f64::INFINITY,
+        coverage: None,
     };
     Settings {
         sources: ["a", "b", "c"].map(source).to_vec(),
@@ -41,6 +42,8 @@ fn settings() -> Settings {
         },
         life: LifeSettings::default(),
         rule: RuleSettings::default(),
+        registration: RegistrationSettings::default(),
+        consistency: true,
         process_noise_m2ps3: 1.0,
         refresh_ns: None,
         refresh_delay_ns: 0,
@@ -106,10 +109,10 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
                 merger.mark(source, report.time_of_measurement_ns);
             }
             while let Some(report) = merger.pop() {
-                engine.take(&report, &mut |_| published += 1);
+                engine.take(&report, &mut |_: &SystemTrack| published += 1);
             }
         }
-        engine.advance(i64::MAX, &mut |_| published += 1);
+        engine.advance(i64::MAX, &mut |_: &SystemTrack| published += 1);
     });
     assert!(published > 20_000, "{published}");
     let counts = engine.counts();
@@ -145,9 +148,9 @@ fn no_rule_allocates_anything_at_reports_or_at_uniform_times() {
             let mut published = 0u64;
             assert_no_alloc(|| {
                 for step in 0..20_000 {
-                    engine.take(&report(step), &mut |_| published += 1);
+                    engine.take(&report(step), &mut |_: &SystemTrack| published += 1);
                 }
-                engine.advance(i64::MAX, &mut |_| published += 1);
+                engine.advance(i64::MAX, &mut |_: &SystemTrack| published += 1);
             });
             assert!(published > 2_000, "{}: {published}", rule.name);
             let repaired = engine.counts().get(messages::Counter::CovariancesRepaired);

@@ -83,6 +83,12 @@ impl Identity {
         self
     }
 
+    /// Whether both know an address, or both a Mode 3/A code, and these differ. What one of them lacks contradicts nothing.
+    pub fn contradicts(&self, other: &Self) -> bool {
+        let differ = |a: Option<u32>, b: Option<u32>| matches!((a, b), (Some(a), Some(b)) if a != b);
+        differ(self.address(), other.address()) || differ(self.mode_3a().map(u32::from), other.mode_3a().map(u32::from))
+    }
+
     /// What this identity lacks, taken from `other`.
     #[must_use]
     pub fn or(mut self, other: &Self) -> Self {

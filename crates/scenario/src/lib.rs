@@ -21,6 +21,7 @@ mod false_target;
 mod local_track;
 mod measurement;
 mod path;
+mod plot;
 mod random;
 mod schedule;
 mod sensor;
@@ -31,6 +32,7 @@ mod truth;
 
 pub use accuracy::{Accuracy, AccuracyReport, PictureTrack};
 pub use error::SettingsError;
+pub use plot::Plot;
 pub use sensor::{FALSE_TARGETS_MAX, SimulatedSensor};
 pub use sensor_settings::{SensorIdentity, SensorKind, SensorSettings};
 pub use settings::{ScenarioSettings, TARGETS_MAX};

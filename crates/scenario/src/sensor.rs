@@ -11,6 +11,7 @@ use crate::error::SettingsError;
 use crate::false_target::{self, FalseTarget};
 use crate::local_track::LocalTrack;
 use crate::measurement::Measurement;
+use crate::plot::Plot;
 use crate::random::{Purpose, stream};
 use crate::schedule::{Aim, Slot};
 use crate::sensor_settings::{Checked, Dropouts, SensorIdentity, SensorKind, SensorSettings};
@@ -88,14 +89,31 @@ impl SimulatedSensor {
     ///
     /// Sequence number and stages are left 0, for the publisher to fill in.
     pub fn scan(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>) {
+        self.scan_for(truth, out, &mut |_| {});
+    }
+
+    /// As [`SimulatedSensor::scan`], and appends to `plots` what the sensor detected, in order of the time too.
+    pub fn scan_with_plots(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, plots: &mut Vec<Plot>) {
+        let first = plots.len();
+        self.scan_for(truth, out, &mut |plot| plots.push(plot));
+        // Of one time, targets come in the order of their numbers, false ones after them: the sort is stable.
+        plots[first..].sort_by_key(|plot| plot.time_of_measurement_ns);
+    }
+
+    fn scan_for(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, detected: &mut dyn FnMut(Plot)) {
         let first = out.len();
         let looks = &self.looks;
+        let mut told = Told {
+            next_number: &mut self.next_number,
+            out,
+            detected,
+        };
         for index in self.targets.len()..truth.len() {
             self.targets.push(looks.watched(index as u64));
         }
         for (index, watched) in self.targets.iter_mut().enumerate().take(truth.len()) {
             let see = |time_s| Seen::target(truth.target_at(index, time_s), looks);
-            looks.look(&self.slot, index as u64, watched, see, &mut self.next_number, out);
+            looks.look(&self.slot, (index as u64, Some(index as u32)), watched, see, &mut told);
         }
 
         let (period, slot_of_period) = self.slot.period(&looks.settings);
@@ -116,7 +134,7 @@ impl SimulatedSensor {
         }
         for (target, watched) in &mut self.false_targets {
             let see = |time_s| Seen::false_target(target, time_s);
-            looks.look(&self.slot, target.thing, watched, see, &mut self.next_number, out);
+            looks.look(&self.slot, (target.thing, None), watched, see, &mut told);
         }
         let over_s = self.slot.begin_s();
         self.false_targets
@@ -172,6 +190,13 @@ impl Seen {
     }
 }
 
+/// Where the outcome of looks goes.
+struct Told<'a> {
+    next_number: &'a mut u32,
+    out: &'a mut Vec<SensorTrack>,
+    detected: &'a mut dyn FnMut(Plot),
+}
+
 /// All that a look depends on and never changes.
 #[derive(Clone, Debug)]
 struct Looks {
@@ -192,15 +217,15 @@ impl Looks {
         }
     }
 
-    /// Looks at one thing if its turn comes in this slot, and reports its track if there is one then.
+    /// Looks at one thing, target number `target` if it is one, if its turn comes in this slot; tells what it detects, and
+    /// reports its track if there is one then.
     fn look(
         &self,
         slot: &Slot,
-        thing: u64,
+        (thing, target): (u64, Option<u32>),
         watched: &mut Watched,
         see: impl Fn(f64) -> Seen,
-        next_number: &mut u32,
-        out: &mut Vec<SensorTrack>,
+        told: &mut Told<'_>,
     ) {
         let aim = Aim {
             seed: self.seed,
@@ -218,21 +243,36 @@ impl Looks {
         watched.latest_look_s = time_s;
         let seen = see(time_s);
         let found = self.find(slot, thing, watched.equipped, time_s, &seen);
+        if let Some(found) = &found {
+            let (settings, scan) = (&self.settings, slot.period(&self.settings).0);
+            let site_m = settings.coverage.position_m;
+            (told.detected)(Plot::new(
+                (self.utc_ns(time_s), scan),
+                target,
+                found,
+                site_m,
+                &settings.errors,
+            ));
+        }
         let tracking = &self.settings.tracking;
         match (&mut watched.track, &found) {
             (Some(track), found) => track.look(time_s, found.as_ref(), tracking),
             (None, Some(first)) => {
-                watched.track = Some(LocalTrack::new(*next_number, time_s, first, tracking));
-                *next_number = next_number.wrapping_add(1).max(1);
+                watched.track = Some(LocalTrack::new(*told.next_number, time_s, first, tracking));
+                *told.next_number = told.next_number.wrapping_add(1).max(1);
             }
             (None, None) => return,
         }
         if let Some(track) = watched.track {
-            out.push(self.report(&track, time_s, &seen, found.as_ref()));
+            told.out.push(self.report(&track, time_s, &seen, found.as_ref()));
             if track.state == TrackState::Terminated {
                 watched.track = None;
             }
         }
+    }
+
+    fn utc_ns(&self, time_s: f64) -> i64 {
+        self.start_utc_ns + (time_s * messages::NS_PER_S).round() as i64
     }
 
     fn find(&self, slot: &Slot, thing: u64, equipped: bool, time_s: f64, seen: &Seen) -> Option<Measurement> {
@@ -284,7 +324,7 @@ impl Looks {
         set(MEASURED, found.is_some());
         set(ON_GROUND, seen.on_ground);
         SensorTrack {
-            time_of_measurement_ns: self.start_utc_ns + (time_s * messages::NS_PER_S).round() as i64,
+            time_of_measurement_ns: self.utc_ns(time_s),
             track_number: track.number,
             source: self.source,
             valid,

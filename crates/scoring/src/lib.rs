@@ -20,6 +20,7 @@ mod continuity;
 mod fixes;
 pub mod gospa;
 mod near;
+mod normalised;
 mod picture;
 mod resolution;
 mod states;
@@ -31,7 +32,7 @@ pub use fixes::{
     FixScore,
 };
 pub use near::Pair;
-pub use picture::{PICTURE_WORDS, PictureError, PictureScore, PictureSettings, Timeline, score_picture};
+pub use picture::{PICTURE_WORDS, PictureError, PictureScore, PictureSettings, ShownState, Timeline, score_picture};
 pub use resolution::{
     ConfirmedTracks, NoTruthSince, PooledResolutionScore, RESOLUTION_WORDS, ResolutionScore, ResolutionSettings,
     TargetsByTime,

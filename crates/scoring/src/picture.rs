@@ -11,12 +11,14 @@
 use std::io::Read;
 
 use formats::csv_table::CsvError;
+use messages::Covariance;
 use serde::Serialize;
 use thiserror::Error;
 
 use crate::continuity::Continuity;
 use crate::gospa::Metric;
 use crate::near::distance;
+use crate::normalised::{normalised_square, spread_after};
 use crate::states::{Counted, Instant, Pictures, State, StateRows, Walk, positions};
 use crate::statistics::{mean, quantile, root_mean, standard_deviation};
 use crate::words::Word;
@@ -87,21 +89,58 @@ impl Timeline {
 
     fn read(input: impl Read, usual_id: &'static str, age_max_s: f64) -> Result<Self, CsvError> {
         let mut rows = StateRows::<_, 3>::new(input, &IDS, usual_id, Counted::NotUnconfirmed)?;
-        let mut timeline = Self {
+        let mut timeline = Self::empty(age_max_s);
+        while let Some((state, covariance)) = rows.next()? {
+            timeline.keep(state, covariance.as_ref());
+        }
+        Ok(timeline)
+    }
+
+    /// A timeline of tracks to which states are added that show for `age_max_s` seconds.
+    pub fn empty(age_max_s: f64) -> Self {
+        Self {
             age_max_s,
             // Of two rows of one time the later one counts.
             pictures: Pictures::new(|state, kept| state.time_s >= kept.time_s),
             end_s: None,
-        };
-        while let Some(state) = rows.next()? {
-            let second = first_whole_second(state.time_s);
-            if is_fresh(state.time_s, second, age_max_s) {
-                timeline.pictures.keep(second, state);
-            }
-            timeline.end_s = Some(timeline.end_s.map_or(state.time_s, |end_s| end_s.max(state.time_s)));
         }
-        Ok(timeline)
     }
+
+    /// Adds a state, as a row of a file would.
+    pub fn add(&mut self, state: &ShownState) {
+        let counted = State {
+            id: state.number,
+            time_s: state.time_s,
+            position_m: state.position_m,
+            velocity_mps: state.velocity_mps,
+            spread_m2: None,
+        };
+        self.keep(counted, Some(&state.covariance));
+    }
+
+    fn keep(&mut self, state: State<3>, covariance: Option<&Covariance>) {
+        let second = first_whole_second(state.time_s);
+        if is_fresh(state.time_s, second, self.age_max_s) {
+            let spread_m2 = covariance.map(|stated| spread_after(stated, second as f64 - state.time_s));
+            self.pictures.keep(second, State { spread_m2, ..state });
+        }
+        self.end_s = Some(self.end_s.map_or(state.time_s, |end_s| end_s.max(state.time_s)));
+    }
+}
+
+/// A state of a track that is confirmed or coasted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShownState {
+    /// The track's number.
+    pub number: i64,
+    /// Its time, seconds.
+    pub time_s: f64,
+    /// Position, metres.
+    pub position_m: [f64; 3],
+    /// Velocity, m/s.
+    pub velocity_mps: [f64; 3],
+    /// Covariance of both.
+    pub covariance: Covariance,
 }
 
 /// The first whole second at which a state of `time_s` can be seen.
@@ -169,6 +208,10 @@ pub struct PictureScore {
     pub missed_per_s: f64,
     /// Tracks without a target, on average.
     pub false_per_s: f64,
+    /// Mean normalised error squared of the position of the pairs, over its three dimensions; `None` where no track states
+    /// a covariance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nees_pos: Option<f64>,
 }
 
 /// What the words of a [`PictureScore`] mean.
@@ -194,6 +237,11 @@ pub const PICTURE_WORDS: &[Word] = &[
     ),
     Word::new("missed_per_s", "", "targets without a track, average over seconds"),
     Word::new("false_per_s", "", "tracks without a target, average over seconds"),
+    Word::new(
+        "nees_pos",
+        "",
+        "position error squared over the stated covariance: 1 if that is right, more if it is too small",
+    ),
 ];
 
 /// Compares tracks with the truth.
@@ -246,6 +294,7 @@ struct Sums {
     distances_m: [Vec<f64>; 5],
     position_squares_m2: Vec<f64>,
     velocity_squares_m2ps2: Vec<f64>,
+    normalised_squares: Vec<f64>,
     missed: Vec<f64>,
     false_tracks: Vec<f64>,
     continuity: Continuity,
@@ -261,6 +310,7 @@ impl Sums {
             distances_m: Default::default(),
             position_squares_m2: Vec::new(),
             velocity_squares_m2ps2: Vec::new(),
+            normalised_squares: Vec::new(),
             missed: Vec::new(),
             false_tracks: Vec::new(),
             continuity: Continuity::new(settings.gate_m, settings.moving_mps),
@@ -284,6 +334,10 @@ impl Sums {
             let velocity = distance(&target.velocity_mps, &track.velocity_mps);
             self.position_squares_m2.push(pair.distance_m * pair.distance_m);
             self.velocity_squares_m2ps2.push(velocity * velocity);
+            let error_m = std::array::from_fn(|axis| track.position_m[axis] - target.position_m[axis]);
+            let spread_m2 = track.spread_m2.as_ref();
+            self.normalised_squares
+                .extend(spread_m2.and_then(|spread_m2| normalised_square(error_m, spread_m2)));
         }
         self.missed.push(found.missed as f64);
         self.false_tracks.push(found.false_tracks as f64);
@@ -310,6 +364,7 @@ impl Sums {
             direction_std_deg: standard_deviation(&found.angles_rad).map(f64::to_degrees),
             missed_per_s: average(&self.missed),
             false_per_s: average(&self.false_tracks),
+            nees_pos: mean(&self.normalised_squares),
             spurious: self.continuity.spurious(),
             system_tracks: self.continuity.tracks(),
         }

@@ -10,7 +10,11 @@ use std::collections::btree_map;
 use std::io::Read;
 
 use formats::csv_table::{Column, CsvError, Row, Table};
+use formats::sensor_tracks_csv::COVARIANCE_COLUMNS;
+use messages::{COVARIANCE_LEN, Covariance};
 use rustc_hash::FxHashMap;
+
+use crate::normalised::Spread;
 
 /// Columns of positions and velocities, as many as there are dimensions.
 const POSITION: [&str; 3] = ["x", "y", "z"];
@@ -26,6 +30,8 @@ pub(crate) struct State<const D: usize> {
     pub(crate) time_s: f64,
     pub(crate) position_m: [f64; D],
     pub(crate) velocity_mps: [f64; D],
+    /// Covariance of its position at the instant at which it is first seen, where it states one.
+    pub(crate) spread_m2: Option<Spread>,
 }
 
 impl<const D: usize> State<D> {
@@ -58,6 +64,7 @@ pub(crate) struct StateRows<R, const D: usize> {
     position: [Column; D],
     velocity: [Column; D],
     state: Option<Column>,
+    covariance: Option<[Column; COVARIANCE_LEN]>,
 }
 
 impl<R: Read, const D: usize> StateRows<R, D> {
@@ -86,15 +93,17 @@ impl<R: Read, const D: usize> StateRows<R, D> {
                 Counted::NotUnconfirmed => table.optional("state")?,
                 Counted::Confirmed => Some(table.required("state")?),
             },
+            covariance: covariance(&table)?,
             table,
         })
     }
 
-    /// The state in the next row that counts; `None` at the end.
+    /// The state in the next row that counts, with the covariance of position and velocity where it has one; `None` at the
+    /// end.
     ///
     /// # Errors
     /// If the row cannot be read.
-    pub(crate) fn next(&mut self) -> Result<Option<State<D>>, CsvError> {
+    pub(crate) fn next(&mut self) -> Result<Option<(State<D>, Option<Covariance>)>, CsvError> {
         while let Some(row) = self.table.next_row() {
             let row = row?;
             let counts = match (self.counted, row.text(self.state)?) {
@@ -102,12 +111,14 @@ impl<R: Read, const D: usize> StateRows<R, D> {
                 (Counted::Confirmed, word) => matches!(word, Some("confirmed" | "coasted")),
             };
             if counts {
-                return Ok(Some(State {
+                let state = State {
                     id: row.whole(self.id)?,
                     time_s: row.time_s(self.time)?,
                     position_m: numbers(row, self.position)?,
                     velocity_mps: numbers(row, self.velocity)?,
-                }));
+                    spread_m2: None,
+                };
+                return Ok(Some((state, self.covariance.and_then(|columns| stated(row, columns)))));
             }
         }
         Ok(None)
@@ -118,6 +129,25 @@ fn columns<R: Read, const D: usize>(table: &Table<R>, names: [&'static str; 3]) 
     let mut wanted = [""; D];
     wanted.copy_from_slice(&names[..D]);
     table.all(wanted)
+}
+
+/// The columns of the covariance, if all are there; nobody has to state one.
+fn covariance<R: Read>(table: &Table<R>) -> Result<Option<[Column; COVARIANCE_LEN]>, CsvError> {
+    for name in COVARIANCE_COLUMNS {
+        if table.optional(name)?.is_none() {
+            return Ok(None);
+        }
+    }
+    table.all(COVARIANCE_COLUMNS).map(Some)
+}
+
+/// The covariance of a row; `None` if a part of it is no number.
+fn stated(row: Row<'_>, columns: [Column; COVARIANCE_LEN]) -> Option<Covariance> {
+    let mut covariance = Covariance::default();
+    for (place, column) in covariance.upper.iter_mut().zip(columns) {
+        *place = row.number(column).ok()?;
+    }
+    Some(covariance)
 }
 
 fn numbers<const D: usize>(row: Row<'_>, columns: [Column; D]) -> Result<[f64; D], CsvError> {
@@ -215,6 +245,7 @@ mod tests {
             time_s,
             position_m: [x, 0.0],
             velocity_mps: [10.0, -1.0],
+            spread_m2: None,
         }
     }
 
@@ -249,13 +280,14 @@ mod tests {
         let ids = ["target_id", "system_track_id"];
         let read = |counted| {
             let mut rows = StateRows::<_, 2>::new(text.as_bytes(), &ids, "system_track_id", counted).unwrap();
-            std::iter::from_fn(|| rows.next().unwrap()).collect::<Vec<_>>()
+            std::iter::from_fn(|| rows.next().unwrap().map(|(state, _)| state)).collect::<Vec<_>>()
         };
         let first = State {
             id: 4,
             time_s: 0.25,
             position_m: [1.0, 2.0],
             velocity_mps: [-1.0, 0.5],
+            spread_m2: None,
         };
         assert_eq!(read(Counted::Confirmed), [first]);
         let all = read(Counted::NotUnconfirmed);

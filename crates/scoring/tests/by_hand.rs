@@ -58,6 +58,38 @@ fn picture(truth: &str, tracks: &str, settings: &PictureSettings) -> Result<Pict
     score_picture(&truth, &tracks, settings)
 }
 
+/// Track 7 from 10 s on, `time,x,y,z` and variances of the position; no velocity, no correlations.
+fn with_covariance(rows: &[(&str, [f64; 3])]) -> String {
+    let names = (0..6).flat_map(|row| (row..6).map(move |column| format!("P{row}{column}")));
+    let mut text = format!(
+        "time_s,x,y,z,system_track_id,vx,vy,vz,{}\n",
+        names.collect::<Vec<_>>().join(",")
+    );
+    for (place, [east, north, up]) in rows {
+        text += &format!("{place},7,0,0,0,{east},0,0,0,0,0,{north},0,0,0,0,{up},0,0,0,0,0,0,0,0,0\n");
+    }
+    text
+}
+
+#[test]
+fn the_normalised_error_says_whether_tracks_know_how_accurate_they_are() {
+    let standing = PictureSettings {
+        last_s: Some(11),
+        ..PictureSettings::default()
+    };
+    let truth = "time_s,target_id,x,y,z,vx,vy,vz\n10,1,0,0,0,0,0,0\n11,1,0,0,0,0,0,0\n";
+    let found = |rows: &[(&str, [f64; 3])]| picture(truth, &with_covariance(rows), &standing).unwrap().nees_pos;
+    // (9/9 + 16/4 + 0)/3, and 1.
+    known(
+        found(&[("10,3,4,0", [9.0, 4.0, 1.0]), ("11,1,1,1", [1.0; 3])]),
+        (5.0 / 3.0 + 1.0) / 2.0,
+    );
+    // A variance of 0 says nothing; without columns nothing is said.
+    known(found(&[("10,3,4,0", [9.0, 0.0, 1.0]), ("11,1,1,1", [1.0; 3])]), 1.0);
+    let found = picture(TRUTH, TRACKS, &PictureSettings::default()).unwrap();
+    assert_eq!(found.nees_pos, None);
+}
+
 #[test]
 fn a_picture_of_four_seconds() {
     let found = picture(TRUTH, TRACKS, &PictureSettings::default()).unwrap();
@@ -419,7 +451,8 @@ fn words_are_those_of_the_figures() {
             assert!(words.iter().any(|word| word.name == key), "{key} has no word");
         }
     };
-    let found = picture(TRUTH, TRACKS, &PictureSettings::default()).unwrap();
+    let stated = with_covariance(&[("11,50,0,0", [25.0; 3])]);
+    let found = picture(TRUTH, &stated, &PictureSettings::default()).unwrap();
     let found = serde_json::to_value(found).unwrap();
     named(&found, PICTURE_WORDS);
     assert_eq!(found.as_object().unwrap().len(), PICTURE_WORDS.len());

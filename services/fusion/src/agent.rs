@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use bus::{Bus, Subscriber, Transport, Waiter};
 use fusion::{Engine, Merger, Pushed};
-use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, TrackState};
+use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, SensorTrack, SystemTrack, TrackState};
 use runtime::clock::mono_ns;
 use runtime::config::{Config, Order};
 use runtime::flow::Reached;
@@ -90,7 +90,7 @@ impl<S: Transport> FusionAgent<S> {
         for input in &mut self.inputs {
             for _ in 0..SLICES_PER_SOURCE {
                 let (engine, output) = (&mut self.engine, &mut self.output);
-                let fuse = |report: &messages::SensorTrack| engine.take(report, &mut |track| output.push(track));
+                let fuse = |report: &SensorTrack| engine.take(report, &mut |track: &SystemTrack| output.push(track));
                 if !input.take_slice(mono_ns, fuse, |_, _| {})? {
                     break;
                 }
@@ -100,7 +100,8 @@ impl<S: Transport> FusionAgent<S> {
             }
         }
         let output = &mut self.output;
-        self.engine.advance(now.utc_ns, &mut |track| output.push(track));
+        self.engine
+            .advance(now.utc_ns, &mut |track: &SystemTrack| output.push(track));
         self.output.send(self.progress_ns, false)?;
         Ok(worked)
     }
@@ -125,7 +126,7 @@ impl<S: Transport> FusionAgent<S> {
             worked = true;
             self.progress_ns = report.time_of_measurement_ns;
             let output = &mut self.output;
-            self.engine.take(&report, &mut |track| output.push(track));
+            self.engine.take(&report, &mut |track: &SystemTrack| output.push(track));
         }
         self.output.send(self.progress_ns, false)?;
         if merger.finished() && !self.end_sent && self.output.has_room()? {
@@ -138,7 +139,8 @@ impl<S: Transport> FusionAgent<S> {
 
     fn let_time_pass(&mut self, until_ns: i64) {
         let output = &mut self.output;
-        self.engine.advance(until_ns, &mut |track| output.push(track));
+        self.engine
+            .advance(until_ns, &mut |track: &SystemTrack| output.push(track));
     }
 
     /// Takes slices of one source while its queue has room for a whole one; what it has no room for stays in shared

@@ -38,6 +38,7 @@ Examples:
   koseki up config/barcelona.toml --speed max   the recorded airport, as fast as this machine can
   koseki status                                 what runs, in another terminal
   koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
+  koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into one picture
 
 Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
 
@@ -62,6 +63,15 @@ pub(crate) enum Command {
     /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
     #[command(after_help = DECODE_EXAMPLES)]
     Decode(Decode),
+    /// Write what simulated sensors see of a simulated world, and the truth
+    #[command(after_help = SIMULATE_EXAMPLES)]
+    Simulate(Simulate),
+    /// Fuse files of sensor tracks into one file of system tracks
+    #[command(after_help = FUSE_EXAMPLES)]
+    Fuse(Fuse),
+    /// Run every fusion rule on the same sensor tracks, and show them side by side
+    #[command(after_help = COMPARE_EXAMPLES)]
+    Compare(Compare),
     /// Score tracks or fixes against a known truth
     #[command(after_help = SCORE_EXAMPLES)]
     Score(Score),
@@ -238,6 +248,143 @@ pub(crate) enum ChosenEdition {
     Category(&'static Category),
     /// The coding rules of its reserved expansion field.
     Expansion(&'static Expansion),
+}
+
+const SIMULATE_EXAMPLES: &str = "\
+Examples:
+  koseki simulate --scenario demo --seed 1 --out case1
+  koseki simulate --scenario dense --seed 3 --for 60 --out case3
+  koseki simulate --scenario my.toml --seed 1 --out mine
+
+NAME  demo      a busy airport and its surroundings, seen by four sensors: what `koseki demo` shows
+      en-route  the same sensors; all targets fly en route, and all of them meet another one on their way
+      dense     demo with 400 targets
+FILE  a deployment with [scenario] and simulated sources, as config/demo.toml
+
+DIR/truth.csv            a row per whole second and target that some sensor could see there
+DIR/sensor_tracks_K.csv  what sensor K reports, for `koseki fuse`
+DIR/detections_K.csv     what it detected before its own tracker made tracks of it; truth_id -1 is a false target
+Times begin at 0. The same scenario and seed give the same bytes.";
+
+/// `koseki simulate`.
+#[derive(Debug, Args)]
+pub(crate) struct Simulate {
+    /// Name of a scenario, or a configuration with one
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) scenario: PathBuf,
+    /// Seed of the simulated world: the same seed gives the same traffic
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the files
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// How long a time is simulated, seconds
+    #[arg(long = "for", value_name = "SECONDS", default_value = "120", value_parser = seconds)]
+    pub(crate) seconds: Duration,
+}
+
+const FUSE_EXAMPLES: &str = "\
+Examples:
+  koseki fuse --tracks radar.csv adsb.csv --refresh 1 --out fused.csv
+  koseki fuse --tracks all.csv --rule best-source --out fused.csv --json
+  koseki fuse --tracks all.csv --config sensors.toml --out fused.csv
+
+FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
+         and, where known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid. Metres, m/s, the upper
+         triangle of the covariance row by row; state is tentative, confirmed, coasted or terminated. A file may hold
+         several sensors; several files are merged by time. Rows that cannot be used are left out and counted.
+--out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
+         and more, a row per update. With --refresh a row at every whole multiple of it for each track that is confirmed or
+         coasted. Several values in a column are joined with |.
+--explain time_s,decision,system_track_id,other_system_track_id,sensor_id,other_sensor_id,sensor_track_id,value,limit
+         decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value is what was
+         compared with limit.
+--config a deployment as for `koseki up` (sensor_id 1 is its first source), or [fusion] and [[sensor]] alone:
+           [fusion.rule]
+           name = \"best-source\"
+           [[sensor]]
+           id = 3                # the sensor_id of the files
+           period_s = 4.0        # time between two reports of a track
+           fresh_s = 10.0        # age beyond which a report no longer counts
+           priority = 1          # of equally good sensors the one with the smallest number is taken
+           [sensor.accuracy]
+           sigma_m = 50.0
+           adjustment = 1.0      # more makes it count less
+           [sensor.coverage]     # where it sees; else that is learned from its reports
+           polygon_m = [[-9e3, -9e3], [9e3, -9e3], [0, 9e3]]    # or range_m, sector_deg and the sensor's position_m
+           probability = 0.9     # that it follows a target in there
+         What is not configured, a first pass over the files tells: sensors, periods, accuracy as stated, sizes of tables.
+
+The same files and options give the same bytes.";
+
+/// `koseki fuse`.
+#[derive(Debug, Args)]
+pub(crate) struct Fuse {
+    #[command(flatten)]
+    pub(crate) input: OfflineInput,
+    /// How sources are weighed; auto is the best there is for unknown data [default: what --config says, else auto]
+    #[arg(long, value_name = "RULE")]
+    pub(crate) rule: Option<String>,
+    /// Write rows at whole multiples of so many seconds [default: a row per update]
+    #[arg(long, value_name = "SECONDS", value_parser = refresh)]
+    pub(crate) refresh: Option<Duration>,
+    /// File for the system tracks
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// File for what was decided and why, a row per decision
+    #[arg(long, value_name = "FILE")]
+    pub(crate) explain: Option<PathBuf>,
+    /// Print what was read and found as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What the offline engines of fusion are given.
+#[derive(Debug, Args)]
+pub(crate) struct OfflineInput {
+    /// Sensor tracks: CSV files, each in the order of time
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) tracks: Vec<PathBuf>,
+    /// What is known of the sensors, and settings of fusion: a TOML file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+}
+
+const COMPARE_EXAMPLES: &str = "\
+Examples:
+  koseki compare --tracks radar.csv adsb.csv --truth truth.csv
+  koseki compare --tracks all.csv --truth truth.csv --c 100 --gate 50 --markdown
+  koseki compare --tracks all.csv --config sensors.toml --json
+
+Inputs are those of `koseki fuse`, figures those of `koseki score` (see their --help); without --truth those that need
+none. us_per_report is the time of the engine alone. Every rule has an engine of its own; nothing is written.";
+
+/// `koseki compare`.
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    #[command(flatten)]
+    pub(crate) input: OfflineInput,
+    /// Where the targets are: a CSV file as for `koseki score`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) truth: Option<PathBuf>,
+    /// System tracks are compared at whole multiples of so many seconds
+    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = refresh)]
+    pub(crate) refresh: Duration,
+    /// Cut-off of GOSPA and OSPA: distance from which a track is no track of a target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Distance up to which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// First whole second to score
+    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: i64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print the table as Markdown
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) markdown: bool,
 }
 
 const SCORE_EXAMPLES: &str = "\
@@ -545,6 +692,14 @@ fn seconds(text: &str) -> Result<Duration, String> {
         return Ok(Duration::from_secs_f64(seconds));
     }
     Err(format!("it must be more than 0 and at most {SECONDS_MAX}"))
+}
+
+fn refresh(text: &str) -> Result<Duration, String> {
+    let time = seconds(text)?;
+    if (Duration::from_millis(1)..=Duration::from_secs(3600)).contains(&time) {
+        return Ok(time);
+    }
+    Err("it must lie between 0.001 and 3600".to_owned())
 }
 
 fn speed(text: &str) -> Result<Speed, String> {

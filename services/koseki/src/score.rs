@@ -4,7 +4,6 @@
 //! means, or as one JSON object under the same words.
 
 use std::fmt::Write as _;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use scoring::{
@@ -15,28 +14,12 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::args::{Score, ScoreFixes, ScoreTracks, ScoreWhat, Usage};
+use crate::files::{InputError, open};
 
 /// What stands beside the truth of a scripted case.
 const SETTINGS_FILE: &str = "meta.json";
 /// Significant digits on the screen.
 const DIGITS: usize = 4;
-
-/// A file that cannot be scored.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: {what}", file.display())]
-pub(crate) struct InputError {
-    file: PathBuf,
-    what: String,
-}
-
-impl InputError {
-    fn new(file: &Path, what: impl std::fmt::Display) -> Self {
-        Self {
-            file: file.to_owned(),
-            what: what.to_string(),
-        }
-    }
-}
 
 /// Scores, and prints the figures.
 ///
@@ -117,10 +100,6 @@ fn case_settings(file: &Path) -> Result<CaseSettings, InputError> {
     serde_json::from_str(&text).map_err(|error| InputError::new(file, error))
 }
 
-fn open(file: &Path) -> Result<File, InputError> {
-    File::open(file).map_err(|error| InputError::new(file, format!("cannot be read: {error}")))
-}
-
 /// The files of each run.
 fn in_pairs<'a>(
     (truth, truths): (&str, &'a [PathBuf]),
@@ -160,7 +139,7 @@ fn show(found: &impl Serialize, words: &[Word], json: bool) -> anyhow::Result<()
 }
 
 /// A number with as many decimals as its significant digits need.
-fn digits(value: f64) -> String {
+pub(crate) fn digits(value: f64) -> String {
     let magnitude = value.abs().log10().floor();
     let decimals = if magnitude.is_finite() {
         (DIGITS as f64 - 1.0 - magnitude).clamp(0.0, 12.0) as usize

@@ -16,6 +16,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     name: "best-source",
     summary: "the source with the smallest accuracy value lambda = alpha·V gets weight 1",
     assumption: "none: one source at a time, so correlation between sources does not matter",
+    keeps_points: false,
     claims_consistency: false,
     fuse,
 };
@@ -99,7 +100,14 @@ impl Key {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rules::{self, default_rule, testing};
+    use crate::rules::{self, find, testing};
+
+    fn defaults() -> RuleSettings {
+        RuleSettings {
+            rule: find("best-source").expect("it is in the registry"),
+            ..RuleSettings::default()
+        }
+    }
 
     fn candidate(source: u16, alpha: f64, residual: Option<[f64; 3]>) -> Candidate {
         let candidate = Candidate {
@@ -133,7 +141,7 @@ mod tests {
     #[test]
     fn the_worked_check_hands_over_at_t4() {
         // Until t3 lambda_A < lambda_B, from t4 on lambda_B < lambda_A.
-        let settings = RuleSettings::default();
+        let settings = defaults();
         let mut memory = Memory::default();
         let lambdas = [(1.0, 2.0), (1.0, 2.0), (1.0, 2.0), (3.0, 2.0), (3.0, 2.0)];
         let chosen: Vec<u16> = lambdas
@@ -155,15 +163,12 @@ mod tests {
             candidate(0, 1.0, Some([4.0, 0.0, 0.0])),
             candidate(1, 10.0, Some([1.0, 0.0, 0.0])),
         ];
-        assert_eq!(
-            selected(&RuleSettings::default(), &both, &mut Memory::default()),
-            [0; 3]
-        );
+        assert_eq!(selected(&defaults(), &both, &mut Memory::default()), [0; 3]);
     }
 
     #[test]
     fn a_source_without_residual_loses_and_is_scored_by_alpha_alone() {
-        let settings = RuleSettings::default();
+        let settings = defaults();
         let both = [candidate(0, 1.0, None), candidate(1, 99.0, Some([50.0, 0.0, 0.0]))];
         assert_eq!(selected(&settings, &both, &mut Memory::default()), [1; 3]);
         let neither = [candidate(0, 2.0, None), candidate(1, 1.0, None)];
@@ -173,14 +178,14 @@ mod tests {
     #[test]
     fn ties_go_to_the_smaller_alpha_then_the_last_choice_then_priority() {
         let still = Some([0.0; 3]);
-        let settings = RuleSettings::default();
+        let settings = defaults();
         let mut last_was_1 = chosen(1);
         let equal = [candidate(0, 1.0, still), candidate(1, 1.0, still)];
         assert_eq!(selected(&settings, &equal, &mut last_was_1), [1; 3]);
         assert_eq!(selected(&settings, &equal, &mut Memory::default()), [0; 3]);
         let priority_only = RuleSettings {
             tie: Tie::Priority,
-            ..RuleSettings::default()
+            ..defaults()
         };
         assert_eq!(selected(&priority_only, &equal, &mut last_was_1), [0; 3]);
         let smaller_alpha = [candidate(0, 1.0, still), candidate(1, 0.5, still)];
@@ -191,8 +196,8 @@ mod tests {
     fn per_axis_each_axis_chooses_for_itself() {
         let settings = RuleSettings {
             residual: Residual::PerAxis,
-            rule: default_rule(),
-            ..RuleSettings::default()
+            rule: find("best-source").expect("it is in the registry"),
+            ..defaults()
         };
         let both = [
             candidate(0, 1.0, Some([1.0, 9.0, 0.0])),
@@ -205,7 +210,7 @@ mod tests {
     fn the_present_source_is_kept_until_another_is_clearly_better_and_its_time_is_up() {
         let settings = RuleSettings {
             hysteresis: 0.5,
-            ..RuleSettings::default()
+            ..defaults()
         };
         let both = |a: f64, b: f64| {
             [
@@ -223,7 +228,7 @@ mod tests {
         assert_eq!(selected(&settings, &both(4.0, 1.9), &mut memory), [1; 3]);
         let settings = RuleSettings {
             hold_refreshes: 3,
-            ..RuleSettings::default()
+            ..defaults()
         };
         let mut memory = Memory::default();
         let lambdas = [(1.0, 2.0), (2.0, 1.0), (2.0, 1.0), (2.0, 1.0), (1.0, 2.0)];

@@ -15,6 +15,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     name: "covariance-intersection",
     summary: "all sources, weighed so that the covariance holds whatever their correlation and is as small as that allows",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
+    keeps_points: false,
     claims_consistency: false,
     fuse,
 };

@@ -14,6 +14,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     name: "information",
     summary: "all sources, weighed by their inverse covariances",
     assumption: "errors of different sources are independent; where they are not, the covariance is too small",
+    keeps_points: false,
     claims_consistency: false,
     fuse,
 };

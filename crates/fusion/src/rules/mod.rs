@@ -4,6 +4,7 @@
 //! one gets and which state they yield. It never sees topics, files, or a clock. A new rule is a file here and a line in
 //! [`REGISTRY`].
 
+mod auto;
 mod bar_shalom_campo;
 mod best_source;
 #[cfg(test)]
@@ -15,6 +16,7 @@ mod inverse_trace;
 mod matrices;
 mod mosaic;
 mod quality_factor;
+mod system_filter;
 
 use messages::TrackState;
 
@@ -38,6 +40,8 @@ pub struct RuleEntry {
     /// Whether the covariance it gives is meant to be the true one, which the normalised error squared shows; otherwise
     /// it is a bound.
     pub claims_consistency: bool,
+    /// Whether one point of each target is kept where the sources see different ones.
+    pub keeps_points: bool,
     /// Fills the weights of one share per candidate and returns the state at the candidates' common time.
     ///
     /// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of
@@ -47,6 +51,8 @@ pub struct RuleEntry {
 
 /// Every rule there is.
 pub static REGISTRY: &[RuleEntry] = &[
+    auto::ENTRY,
+    system_filter::ENTRY,
     best_source::ENTRY,
     inverse_trace::ENTRY,
     quality_factor::ENTRY,
@@ -93,6 +99,8 @@ pub struct Target<'a> {
     pub candidates: &'a [Candidate],
     /// The reference time, UTC, nanoseconds.
     pub reference_ns: i64,
+    /// The estimate of the target's filter at the reference time.
+    pub filtered: State,
     /// The system track's state so far, at its own time.
     pub last: State,
     /// Spectral density of the white-noise acceleration of targets, m²/s³.
@@ -127,6 +135,8 @@ pub struct Candidate {
     pub trace_m2: Option<f64>,
     /// Quality index M: how many of the last scans confirmed the track (QF-4).
     pub quality: u32,
+    /// Its share in the estimate of the target's filter, not yet scaled to sum to 1.
+    pub filter_share: f64,
     /// Its latest report at the reference time.
     pub state: State,
 }
@@ -165,6 +175,7 @@ impl Default for Candidate {
             life: TrackState::Confirmed,
             trace_m2: None,
             quality: 0,
+            filter_share: 0.0,
             state: State::default(),
         }
     }
@@ -215,9 +226,15 @@ pub(crate) mod testing {
     use super::*;
 
     pub(crate) fn target(candidates: &[Candidate]) -> Target<'_> {
+        // What a filter that has heard of all of them equally often might say.
+        let even = Share {
+            weight: [1.0 / candidates.len() as f64; 3],
+            ..Share::default()
+        };
         Target {
             candidates,
             reference_ns: 0,
+            filtered: crate::state::combine(candidates, &vec![even; candidates.len()]),
             last: State::default(),
             process_noise_m2ps3: 1.0,
         }

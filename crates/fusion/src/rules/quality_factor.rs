@@ -13,6 +13,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     name: "quality-factor",
     summary: "all sources, each with a weight proportional to its track's confirmed scans among the last N",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
+    keeps_points: false,
     claims_consistency: false,
     fuse,
 };

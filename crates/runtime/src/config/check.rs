@@ -13,14 +13,31 @@ use messages::NS_PER_S;
 
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
 use super::check_rule::check_rule;
-use super::raw::{AccuracyModel, RawAccuracy, RawConfig, RawPlace, RawRecorded, RawSource};
-use super::{Config, Fusion, Input, Monitor, Order, Recorded, RecordedFormat, Source};
+use super::locate::line_of;
+use super::raw::{
+    AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawPlace, RawRecorded, RawSource,
+};
+use super::{Config, ConfigError, Fusion, Input, Monitor, Order, Recorded, RecordedFormat, Source};
 use crate::cores::{self, Placement};
 
 /// What is wrong with the value at a key.
 pub(super) struct Problem {
     pub(super) key: String,
     pub(super) what: String,
+}
+
+impl Problem {
+    /// As an error that names the line of `text`, read from `path`.
+    pub(super) fn in_file(self, path: &Path, text: &str) -> ConfigError {
+        ConfigError {
+            file: path.to_owned(),
+            line: line_of(text, &self.key),
+            what: match self.key.as_str() {
+                "" => self.what,
+                key => format!("{key}: {}", self.what),
+            },
+        }
+    }
 }
 
 pub(super) type Checked<T> = Result<T, Problem>;
@@ -108,7 +125,7 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
         ));
     }
     Ok(Config {
-        fusion: check_fusion(&raw, weighing)?,
+        fusion: check_fusion(&raw.fusion, weighing)?,
         monitor: Monitor {
             interval_ns: nanoseconds(within("monitor.interval_s", raw.monitor.interval_s, 0.1, 3600.0)?),
             files: raw.monitor.files,
@@ -225,10 +242,14 @@ fn check_source(
             period_s,
             1e5,
         )?),
-        accuracy: accuracy(&raw.accuracy, &source.model.frame),
+        accuracy: accuracy(&raw.accuracy, source.model.frame.place()),
         adjustment: raw.accuracy.adjustment,
         priority: raw.priority.unwrap_or(index as u32),
         ceiling_m: raw.ceiling_m.unwrap_or(f64::INFINITY),
+        coverage: match &raw.coverage {
+            Some(area) => Some(coverage(&key("coverage"), area, source.model.frame.place())?),
+            None => None,
+        },
     };
     Ok((source, weighed))
 }
@@ -288,12 +309,12 @@ fn check_sac_sic(index: usize, raw: &RawSource) -> Checked<Option<(u8, u8)>> {
     }
 }
 
-fn accuracy(raw: &RawAccuracy, frame: &SensorFrame) -> engine::Accuracy {
+pub(super) fn accuracy(raw: &RawAccuracy, place_m: [f64; 2]) -> engine::Accuracy {
     engine::Accuracy {
         base: match raw.model {
             AccuracyModel::Constant => engine::AccuracyBase::Constant { sigma_m: raw.sigma_m },
             AccuracyModel::Polar => engine::AccuracyBase::Polar {
-                place_m: frame.place(),
+                place_m,
                 range_sigma_m: raw.range_sigma_m,
                 azimuth_sigma_rad: raw.azimuth_sigma_deg.to_radians(),
             },
@@ -310,6 +331,32 @@ fn accuracy(raw: &RawAccuracy, frame: &SensorFrame) -> engine::Accuracy {
             .map(|(name, factor)| (name.clone(), *factor))
             .collect(),
     }
+}
+
+/// Where the source at `place_m` sees.
+pub(super) fn coverage(key: &str, raw: &RawCoverage, place_m: [f64; 2]) -> Checked<engine::CoverageArea> {
+    let part = |part: &str| format!("{key}.{part}");
+    let range_m = match raw.range_m {
+        Some(range_m) => within(&part("range_m"), range_m, 1.0, 2e6)?,
+        None => f64::INFINITY,
+    };
+    for azimuth_deg in raw.sector_deg.into_iter().flatten() {
+        within(&part("sector_deg"), azimuth_deg, -360.0, 360.0)?;
+    }
+    for coordinate_m in raw.polygon_m.iter().flatten() {
+        within(&part("polygon_m"), *coordinate_m, -2e6, 2e6)?;
+    }
+    if (1..3).contains(&raw.polygon_m.len()) {
+        let what = "a polygon has three corners or more, each [east, north]; leave it out for no further limit";
+        return Err(problem(part("polygon_m"), what));
+    }
+    Ok(engine::CoverageArea {
+        place_m,
+        range_m,
+        sector_rad: raw.sector_deg.map(|sector_deg| sector_deg.map(f64::to_radians)),
+        polygon_m: raw.polygon_m.clone(),
+        probability: within(&part("probability"), raw.probability, 0.01, 1.0)?,
+    })
 }
 
 fn first_day(raw: &RawConfig, sources: &[Source]) -> Checked<Option<i64>> {
@@ -354,8 +401,7 @@ fn check_scenario(raw: &RawConfig, sources: &[Source]) -> Checked<Option<scenari
     }
 }
 
-fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checked<Fusion> {
-    let fusion = &raw.fusion;
+pub(super) fn check_fusion(fusion: &RawFusion, sources: Vec<engine::SourceSettings>) -> Checked<Fusion> {
     let wait = match fusion.wait.as_str() {
         "spin" => WaitMode::Spin,
         "event" => WaitMode::Event,
@@ -382,19 +428,32 @@ fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checke
     if let Some(priority) = fusion.realtime_priority {
         within("fusion.realtime_priority", f64::from(priority), 1.0, 99.0)?;
     }
+    let usual = engine::Capacity::default();
+    let usual_life = engine::LifeSettings::default();
     let settings = engine::Settings {
-        rule: check_rule(&raw.fusion.rule, &sources)?,
+        rule: check_rule(&fusion.rule, &sources)?,
+        registration: engine::RegistrationSettings {
+            enabled: fusion.registration.enabled,
+            reference_source: fusion
+                .registration
+                .reference_source
+                .as_deref()
+                .map(|name| source_called("fusion.registration.reference_source", name, &sources))
+                .transpose()?,
+            memory_s: within("fusion.registration.memory_s", fusion.registration.memory_s, 1.0, 1e6)?,
+        },
+        consistency: fusion.consistency,
         sources,
         capacity: engine::Capacity {
-            system_tracks: fusion.capacity.system_tracks,
-            sensor_tracks: fusion.capacity.sensor_tracks,
+            system_tracks: fusion.capacity.system_tracks.unwrap_or(usual.system_tracks),
+            sensor_tracks: fusion.capacity.sensor_tracks.unwrap_or(usual.sensor_tracks),
             stored_reports: fusion.capacity.stored_reports,
         },
-        association: check_association(raw)?,
+        association: check_association(&fusion.association)?,
         life: engine::LifeSettings {
             confirm_reports: fusion.life.confirm_reports,
-            terminate_ns: nanoseconds(fusion.life.terminate_s),
-            tentative_ns: nanoseconds(fusion.life.tentative_s),
+            terminate_ns: fusion.life.terminate_s.map_or(usual_life.terminate_ns, nanoseconds),
+            tentative_ns: fusion.life.tentative_s.map_or(usual_life.tentative_ns, nanoseconds),
         },
         process_noise_m2ps3: fusion.process_noise_m2ps3,
         refresh_ns: fusion.refresh_s.map(nanoseconds),
@@ -419,8 +478,7 @@ fn check_fusion(raw: &RawConfig, sources: Vec<engine::SourceSettings>) -> Checke
     })
 }
 
-fn check_association(raw: &RawConfig) -> Checked<engine::AssociationSettings> {
-    let raw = &raw.fusion.association;
+fn check_association(raw: &RawAssociation) -> Checked<engine::AssociationSettings> {
     let gate = |key: &str, probability: f64| -> Checked<f64> {
         let probability = within(&format!("fusion.association.{key}"), probability, 0.5, 1.0 - 1e-12)?;
         Ok(-2.0 * (1.0 - probability).ln())
@@ -436,5 +494,17 @@ fn check_association(raw: &RawConfig) -> Checked<engine::AssociationSettings> {
         split_reports: raw.split_reports,
         merge_reports: raw.merge_reports,
         cell_m: raw.cell_m,
+        error_correlation: raw.error_correlation,
+        scan_wait: raw.scan_wait,
+    })
+}
+
+/// Number of the source called `name`, which stands at `key`.
+pub(super) fn source_called(key: &str, name: &str, sources: &[engine::SourceSettings]) -> Checked<u16> {
+    let number = sources.iter().position(|source| source.name == name);
+    number.map(|number| number as u16).ok_or_else(|| {
+        let known: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
+        let what = format!("there is no source named \"{name}\"; there are: {}", known.join(", "));
+        problem(key, what)
     })
 }

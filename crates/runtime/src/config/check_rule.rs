@@ -4,7 +4,7 @@
 
 use fusion::settings as engine;
 
-use super::check::{Checked, problem};
+use super::check::{Checked, problem, source_called};
 use super::raw::{RawDropOut, RawHandOver, RawIntersection, RawMosaic, RawResidual, RawRule, RawTie};
 
 /// The rule and its options.
@@ -16,11 +16,8 @@ pub(super) fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> C
             format!("\"{}\" is no fusion rule; there are: {}", raw.name, known.join(", ")),
         )
     })?;
-    let names = Names { sources };
-    let reference_source = match &raw.reference_source {
-        None => None,
-        Some(name) => Some(names.number("fusion.rule.reference_source", name)?),
-    };
+    let reference_source = raw.reference_source.as_deref();
+    let reference_source = reference_source.map(|name| source_called("fusion.rule.reference_source", name, sources));
     Ok(engine::RuleSettings {
         rule,
         residual: match raw.residual {
@@ -30,17 +27,17 @@ pub(super) fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> C
             RawResidual::Innovation => engine::Residual::Innovation,
         },
         recency: raw.recency,
-        reference_source,
+        reference_source: reference_source.transpose()?,
         tie: match raw.tie {
             RawTie::LastThenPriority => engine::Tie::LastThenPriority,
             RawTie::Priority => engine::Tie::Priority,
         },
         overdue_periods: raw.overdue_periods,
         quality_scans: raw.quality_scans,
-        hand_over: check_hand_over(&raw.hand_over, &names)?,
+        hand_over: check_hand_over(&raw.hand_over, sources)?,
         hysteresis: raw.hysteresis,
         hold_refreshes: raw.hold_refreshes,
-        mosaic: check_mosaic(&raw.mosaic, &names)?,
+        mosaic: check_mosaic(&raw.mosaic, sources)?,
         intersection: match raw.intersection {
             RawIntersection::Determinant => engine::Intersection::Determinant,
             RawIntersection::Trace => engine::Intersection::Trace,
@@ -49,12 +46,12 @@ pub(super) fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> C
     })
 }
 
-fn check_hand_over(raw: &RawHandOver, names: &Names<'_>) -> Checked<engine::HandOverSettings> {
+fn check_hand_over(raw: &RawHandOver, sources: &[engine::SourceSettings]) -> Checked<engine::HandOverSettings> {
     let mut pairs: Vec<engine::PairRamp> = Vec::new();
     for (index, pair) in raw.pairs.iter().enumerate() {
         let key = |part: &str| format!("fusion.rule.hand_over.pair[{index}].{part}");
-        let from = names.number(&key("from"), &pair.from)?;
-        let to = names.number(&key("to"), &pair.to)?;
+        let from = source_called(&key("from"), &pair.from, sources)?;
+        let to = source_called(&key("to"), &pair.to, sources)?;
         if pairs.iter().any(|earlier| (earlier.from, earlier.to) == (from, to)) {
             let what = format!("from \"{}\" to \"{}\" has been given before", pair.from, pair.to);
             return Err(problem(key("from"), what));
@@ -76,7 +73,7 @@ fn check_hand_over(raw: &RawHandOver, names: &Names<'_>) -> Checked<engine::Hand
     })
 }
 
-fn check_mosaic(raw: &RawMosaic, names: &Names<'_>) -> Checked<engine::MosaicSettings> {
+fn check_mosaic(raw: &RawMosaic, sources: &[engine::SourceSettings]) -> Checked<engine::MosaicSettings> {
     let mut cells: Vec<engine::MosaicCell> = Vec::new();
     for (index, cell) in raw.cells.iter().enumerate() {
         let key = |part: &str| format!("fusion.rule.mosaic.cell[{index}].{part}");
@@ -88,34 +85,17 @@ fn check_mosaic(raw: &RawMosaic, names: &Names<'_>) -> Checked<engine::MosaicSet
         let cell = engine::MosaicCell {
             east: cell.east,
             north: cell.north,
-            sources: names.numbers(&key("sources"), &cell.sources)?,
+            sources: sources_called(&key("sources"), &cell.sources, sources)?,
         };
         cells.insert(at, cell);
     }
     Ok(engine::MosaicSettings {
         cell_m: raw.cell_m,
-        default: names.numbers("fusion.rule.mosaic.default", &raw.default)?,
+        default: sources_called("fusion.rule.mosaic.default", &raw.default, sources)?,
         cells,
     })
 }
 
-/// The sources' names.
-struct Names<'a> {
-    sources: &'a [engine::SourceSettings],
-}
-
-impl Names<'_> {
-    /// The number of the source called `name`, which stands at `key`.
-    fn number(&self, key: &str, name: &str) -> Checked<u16> {
-        let number = self.sources.iter().position(|source| source.name == name);
-        number.map(|number| number as u16).ok_or_else(|| {
-            let known: Vec<&str> = self.sources.iter().map(|source| source.name.as_str()).collect();
-            let what = format!("there is no source named \"{name}\"; there are: {}", known.join(", "));
-            problem(key, what)
-        })
-    }
-
-    fn numbers(&self, key: &str, names: &[String]) -> Checked<Vec<u16>> {
-        names.iter().map(|name| self.number(key, name)).collect()
-    }
+fn sources_called(key: &str, names: &[String], sources: &[engine::SourceSettings]) -> Checked<Vec<u16>> {
+    names.iter().map(|name| source_called(key, name, sources)).collect()
 }

@@ -8,6 +8,7 @@ mod check_network;
 mod check_rule;
 mod locate;
 mod network;
+mod offline;
 mod raw;
 
 use std::fmt;
@@ -25,6 +26,7 @@ use raw::RawConfig;
 
 pub(crate) use network::loopback_of;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
+pub use offline::{Offline, OfflineSettings, SeenSensor};
 
 /// Stands for the configuration of the demonstration, which is part of the executable.
 pub const BUILT_IN_DEMO: &str = "built-in:demo";
@@ -242,17 +244,13 @@ impl Config {
                 .try_into()
                 .map_err(|error: toml::de::Error| failed(None, format!("--set: {}", error.message())))?
         };
-        check::check(path, raw).map_err(|problem| {
-            let line = locate::line_of(text, &problem.key);
-            failed(
-                line,
-                if problem.key.is_empty() {
-                    problem.what
-                } else {
-                    format!("{}: {}", problem.key, problem.what)
-                },
-            )
-        })
+        check::check(path, raw).map_err(|problem| problem.in_file(path, text))
+    }
+
+    /// Whether a file's text describes a deployment, rightly or wrongly; else it may be an [`Offline`] configuration.
+    pub fn is_deployment(text: &str) -> bool {
+        let table = text.parse::<toml::Table>().unwrap_or_default();
+        ["name", "frame", "source"].iter().any(|key| table.contains_key(*key))
     }
 
     /// The source called `name`.

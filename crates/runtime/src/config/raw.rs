@@ -76,6 +76,7 @@ pub(crate) struct RawSource {
     pub(crate) covariance: RawCovariance,
     #[serde(default)]
     pub(crate) accuracy: RawAccuracy,
+    pub(crate) coverage: Option<RawCoverage>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -284,11 +285,13 @@ pub(crate) struct RawFusion {
     pub(crate) required: bool,
     pub(crate) deadline_us: f64,
     pub(crate) process_noise_m2ps3: f64,
+    pub(crate) consistency: bool,
     pub(crate) refresh_s: Option<f64>,
     pub(crate) refresh_delay_s: f64,
     pub(crate) capacity: RawCapacity,
     pub(crate) association: RawAssociation,
     pub(crate) life: RawLife,
+    pub(crate) registration: RawRegistration,
     pub(crate) rule: RawRule,
 }
 
@@ -303,11 +306,13 @@ impl Default for RawFusion {
             required: false,
             deadline_us: 1000.0,
             process_noise_m2ps3: 1.0,
+            consistency: true,
             refresh_s: None,
             refresh_delay_s: 0.0,
             capacity: RawCapacity::default(),
             association: RawAssociation::default(),
             life: RawLife::default(),
+            registration: RawRegistration::default(),
             rule: RawRule::default(),
         }
     }
@@ -316,19 +321,18 @@ impl Default for RawFusion {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawCapacity {
-    pub(crate) system_tracks: usize,
-    pub(crate) sensor_tracks: usize,
+    pub(crate) system_tracks: Option<usize>,
+    pub(crate) sensor_tracks: Option<usize>,
     pub(crate) stored_reports: usize,
     pub(crate) queue: usize,
 }
 
 impl Default for RawCapacity {
     fn default() -> Self {
-        let engine = fusion::settings::Capacity::default();
         Self {
-            system_tracks: engine.system_tracks,
-            sensor_tracks: engine.sensor_tracks,
-            stored_reports: engine.stored_reports,
+            system_tracks: None,
+            sensor_tracks: None,
+            stored_reports: fusion::settings::Capacity::default().stored_reports,
             queue: 4096,
         }
     }
@@ -347,6 +351,8 @@ pub(crate) struct RawAssociation {
     pub(crate) split_reports: u32,
     pub(crate) merge_reports: u32,
     pub(crate) cell_m: f64,
+    pub(crate) error_correlation: f64,
+    pub(crate) scan_wait: f64,
 }
 
 impl Default for RawAssociation {
@@ -363,6 +369,8 @@ impl Default for RawAssociation {
             split_reports: engine.split_reports,
             merge_reports: engine.merge_reports,
             cell_m: engine.cell_m,
+            error_correlation: engine.error_correlation,
+            scan_wait: engine.scan_wait,
         }
     }
 }
@@ -371,18 +379,51 @@ impl Default for RawAssociation {
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawLife {
     pub(crate) confirm_reports: u32,
-    pub(crate) terminate_s: f64,
-    pub(crate) tentative_s: f64,
+    pub(crate) terminate_s: Option<f64>,
+    pub(crate) tentative_s: Option<f64>,
 }
 
 impl Default for RawLife {
     fn default() -> Self {
         Self {
-            confirm_reports: 3,
-            terminate_s: 20.0,
-            tentative_s: 6.0,
+            confirm_reports: fusion::settings::LifeSettings::default().confirm_reports,
+            terminate_s: None,
+            tentative_s: None,
         }
     }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawRegistration {
+    pub(crate) enabled: bool,
+    pub(crate) reference_source: Option<String>,
+    pub(crate) memory_s: f64,
+}
+
+impl Default for RawRegistration {
+    fn default() -> Self {
+        let engine = fusion::settings::RegistrationSettings::default();
+        Self {
+            enabled: engine.enabled,
+            reference_source: None,
+            memory_s: engine.memory_s,
+        }
+    }
+}
+
+/// Where a source sees; what is left out does not limit it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawCoverage {
+    pub(crate) range_m: Option<f64>,
+    /// First and last azimuth, clockwise from north.
+    pub(crate) sector_deg: Option<[f64; 2]>,
+    /// Corners, east and north in the system frame.
+    #[serde(default)]
+    pub(crate) polygon_m: Vec<[f64; 2]>,
+    #[serde(default = "nine_tenths")]
+    pub(crate) probability: f64,
 }
 
 #[derive(Debug, Deserialize)]
@@ -544,6 +585,10 @@ fn four_mebibytes() -> usize {
 /// What fits into one frame of Ethernet beside the headers of IPv4 and UDP.
 fn one_ethernet_frame() -> usize {
     1472
+}
+
+fn nine_tenths() -> f64 {
+    0.9
 }
 
 fn half() -> f64 {

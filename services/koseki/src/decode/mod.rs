@@ -18,6 +18,7 @@ use formats::containers::TimeStamp;
 use formats::recording::{Recording, Statistics, Survey};
 
 use crate::args::{ChosenEdition, Decode, Usage};
+use crate::files::is_same_file;
 use expansions::Expansions;
 
 /// What `--out` means by standard output.
@@ -91,10 +92,6 @@ fn subject(chosen: &ChosenEdition) -> String {
         ChosenEdition::Category(table) => format!("category {:03}", table.number),
         ChosenEdition::Expansion(rules) => format!("I{:03}/RE", rules.number),
     }
-}
-
-fn is_same_file(one: &Path, other: &Path) -> bool {
-    matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
 }
 
 fn open<'a>(decode: &Decode, bytes: &'a [u8]) -> Recording<'a> {

@@ -1,0 +1,641 @@
+//! Which of a scan's reports belong to which tracks, decided for all of them together (BF-2).
+//!
+//! The obvious way gives each report the nearest track. It fails where targets keep company. Two aircraft fly 300 m
+//! apart, and a sensor shows both 200 m too far along: the report of the rear one lies 100 m from the track of the
+//! front one, and takes it. The front report finds its track taken, and the rear track is left without a report. Decided
+//! together the matter is plain: both reports are off by 200 m, which is more likely than that one is off by 100 m and
+//! the other belongs to a new target. (Of a hundred aircraft in line it would be less likely: a common shift must be
+//! taken out beforehand, not here.)
+//!
+//! So each row (report) gets at most one column (track), each column at most one row, and what is made smallest is the
+//! sum of the costs of the chosen pairs and of a fixed cost for each row that is left alone. Costs are statistical
+//! distances or negative logarithms of likelihoods; they may be negative.
+//!
+//! Rows that share no column, not even through others, do not concern each other. A union-find structure splits the
+//! scan into such components, which away from crowds have one or two rows. Within a component the method is that of
+//! shortest augmenting paths (R. Jonker, A. Volgenant, *A shortest augmenting path algorithm for dense and sparse
+//! linear assignment problems*, Computing 38, 1987). Each row has a column of its own besides, which stands for being
+//! alone. Rows come in one after the other. A row that wants a held column may drive its holder to another one, that
+//! one's holder to yet another, or out; Dijkstra's search finds the cheapest such chain. Prices on the columns keep what
+//! earlier searches learned, so that no step of a chain has a negative cost and the result is exact.
+//!
+//! Limits: time must be bounded, and the worst case of an exact solution grows with the cube of the crowd. Crowds of
+//! real targets are far from it, because nearly every chain is short: the steps of a component are counted, and only
+//! if they exceed [`STEPS_PER_PAIR_MAX`] for each of its pairs is it decided greedily instead, the cheapest pair first,
+//! and that is counted. So time grows with the number of pairs (and its logarithm, for sorting), whatever they are. Among
+//! solutions of equal sum the labels decide, never the order of the pairs: the same scan always has the same result.
+
+use std::ops::Range;
+
+/// How often an exact solution may look at a pair or a column, for each pair of the component.
+///
+/// Components of up to 20 rows never need more, nor do 250 rows of which each may have each of 250 columns. Of 2500
+/// vehicles, 30 m apart and seen with 30 m of noise, all in one component, each pair needs 15; of the hardest crowd
+/// measured (20 m apart, every eighth without a track) 158.
+pub const STEPS_PER_PAIR_MAX: usize = 300;
+
+const NONE: u32 = u32::MAX;
+
+/// A row and a column that may be put together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// Label of the row.
+    pub row: u32,
+    /// Label of the column.
+    pub column: u32,
+    /// What choosing the pair costs, in the unit of the cost of staying alone.
+    pub cost: f64,
+}
+
+/// What a solution came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outcome {
+    /// Pairs that were chosen.
+    pub assigned: usize,
+    /// Components whose exact solution would have taken too long.
+    pub greedy_components: usize,
+    /// Pairs that were not considered: their labels are out of range, or there was no room for them.
+    pub ignored_pairs: usize,
+}
+
+/// Working memory for assignments up to a fixed size.
+#[derive(Clone, Debug)]
+pub struct Assignment {
+    pairs_max: usize,
+    /// Admissible pairs, sorted by component, row and column.
+    pairs: Vec<Pair>,
+    /// By row, then by column: a member of the same component with a smaller place, or itself.
+    parent: Vec<u32>,
+    rows: Vec<Row>,
+    columns: Vec<Column>,
+    /// Rows that have pairs, sorted by component and label.
+    order: Vec<u32>,
+    /// Columns that the search has reached and may still reach more cheaply.
+    frontier: Vec<u32>,
+    /// Columns that the search has passed.
+    passed: Vec<u32>,
+    /// What the exact solution of the present component may still take.
+    steps_left: usize,
+}
+
+/// Places of a row's pairs in the sorted list.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    begin: u32,
+    end: u32,
+    /// The chosen one.
+    held: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    /// Place of the chosen pair.
+    held: u32,
+    /// What holding the column has come to cost. 0 while nobody holds it.
+    price: f64,
+    /// Cost of the cheapest chain to it that is known.
+    reached: f64,
+    /// Place of the last pair of that chain.
+    through: u32,
+    /// No cheaper chain can be found.
+    passed: bool,
+}
+
+impl Row {
+    const EMPTY: Self = Self {
+        begin: 0,
+        end: 0,
+        held: NONE,
+    };
+}
+
+impl Column {
+    const FREE: Self = Self {
+        held: NONE,
+        price: 0.0,
+        reached: f64::INFINITY,
+        through: NONE,
+        passed: false,
+    };
+}
+
+/// Where a chain of changes ends.
+enum End {
+    /// At a column that nobody holds.
+    Column(u32),
+    /// At a row that stays, or becomes, alone.
+    Row(u32),
+}
+
+impl Assignment {
+    /// Memory for rows labelled `0..rows_max`, columns labelled `0..columns_max` and `pairs_max` pairs at a time.
+    ///
+    /// # Panics
+    /// If `rows_max + columns_max` or `pairs_max` does not fit into 32 bits; all come from checked configuration.
+    pub fn new(rows_max: usize, columns_max: usize, pairs_max: usize) -> Self {
+        assert!(rows_max + columns_max < NONE as usize && pairs_max < NONE as usize);
+        Self {
+            pairs_max,
+            pairs: Vec::with_capacity(pairs_max),
+            parent: vec![NONE; rows_max + columns_max],
+            rows: vec![Row::EMPTY; rows_max],
+            columns: vec![Column::FREE; columns_max],
+            order: Vec::with_capacity(rows_max),
+            frontier: Vec::with_capacity(columns_max),
+            passed: Vec::with_capacity(columns_max),
+            steps_left: 0,
+        }
+    }
+
+    /// Chooses among `pairs` so that no row and no column is used twice and the sum of the chosen costs and of
+    /// `unassigned_cost` for each row left alone is smallest. Calls `chosen(row, column, cost)` in ascending order of
+    /// rows.
+    ///
+    /// A pair that costs more than leaving its row alone, or no finite number, is never chosen; nor is any if
+    /// `unassigned_cost` is not finite. Of pairs of the same row and column the cheapest counts. If there are more
+    /// admissible pairs than there is room for, the later ones are ignored: only then does their order matter.
+    pub fn solve(&mut self, pairs: &[Pair], unassigned_cost: f64, mut chosen: impl FnMut(u32, u32, f64)) -> Outcome {
+        let mut outcome = Outcome {
+            ignored_pairs: self.admit(pairs, unassigned_cost),
+            ..Outcome::default()
+        };
+        self.split();
+        self.index();
+        let mut begin = 0;
+        while begin < self.order.len() {
+            let end = self.component_end(begin);
+            if self.choose_exactly(begin, end, unassigned_cost).is_none() {
+                self.choose_greedily(begin, end);
+                outcome.greedy_components += 1;
+            }
+            begin = end;
+        }
+        self.order.sort_unstable();
+        for &row in &self.order {
+            let held = self.rows[row as usize].held;
+            if held != NONE {
+                let pair = self.pairs[held as usize];
+                chosen(pair.row, pair.column, pair.cost);
+                outcome.assigned += 1;
+            }
+        }
+        outcome
+    }
+
+    /// Takes over the admissible pairs. Returns how many were ignored.
+    fn admit(&mut self, pairs: &[Pair], unassigned_cost: f64) -> usize {
+        self.pairs.clear();
+        let mut ignored = 0;
+        for pair in pairs {
+            let known = (pair.row as usize) < self.rows.len() && (pair.column as usize) < self.columns.len();
+            let worthwhile = unassigned_cost.is_finite() && pair.cost.is_finite() && pair.cost <= unassigned_cost;
+            if known && worthwhile && self.pairs.len() < self.pairs_max {
+                self.pairs.push(*pair);
+            } else if worthwhile {
+                ignored += 1;
+            }
+        }
+        ignored
+    }
+
+    /// Finds the components: afterwards the parent of each row is the first row of its component.
+    fn split(&mut self) {
+        let first_column = self.rows.len() as u32;
+        for pair in &self.pairs {
+            for member in [pair.row, first_column + pair.column] {
+                self.parent[member as usize] = member;
+            }
+        }
+        for pair in &self.pairs {
+            let one = root(&mut self.parent, pair.row);
+            let other = root(&mut self.parent, first_column + pair.column);
+            self.parent[one.max(other) as usize] = one.min(other);
+        }
+        for pair in &self.pairs {
+            self.parent[pair.row as usize] = root(&mut self.parent, pair.row);
+        }
+    }
+
+    /// Sorts the pairs and notes where each row's are.
+    fn index(&mut self) {
+        let parent = &self.parent;
+        self.pairs.sort_unstable_by(|one, other| {
+            let key = |pair: &Pair| (parent[pair.row as usize], pair.row, pair.column);
+            key(one).cmp(&key(other)).then(one.cost.total_cmp(&other.cost))
+        });
+        self.pairs.dedup_by_key(|pair| (pair.row, pair.column));
+        self.order.clear();
+        for (place, pair) in (0..).zip(&self.pairs) {
+            self.columns[pair.column as usize] = Column::FREE;
+            let row = &mut self.rows[pair.row as usize];
+            if self.order.last() != Some(&pair.row) {
+                self.order.push(pair.row);
+                *row = Row {
+                    begin: place,
+                    ..Row::EMPTY
+                };
+            }
+            row.end = place + 1;
+        }
+    }
+
+    /// Where in the order the component ends that begins at `begin`.
+    fn component_end(&self, begin: usize) -> usize {
+        let component = |row: &u32| self.parent[*row as usize];
+        let first = component(&self.order[begin]);
+        let same = self.order[begin..].iter().take_while(|row| component(row) == first);
+        begin + same.count()
+    }
+
+    /// Places of the pairs of the rows at `begin..end` of the order.
+    fn places(&self, begin: usize, end: usize) -> Range<u32> {
+        let (first, last) = (self.order[begin], self.order[end - 1]);
+        self.rows[first as usize].begin..self.rows[last as usize].end
+    }
+
+    /// Brings in the rows at `begin..end` of the order. Nothing if that takes too many steps.
+    fn choose_exactly(&mut self, begin: usize, end: usize, unassigned_cost: f64) -> Option<()> {
+        self.steps_left = STEPS_PER_PAIR_MAX * self.places(begin, end).len();
+        (begin..end).try_for_each(|place| self.bring_in(self.order[place], unassigned_cost))
+    }
+
+    /// Forgets what was tried with the rows at `begin..end` of the order, and takes their cheapest pair, then the next
+    /// that is still possible.
+    fn choose_greedily(&mut self, begin: usize, end: usize) {
+        self.frontier.clear();
+        self.passed.clear();
+        let places = self.places(begin, end);
+        let pairs = &mut self.pairs[places.start as usize..places.end as usize];
+        pairs.sort_unstable_by(|one, other| {
+            let labels = (one.row, one.column).cmp(&(other.row, other.column));
+            one.cost.total_cmp(&other.cost).then(labels)
+        });
+        for pair in pairs {
+            self.rows[pair.row as usize].held = NONE;
+            self.columns[pair.column as usize] = Column::FREE;
+        }
+        for place in places {
+            let pair = self.pairs[place as usize];
+            let (row, column) = (
+                &mut self.rows[pair.row as usize],
+                &mut self.columns[pair.column as usize],
+            );
+            if row.held == NONE && column.held == NONE {
+                (row.held, column.held) = (place, place);
+            }
+        }
+    }
+
+    /// Makes the cheapest chain of changes that `start` can begin. Nothing if finding it takes too many steps.
+    fn bring_in(&mut self, start: u32, unassigned_cost: f64) -> Option<()> {
+        let (end, end_cost) = self.cheapest_chain(start, unassigned_cost)?;
+        let mut vacant = match end {
+            End::Column(column) => Some(column),
+            End::Row(row) => self.let_go(row),
+        };
+        while let Some(column) = vacant {
+            let place = self.columns[column as usize].through;
+            let row = self.pairs[place as usize].row;
+            vacant = self.let_go(row);
+            self.rows[row as usize].held = place;
+            self.columns[column as usize].held = place;
+        }
+        self.close_search(end_cost);
+        Some(())
+    }
+
+    /// Takes the row's column from it and returns it.
+    fn let_go(&mut self, row: u32) -> Option<u32> {
+        let held = std::mem::replace(&mut self.rows[row as usize].held, NONE);
+        (held != NONE).then(|| self.pairs[held as usize].column)
+    }
+
+    /// Dijkstra's search from `start` over columns and the rows that hold them: the end of the cheapest chain and its
+    /// cost. Nothing if that takes too many steps.
+    fn cheapest_chain(&mut self, start: u32, unassigned_cost: f64) -> Option<(End, f64)> {
+        let (mut row, mut row_cost) = (start, 0.0);
+        let (mut loser, mut loser_cost) = (start, unassigned_cost);
+        loop {
+            if row_cost + unassigned_cost < loser_cost {
+                (loser, loser_cost) = (row, row_cost + unassigned_cost);
+            }
+            self.reach_from(row, row_cost);
+            let Some(place) = self.nearest() else {
+                return Some((End::Row(loser), loser_cost));
+            };
+            let seen = (self.rows[row as usize].end - self.rows[row as usize].begin) as usize + self.frontier.len();
+            self.steps_left = self.steps_left.checked_sub(seen)?;
+            let number = self.frontier[place];
+            let column = &mut self.columns[number as usize];
+            if column.reached > loser_cost {
+                return Some((End::Row(loser), loser_cost));
+            }
+            if column.held == NONE {
+                return Some((End::Column(number), column.reached));
+            }
+            column.passed = true;
+            self.frontier.swap_remove(place);
+            self.passed.push(number);
+            let held = self.pairs[column.held as usize];
+            row = held.row;
+            // What the holder no longer pays once it gives up the column.
+            row_cost = column.reached - column.price - held.cost;
+        }
+    }
+
+    /// Extends the chain that displaces `row` by each of the row's columns.
+    fn reach_from(&mut self, row: u32, row_cost: f64) {
+        let Row { begin, end, .. } = self.rows[row as usize];
+        for place in begin..end {
+            let pair = self.pairs[place as usize];
+            let column = &mut self.columns[pair.column as usize];
+            let reached = row_cost + pair.cost + column.price;
+            if !column.passed && reached < column.reached {
+                if column.through == NONE {
+                    self.frontier.push(pair.column);
+                }
+                (column.reached, column.through) = (reached, place);
+            }
+        }
+    }
+
+    /// Place in the frontier of the column that is reached most cheaply; of equal ones, the one of the lowest label.
+    fn nearest(&self) -> Option<usize> {
+        let reached = |place: usize| self.columns[self.frontier[place] as usize].reached;
+        (0..self.frontier.len()).min_by(|&one, &other| {
+            let labels = self.frontier[one].cmp(&self.frontier[other]);
+            reached(one).total_cmp(&reached(other)).then(labels)
+        })
+    }
+
+    /// Raises the price of each column passed by as much as it was reached more cheaply than the end, and forgets the
+    /// search.
+    fn close_search(&mut self, end_cost: f64) {
+        for &number in &self.passed {
+            let column = &mut self.columns[number as usize];
+            column.price += end_cost - column.reached;
+        }
+        for number in self.frontier.drain(..).chain(self.passed.drain(..)) {
+            let column = &mut self.columns[number as usize];
+            (column.reached, column.through, column.passed) = (f64::INFINITY, NONE, false);
+        }
+    }
+}
+
+/// The first of `member`'s component; shortens the way there for the next time.
+fn root(parent: &mut [u32], mut member: u32) -> u32 {
+    while parent[member as usize] != member {
+        let above = parent[parent[member as usize] as usize];
+        parent[member as usize] = above;
+        member = above;
+    }
+    member
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn pairs(listed: &[(u32, u32, f64)]) -> Vec<Pair> {
+        listed
+            .iter()
+            .map(|&(row, column, cost)| Pair { row, column, cost })
+            .collect()
+    }
+
+    fn solve(memory: &mut Assignment, pairs: &[Pair], unassigned_cost: f64) -> (Vec<(u32, u32, f64)>, Outcome) {
+        let mut chosen = Vec::new();
+        let outcome = memory.solve(pairs, unassigned_cost, |row, column, cost| {
+            chosen.push((row, column, cost))
+        });
+        assert_eq!(outcome.assigned, chosen.len());
+        (chosen, outcome)
+    }
+
+    /// Chosen pairs of a problem that has no more than eight rows and columns.
+    fn solution(listed: &[(u32, u32, f64)], unassigned_cost: f64) -> Vec<(u32, u32, f64)> {
+        let (chosen, outcome) = solve(&mut Assignment::new(8, 8, 64), &pairs(listed), unassigned_cost);
+        assert_eq!((outcome.greedy_components, outcome.ignored_pairs), (0, 0));
+        chosen
+    }
+
+    /// The smallest sum that `rows` rows from `row` on can come to, by trying everything.
+    fn smallest(pairs: &[Pair], unassigned_cost: f64, row: u32, rows: u32, taken: &mut Vec<u32>) -> f64 {
+        if row == rows {
+            return 0.0;
+        }
+        let mut best = unassigned_cost + smallest(pairs, unassigned_cost, row + 1, rows, taken);
+        for pair in pairs.iter().filter(|pair| pair.row == row && pair.cost.is_finite()) {
+            if !taken.contains(&pair.column) {
+                taken.push(pair.column);
+                best = best.min(pair.cost + smallest(pairs, unassigned_cost, row + 1, rows, taken));
+                taken.pop();
+            }
+        }
+        best
+    }
+
+    fn assert_one_to_one(chosen: &[(u32, u32, f64)]) {
+        assert!(chosen.is_sorted_by(|one, other| one.0 < other.0), "rows do not ascend");
+        let mut columns: Vec<u32> = chosen.iter().map(|&(_, column, _)| column).collect();
+        columns.sort_unstable();
+        assert!(
+            columns.is_sorted_by(|one, other| one < other),
+            "a column was given twice"
+        );
+    }
+
+    /// Targets in line, 300 m apart, all shown `shift_m` too far along by a sensor of 100 m: squared distances.
+    fn formation(targets: u32, shift_m: f64) -> Vec<Pair> {
+        let squared = |report: u32, track: u32| {
+            let apart_m = 300.0 * f64::from(report) + shift_m - 300.0 * f64::from(track);
+            (apart_m / 100.0).powi(2)
+        };
+        let all = (0..targets).flat_map(|row| (0..targets).map(move |column| (row, column)));
+        all.map(|(row, column)| Pair {
+            row,
+            column,
+            cost: squared(row, column),
+        })
+        .collect()
+    }
+
+    #[test]
+    fn a_formation_moves_as_one() {
+        for (targets, shift_m) in [(2, 200.0), (12, 160.0), (500, 150.2)] {
+            let size = targets as usize;
+            let (chosen, outcome) = solve(
+                &mut Assignment::new(size, size, size * size),
+                &formation(targets, shift_m),
+                9.21,
+            );
+            assert_eq!(
+                outcome,
+                Outcome {
+                    assigned: size,
+                    ..Outcome::default()
+                }
+            );
+            assert!(chosen.iter().all(|&(row, column, _)| row == column), "{chosen:?}");
+        }
+    }
+
+    /// A line of `length` rows that may each have their own column or the next, and half as many late rows that want
+    /// the first column: each of these looks through all of the line, in vain.
+    fn hard(length: u32) -> Vec<Pair> {
+        let own = (0..length).map(|row| (row, row, 0.0));
+        let next = (1..length).map(|column| (column - 1, column, 0.0));
+        let late = (length..3 * length / 2).map(|row| (row, 0, 1.0));
+        pairs(&own.chain(next).chain(late).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn one_huge_hard_component_is_decided_greedily_and_counted() {
+        // Row 3000 takes what 3001 needs, as it would not in an exact solution; its wish for column 0 makes both part
+        // of the component.
+        let trap = pairs(&[(3000, 0, 8.0), (3000, 2000, 0.0), (3000, 2001, 1.0), (3001, 2000, 0.5)]);
+        assert_eq!(solve(&mut Assignment::new(3002, 2002, 4), &trap, 9.0).1.assigned, 2);
+        let all = [hard(2000), trap].concat();
+        let (chosen, outcome) = solve(&mut Assignment::new(3002, 2002, 5003), &all, 9.0);
+        let greedy = (0..2000).chain([3000]).map(|row| (row, row.min(2000), 0.0));
+        assert_eq!(chosen, greedy.collect::<Vec<_>>());
+        assert_eq!((outcome.greedy_components, outcome.ignored_pairs), (1, 0));
+    }
+
+    #[test]
+    fn components_are_decided_apart() {
+        // A hard one from row and column 1 on, and two rows, one before and one after it, that compete for column 0.
+        let moved = |pair: Pair| Pair {
+            row: pair.row + 1,
+            column: pair.column + 1,
+            ..pair
+        };
+        let mut all: Vec<Pair> = hard(2000).into_iter().map(moved).collect();
+        all.extend(pairs(&[(0, 0, 3.0), (3001, 0, 2.0)]));
+        let (chosen, outcome) = solve(&mut Assignment::new(3002, 2001, 5001), &all, 9.0);
+        assert_one_to_one(&chosen);
+        assert_eq!((outcome.assigned, outcome.greedy_components), (2001, 1));
+        assert_eq!(
+            (chosen.first(), chosen.last()),
+            (Some(&(1, 1, 0.0)), Some(&(3001, 0, 2.0)))
+        );
+    }
+
+    #[test]
+    fn a_chain_moves_everyone_up_by_one() {
+        let listed = [(0, 0, 1.0), (0, 1, 2.0), (1, 1, 1.0), (1, 2, 2.0), (2, 0, 1.0)];
+        assert_eq!(solution(&listed, 9.0), [(0, 1, 2.0), (1, 2, 2.0), (2, 0, 1.0)]);
+    }
+
+    #[test]
+    fn a_row_gives_way_where_another_gains_more() {
+        assert_eq!(solution(&[(0, 0, 3.0), (1, 0, 1.0), (2, 0, 2.0)], 9.0), [(1, 0, 1.0)]);
+    }
+
+    #[test]
+    fn of_equals_the_lower_label_wins() {
+        assert_eq!(solution(&[(2, 3, 1.0), (1, 3, 1.0)], 9.0), [(1, 3, 1.0)]);
+        assert_eq!(solution(&[(1, 5, 1.0), (1, 3, 1.0)], 9.0), [(1, 3, 1.0)]);
+    }
+
+    #[test]
+    fn the_cheapest_of_a_repeated_pair_counts() {
+        assert_eq!(solution(&[(1, 1, 3.0), (1, 1, 2.0), (1, 1, 4.0)], 9.0), [(1, 1, 2.0)]);
+    }
+
+    #[test]
+    fn nothing_gives_nothing() {
+        assert_eq!(solution(&[], 9.0), []);
+        let mut memory = Assignment::new(0, 0, 0);
+        assert_eq!(solve(&mut memory, &[], 9.0), (vec![], Outcome::default()));
+    }
+
+    #[test]
+    fn what_costs_too_much_or_no_number_is_never_chosen() {
+        let listed = [
+            (0, 0, 9.5),
+            (1, 1, f64::NAN),
+            (2, 2, f64::INFINITY),
+            (3, 3, f64::NEG_INFINITY),
+            (4, 4, 9.0),
+        ];
+        assert_eq!(solution(&listed, 9.0), [(4, 4, 9.0)]);
+        for unassigned_cost in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(solution(&[(0, 0, 1.0)], unassigned_cost), []);
+        }
+    }
+
+    #[test]
+    fn pairs_without_room_and_with_unknown_labels_are_ignored_and_counted() {
+        let mut memory = Assignment::new(2, 3, 2);
+        let listed = pairs(&[
+            (2, 0, 1.0),
+            (0, 3, 1.0),
+            (u32::MAX, u32::MAX, 1.0),
+            (0, 0, 99.0),
+            (0, 2, 1.0),
+        ]);
+        let (chosen, outcome) = solve(&mut memory, &listed, 9.0);
+        assert_eq!((chosen, outcome.ignored_pairs), (vec![(0, 2, 1.0)], 3));
+        let (chosen, outcome) = solve(&mut memory, &pairs(&[(0, 0, 3.0), (1, 0, 2.0), (0, 1, 1.0)]), 9.0);
+        assert_eq!(
+            (chosen, outcome.ignored_pairs),
+            (vec![(1, 0, 2.0)], 1),
+            "the third had no room"
+        );
+    }
+
+    fn cost() -> impl Strategy<Value = f64> {
+        // Whole numbers make ties, fractions make near misses.
+        prop_oneof![
+            8 => (-2i32..9).prop_map(f64::from),
+            8 => -1.0..9.0f64,
+            1 => Just(f64::NAN),
+            1 => Just(f64::INFINITY),
+        ]
+    }
+
+    /// Rows, columns and pairs.
+    fn problem(rows_max: u32, pairs_max: usize) -> impl Strategy<Value = (u32, u32, Vec<Pair>)> {
+        (1..rows_max, 1..rows_max).prop_flat_map(move |(rows, columns)| {
+            let pair = (0..rows, 0..columns, cost()).prop_map(|(row, column, cost)| Pair { row, column, cost });
+            (Just(rows), Just(columns), prop::collection::vec(pair, 0..pairs_max))
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn no_other_choice_costs_less(problems in prop::collection::vec((problem(7, 24), -1.0..8.0f64), 1..4)) {
+            // The same memory for all: one problem must leave nothing behind for the next.
+            let mut memory = Assignment::new(7, 7, 24);
+            for ((rows, _, pairs), unassigned_cost) in problems {
+                let (chosen, outcome) = solve(&mut memory, &pairs, unassigned_cost);
+                assert_one_to_one(&chosen);
+                prop_assert_eq!(outcome.greedy_components + outcome.ignored_pairs, 0);
+                for &(row, column, cost) in &chosen {
+                    let listed = pairs.contains(&Pair { row, column, cost });
+                    prop_assert!(listed && cost <= unassigned_cost, "{} {} {}", row, column, cost);
+                }
+                let alone = f64::from(rows) - chosen.len() as f64;
+                let found = chosen.iter().map(|each| each.2).sum::<f64>() + alone * unassigned_cost;
+                let best = smallest(&pairs, unassigned_cost, 0, rows, &mut Vec::new());
+                prop_assert!((found - best).abs() < 1e-9, "{} instead of {}", found, best);
+            }
+        }
+
+        #[test]
+        fn the_order_of_the_pairs_does_not_matter(
+            (pairs, shuffled) in prop_oneof![problem(7, 24), problem(120, 400)].prop_flat_map(|(_, _, pairs)| {
+                (Just(pairs.clone()), Just(pairs).prop_shuffle())
+            }),
+            unassigned_cost in 0.0..8.0f64,
+        ) {
+            let mut memory = Assignment::new(120, 120, 400);
+            let straight = solve(&mut memory, &pairs, unassigned_cost);
+            assert_one_to_one(&straight.0);
+            prop_assert_eq!(solve(&mut memory, &shuffled, unassigned_cost), straight);
+        }
+    }
+}

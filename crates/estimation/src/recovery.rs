@@ -1,0 +1,161 @@
+//! Recovery: the measurement behind a sensor track's latest report.
+//!
+//! A sensor track is a filter's output: each report contains all earlier ones once more, so fusing reports as if they
+//! were measurements counts the same information many times. But the filter can be undone. Between two reports of one
+//! track, a filter that measures position and assumes nearly constant velocity predicts, P⁻ = F·P·Fᵀ + Q, and updates,
+//! P⁺ = P⁻ − A·S⁻¹·Aᵀ and x⁺ = x⁻ + A·S⁻¹·ν, A being the position columns of P⁻. What the report changed in the position
+//! block, D = P⁻ₚₚ − P⁺ₚₚ, gives S = P⁻ₚₚ·D⁻¹·P⁻ₚₚ, hence the measurement's covariance R = S − P⁻ₚₚ and the measurement
+//! z = x⁻ₚ + P⁻ₚₚ·D⁻¹·(x⁺ₚ − x⁻ₚ). Measurements have independent errors and may be fused with those of other sensors.
+//!
+//! That needs the filter's own process noise, which nobody tells. Two facts betray it ([`implied_noise`]): measuring a
+//! position neither changes the variance of the velocity for a given position, nor the regression of the velocity on
+//! the position. Each yields the noise from two successive covariances alone; that both agree shows that the source
+//! really works like this.
+//!
+//! Limits: a report that went missing hides a measurement, and the two then no longer agree; sources that smooth
+//! differently, or fill in a covariance by hand, cannot be undone.
+//!
+//! Source: O. E. Drummond, *Tracklets and a hybrid fusion with process noise*, SPIE 3163 (1997), in the form for position
+//! measurements; the two conditions are elementary properties of the conditional normal distribution.
+
+use messages::AXES;
+use nalgebra::{SMatrix, SVector};
+
+use crate::gaussian::Matrix6;
+use crate::{AxisNoise, Gaussian};
+
+/// Largest relative difference of the two estimates of [`implied_noise`] that rounding explains.
+const AGREEMENT: f64 = 0.05;
+/// Smallest relative change of a variance from which anything can be computed.
+const CHANGE_MIN: f64 = 1e-6;
+
+/// A recovered measurement of the first `D` axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recovered<const D: usize> {
+    /// Measured position, metres.
+    pub position_m: SVector<f64, D>,
+    /// Its covariance R, m².
+    pub covariance_m2: SMatrix<f64, D, D>,
+}
+
+/// The measurement that led from `predicted` (the earlier report, carried on with the source's own process noise) to
+/// `updated`; `None` if the update shows no measurement.
+pub fn recovered<const D: usize>(predicted: &Gaussian, updated: &Gaussian) -> Option<Recovered<D>> {
+    const { assert!(D == 2 || D == 3, "a position has two or three axes") };
+    let before = predicted.covariance.fixed_view::<D, D>(0, 0).into_owned();
+    let after = updated.covariance.fixed_view::<D, D>(0, 0).into_owned();
+    let change = before - after;
+    if (0..D).any(|axis| change[(axis, axis)] <= CHANGE_MIN * before[(axis, axis)]) {
+        return None;
+    }
+    let inverse = change.cholesky()?.inverse();
+    let undo = before * inverse;
+    let shift = updated.mean.fixed_rows::<D>(0) - predicted.mean.fixed_rows::<D>(0);
+    let covariance = undo * before - before;
+    let covariance_m2 = (covariance + covariance.transpose()) * 0.5;
+    covariance_m2.cholesky()?;
+    Some(Recovered {
+        position_m: predicted.mean.fixed_rows::<D>(0) + undo * shift,
+        covariance_m2,
+    })
+}
+
+/// Spectral density of the white acceleration noise, m²/s³, that a position filter must have assumed on `axis` between
+/// two successive covariances `duration_s` apart; `None` if they do not come from such a filter.
+pub fn implied_noise(before: &Matrix6, after: &Matrix6, duration_s: f64, axis: usize) -> Option<f64> {
+    let of = |matrix: &Matrix6| {
+        let (p, v) = (axis, axis + AXES);
+        (matrix[(p, p)], matrix[(p, v)], matrix[(v, v)])
+    };
+    let (p, c, v) = of(before);
+    let t = duration_s;
+    // Without noise; the noise adds q times the unit's.
+    let (a0, b0, c0) = (p + 2.0 * t * c + t * t * v, c + t * v, v);
+    let unit = AxisNoise::white(1.0, t);
+    let (a1, b1, c1) = (unit.position_m2, unit.cross_m2ps, unit.velocity_m2ps2);
+    let (a, b, c) = of(after);
+    // The regression of velocity on position, b/a, is the same before and after the update: linear in q.
+    let by_regression = (a * b0 - b * a0) / (b * a1 - a * b1);
+    // So is the variance of velocity for a given position, c − b²/a: quadratic in q.
+    let conditional = c - b * b / a;
+    let (square, linear, constant) = (
+        a1 * c1 - b1 * b1,
+        a0 * c1 + a1 * c0 - 2.0 * b0 * b1 - conditional * a1,
+        a0 * c0 - b0 * b0 - conditional * a0,
+    );
+    let by_variance = (-linear + (linear * linear - 4.0 * square * constant).sqrt()) / (2.0 * square);
+    // Written so that NaN is refused.
+    let agree = (by_regression - by_variance).abs() <= AGREEMENT * by_variance.abs() && by_variance > 0.0;
+    let updated = a < (1.0 - CHANGE_MIN) * (a0 + by_variance * a1);
+    (agree && updated).then_some(by_variance)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix3, Vector3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::testing::any_gaussian;
+    use crate::{FirstVelocity, NearlyConstantVelocity};
+
+    #[test]
+    fn a_filters_measurements_come_back() {
+        let model = NearlyConstantVelocity::new(20.0, 2.0);
+        let r = Matrix3::new(2500.0, 300.0, 0.0, 300.0, 1600.0, 0.0, 0.0, 0.0, 5625.0);
+        let velocity = FirstVelocity {
+            horizontal_sigma_mps: 150.0,
+            vertical_sigma_mps: 15.0,
+        };
+        let mut track = Gaussian::from_first_position(Vector3::new(1e4, -2e4, 5e3), r, velocity);
+        for step in 0..20 {
+            let seconds = if step % 3 == 0 { 8.0 } else { 4.0 };
+            let predicted = model.predicted(&track, seconds);
+            let z = predicted.mean.fixed_rows::<3>(0) + Vector3::new(30.0, -50.0 + f64::from(step), 10.0);
+            let mut updated = predicted;
+            updated.update_position(z, r).expect("positive definite");
+            let found = recovered::<3>(&predicted, &updated).expect("there was a measurement");
+            assert!((found.position_m - z).amax() < 1e-6);
+            assert!((found.covariance_m2 - r).amax() < 1e-5);
+            track = updated;
+        }
+    }
+
+    #[test]
+    fn extrapolation_shows_no_measurement() {
+        let start = Gaussian {
+            mean: nalgebra::zero(),
+            covariance: Matrix6::identity() * 100.0,
+        };
+        let predicted = NearlyConstantVelocity::new(5.0, 5.0).predicted(&start, 4.0);
+        assert_eq!(recovered::<3>(&predicted, &predicted), None);
+        assert_eq!(implied_noise(&start.covariance, &predicted.covariance, 4.0, 0), None);
+    }
+
+    #[test]
+    fn covariances_filled_in_by_hand_imply_no_filter() {
+        let constant = Matrix6::identity() * 25.0;
+        assert_eq!(implied_noise(&constant, &constant, 1.0, 0), None);
+    }
+
+    proptest! {
+        #[test]
+        fn the_process_noise_is_found(
+            start in any_gaussian(), density in 0.01..100.0f64, seconds in 0.5..12.0f64, sigma in 5.0..200.0f64,
+        ) {
+            // Along one axis, as the axes are independent where the sensor's errors are.
+            let mut before = Gaussian { mean: nalgebra::zero(), covariance: Matrix6::from_diagonal(&start.covariance.diagonal()) };
+            let model = NearlyConstantVelocity::new(density, density);
+            before = model.predicted(&before, 1.0);
+            let mut after = model.predicted(&before, seconds);
+            after.update_position(Vector3::zeros(), Matrix3::identity() * sigma * sigma).expect("positive definite");
+            let found = implied_noise(&before.covariance, &after.covariance, seconds, 1);
+            if let Some(found) = found {
+                prop_assert!((found / density - 1.0).abs() < 0.05, "{found} instead of {density}");
+            } else {
+                // Noise that drowns in the variances cannot be found, and is not invented.
+                prop_assert!(density * seconds < 1e-4 * after.covariance[(4, 4)] || sigma > 1e3 || density < 1.0);
+            }
+        }
+    }
+}

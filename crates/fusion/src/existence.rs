@@ -1,0 +1,225 @@
+//! Whether there is a target at all (BF-2): judged from what the sources that cover the place report and do not report.
+//!
+//! Every sensor has false tracks, and a system that shows whatever any sensor shows has all of them. Requiring two
+//! sources loses the targets that only one can see. What decides is how telling the silence of the others is: where a
+//! source that follows nineteen of twenty targets in this area has nothing here, there is hardly a target; where it
+//! never follows any, its silence says nothing. So with pₖ the probability that source k follows a target at this place,
+//! learned per cell of the ground from the tracks that are confirmed (or configured), one source's claim is worth
+//!
+//! L = Σ ln(1 − pₖ) over the covering sources that are silent
+//!     + what the claim's persistence is worth: false tracks end, with a probability of about a fifth per scan
+//!     + what an address is worth: noise does not answer interrogations.
+//!
+//! Two sources that agree are enough by themselves. A track that was confirmed stays so until its sources *say* that they
+//! no longer see it: each miss since the last report of any of them adds ln(1 − its probability of detection).
+
+use crate::settings::CoverageArea;
+
+/// L above which a single source's claim is believed.
+const BELIEVED: f64 = -0.7;
+/// What each further report of a single source's track is worth: −ln(4/5).
+const PERSISTENCE: f64 = 0.223;
+/// Reports before persistence counts.
+const PERSISTENCE_FROM: u32 = 3;
+/// What an address is worth.
+const ADDRESS: f64 = 5.0;
+/// Sum of the misses at which a target is taken to be gone: one in a thousand would be missed that often.
+pub(crate) const GONE: f64 = -6.9;
+/// Misses in a row of one source that count: what hides a target once hides it again.
+pub(crate) const MISSES_MAX: u32 = 2;
+/// Probability that a source follows a target at a place, before anything was learned.
+const FOLLOWS_PRIOR: f64 = 0.5;
+/// What the source's general probability is worth in a cell, in observed targets.
+const GENERAL_WEIGHT: f64 = 4.0;
+/// Observations of a cell are forgotten beyond this number.
+const CELL_MEMORY: f64 = 64.0;
+/// Observations of a source in general are forgotten beyond this number.
+const GENERAL_MEMORY: f64 = 256.0;
+/// Largest probability that is believed: there is always a chance to be shadowed.
+const FOLLOWS_MAX: f64 = 0.98;
+/// Places of the table that are tried for one cell.
+const PROBES: usize = 8;
+
+/// Hits and tries.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    hits: f32,
+    tries: f32,
+}
+
+impl Tally {
+    fn add(&mut self, hit: bool, memory: f64) {
+        if f64::from(self.tries) >= memory {
+            self.hits *= 0.5;
+            self.tries *= 0.5;
+        }
+        self.hits += f32::from(u8::from(hit));
+        self.tries += 1.0;
+    }
+
+    fn share(&self, prior: f64, weight: f64) -> f64 {
+        (f64::from(self.hits) + weight * prior) / (f64::from(self.tries) + weight)
+    }
+}
+
+/// Where each source follows targets: learned per cell, or configured.
+#[derive(Clone, Debug)]
+pub(crate) struct Coverage {
+    sources: usize,
+    cell_m: f64,
+    /// Which cell each place of the table holds.
+    cells: Vec<Option<(i32, i32)>>,
+    tallies: Vec<Tally>,
+    general: Vec<Tally>,
+    areas: Vec<Option<CoverageArea>>,
+}
+
+impl Coverage {
+    /// For as many sources as `areas` has entries; `cells` cells of `cell_m` metres.
+    pub(crate) fn new(areas: Vec<Option<CoverageArea>>, cells: usize, cell_m: f64) -> Self {
+        let (sources, cells) = (areas.len(), cells.next_power_of_two());
+        Self {
+            sources,
+            cell_m,
+            cells: vec![None; cells],
+            tallies: vec![Tally::default(); cells * sources],
+            general: vec![Tally::default(); sources],
+            areas,
+        }
+    }
+
+    /// Learns from a confirmed track at (x, y): `follows(source)` says whether the source contributes.
+    pub(crate) fn learn(&mut self, x: f64, y: f64, follows: impl Fn(u16) -> bool) {
+        let place = self.claim(x, y);
+        for source in 0..self.sources {
+            let hit = follows(source as u16);
+            self.general[source].add(hit, GENERAL_MEMORY);
+            if let Some(place) = place {
+                self.tallies[place * self.sources + source].add(hit, CELL_MEMORY);
+            }
+        }
+    }
+
+    /// Probability that `source` follows a target at this place.
+    pub(crate) fn follows(&self, source: u16, position_m: [f64; 3]) -> f64 {
+        let index = usize::from(source);
+        if let Some(area) = &self.areas[index] {
+            return area.probability_at(position_m).min(FOLLOWS_MAX);
+        }
+        let general = self.general[index].share(FOLLOWS_PRIOR, GENERAL_WEIGHT);
+        let cell = self.place(position_m[0], position_m[1]).map_or(general, |place| {
+            self.tallies[place * self.sources + index].share(general, GENERAL_WEIGHT)
+        });
+        cell.min(FOLLOWS_MAX)
+    }
+
+    /// The place of a cell in the table, if it has one.
+    fn place(&self, x: f64, y: f64) -> Option<usize> {
+        let cell = self.cell(x, y);
+        self.probes(cell).find(|place| self.cells[*place] == Some(cell))
+    }
+
+    /// The place of a cell in the table, a free one if it has none; `None` if there is no room near where it belongs.
+    fn claim(&mut self, x: f64, y: f64) -> Option<usize> {
+        let cell = self.cell(x, y);
+        let place = self
+            .probes(cell)
+            .find(|place| self.cells[*place].is_none_or(|other| other == cell))?;
+        self.cells[place] = Some(cell);
+        Some(place)
+    }
+
+    fn probes(&self, cell: (i32, i32)) -> impl Iterator<Item = usize> + use<> {
+        let (start, mask) = (hash(cell), self.cells.len() - 1);
+        (0..PROBES).map(move |probe| (start.wrapping_add(probe)) & mask)
+    }
+
+    fn cell(&self, x: f64, y: f64) -> (i32, i32) {
+        // `as` saturates.
+        ((x / self.cell_m).floor() as i32, (y / self.cell_m).floor() as i32)
+    }
+}
+
+fn hash((column, row): (i32, i32)) -> usize {
+    let mixed = (column as u32).wrapping_mul(0x9e37_79b1) ^ (row as u32).wrapping_mul(0x85eb_ca77);
+    (mixed ^ (mixed >> 15)) as usize
+}
+
+/// What speaks for a target that only one source reports.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Claim {
+    /// Σ ln(1 − pₖ) over the sources that are silent.
+    pub(crate) silence: f64,
+    /// Reports of the source's track so far.
+    pub(crate) reports: u32,
+    pub(crate) has_address: bool,
+}
+
+impl Claim {
+    /// L, the logarithm of how much likelier a target is than a false track.
+    pub(crate) fn worth(&self) -> f64 {
+        let persistence = PERSISTENCE * f64::from(self.reports.saturating_sub(PERSISTENCE_FROM));
+        let address = if self.has_address { ADDRESS } else { 0.0 };
+        self.silence + persistence + address
+    }
+
+    pub(crate) fn is_believed(&self) -> bool {
+        self.worth() > BELIEVED
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn claim(silence: f64, reports: u32) -> Claim {
+        Claim {
+            silence,
+            reports,
+            has_address: false,
+        }
+    }
+
+    #[test]
+    fn silence_of_sources_that_cover_the_place_is_telling() {
+        let mut coverage = Coverage::new(vec![None; 3], 64, 1000.0);
+        for _ in 0..100 {
+            coverage.learn(500.0, 500.0, |source| source != 2);
+            coverage.learn(5500.0, 500.0, |source| source == 0);
+        }
+        let here = coverage.follows(1, [500.0, 500.0, 0.0]);
+        let there = coverage.follows(1, [5500.0, 500.0, 0.0]);
+        assert!(here > 0.9 && there < 0.1, "{here} {there}");
+        assert!(coverage.follows(2, [500.0, 500.0, 0.0]) < 0.05);
+        assert!(!claim((1.0 - here).ln(), 5).is_believed());
+        assert!(claim((1.0 - there).ln(), 5).is_believed());
+    }
+
+    #[test]
+    fn a_place_never_seen_is_judged_by_the_source_in_general() {
+        let mut coverage = Coverage::new(vec![None; 1], 64, 1000.0);
+        assert_eq!(coverage.follows(0, [0.0; 3]), FOLLOWS_PRIOR);
+        for _ in 0..100 {
+            coverage.learn(0.0, 0.0, |_| true);
+        }
+        assert!(coverage.follows(0, [50e3, 0.0, 0.0]) > 0.9);
+    }
+
+    #[test]
+    fn persistence_and_addresses_speak_for_a_claim() {
+        assert!(!claim(-4.0, 4).is_believed());
+        assert!(claim(-4.0, 30).is_believed());
+        let mut with_address = claim(-4.0, 4);
+        with_address.has_address = true;
+        assert!(with_address.is_believed());
+    }
+
+    #[test]
+    fn a_full_table_falls_back_to_the_source_in_general() {
+        let mut coverage = Coverage::new(vec![None; 1], 8, 10.0);
+        for column in 0..100 {
+            coverage.learn(f64::from(column) * 10.0, 0.0, |_| true);
+        }
+        assert!(coverage.follows(0, [995.0, 0.0, 0.0]) > 0.9);
+    }
+}

@@ -1,0 +1,222 @@
+//! When a system track is weighed, and what is said of it.
+
+use messages::{
+    AXES, CONTRIBUTIONS_MAX, Contribution, Counter, NO_SOURCE, SensorTrack, StageTimes, SystemTrack, TrackState,
+    contribution_bits, sensor_track_bits,
+};
+
+use crate::engine::Engine;
+use crate::explanation::{Decision, DecisionKind, Sink};
+use crate::rules;
+use crate::sensor_tracks::SensorSlot;
+use crate::settings::AccuracyBase;
+use crate::system_tracks::SystemSlot;
+use crate::weighing::{Weighed, Weigher};
+
+impl Engine {
+    /// A report of a speaker has been taken: unless states come at uniform times, its system track is weighed anew.
+    pub(crate) fn refresh(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
+        let entry = self.sensors.get(sensor);
+        let (system, report) = (entry.system, entry.latest);
+        let time_ns = self.systems.get(system).state.time_ns;
+        let reference_ns = time_ns.max(report.time_of_measurement_ns);
+        if self.settings.refresh_ns.is_none() {
+            self.weigh(system, reference_ns, Some(&report), sink);
+        } else if self.learns(report.source) {
+            // A report teaches once, however often its system track is weighed.
+            let weighed = self.weigher().weigh(system, reference_ns);
+            self.learn(report.source, &weighed);
+        }
+    }
+
+    fn weigher(&self) -> Weigher<'_> {
+        Weigher {
+            search: self.search(),
+            accuracies: &self.accuracies,
+        }
+    }
+
+    fn learns(&self, source: u16) -> bool {
+        let accuracy = &self.settings.sources[usize::from(source)].accuracy;
+        matches!(accuracy.base, AccuracyBase::Estimated { .. })
+    }
+
+    /// Lets the accuracy of `source` learn from its residual.
+    fn learn(&mut self, source: u16, weighed: &Weighed) {
+        let mut candidates = weighed.candidates().iter();
+        if let Some(residual) = candidates.find(|c| c.source == source).and_then(|c| c.residual) {
+            self.accuracies.learn(&self.settings, source, residual);
+        }
+    }
+
+    /// Weighs the contributions to `system` at `reference_ns`, stores what comes out and hands it to `sink`. `cause` is
+    /// the report that made it necessary.
+    fn weigh(&mut self, system: SystemSlot, reference_ns: i64, cause: Option<&SensorTrack>, sink: &mut impl Sink) {
+        let weighed = self.weigher().weigh(system, reference_ns);
+        if let Some(report) = cause {
+            self.learn(report.source, &weighed);
+        }
+        for (share, candidate) in weighed.shares().iter().zip(weighed.candidates()) {
+            if share.trace_unusable {
+                self.counts.add(candidate.source, Counter::TracesUnusable);
+            }
+            if share.repaired {
+                self.counts.add(candidate.source, Counter::CovariancesRepaired);
+            }
+        }
+        let latest = || {
+            let members = weighed.members().iter();
+            members.map(|member| &self.sensors.get(*member).latest)
+        };
+        let alerts = latest().fold(0, |alerts, report| alerts | report.alerts);
+        let on_ground = latest().any(|report| report.has(sensor_track_bits::ON_GROUND));
+        let entry = self.systems.get_mut(system);
+        let (last, chosen) = (entry.memory.selected[0], weighed.memory.selected[0]);
+        entry.alerts = alerts;
+        entry.on_ground = on_ground;
+        entry.memory = weighed.memory;
+        entry.state = match weighed.state {
+            Some(state) => state,
+            None => entry.state.at(reference_ns, self.settings.process_noise_m2ps3),
+        };
+        if weighed.state.is_none() && entry.life == TrackState::Confirmed {
+            self.systems.set_life(system, TrackState::Coasted);
+        }
+        if last != chosen && last != rules::NO_SOURCE {
+            self.counts.add(chosen, Counter::HandOvers);
+            self.tell_hand_over(system, reference_ns, last, &weighed, sink);
+        }
+        sink.track(&self.message(system, cause, Some(&weighed)));
+    }
+
+    fn tell_hand_over(&self, system: SystemSlot, time_ns: i64, last: u16, weighed: &Weighed, sink: &mut impl Sink) {
+        let accuracy = |source: u16| {
+            let mut candidates = weighed.candidates().iter();
+            candidates
+                .find(|candidate| candidate.source == source)
+                .map_or(f64::NAN, |candidate| candidate.lambda)
+        };
+        let chosen = weighed.memory.selected[0];
+        sink.decision(&Decision {
+            time_ns,
+            kind: DecisionKind::HandOver,
+            system_track: self.systems.get(system).number,
+            other_system_track: 0,
+            source: chosen,
+            other_source: last,
+            sensor_track: 0,
+            value: accuracy(chosen),
+            limit: accuracy(last),
+        });
+    }
+
+    /// The next refresh time that can be worked off: no report measured up to it will follow before `now_ns`.
+    pub(crate) fn refresh_due_before(&mut self, now_ns: i64) -> Option<i64> {
+        let (period_ns, delay_ns) = (self.settings.refresh_ns?, self.settings.refresh_delay_ns);
+        let latest_ns = now_ns
+            .saturating_sub(delay_ns)
+            .saturating_sub(1)
+            .div_euclid(period_ns)
+            .saturating_mul(period_ns);
+        let nothing_lives = self.systems.is_empty();
+        let next_ns = match self.next_refresh_ns {
+            Some(next_ns) if !nothing_lives => next_ns,
+            // Nothing to be shown meanwhile, however long it was.
+            _ => latest_ns.saturating_add(period_ns),
+        };
+        let due = next_ns <= latest_ns;
+        self.next_refresh_ns = Some(if due {
+            next_ns.saturating_add(period_ns)
+        } else {
+            next_ns
+        });
+        due.then_some(next_ns)
+    }
+
+    /// Weighs every live system track at `time_ns`, in the order of their places in the table.
+    pub(crate) fn refresh_all(&mut self, time_ns: i64, sink: &mut impl Sink) {
+        for system in self.systems.slots() {
+            let entry = self.systems.get(system);
+            if entry.life != TrackState::Terminated && entry.state.time_ns <= time_ns {
+                self.weigh(system, time_ns, None, sink);
+            }
+        }
+    }
+
+    /// The life of a system track has changed without a report. At uniform times, the next refresh shows it.
+    pub(crate) fn tell(&mut self, slot: SystemSlot, now_ns: i64, sink: &mut impl Sink) {
+        if self.settings.refresh_ns.is_none() {
+            self.tell_end(slot, now_ns, sink);
+        }
+    }
+
+    /// Hands out the state as it is carried on.
+    pub(crate) fn tell_end(&mut self, slot: SystemSlot, now_ns: i64, sink: &mut impl Sink) {
+        let process_noise = self.settings.process_noise_m2ps3;
+        let entry = self.systems.get_mut(slot);
+        entry.state = entry.state.at(now_ns.max(entry.state.time_ns), process_noise);
+        sink.track(&self.message(slot, None, None));
+    }
+
+    fn message(&self, slot: SystemSlot, cause: Option<&SensorTrack>, weighed: Option<&Weighed>) -> SystemTrack {
+        let entry = self.systems.get(slot);
+        let members = weighed.map_or(&[][..], Weighed::members);
+        let shares = weighed.map_or(&[][..], Weighed::shares);
+        let candidates = weighed.map_or(&[][..], Weighed::candidates);
+        let mut message = SystemTrack {
+            reference_time_ns: entry.state.time_ns,
+            time_of_measurement_ns: cause.map_or(entry.state.time_ns, |report| report.time_of_measurement_ns),
+            sequence: 0,
+            stages: cause.map_or(StageTimes::default(), |report| report.stages),
+            track_number: entry.number,
+            trigger_source: cause.map_or(NO_SOURCE, |report| report.source),
+            selected_source: NO_SOURCE,
+            identity: entry.identity,
+            position_m: entry.state.position_m,
+            velocity_mps: entry.state.velocity_mps,
+            covariance: entry.state.covariance,
+            contributions: [Contribution::default(); CONTRIBUTIONS_MAX],
+            source_count: members.len() as u16,
+            contribution_count: members.len() as u16,
+            state: entry.life as u8,
+            height_valid: u8::from(entry.state.has_height),
+            rule: rules::code(self.settings.rule.rule),
+            alerts: entry.alerts,
+            merged_into: entry.merged_into,
+            on_ground: u8::from(entry.on_ground),
+            reserved: [0; 3],
+        };
+        let mut heaviest = 0.0;
+        for (index, share) in shares.iter().enumerate() {
+            let latest = &self.sensors.get(members[index]).latest;
+            let weight = share.weight.iter().sum::<f64>() / AXES as f64;
+            let fresh = if candidates[index].stale {
+                0
+            } else {
+                contribution_bits::FRESH
+            };
+            let scored = if share.accuracy.is_finite() {
+                contribution_bits::SCORED
+            } else {
+                0
+            };
+            message.contributions[index] = Contribution {
+                time_of_measurement_ns: latest.time_of_measurement_ns,
+                track_number: latest.track_number,
+                source: latest.source,
+                flags: fresh | scored,
+                weight,
+                accuracy: if share.accuracy.is_finite() {
+                    share.accuracy
+                } else {
+                    f64::NAN
+                },
+            };
+            if weight > heaviest {
+                heaviest = weight;
+                message.selected_source = latest.source;
+            }
+        }
+        message
+    }
+}

@@ -1,0 +1,427 @@
+//! Registration: systematic errors of the sources, from targets that several of them see (BF-3).
+//!
+//! A radar whose north mark is a tenth of a degree off puts every target at 60 km 100 m aside; a source whose clock is
+//! late drags every target behind itself. Such errors do not average out, but they show: two sources that see the same
+//! target differ by the difference of their errors. With θ = (offset east, north, up; time offset; range bias; azimuth
+//! bias) of a source, and H(target) how they move its report, a pair of reports of one target at one time gives
+//!
+//! Δ = x_j − x_k = H_j·θ_j − H_k·θ_k + noise.
+//!
+//! For every pair of sources the normal equations of this are summed up, with slow forgetting; at every tick a few
+//! sweeps of block Gauss–Seidel solve them for all sources together. Only differences can be seen: either a named
+//! reference source is taken as true, or the mean of all sources is.
+//!
+//! The tracks' errors are correlated in time, and targets do not show the same point to all sources: both make the
+//! estimate less certain than the formula says. A sample counts for a quarter, and the spread of the detection points,
+//! divided by the number of targets, is added. An error is removed when it is significant, until it no longer is.
+//!
+//! Limits: range and azimuth biases need the sensor's place; over a small area they cannot be told from an offset.
+//!
+//! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
+
+use messages::AXES;
+use nalgebra::{SMatrix, SVector};
+
+/// Number of systematic errors per source.
+pub const ERRORS: usize = 6;
+/// Offset east, north, up (m); time offset (s, late is positive); range bias (m); azimuth bias (rad, clockwise).
+pub type Errors = SVector<f64, ERRORS>;
+type Block = SMatrix<f64, ERRORS, ERRORS>;
+
+/// Standard deviations of the errors before anything is known.
+const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
+/// What one sample counts for: errors of tracks persist over several reports.
+const SAMPLE_WEIGHT: f64 = 0.25;
+/// Sweeps of Gauss–Seidel per tick.
+const SWEEPS: usize = 4;
+/// Chi-square with two degrees of freedom beyond which a horizontal offset is removed, and below which it is no longer.
+const SIGNIFICANT_2: f64 = 13.8;
+const INSIGNIFICANT_2: f64 = 2.8;
+/// The same with one degree of freedom, for the other errors.
+const SIGNIFICANT_1: f64 = 10.8;
+const INSIGNIFICANT_1: f64 = 1.6;
+/// Samples of a source before any of its errors is removed.
+const SAMPLES_MIN: f64 = 20.0;
+/// Largest squared statistical length of a difference that is used.
+const DIFFERENCE_GATE: f64 = 25.0;
+
+/// One source's view of a target.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View {
+    pub(crate) source: u16,
+    /// As reported, nothing removed, metres.
+    pub(crate) position_m: [f64; AXES],
+    pub(crate) covariance_m2: estimation::Matrix3,
+    pub(crate) velocity_mps: [f64; AXES],
+    pub(crate) has_height: bool,
+    /// Place of the sensor, where it is known and measures range and azimuth.
+    pub(crate) place_m: Option<[f64; 2]>,
+}
+
+impl View {
+    /// How the source's errors move its report of this target.
+    fn sensitivity(&self) -> SMatrix<f64, AXES, ERRORS> {
+        sensitivity(self.position_m, self.velocity_mps, self.place_m)
+    }
+}
+
+fn sensitivity(position: [f64; AXES], velocity: [f64; AXES], place: Option<[f64; 2]>) -> SMatrix<f64, AXES, ERRORS> {
+    let mut h = SMatrix::zeros();
+    for axis in 0..AXES {
+        h[(axis, axis)] = 1.0;
+        h[(axis, 3)] = -velocity[axis];
+    }
+    if let Some([east, north]) = place {
+        let (dx, dy) = (position[0] - east, position[1] - north);
+        let range = dx.hypot(dy);
+        if range > 1.0 {
+            (h[(0, 4)], h[(1, 4)]) = (dx / range, dy / range);
+            // Azimuth counts clockwise from north.
+            (h[(0, 5)], h[(1, 5)]) = (dy, -dx);
+        }
+    }
+    h
+}
+
+/// Sums over one ordered pair of sources, seen from the first.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    /// Σ HⱼᵀWHⱼ.
+    own: Block,
+    /// Σ HⱼᵀWHₖ.
+    cross: Block,
+    /// Σ HⱼᵀWΔ.
+    right: Errors,
+}
+
+const EMPTY: Pair = Pair {
+    own: Block::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
+    cross: Block::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
+    right: Errors::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; 1])),
+};
+
+/// What is known of one source's errors.
+#[derive(Clone, Copy, Debug)]
+pub struct SourceErrors {
+    /// The estimate.
+    pub errors: Errors,
+    /// Its variances, same units squared.
+    pub variances: Errors,
+    /// Samples that went into it, after forgetting.
+    pub samples: f64,
+    /// Which of them are being removed from the source's reports.
+    pub removed: [bool; ERRORS],
+}
+
+/// Registration of all sources with each other.
+#[derive(Clone, Debug)]
+pub(crate) struct Registration {
+    sources: Vec<SourceErrors>,
+    pairs: Vec<Pair>,
+    reference: Option<u16>,
+    /// What is left of the sums after one tick.
+    keep: f64,
+}
+
+impl Registration {
+    /// Of `sources` sources; `reference` is taken as true. Sums are forgotten with time constant `memory_s`; a tick is
+    /// `tick_s` seconds.
+    pub(crate) fn new(sources: usize, reference: Option<u16>, memory_s: f64, tick_s: f64) -> Self {
+        let unknown = SourceErrors {
+            errors: Errors::zeros(),
+            variances: Errors::from_fn(|row, _| PRIOR_SIGMA[row] * PRIOR_SIGMA[row]),
+            samples: 0.0,
+            removed: [false; ERRORS],
+        };
+        Self {
+            sources: vec![unknown; sources],
+            pairs: vec![EMPTY; sources * sources],
+            reference,
+            keep: (-tick_s / memory_s).exp(),
+        }
+    }
+
+    /// What is known of `source`.
+    pub(crate) fn of(&self, source: u16) -> &SourceErrors {
+        &self.sources[usize::from(source)]
+    }
+
+    /// By how much the errors that are being removed have moved a report of `source`, metres.
+    pub(crate) fn shift(
+        &self,
+        source: u16,
+        position_m: [f64; AXES],
+        velocity_mps: [f64; AXES],
+        place_m: Option<[f64; 2]>,
+    ) -> [f64; AXES] {
+        let known = self.of(source);
+        if known.removed == [false; ERRORS] {
+            return [0.0; AXES];
+        }
+        let removed = Errors::from_fn(|row, _| if known.removed[row] { known.errors[row] } else { 0.0 });
+        (sensitivity(position_m, velocity_mps, place_m) * removed).into()
+    }
+
+    /// By how much, as far as is known, the errors that are *not* being removed move a report: estimated, not yet
+    /// significant.
+    pub(crate) fn suspected_shift(&self, source: u16) -> [f64; 2] {
+        let known = self.of(source);
+        std::array::from_fn(|axis| if known.removed[axis] { 0.0 } else { known.errors[axis] })
+    }
+
+    /// Learns from two views of one target at one time.
+    pub(crate) fn learn(&mut self, a: &View, b: &View) {
+        let three = a.has_height && b.has_height;
+        let axes = if three { AXES } else { 2 };
+        let difference = SVector::<f64, AXES>::from_fn(|axis, _| {
+            if axis < axes {
+                a.position_m[axis] - b.position_m[axis]
+            } else {
+                0.0
+            }
+        });
+        let mut weight = a.covariance_m2 + b.covariance_m2;
+        if !three {
+            for axis in 0..2 {
+                weight[(axis, 2)] = 0.0;
+                weight[(2, axis)] = 0.0;
+            }
+            weight[(2, 2)] = 1e12;
+        }
+        let (of_a, of_b) = (a.sensitivity(), b.sensitivity());
+        let explained = of_a * self.of(a.source).errors - of_b * self.of(b.source).errors;
+        let Some(weight) = weight.cholesky().map(|factor| factor.inverse()) else {
+            return;
+        };
+        let rest = difference - explained;
+        let squared = (rest.transpose() * weight * rest)[0];
+        // While little is known, large errors must be let in.
+        let settled = self.of(a.source).samples > SAMPLES_MIN && self.of(b.source).samples > SAMPLES_MIN;
+        if !squared.is_finite() || (settled && squared > DIFFERENCE_GATE) {
+            return;
+        }
+        let weight = weight * SAMPLE_WEIGHT;
+        self.add(
+            a.source,
+            b.source,
+            &(of_a.transpose() * weight),
+            &of_a,
+            &of_b,
+            &difference,
+        );
+        self.add(
+            b.source,
+            a.source,
+            &(of_b.transpose() * weight),
+            &of_b,
+            &of_a,
+            &-difference,
+        );
+    }
+
+    fn add(
+        &mut self,
+        own: u16,
+        other: u16,
+        weighted: &SMatrix<f64, ERRORS, AXES>,
+        of_own: &SMatrix<f64, AXES, ERRORS>,
+        of_other: &SMatrix<f64, AXES, ERRORS>,
+        difference: &SVector<f64, AXES>,
+    ) {
+        let count = self.sources.len();
+        let pair = &mut self.pairs[usize::from(own) * count + usize::from(other)];
+        pair.own += weighted * of_own;
+        pair.cross += weighted * of_other;
+        pair.right += weighted * difference;
+        self.sources[usize::from(own)].samples += 1.0;
+    }
+
+    /// Solves for all sources, once per tick. `known` says for which sources the spread is known, so that one can decide;
+    /// `spread_m2` is the variance of the detection points on the targets, `targets`
+    /// how many targets several sources see; `points` whether the detection points are known to lie far apart.
+    pub(crate) fn tick(&mut self, known: impl Fn(usize) -> bool, spread_m2: f64, targets: usize, points: bool) {
+        let count = self.sources.len();
+        for pair in &mut self.pairs {
+            pair.own *= self.keep;
+            pair.cross *= self.keep;
+            pair.right *= self.keep;
+        }
+        for _ in 0..SWEEPS {
+            for own in 0..count {
+                self.solve(own);
+            }
+            self.fix_gauge();
+        }
+        for own in 0..count {
+            if known(own) {
+                self.decide(own, spread_m2 / targets.max(1) as f64, points);
+            }
+        }
+    }
+
+    fn solve(&mut self, own: usize) {
+        self.sources[own].samples *= self.keep.powf(1.0 / SWEEPS as f64);
+        if self.reference == Some(own as u16) || self.sources[own].samples == 0.0 {
+            return;
+        }
+        let count = self.sources.len();
+        let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| PRIOR_SIGMA[row].powi(-2)));
+        let mut right = Errors::zeros();
+        for other in 0..count {
+            let pair = &self.pairs[own * count + other];
+            normal += pair.own;
+            right += pair.right + pair.cross * self.sources[other].errors;
+        }
+        let Some(factor) = normal.cholesky() else {
+            return;
+        };
+        let known = &mut self.sources[own];
+        known.errors = factor.solve(&right);
+        known.variances = factor.inverse().diagonal();
+    }
+
+    /// Without a reference the mean of all sources that are compared is taken as true.
+    fn fix_gauge(&mut self) {
+        if self.reference.is_some() {
+            return;
+        }
+        let compared = |source: &&mut SourceErrors| source.samples > 0.0;
+        let count = self.sources.iter().filter(|source| source.samples > 0.0).count();
+        if count == 0 {
+            return;
+        }
+        let mut mean = Errors::zeros();
+        for source in &self.sources {
+            mean += source.errors / count as f64;
+        }
+        // Range and azimuth biases are seen absolutely, from different places.
+        (mean[4], mean[5]) = (0.0, 0.0);
+        for source in self.sources.iter_mut().filter(compared) {
+            source.errors -= mean;
+        }
+    }
+
+    /// Which errors are significant: the horizontal offset as one, the others each for itself. `spread_m2` is the variance
+    /// that the detection points add to a mean over all targets.
+    ///
+    /// Where detection points are far apart, one that lies ahead of the others looks like a clock that is fast: then time
+    /// offsets are left alone.
+    fn decide(&mut self, own: usize, spread_m2: f64, points: bool) {
+        let known = &mut self.sources[own];
+        let enough = known.samples >= SAMPLES_MIN;
+        let squared = |row: usize, extra: f64| known.errors[row].powi(2) / (known.variances[row] + extra);
+        let horizontal = squared(0, spread_m2) + squared(1, spread_m2);
+        let time = if points { 0.0 } else { squared(3, 0.0) };
+        let values = [
+            horizontal,
+            horizontal,
+            squared(2, 0.0),
+            time,
+            squared(4, spread_m2),
+            squared(5, 0.0),
+        ];
+        for (row, (removed, value)) in known.removed.iter_mut().zip(values).enumerate() {
+            let limit = match (row < 2, *removed) {
+                (true, false) => SIGNIFICANT_2,
+                (true, true) => INSIGNIFICANT_2,
+                (false, false) => SIGNIFICANT_1,
+                (false, true) => INSIGNIFICANT_1,
+            };
+            *removed = enough && value > limit;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A deterministic stand-in for noise.
+    fn noise(index: u32, scale: f64) -> f64 {
+        let mixed = index.wrapping_mul(2_654_435_761) ^ (index >> 3).wrapping_mul(0x9e37_79b9);
+        (f64::from(mixed % 10_007) / 10_007.0 - 0.5) * 3.46 * scale
+    }
+
+    fn view(source: u16, truth: [f64; 3], velocity: [f64; 3], offset: [f64; 2], late_s: f64, index: u32) -> View {
+        let place = |axis: usize| {
+            truth[axis] + offset.get(axis).copied().unwrap_or(0.0) - late_s * velocity[axis]
+                + noise(index * 31 + u32::from(source) * 7 + axis as u32, 20.0)
+        };
+        View {
+            source,
+            position_m: std::array::from_fn(place),
+            covariance_m2: estimation::Matrix3::identity() * 400.0,
+            velocity_mps: velocity,
+            has_height: true,
+            place_m: None,
+        }
+    }
+
+    fn registered(reference: Option<u16>, offsets: [[f64; 2]; 3], late_s: [f64; 3]) -> Registration {
+        let mut registration = Registration::new(3, reference, 300.0, 1.0);
+        for second in 0..100u32 {
+            for target in 0..20u32 {
+                let heading = f64::from(target) * 0.7;
+                let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
+                let truth = [f64::from(target) * 3000.0, f64::from(second) * 100.0, 5000.0];
+                let of = |source: u16| {
+                    let index = usize::from(source);
+                    view(
+                        source,
+                        truth,
+                        velocity,
+                        offsets[index],
+                        late_s[index],
+                        second * 20 + target,
+                    )
+                };
+                registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16));
+            }
+            registration.tick(|_| true, 0.0, 20, false);
+        }
+        registration
+    }
+
+    #[test]
+    fn offsets_relative_to_their_mean_are_found() {
+        let registration = registered(None, [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
+        for (source, expected) in [[-30.0, -17.3], [30.0, -17.3], [0.0, 34.7]].into_iter().enumerate() {
+            let known = registration.of(source as u16);
+            for axis in 0..2 {
+                assert!((known.errors[axis] - expected[axis]).abs() < 3.0, "{source}: {known:?}");
+                assert!(known.removed[axis], "{source}: {known:?}");
+            }
+            assert!(!known.removed[3], "no clock is wrong: {known:?}");
+        }
+    }
+
+    #[test]
+    fn a_named_reference_is_true() {
+        let registration = registered(Some(1), [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
+        assert_eq!(registration.of(1).errors, Errors::zeros());
+        assert!((registration.of(0).errors[0] + 60.0).abs() < 3.0);
+        assert!((registration.of(2).errors[1] - 52.0).abs() < 3.0);
+    }
+
+    #[test]
+    fn a_late_clock_is_found() {
+        let registration = registered(Some(0), [[0.0; 2]; 3], [0.0, 0.0, 0.5]);
+        assert!((registration.of(2).errors[3] - 0.5).abs() < 0.05);
+        assert!(registration.of(2).removed[3] && !registration.of(1).removed[3]);
+        let shift = registration.shift(2, [0.0; 3], [100.0, 0.0, 0.0], None);
+        assert!((shift[0] + 50.0).abs() < 5.0, "{shift:?}");
+    }
+
+    #[test]
+    fn sources_that_agree_are_left_alone() {
+        let registration = registered(None, [[0.0; 2]; 3], [0.0; 3]);
+        for source in 0..3 {
+            assert_eq!(
+                registration.of(source).removed,
+                [false; ERRORS],
+                "{:?}",
+                registration.of(source)
+            );
+        }
+    }
+}

@@ -1,0 +1,271 @@
+//! What fusion learns of a source while it runs: how it filters, whether its covariances are true, how often it sees.
+//!
+//! Sources say little about themselves. Three things decide how their reports may be used, and all three show in the
+//! reports:
+//! - **Process noise.** Two successive covariances of a sensor track betray the noise its filter assumes
+//!   ([`estimation::implied_noise`]). Where they do, its measurements can be recovered, whose errors are independent.
+//! - **Truth of the covariance** (BF-5). The normalised innovation squared of a true covariance follows chi-square. The
+//!   median is compared, not the mean: targets that manoeuvre, a minority at any time, hardly move it. A source whose
+//!   innovations are larger gets its covariance inflated until they fit.
+//! - **Detection points.** What remains of a source's innovations on the average over one target does not come from
+//!   noise: the source sees another point of the target than the others do. The spread of these means over the targets
+//!   says how large the targets are.
+//!
+//! Everything is tracked by medians that move by a bounded step, so that no single report can spoil them.
+
+use estimation::{Gaussian, Matrix6, NearlyConstantVelocity, Recovered, implied_noise, recovered};
+use messages::AXES;
+
+/// Median of chi-square with two degrees of freedom.
+const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
+/// Weight of a new innovation in the mean over one sensor track.
+pub(crate) const MEAN_GAIN: f64 = 0.25;
+/// Variance of such a mean relative to that of one innovation.
+pub(crate) const MEAN_VARIANCE: f64 = MEAN_GAIN / (2.0 - MEAN_GAIN);
+/// Reports whose covariances must have implied a process noise before it is believed.
+const NOISE_SAMPLES_MIN: u32 = 8;
+/// After that, every how many reports one is looked at.
+const NOISE_SAMPLE_EVERY: u32 = 64;
+/// Inflation below this is within what a consistent source shows by chance.
+const INFLATION_MIN: f64 = 1.3;
+/// Largest inflation of a covariance.
+const INFLATION_MAX: f64 = 1000.0;
+/// Step of the logarithm of the inflation per report, and how much longer it may become where all reports say the same.
+const INFLATION_STEP: f64 = 0.03;
+const INFLATION_STRIDE: f64 = 0.3;
+/// Agreement of the reports from which the step becomes longer: chance seldom reaches it.
+const INFLATION_AGREEMENT: f64 = 0.5;
+/// Samples of detection points before their spread is believed.
+const SPREAD_SAMPLES_MIN: u32 = 30;
+
+/// A median that follows its samples by steps of the logarithm.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Median {
+    logarithm: f64,
+    samples: u32,
+}
+
+impl Median {
+    pub(crate) fn add(&mut self, sample: f64) {
+        let logarithm = sample.max(f64::MIN_POSITIVE).ln();
+        if self.samples == 0 {
+            self.logarithm = logarithm;
+        }
+        self.samples = self.samples.saturating_add(1);
+        let step = (2.0 / f64::from(self.samples)).clamp(0.02, 0.5);
+        self.logarithm += step
+            .min((logarithm - self.logarithm).abs())
+            .copysign(logarithm - self.logarithm);
+    }
+
+    pub(crate) fn value(&self) -> f64 {
+        self.logarithm.exp()
+    }
+}
+
+/// What is known of one source.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SourceModel {
+    horizontal_noise: Median,
+    vertical_noise: Median,
+    /// Share of the looked-at reports that came from a filter as [`estimation::implied_noise`] knows it.
+    filtered_share: f64,
+    looked_at: u32,
+    log_inflation: f64,
+    /// Mean over the last reports of whether they ask for more (1) or less (−1) inflation.
+    inflation_trend: f64,
+    /// Squared mean innovation over a sensor track, relative to what noise explains.
+    spread_ratio: Median,
+    /// What noise explains, m² per axis.
+    spread_noise_m2: Median,
+    /// Variance of recovered measurements, m² per axis.
+    measured_m2: Median,
+    /// Probability that a scan sees a target that the source tracks.
+    pub(crate) detection: f64,
+}
+
+impl Default for SourceModel {
+    fn default() -> Self {
+        Self {
+            horizontal_noise: Median::default(),
+            vertical_noise: Median::default(),
+            filtered_share: 0.5,
+            looked_at: 0,
+            log_inflation: 0.0,
+            inflation_trend: 0.0,
+            spread_ratio: Median::default(),
+            spread_noise_m2: Median::default(),
+            measured_m2: Median::default(),
+            detection: 0.9,
+        }
+    }
+}
+
+/// A measurement that a report yields, of two or three axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measurement {
+    pub(crate) position_m: [f64; AXES],
+    /// (xx, xy, yy, xz, yz, zz), m².
+    pub(crate) covariance_m2: estimation::Matrix3,
+    pub(crate) has_height: bool,
+}
+
+impl SourceModel {
+    /// The process noise of the source's own filter, if it is known.
+    pub(crate) fn process_noise(&self) -> Option<NearlyConstantVelocity> {
+        let known = self.horizontal_noise.samples >= NOISE_SAMPLES_MIN && self.filtered_share > 0.5;
+        known.then(|| {
+            let horizontal = self.horizontal_noise.value();
+            let vertical = match self.vertical_noise.samples {
+                0 => horizontal,
+                _ => self.vertical_noise.value(),
+            };
+            NearlyConstantVelocity::new(horizontal, vertical)
+        })
+    }
+
+    /// Learns from two successive reports of one sensor track.
+    pub(crate) fn learn_noise(&mut self, before: &Matrix6, after: &Matrix6, seconds: f64, has_height: bool) {
+        self.looked_at = self.looked_at.wrapping_add(1);
+        let settled = self.horizontal_noise.samples >= 4 * NOISE_SAMPLES_MIN;
+        if settled && !self.looked_at.is_multiple_of(NOISE_SAMPLE_EVERY) {
+            return;
+        }
+        let implied = |axis| implied_noise(before, after, seconds, axis);
+        let horizontal = [implied(0), implied(1)];
+        for noise in horizontal.into_iter().flatten() {
+            self.horizontal_noise.add(noise);
+        }
+        if has_height && let Some(noise) = implied(2) {
+            self.vertical_noise.add(noise);
+        }
+        let filtered = f64::from(u8::from(horizontal.iter().all(Option::is_some)));
+        self.filtered_share += (filtered - self.filtered_share) / 16.0;
+    }
+
+    /// The measurement behind `updated`, which followed `before` by `seconds` in the same sensor track.
+    ///
+    /// Where the source's filter cannot be undone, the report itself stands for the measurement: as it is if its
+    /// covariance shows no filter, with three times the covariance if it does (its errors persist over some reports).
+    pub(crate) fn measurement(
+        &self,
+        before: Option<(&Gaussian, f64)>,
+        updated: &Gaussian,
+        has_height: bool,
+    ) -> Option<Measurement> {
+        let noise = self.process_noise();
+        if let (Some((before, seconds)), Some(noise)) = (before, noise)
+            && seconds > 0.0
+        {
+            let predicted = noise.predicted(before, seconds);
+            return if is_one_update(&predicted, updated) {
+                recover(&predicted, updated, has_height)
+            } else {
+                Some(as_reported(updated, 3.0, has_height))
+            };
+        }
+        let smoothed = (0..2).any(|axis| {
+            let p = &updated.covariance;
+            p[(axis, axis + AXES)] > 0.2 * (p[(axis, axis)] * p[(axis + AXES, axis + AXES)]).sqrt()
+        });
+        Some(as_reported(updated, if smoothed { 3.0 } else { 1.0 }, has_height))
+    }
+
+    /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.
+    pub(crate) fn inflation(&self) -> f64 {
+        let inflation = self.log_inflation.exp();
+        if inflation < INFLATION_MIN { 1.0 } else { inflation }
+    }
+
+    /// Learns from one normalised innovation squared of the horizontal position.
+    pub(crate) fn learn_consistency(&mut self, normalised_squared: f64) {
+        let wish = f64::copysign(1.0, normalised_squared - CHI2_MEDIAN_2);
+        self.inflation_trend += (wish - self.inflation_trend) / 16.0;
+        let agreement = (self.inflation_trend * wish - INFLATION_AGREEMENT).max(0.0);
+        let step = wish * (INFLATION_STEP + INFLATION_STRIDE * agreement);
+        self.log_inflation = (self.log_inflation + step).clamp(0.0, INFLATION_MAX.ln());
+    }
+
+    /// Learns from the mean innovation over one sensor track, `squared_m2`, of which noise explains `noise_m2` (both
+    /// summed over two axes), and the variance per axis of the measurement.
+    pub(crate) fn learn_spread(&mut self, squared_m2: f64, noise_m2: f64, measured_m2: f64) {
+        self.spread_ratio.add(squared_m2 / noise_m2);
+        self.spread_noise_m2.add(0.5 * noise_m2);
+        self.measured_m2.add(measured_m2);
+    }
+
+    /// Whether enough targets were seen to know how far the detection points lie apart.
+    pub(crate) fn knows_spread(&self) -> bool {
+        self.spread_ratio.samples >= SPREAD_SAMPLES_MIN
+    }
+
+    /// Variance per axis of where this source's detection points lie on targets, m².
+    pub(crate) fn spread_m2(&self) -> f64 {
+        if !self.knows_spread() {
+            return 0.0;
+        }
+        // The squared length of a mean of noise is half a chi-square with two degrees of freedom.
+        let excess = self.spread_ratio.value() / (0.5 * CHI2_MEDIAN_2) - 1.0;
+        // Chance alone reaches half of what noise explains.
+        if excess < 0.5 {
+            0.0
+        } else {
+            excess * self.spread_noise_m2.value()
+        }
+    }
+
+    /// Whether the detection points lie further apart than the source's measurement errors blur them.
+    pub(crate) fn sees_points(&self, ratio: f64) -> bool {
+        self.spread_m2() > ratio * ratio * self.measured_m2.value()
+    }
+
+    /// Learns whether a scan saw a target that the source tracks.
+    pub(crate) fn learn_detection(&mut self, seen: bool) {
+        let seen = f64::from(u8::from(seen));
+        self.detection = (self.detection + (seen - self.detection) / 256.0).clamp(0.5, 0.98);
+    }
+}
+
+/// Whether exactly one position measurement can have led from `predicted` to `updated`: it leaves the regression of
+/// velocity on position as it was.
+fn is_one_update(predicted: &Gaussian, updated: &Gaussian) -> bool {
+    (0..2).all(|axis| {
+        let slope = |p: &Matrix6| p[(axis, axis + AXES)] / p[(axis, axis)];
+        let (before, after) = (slope(&predicted.covariance), slope(&updated.covariance));
+        (before - after).abs() <= 0.1 * before.abs().max(after.abs())
+    })
+}
+
+fn as_reported(report: &Gaussian, factor: f64, has_height: bool) -> Measurement {
+    Measurement {
+        position_m: report.position_m(),
+        covariance_m2: report.covariance.fixed_view::<3, 3>(0, 0) * factor,
+        has_height,
+    }
+}
+
+fn recover(predicted: &Gaussian, updated: &Gaussian, has_height: bool) -> Option<Measurement> {
+    if has_height
+        && let Some(Recovered {
+            position_m,
+            covariance_m2,
+        }) = recovered::<3>(predicted, updated)
+    {
+        return Some(Measurement {
+            position_m: position_m.into(),
+            covariance_m2,
+            has_height: true,
+        });
+    }
+    let Recovered {
+        position_m,
+        covariance_m2,
+    } = recovered::<2>(predicted, updated)?;
+    let mut measurement = as_reported(updated, 1.0, false);
+    measurement.position_m[..2].copy_from_slice(position_m.as_slice());
+    measurement
+        .covariance_m2
+        .fixed_view_mut::<2, 2>(0, 0)
+        .copy_from(&covariance_m2);
+    Some(measurement)
+}

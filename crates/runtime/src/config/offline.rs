@@ -1,0 +1,256 @@
+//! The configuration of fusion on files: `[fusion]` as in a deployment, and what is known of each sensor.
+//!
+//! Somebody who has a file of sensor tracks knows neither the place of the sensors nor how often they report. So nothing
+//! has to be configured: a first pass over the files tells which sensors there are, their period, how accurate they say
+//! they are, and how many tracks live at a time; the engine's settings follow from that. What is known better stands in
+//! a file:
+//!
+//! ```toml
+//! [fusion.rule]
+//! name = "best-source"
+//!
+//! [[sensor]]
+//! id = 3                  # the sensor_id of the files
+//! period_s = 4.0
+//! position_m = [12e3, -3e3]
+//! [sensor.accuracy]
+//! sigma_m = 50.0
+//! [sensor.coverage]       # else learned from the reports
+//! range_m = 60e3
+//! sector_deg = [300.0, 120.0]
+//! probability = 0.9
+//! ```
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use fusion::settings as engine;
+use messages::NS_PER_S;
+use serde::Deserialize;
+
+use super::ConfigError;
+use super::check::{Checked, Problem, accuracy, check_fusion, check_name, coverage, nanoseconds, problem, within};
+use super::locate::line_at;
+use super::raw::{AccuracyModel, RawAccuracy, RawCoverage, RawFusion};
+
+/// A report is fresh for so many periods: two may be missed.
+const FRESH_PERIODS: f64 = 2.5;
+/// Period of a sensor that never reported a track twice, and has none configured, seconds.
+const PERIOD_UNKNOWN_S: f64 = 1.0;
+/// Accuracy of a sensor that has not said how accurate it is, metres.
+const SIGMA_UNKNOWN_M: f64 = 20.0;
+/// Room in tables: so many times what was seen, and so many entries more, up to the greatest number.
+const ROOM_FACTOR: f64 = 1.25;
+const ROOM_MORE: usize = 64;
+const ROOM_MAX: usize = 200_000;
+
+/// What a first pass over the files has found of one sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenSensor {
+    /// The files' `sensor_id`.
+    pub id: u32,
+    /// Median time between two reports of one track, nanoseconds; `None` if no track was reported twice.
+    pub period_ns: Option<i64>,
+    /// Median standard deviation of the position (root mean square of east and north) that it states, metres.
+    pub sigma_m: Option<f64>,
+    /// Most tracks that lived at a time.
+    pub tracks_max: usize,
+}
+
+/// What the engine is built from.
+#[derive(Clone, Debug)]
+pub struct OfflineSettings {
+    /// The files' `sensor_id` of each source.
+    pub sensor_ids: Vec<u32>,
+    /// The engine's settings.
+    pub engine: engine::Settings,
+}
+
+/// A configuration as read; an empty one says nothing.
+#[derive(Debug, Default)]
+pub struct Offline {
+    path: PathBuf,
+    text: String,
+    raw: RawOffline,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawOffline {
+    #[serde(default)]
+    fusion: RawFusion,
+    #[serde(default, rename = "sensor")]
+    sensors: Vec<RawSensor>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSensor {
+    id: u32,
+    name: Option<String>,
+    period_s: Option<f64>,
+    fresh_s: Option<f64>,
+    priority: Option<u32>,
+    ceiling_m: Option<f64>,
+    /// East and north in the files' frame, for accuracies that depend on the distance.
+    position_m: Option<[f64; 2]>,
+    accuracy: Option<RawAccuracy>,
+    coverage: Option<RawCoverage>,
+}
+
+impl RawSensor {
+    /// A key whose meaning depends on where the sensor stands.
+    fn needs_place(&self) -> Option<&'static str> {
+        let (accuracy, coverage) = (self.accuracy.as_ref(), self.coverage.as_ref());
+        if accuracy.is_some_and(|accuracy| accuracy.model == AccuracyModel::Polar) {
+            return Some("accuracy.model");
+        }
+        if coverage.is_some_and(|coverage| coverage.range_m.is_some()) {
+            return Some("coverage.range_m");
+        }
+        coverage
+            .is_some_and(|coverage| coverage.sector_deg.is_some())
+            .then_some("coverage.sector_deg")
+    }
+}
+
+impl Offline {
+    /// Reads the text of `path`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with file, line, key, value and remedy.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
+        let raw: RawOffline = toml::from_str(text).map_err(|error: toml::de::Error| ConfigError {
+            file: path.to_owned(),
+            line: error.span().map(|span| line_at(text, span.start)),
+            what: error.message().replace('\n', " "),
+        })?;
+        let config = Self {
+            path: path.to_owned(),
+            text: text.to_owned(),
+            raw,
+        };
+        config.check_sensors().map_err(|problem| problem.in_file(path, text))?;
+        Ok(config)
+    }
+
+    /// The engine's settings for the sensors that were seen, in the order of their ids.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with file, line, key, value and remedy.
+    pub fn settings(&self, seen: &[SeenSensor]) -> Result<OfflineSettings, ConfigError> {
+        self.build(seen)
+            .map_err(|problem| problem.in_file(&self.path, &self.text))
+    }
+
+    fn check_sensors(&self) -> Checked<()> {
+        let (mut ids, mut names) = (BTreeSet::new(), BTreeSet::new());
+        for (index, sensor) in self.raw.sensors.iter().enumerate() {
+            let key = |part: &str| format!("sensor[{index}].{part}");
+            if !ids.insert(sensor.id) {
+                let what = format!(
+                    "{} is the id of an earlier sensor; say everything of it there",
+                    sensor.id
+                );
+                return Err(problem(key("id"), what));
+            }
+            if let Some(name) = &sensor.name {
+                check_name(&key("name"), name)?;
+                if !names.insert(name) {
+                    let what = format!("\"{name}\" is the name of an earlier sensor; give each its own");
+                    return Err(problem(key("name"), what));
+                }
+            }
+            if let Some(part) = sensor.needs_place().filter(|_| sensor.position_m.is_none()) {
+                let what = "depends on where the sensor stands; give its position_m = [east, north]";
+                return Err(problem(key(part), what));
+            }
+        }
+        Ok(())
+    }
+
+    fn build(&self, seen: &[SeenSensor]) -> Checked<OfflineSettings> {
+        let mut sources = Vec::new();
+        for (place, sensor) in seen.iter().enumerate() {
+            sources.push(self.source(place, sensor)?);
+        }
+        let longest_ns = sources.iter().map(|source| source.fresh_ns).max().unwrap_or_default();
+        let checked = check_fusion(&self.raw.fusion, sources);
+        let mut engine = checked.map_err(|problem| self.by_sensor(problem, seen))?.settings;
+        let room = room_for(seen.iter().map(|sensor| sensor.tracks_max).sum());
+        let (capacity, life) = (&self.raw.fusion.capacity, &self.raw.fusion.life);
+        engine.capacity.sensor_tracks = capacity.sensor_tracks.unwrap_or(room);
+        engine.capacity.system_tracks = capacity.system_tracks.unwrap_or(room);
+        // A track must live until its slowest sensor can have reported it again.
+        if life.tentative_s.is_none() {
+            engine.life.tentative_ns = engine.life.tentative_ns.max(longest_ns);
+        }
+        if life.terminate_s.is_none() {
+            engine.life.terminate_ns = engine.life.terminate_ns.max(longest_ns + 1);
+        }
+        Ok(OfflineSettings {
+            sensor_ids: seen.iter().map(|sensor| sensor.id).collect(),
+            engine,
+        })
+    }
+
+    /// The engine knows sources; this file knows sensors.
+    fn by_sensor(&self, mut problem: Problem, seen: &[SeenSensor]) -> Problem {
+        let part = problem
+            .key
+            .strip_prefix("source[")
+            .and_then(|rest| rest.split_once("]."));
+        let index = |place: &str| {
+            let id = seen.get(place.parse::<usize>().ok()?)?.id;
+            self.raw.sensors.iter().position(|sensor| sensor.id == id)
+        };
+        if let Some((place, part)) = part
+            && let Some(index) = index(place)
+        {
+            problem.key = format!("sensor[{index}].{part}");
+        }
+        problem
+    }
+
+    fn source(&self, place: usize, seen: &SeenSensor) -> Checked<engine::SourceSettings> {
+        let configured = self.raw.sensors.iter().position(|sensor| sensor.id == seen.id);
+        let key = |part: &str| format!("sensor[{}].{part}", configured.unwrap_or_default());
+        let raw = configured.map(|index| &self.raw.sensors[index]);
+        let seen_s = seen.period_ns.map_or(PERIOD_UNKNOWN_S, |ns| ns as f64 / NS_PER_S);
+        let period_s = match raw.and_then(|raw| raw.period_s) {
+            Some(given_s) => within(&key("period_s"), given_s, 1e-3, 3600.0)?,
+            // What was seen cannot be refused; a sensor that reports a track once a day is of no use to the others.
+            None => seen_s.clamp(1e-3, 3600.0),
+        };
+        let fresh_s = match raw.and_then(|raw| raw.fresh_s) {
+            Some(given_s) => within(&key("fresh_s"), given_s, period_s, 1e5)?,
+            None => FRESH_PERIODS * period_s,
+        };
+        let place_m = raw.and_then(|raw| raw.position_m).unwrap_or_default();
+        let stated = RawAccuracy {
+            sigma_m: seen.sigma_m.unwrap_or(SIGMA_UNKNOWN_M).clamp(1e-3, 1e6),
+            ..RawAccuracy::default()
+        };
+        let raw_accuracy = raw.and_then(|raw| raw.accuracy.as_ref()).unwrap_or(&stated);
+        Ok(engine::SourceSettings {
+            name: raw
+                .and_then(|raw| raw.name.clone())
+                .unwrap_or_else(|| seen.id.to_string()),
+            period_ns: nanoseconds(period_s),
+            fresh_ns: nanoseconds(fresh_s),
+            accuracy: accuracy(raw_accuracy, place_m),
+            adjustment: raw_accuracy.adjustment,
+            priority: raw.and_then(|raw| raw.priority).unwrap_or(place as u32),
+            ceiling_m: raw.and_then(|raw| raw.ceiling_m).unwrap_or(f64::INFINITY),
+            coverage: match raw.and_then(|raw| raw.coverage.as_ref()) {
+                Some(area) => Some(coverage(&key("coverage"), area, place_m)?),
+                None => None,
+            },
+        })
+    }
+}
+
+/// Room for `seen` tracks.
+fn room_for(seen: usize) -> usize {
+    ((seen as f64 * ROOM_FACTOR) as usize + ROOM_MORE).min(ROOM_MAX)
+}

@@ -1,0 +1,82 @@
+//! `koseki fuse`: files of sensor tracks into one file of system tracks (FM-5).
+//!
+//! The engine is the one of the live process, driven as that one is in order of time (PL-12): the same reports give the
+//! same bytes. Files are read twice, first to learn what the engine needs to know of the sensors ([`crate::offline`]).
+
+mod decisions;
+mod rows;
+mod summary;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use fusion::{Decision, Engine};
+
+use crate::args::{Fuse, Usage};
+use crate::files::{OutputFile, is_same_file};
+use crate::offline::{Setup, drive, rule};
+use decisions::Decisions;
+use rows::Rows;
+use summary::Summary;
+
+/// Fuses.
+///
+/// # Errors
+/// If what is asked for makes no sense, or a file cannot be read or written.
+pub(crate) fn run(fuse: &Fuse) -> anyhow::Result<()> {
+    check_out(fuse)?;
+    let named = fuse.rule.as_deref().map(rule).transpose()?;
+    let mut setup = Setup::of(&fuse.input)?;
+    if let Some(rule) = named {
+        setup.settings.rule.rule = rule;
+    }
+    if let Some(refresh) = fuse.refresh {
+        setup.settings.refresh_ns = Some(nanoseconds(refresh));
+    }
+    let mut engine = Engine::new(setup.settings.clone())?;
+    let mut reports = setup.reports()?;
+    let out = OutputFile::begin(&fuse.out)?;
+    let unwritten = || format!("{} cannot be made", fuse.out.display());
+    let mut rows = Rows::begin(out, setup.sensor_ids.clone(), setup.settings.refresh_ns).with_context(unwritten)?;
+    let begin = |path: &PathBuf| Decisions::begin(path, &setup.sensor_ids);
+    let mut decisions = fuse.explain.as_ref().map(begin).transpose()?;
+    let explain = |decision: &Decision| decisions.as_mut().map_or(Ok(()), |table| table.write(decision));
+    let driven = drive(&mut engine, &mut reports, |state| rows.take(state), explain).with_context(unwritten)?;
+    let (out, written) = rows.finish().with_context(unwritten)?;
+    out.finish()?;
+    if let Some(decisions) = decisions {
+        decisions.finish()?;
+    }
+    let summary = Summary {
+        out: &fuse.out,
+        setup: &setup,
+        engine: &engine,
+        refusals: &reports.refusals,
+        driven,
+        written,
+    };
+    summary.show(fuse.json)
+}
+
+/// What is read must not be written over, nor one output over the other.
+fn check_out(fuse: &Fuse) -> Result<(), Usage> {
+    for (option, written) in [("--out", Some(&fuse.out)), ("--explain", fuse.explain.as_ref())] {
+        let Some(written) = written else { continue };
+        let mut inputs = fuse.input.tracks.iter().chain(&fuse.input.config);
+        if inputs.any(|input| is_same_file(input, written)) {
+            let what = format!("{option} {} is an input; name another file", written.display());
+            return Err(Usage(what));
+        }
+    }
+    let twice = |explain: &PathBuf| *explain == fuse.out || is_same_file(explain, &fuse.out);
+    if fuse.explain.as_ref().is_some_and(twice) {
+        return Err(Usage("--out and --explain name one file; name two".to_owned()));
+    }
+    Ok(())
+}
+
+/// The argument is checked to fit.
+fn nanoseconds(time: Duration) -> i64 {
+    time.as_nanos() as i64
+}

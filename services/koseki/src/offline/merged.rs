@@ -1,0 +1,211 @@
+//! Sensor tracks of several files in the order of time, one at a time.
+//!
+//! Of each file no more than two rows are in memory, so files may be of any length. Rows that cannot be used are left
+//! out and counted, each for itself: a recording of a million rows is of use although ten of them are damaged. Only
+//! where the whole file cannot be what it should be, without one of the columns for example, reading ends.
+
+use std::cell::RefCell;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use formats::csv_table::CsvError;
+use formats::sensor_tracks_csv::SensorTrackReader;
+use fusion::settings::SOURCES_MAX;
+use messages::SensorTrack;
+
+use super::refusals::Refusals;
+use crate::files::{InputError, open};
+
+/// A row this much later than the one that follows it is taken for the damaged one of the two, nanoseconds.
+const LEAP_NS: i64 = 600_000_000_000;
+const BUFFER_OCTETS: usize = 1 << 18;
+
+/// Which source a `sensor_id` is.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sensors {
+    /// By source number.
+    pub(crate) ids: Vec<u32>,
+    /// Whether sensors that are not among them are added.
+    pub(crate) open: bool,
+    /// One that was too many.
+    pub(crate) excess: Option<u32>,
+}
+
+impl Sensors {
+    fn source(&mut self, id: u32) -> Option<u16> {
+        if let Some(place) = self.ids.iter().position(|known| *known == id) {
+            return Some(place as u16);
+        }
+        if !self.open {
+            return None;
+        }
+        if self.ids.len() == SOURCES_MAX {
+            self.excess = self.excess.or(Some(id));
+            return None;
+        }
+        self.ids.push(id);
+        Some((self.ids.len() - 1) as u16)
+    }
+}
+
+type SourceOf = Box<dyn FnMut(u32) -> Option<u16>>;
+
+/// See the module's documentation.
+pub(crate) struct Merged {
+    lanes: Vec<Lane>,
+    pub(crate) sensors: Rc<RefCell<Sensors>>,
+    pub(crate) refusals: Refusals,
+    /// Octets read so far, and in all.
+    pub(crate) octets: Rc<RefCell<u64>>,
+    pub(crate) octets_in_all: u64,
+}
+
+/// One file.
+struct Lane {
+    path: PathBuf,
+    reader: SensorTrackReader<Counting, SourceOf>,
+    /// Its next row; the row after that has been read too, if there is one.
+    next: Option<Waiting>,
+    after: Option<Waiting>,
+    /// Time of the row that was given last.
+    given_ns: i64,
+}
+
+#[derive(Clone, Copy)]
+struct Waiting {
+    track: SensorTrack,
+    line: u64,
+}
+
+impl Merged {
+    /// Opens the files.
+    ///
+    /// # Errors
+    /// If one cannot be read, or lacks a column.
+    pub(crate) fn open(files: &[PathBuf], sensors: Sensors) -> Result<Self, InputError> {
+        let mut merged = Self {
+            lanes: Vec::new(),
+            sensors: Rc::new(RefCell::new(sensors)),
+            refusals: Refusals::default(),
+            octets: Rc::default(),
+            octets_in_all: 0,
+        };
+        for path in files {
+            let file = open(path)?;
+            merged.octets_in_all += file.metadata().map_or(0, |found| found.len());
+            let input = Counting {
+                file: BufReader::with_capacity(BUFFER_OCTETS, file),
+                octets: Rc::clone(&merged.octets),
+            };
+            let sensors = Rc::clone(&merged.sensors);
+            let source_of: SourceOf = Box::new(move |id| sensors.borrow_mut().source(id));
+            let reader = SensorTrackReader::new(input, 0, source_of);
+            let mut lane = Lane {
+                path: path.clone(),
+                reader: reader.map_err(|error| InputError::new(path, error))?,
+                next: None,
+                after: None,
+                given_ns: i64::MIN,
+            };
+            lane.after = lane.read(&mut merged.refusals)?;
+            lane.step(&mut merged.refusals)?;
+            merged.lanes.push(lane);
+        }
+        Ok(merged)
+    }
+
+    /// The next report of all files; of those with one time, that of the sensor with the smallest number.
+    ///
+    /// # Errors
+    /// If a file cannot be read on.
+    pub(crate) fn next(&mut self) -> Result<Option<SensorTrack>, InputError> {
+        let order = |lane: &Lane| {
+            lane.next
+                .map(|row| (row.track.time_of_measurement_ns, row.track.source))
+        };
+        let lanes = self.lanes.iter_mut().filter(|lane| lane.next.is_some());
+        let Some(lane) = lanes.min_by_key(|lane| order(lane)) else {
+            return Ok(None);
+        };
+        let given = lane.next;
+        lane.step(&mut self.refusals)?;
+        Ok(given.map(|row| row.track))
+    }
+}
+
+impl Lane {
+    /// Goes on to the next row.
+    fn step(&mut self, refusals: &mut Refusals) -> Result<(), InputError> {
+        if let Some(given) = self.next {
+            self.given_ns = given.track.time_of_measurement_ns;
+        }
+        self.next = self.after.take();
+        while let Some(next) = self.next {
+            self.after = self.read(refusals)?;
+            let Some(after) = self.after else { break };
+            let (next_ns, after_ns) = (next.track.time_of_measurement_ns, after.track.time_of_measurement_ns);
+            if after_ns >= next_ns {
+                break;
+            }
+            if next_ns - after_ns > LEAP_NS && after_ns >= self.given_ns {
+                let what = format!("{} is far beyond the rows around it", seconds(next_ns));
+                refusals.out_of_order(&self.path, next.line, &what);
+                self.next = self.after.take();
+            } else {
+                let what = format!(
+                    "{} is before {}, the time of an earlier row; sort the rows by time",
+                    seconds(after_ns),
+                    seconds(next_ns)
+                );
+                refusals.out_of_order(&self.path, after.line, &what);
+            }
+        }
+        Ok(())
+    }
+
+    /// The next row that can be read.
+    fn read(&mut self, refusals: &mut Refusals) -> Result<Option<Waiting>, InputError> {
+        loop {
+            match self.reader.next() {
+                None => return Ok(None),
+                Some(Ok(track)) => {
+                    let line = self.reader.line();
+                    return Ok(Some(Waiting { track, line }));
+                }
+                Some(Err(error @ (CsvError::Value { .. } | CsvError::Length { .. }))) => {
+                    refusals.unreadable(&self.path, &error);
+                }
+                Some(Err(error)) => return Err(InputError::new(&self.path, error)),
+            }
+        }
+    }
+}
+
+fn seconds(ns: i64) -> f64 {
+    frames::time::seconds(ns)
+}
+
+/// A file that counts what is read of it.
+struct Counting {
+    file: BufReader<File>,
+    octets: Rc<RefCell<u64>>,
+}
+
+impl Read for Counting {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        *self.octets.borrow_mut() += count as u64;
+        Ok(count)
+    }
+}
+
+/// Refuses a file that is named twice: its reports would count twice.
+pub(crate) fn named_twice(files: &[PathBuf]) -> Option<&Path> {
+    let twice = files.iter().enumerate().find(|(place, file)| {
+        let before = &files[..*place];
+        before.iter().any(|other| crate::files::is_same_file(other, file))
+    });
+    twice.map(|(_, file)| file.as_path())
+}

@@ -1,0 +1,41 @@
+//! How far long work has got, on a terminal.
+
+use std::io::{IsTerminal as _, Write as _};
+
+/// Less than this is done before anybody wonders, octets.
+const SHOWN_OCTETS_MIN: u64 = 64 << 20;
+
+/// A percentage that is written over itself on standard error.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    octets: u64,
+    percent: u64,
+    is_shown: bool,
+}
+
+impl Progress {
+    /// Of work on so many octets.
+    pub(crate) fn new(octets: u64) -> Self {
+        Self {
+            octets,
+            percent: 0,
+            is_shown: octets >= SHOWN_OCTETS_MIN && std::io::stderr().is_terminal(),
+        }
+    }
+
+    /// So many octets are done.
+    pub(crate) fn at(&mut self, octets: u64) {
+        if self.is_shown && octets * 100 >= (self.percent + 1) * self.octets {
+            self.percent = octets * 100 / self.octets;
+            let _ = write!(std::io::stderr(), "\r{} %", self.percent);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if self.percent > 0 {
+            let _ = write!(std::io::stderr(), "\r     \r");
+        }
+    }
+}

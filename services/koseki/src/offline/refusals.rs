@@ -1,0 +1,67 @@
+//! Rows that were left out, and why.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use formats::csv_table::CsvError;
+
+/// So many refused rows are shown with their place and value.
+const SHOWN_MAX: usize = 5;
+
+/// Rows that were left out.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Refusals {
+    /// Rows by reason.
+    pub(crate) by_reason: BTreeMap<String, u64>,
+    /// The first of them, with file, line, value and remedy.
+    pub(crate) first: Vec<String>,
+}
+
+impl Refusals {
+    /// A row that cannot be read.
+    pub(crate) fn unreadable(&mut self, file: &Path, error: &CsvError) {
+        let reason = match error {
+            CsvError::Value { column, .. } => format!("column {column}"),
+            _ => "number of values".to_owned(),
+        };
+        self.add(reason, file, error);
+    }
+
+    /// A row that stands where its time does not belong.
+    pub(crate) fn out_of_order(&mut self, file: &Path, line: u64, what: &str) {
+        let said = format!("line {line}, column time_s: {what}");
+        self.add("order of time".to_owned(), file, said);
+    }
+
+    /// All of them.
+    pub(crate) fn rows(&self) -> u64 {
+        self.by_reason.values().sum()
+    }
+
+    /// Lines for a person; none if nothing was left out.
+    pub(crate) fn as_text(&self) -> String {
+        if self.by_reason.is_empty() {
+            return String::new();
+        }
+        let reasons = self
+            .by_reason
+            .iter()
+            .map(|(reason, rows)| format!("{rows} for {reason}"));
+        let mut text = format!(
+            "left out: {} rows, {}\n",
+            self.rows(),
+            reasons.collect::<Vec<_>>().join(", ")
+        );
+        for said in &self.first {
+            text += &format!("  {said}\n");
+        }
+        text
+    }
+
+    fn add(&mut self, reason: String, file: &Path, said: impl std::fmt::Display) {
+        *self.by_reason.entry(reason).or_default() += 1;
+        if self.first.len() < SHOWN_MAX {
+            self.first.push(format!("{}: {said}", file.display()));
+        }
+    }
+}

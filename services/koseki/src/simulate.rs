@@ -1,0 +1,186 @@
+//! `koseki simulate`: what simulated sensors see of a simulated world, as files (FM-9).
+//!
+//! The world and its sensors are those of the demonstration (`scenario`), without a clock: each sensor is asked for one
+//! delivery after the other. So a run of an hour takes seconds, and the same seed gives the same bytes.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::Context as _;
+use formats::detection::{Detection, DetectionKind, Truth as Of};
+use formats::detections_csv::DetectionWriter;
+use formats::tracks_csv::{SensorTrackWriter, sensor_id};
+use messages::SensorTrack;
+use runtime::Config;
+use runtime::config::{BUILT_IN_DEMO, Input, Source};
+use scenario::{Plot, SensorSettings, SimulatedSensor, Truth};
+
+use crate::args::{Simulate, Usage};
+use crate::files::OutputFile;
+
+/// Scenarios by name: what they change of the demonstration.
+const NAMED: [(&str, &[&str]); 3] = [
+    ("demo", &[]),
+    (
+        "en-route",
+        &[
+            "scenario.terminal_share=0.0",
+            "scenario.holding_share=0.0",
+            "scenario.surface_share=0.0",
+            "scenario.crossing_share=1.0",
+        ],
+    ),
+    ("dense", &["scenario.targets=400"]),
+];
+
+/// Simulates.
+///
+/// # Errors
+/// If there is no such scenario, or a file cannot be written.
+pub(crate) fn run(simulate: &Simulate) -> anyhow::Result<()> {
+    let config = config(&simulate.scenario)?;
+    let sensors: Vec<(&Source, &SensorSettings)> = config.sources.iter().filter_map(simulated).collect();
+    let (Some(world), false) = (&config.scenario, sensors.is_empty()) else {
+        let what = "has no [scenario] with simulated sources; take config/demo.toml for a pattern";
+        return Err(Usage(format!("--scenario {}: {what}", simulate.scenario.display())).into());
+    };
+    let out = &simulate.out;
+    std::fs::create_dir_all(out).with_context(|| format!("--out {} cannot be made", out.display()))?;
+    let truth = Truth::new(world, simulate.seed)?;
+    let end_s = simulate.seconds.as_secs_f64();
+    let mut said = String::new();
+    let mut observers = Vec::new();
+    for (source, settings) in sensors {
+        let mut sensor = SimulatedSensor::new(settings, simulate.seed, source.number, 0)?;
+        observers.push(sensor.clone());
+        let (reports, detections) = write_sensor(out, source.number, &mut sensor, &truth, end_s)?;
+        let (id, name) = (sensor_id(source.number), &source.name);
+        said += &format!("sensor {id} {name}: {reports} reports, {detections} detections\n");
+    }
+    let rows = write_truth(&out.join("truth.csv"), &truth, &observers, end_s)?;
+    said += &format!(
+        "{} targets, {rows} rows of truth; files in {}\n",
+        truth.len(),
+        out.display()
+    );
+    // With standard error closed, the files are written all the same.
+    let _ = std::io::stderr().write_all(said.as_bytes());
+    Ok(())
+}
+
+/// The configuration that a name or a file stands for.
+fn config(scenario: &Path) -> anyhow::Result<Config> {
+    let named = NAMED.iter().find(|(name, _)| Path::new(name) == scenario);
+    match named {
+        Some((_, changes)) => {
+            let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+            Ok(Config::read(Path::new(BUILT_IN_DEMO), &changes)?)
+        }
+        None if !scenario.exists() => {
+            let names = NAMED.map(|(name, _)| name).join(", ");
+            let what = format!(
+                "--scenario {}: no such file or scenario; there are {names}",
+                scenario.display()
+            );
+            Err(Usage(what).into())
+        }
+        None => Ok(Config::read(scenario, &[])?),
+    }
+}
+
+fn simulated(source: &Source) -> Option<(&Source, &SensorSettings)> {
+    match &source.input {
+        Input::Simulated(simulated) => Some((source, &simulated.sensor)),
+        _ => None,
+    }
+}
+
+/// Writes what one sensor reports and detects up to `end_s`; how much that is.
+fn write_sensor(
+    folder: &Path,
+    source: u16,
+    sensor: &mut SimulatedSensor,
+    truth: &Truth,
+    end_s: f64,
+) -> anyhow::Result<(u64, u64)> {
+    let id = sensor_id(source);
+    let reports_path = folder.join(format!("sensor_tracks_{id}.csv"));
+    let plots_path = folder.join(format!("detections_{id}.csv"));
+    let unwritten = || format!("{} cannot be written", folder.display());
+    let mut tracks = SensorTrackWriter::begin(OutputFile::begin(&reports_path)?, 0).with_context(unwritten)?;
+    let mut detections = DetectionWriter::begin(OutputFile::begin(&plots_path)?, 0).with_context(unwritten)?;
+    let end_ns = frames::time::ns(end_s);
+    let (mut reports, mut plots): (Vec<SensorTrack>, Vec<Plot>) = Default::default();
+    let (mut report_count, mut plot_count) = (0, 0);
+    while sensor.progress_s() <= end_s {
+        sensor.scan_with_plots(truth, &mut reports, &mut plots);
+        for report in reports
+            .drain(..)
+            .filter(|report| report.time_of_measurement_ns <= end_ns)
+        {
+            tracks.write(&report).with_context(unwritten)?;
+            report_count += 1;
+        }
+        for plot in plots.drain(..).filter(|plot| plot.time_of_measurement_ns <= end_ns) {
+            plot_count += 1;
+            detections
+                .write(&detection(id, plot_count, &plot))
+                .with_context(unwritten)?;
+        }
+    }
+    tracks.into_inner().finish()?;
+    detections.into_inner().finish()?;
+    Ok((report_count, u64::from(plot_count)))
+}
+
+/// A radar without height gives range and bearing; whoever measures height, a position.
+fn detection(sensor_id: u32, number: u32, plot: &Plot) -> Detection {
+    let [east, north, up] = plot.position_m;
+    let [sigma_east, sigma_north, sigma_up] = plot.sigma_m;
+    let (kind, values, sigmas) = match (plot.polar_sigma, plot.height) {
+        (Some([range_sigma_m, azimuth_sigma_rad]), false) => {
+            let [range_m, azimuth_rad] = plot.polar();
+            let sigmas = [range_sigma_m, azimuth_sigma_rad, 0.0, 0.0];
+            (DetectionKind::RangeBearing, [range_m, azimuth_rad, 0.0], sigmas)
+        }
+        (None, false) => {
+            let sigmas = [sigma_east, sigma_north, 0.0, 0.0];
+            (DetectionKind::Position2, [east, north, 0.0], sigmas)
+        }
+        (_, true) => {
+            let sigmas = [sigma_east, sigma_north, sigma_up, 0.0];
+            (DetectionKind::Position3, [east, north, up], sigmas)
+        }
+    };
+    Detection {
+        time_of_measurement_ns: plot.time_of_measurement_ns,
+        sensor_id,
+        scan: plot.scan as u32,
+        detection_id: number,
+        kind,
+        values,
+        range_rate_mps: None,
+        sigmas: Some(sigmas),
+        platform_m: plot.site_m,
+        truth: Some(plot.target.map_or(Of::FalseAlarm, Of::Target)),
+    }
+}
+
+/// Writes where the targets are that some sensor could see; how many rows that is.
+fn write_truth(path: &Path, truth: &Truth, observers: &[SimulatedSensor], end_s: f64) -> anyhow::Result<u64> {
+    let unwritten = || format!("{} cannot be written", path.display());
+    let mut out = OutputFile::begin(path)?;
+    writeln!(out, "time_s,target_id,x,y,z,vx,vy,vz").with_context(unwritten)?;
+    let mut rows = 0;
+    for second in 0..=end_s as i64 {
+        let seen = |target: &scenario::TargetState| observers.iter().any(|sensor| sensor.observes(target));
+        for target in truth.at(second as f64).filter(seen) {
+            let ([x, y, z], [vx, vy, vz]) = (target.position_m, target.velocity_mps);
+            let id = target.id;
+            writeln!(out, "{second},{id},{x:.3},{y:.3},{z:.3},{vx:.3},{vy:.3},{vz:.3}").with_context(unwritten)?;
+            rows += 1;
+        }
+    }
+    out.finish()?;
+    Ok(rows)
+}
