@@ -10,6 +10,7 @@
 //! - [`distance`](statistical_distance): is it the same target as another one?
 //! - [`recovery`](recovered): which measurement is behind a sensor track's latest report?
 //! - [`definite`](repaired): is a covariance that came from outside usable, and can it be made so?
+//! - [`combination`](correlated_combination): make one of several estimates of the same target.
 //!
 //! All values live on the stack (nalgebra's statically sized matrices): nothing here allocates, so it can run in
 //! fusion's steady state. Nothing reads a clock: time is an argument.
@@ -19,7 +20,10 @@
 
 #![forbid(unsafe_code)]
 
+mod combination;
+mod common_noise;
 mod definite;
+mod dense;
 mod distance;
 mod gaussian;
 mod initiation;
@@ -29,6 +33,11 @@ mod recovery;
 mod testing;
 mod update;
 
+pub use combination::{
+    Criterion, Estimate, INPUTS_MAX, correlated_combination, information_sum, intersection_weights,
+    weighted_information,
+};
+pub use common_noise::SteadyFilter;
 pub use definite::{is_positive_definite, repaired};
 pub use distance::{ComparedComponents, squared_length, statistical_distance};
 pub use gaussian::{Gaussian, Matrix3, Matrix6, Vector6, packed, unpacked};

@@ -1,6 +1,7 @@
 //! Sensor accuracy s and observation error coefficient alpha = k·s (TI-7, TI-8).
 
 use crate::settings::{AccuracyBase, Settings, SourceSettings};
+use crate::state::State;
 
 /// The condition that holds at the start.
 const NORMAL: &str = "normal";
@@ -57,10 +58,12 @@ impl Accuracies {
         *mean += (square - *mean) / memory;
     }
 
-    /// alpha of `source` for a target at `position` with `speed` (TI-8).
-    pub(crate) fn alpha(&self, settings: &Settings, source: u16, position_m: [f64; 3], speed_mps: f64) -> f64 {
+    /// alpha of `source` for a target in `state` (TI-8), of which it states a horizontal sigma of `reported_m`.
+    pub(crate) fn alpha(&self, settings: &Settings, source: u16, state: &State, reported_m: f64) -> f64 {
+        let (position_m, speed_mps) = (state.position_m, state.speed_mps());
         let alpha = |source: u16| {
-            settings.sources[usize::from(source)].adjustment * self.s(settings, source, position_m, speed_mps)
+            let s = self.s(settings, source, position_m, speed_mps, reported_m);
+            settings.sources[usize::from(source)].adjustment * s
         };
         match settings.rule.reference_source {
             Some(reference) => alpha(source) / alpha(reference),
@@ -69,7 +72,7 @@ impl Accuracies {
     }
 
     /// s of `source` (TI-7).
-    fn s(&self, settings: &Settings, source: u16, position_m: [f64; 3], speed_mps: f64) -> f64 {
+    fn s(&self, settings: &Settings, source: u16, position_m: [f64; 3], speed_mps: f64, reported_m: f64) -> f64 {
         let index = usize::from(source);
         let accuracy = &settings.sources[index].accuracy;
         let base = match accuracy.base {
@@ -82,6 +85,7 @@ impl Accuracies {
                 let range = (position_m[0] - place_m[0]).hypot(position_m[1] - place_m[1]);
                 range_sigma_m.hypot(azimuth_sigma_rad * range)
             }
+            AccuracyBase::Reported => reported_m,
             AccuracyBase::Estimated { initial_m, .. } => self.mean_squares[index].map_or(initial_m, f64::sqrt),
         };
         (base + accuracy.per_speed_s * speed_mps) * self.factors[index]
@@ -93,6 +97,15 @@ mod tests {
     use super::*;
     use crate::engine::test_settings;
 
+    /// A target at `position_m` that flies east.
+    fn target(position_m: [f64; 3], speed_mps: f64) -> State {
+        State {
+            position_m,
+            velocity_mps: [speed_mps, 0.0, 0.0],
+            ..State::default()
+        }
+    }
+
     #[test]
     fn a_polar_sensor_is_less_accurate_far_away() {
         let mut settings = test_settings(1);
@@ -102,7 +115,7 @@ mod tests {
             range_sigma_m: 30.0,
             azimuth_sigma_rad: 0.001,
         };
-        let alpha = |position| Accuracies::new(1).alpha(&settings, 0, position, 0.0);
+        let alpha = |position| Accuracies::new(1).alpha(&settings, 0, &target(position, 0.0), 0.0);
         assert!((alpha([1000.0, 0.0, 0.0]) - 60.0).abs() < 1e-9);
         assert!(
             (alpha([1000.0, 40_000.0, 0.0]) - 100.0).abs() < 1e-9,
@@ -116,20 +129,20 @@ mod tests {
         settings.sources[0].accuracy.per_speed_s = 0.1;
         settings.sources[0].accuracy.conditions = vec![("rain".to_owned(), 3.0)];
         let mut accuracies = Accuracies::new(2);
-        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 15.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 50.0), 0.0) - 15.0).abs() < 1e-9);
         assert!(accuracies.set_condition(&settings, "rain"));
-        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 45.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 50.0), 0.0) - 45.0).abs() < 1e-9);
         assert!(
-            (accuracies.alpha(&settings, 1, [0.0; 3], 50.0) - 10.0).abs() < 1e-9,
+            (accuracies.alpha(&settings, 1, &target([0.0; 3], 50.0), 0.0) - 10.0).abs() < 1e-9,
             "not named: factor 1"
         );
         assert!(
             !accuracies.set_condition(&settings, "ran"),
             "a slip of the pen changes nothing"
         );
-        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 45.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 50.0), 0.0) - 45.0).abs() < 1e-9);
         assert!(accuracies.set_condition(&settings, "normal"));
-        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 50.0) - 15.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 50.0), 0.0) - 15.0).abs() < 1e-9);
     }
 
     #[test]
@@ -140,12 +153,12 @@ mod tests {
             memory: 20.0,
         };
         let mut accuracies = Accuracies::new(1);
-        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 0.0) - 7.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 0.0) - 7.0).abs() < 1e-9);
         for step in 0..200 {
             let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
             accuracies.learn(&settings, 0, [30.0 * sign, -30.0 * sign, 0.0]);
         }
-        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 0.0) - 30.0).abs() < 1e-6);
+        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 0.0) - 30.0).abs() < 1e-6);
     }
 
     #[test]
@@ -154,9 +167,20 @@ mod tests {
         settings.sources[1].accuracy.base = AccuracyBase::Constant { sigma_m: 25.0 };
         settings.rule.reference_source = Some(0);
         let accuracies = Accuracies::new(2);
-        assert!((accuracies.alpha(&settings, 0, [0.0; 3], 0.0) - 1.0).abs() < 1e-12);
-        assert!((accuracies.alpha(&settings, 1, [0.0; 3], 0.0) - 2.5).abs() < 1e-12);
+        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 0.0) - 1.0).abs() < 1e-12);
+        assert!((accuracies.alpha(&settings, 1, &target([0.0; 3], 0.0), 0.0) - 2.5).abs() < 1e-12);
         settings.sources[0].adjustment = 0.0;
         assert!(settings.check().unwrap_err().to_string().contains("reference_source"));
+    }
+
+    #[test]
+    fn what_a_source_reports_of_itself_can_be_its_accuracy() {
+        let mut settings = test_settings(2);
+        settings.sources[0].accuracy.base = AccuracyBase::Reported;
+        settings.sources[0].adjustment = 2.0;
+        let accuracies = Accuracies::new(2);
+        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 35.0) - 70.0).abs() < 1e-9);
+        settings.rule.reference_source = Some(0);
+        assert!(settings.check().unwrap_err().to_string().contains("what it reports"));
     }
 }

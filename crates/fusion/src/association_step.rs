@@ -68,13 +68,15 @@ impl Search<'_> {
             let Some(speaker) = self.speaker(system, report.source, own, now_ns) else {
                 return;
             };
-            let other = gaussian_of(&self.sensors.get(speaker).latest);
-            let seconds =
-                (now_ns - self.sensors.get(speaker).latest.time_of_measurement_ns) as f64 / messages::NS_PER_S;
+            let latest = &self.sensors.get(speaker).latest;
+            let other = gaussian_of(latest);
+            let seconds = (now_ns - latest.time_of_measurement_ns) as f64 / messages::NS_PER_S;
+            let both = report.has(sensor_track_bits::HEIGHT) && latest.has(sensor_track_bits::HEIGHT);
             let apart = |axis: usize| state.mean[axis] - other.mean[axis] - other.mean[axis + 3] * seconds;
             let metres = apart(0).hypot(apart(1));
             let number = self.systems.get(system).number;
             if metres <= self.settings.association.target_extent_m
+                && !(both && height_distance(&state, &other) > self.settings.association.join_gate)
                 && self.is_compatible(report, system)
                 && best.is_none_or(|(least, least_number, _)| (metres, number) < (least, least_number))
             {
@@ -173,12 +175,7 @@ impl Search<'_> {
             return None;
         }
         let both = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPositionAndVelocity);
-        let height = if heights {
-            let variance = a.covariance[(2, 2)] + b.covariance[(2, 2)] + HEIGHT_FLOOR_M2;
-            (a.mean[2] - b.mean[2]).powi(2) / variance
-        } else {
-            0.0
-        };
+        let height = if heights { height_distance(a, b) } else { 0.0 };
         // Written so that NaN is refused.
         let inside = height <= settings.join_gate && both + height <= settings.scan_gate();
         inside.then_some(both + height)
@@ -263,4 +260,10 @@ impl Search<'_> {
                     .all(|member| z <= ceiling(self.sensors.get(member).latest.source))
             })
     }
+}
+
+/// d² of two heights.
+fn height_distance(a: &Gaussian, b: &Gaussian) -> f64 {
+    let variance = a.covariance[(2, 2)] + b.covariance[(2, 2)] + HEIGHT_FLOOR_M2;
+    (a.mean[2] - b.mean[2]).powi(2) / variance
 }

@@ -158,6 +158,12 @@ impl Engine {
         }
         let before = self.sensors.get(sensor).system;
         self.relate(sensor, sink);
+        if self.settings.association.scan_wait == 0.0 && self.sensors.get(sensor).waits {
+            self.finish_scans(i64::MAX, sink);
+            if before == NO_SYSTEM {
+                return;
+            }
+        }
         let system = self.sensors.get(sensor).system;
         if system == NO_SYSTEM {
             return;
@@ -302,9 +308,11 @@ impl Engine {
         self.next_tick_ns = Some(now_ns.saturating_add(TICK_NS));
         if self.settings.registration.enabled {
             let targets = self.systems.count_in_state(TrackState::Confirmed);
+            // What one source's points are away from the others', the others' are from its.
+            let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
             let models = &self.models;
-            self.registration
-                .tick(|source| models[usize::from(source)].spread_m2(), targets);
+            let known = |source: usize| models[source].knows_spread();
+            self.registration.tick(known, spread_m2, targets, self.keeps_points);
         }
         self.look_at_points();
         self.look_at_motion();
@@ -342,4 +350,49 @@ impl Engine {
 /// A report's state as a Gaussian.
 pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
     Gaussian::from_message(report.position_m, report.velocity_mps, &report.covariance)
+}
+
+#[cfg(test)]
+pub(crate) fn test_settings(sources: usize) -> Settings {
+    use crate::settings::{
+        Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleSettings,
+        SourceSettings,
+    };
+    let source = |index: usize| SourceSettings {
+        name: format!("source{index}"),
+        period_ns: 1_000_000_000,
+        fresh_ns: 2_500_000_000,
+        accuracy: Accuracy {
+            base: AccuracyBase::Constant { sigma_m: 10.0 },
+            per_speed_s: 0.0,
+            conditions: Vec::new(),
+        },
+        adjustment: 1.0,
+        priority: index as u32,
+        ceiling_m: f64::INFINITY,
+        coverage: None,
+    };
+    Settings {
+        sources: (0..sources).map(source).collect(),
+        capacity: Capacity {
+            system_tracks: 50,
+            sensor_tracks: 200,
+            stored_reports: 3,
+        },
+        association: AssociationSettings {
+            target_extent_m: 40.0,
+            scan_wait: 0.0,
+            ..AssociationSettings::default()
+        },
+        life: LifeSettings::default(),
+        rule: RuleSettings {
+            rule: crate::rules::find("best-source").expect("it is in the registry"),
+            ..RuleSettings::default()
+        },
+        registration: RegistrationSettings::default(),
+        consistency: true,
+        process_noise_m2ps3: 1.0,
+        refresh_ns: None,
+        refresh_delay_ns: 0,
+    }
 }

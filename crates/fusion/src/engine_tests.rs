@@ -6,6 +6,7 @@ use messages::{
 use proptest::prelude::*;
 
 use crate::engine::test_settings;
+use crate::settings::DropOut;
 use crate::{Engine, Settings};
 
 const S: i64 = 1_000_000_000;
@@ -45,13 +46,16 @@ impl Harness {
 
     fn take(&mut self, report: &SensorTrack) -> Option<SystemTrack> {
         let before = self.published.len();
-        self.engine.take(report, &mut |track| self.published.push(*track));
+        self.engine
+            .take(report, &mut |track: &SystemTrack| self.published.push(*track));
         self.published[before..].last().copied()
     }
 
     fn advance(&mut self, time_s: f64) {
         self.engine
-            .advance((time_s * S as f64) as i64, &mut |track| self.published.push(*track));
+            .advance((time_s * S as f64) as i64, &mut |track: &SystemTrack| {
+                self.published.push(*track)
+            });
     }
 
     fn count(&self, counter: Counter) -> u64 {
@@ -333,6 +337,7 @@ fn an_extrapolation_is_no_observation_and_a_guessed_velocity_does_not_win() {
     assert!(harness.published.iter().all(|track| track.selected_source == 0));
     let mut second = report(1, 1, 3.5, [350.0, 0.0], [0.0, 0.0]);
     second.state = TrackState::Tentative as u8;
+    second.covariance = Covariance::diagonal([10.0, 10.0, 100.0], [150.0; 3]);
     assert_eq!(
         harness.take(&second).unwrap().selected_source,
         0,
@@ -430,6 +435,122 @@ fn with_a_refresh_time_states_come_at_its_multiples_and_at_no_other_time() {
     assert!(coasted.len() >= 8 && coasted.iter().all(|track| track.reference_time_ns % (2 * S) == 0));
     assert_eq!(harness.published.last().unwrap().state, TrackState::Terminated as u8);
     assert_eq!(harness.live(), 0);
+}
+
+#[test]
+fn with_a_delay_slow_sources_are_interpolated() {
+    let at_4_s = |delay_ns| {
+        let mut settings = test_settings(1);
+        settings.sources[0].period_ns = 4 * S;
+        settings.sources[0].fresh_ns = 10 * S;
+        settings.refresh_ns = Some(4 * S);
+        settings.refresh_delay_ns = delay_ns;
+        let mut harness = Harness::new(settings);
+        // It flies east until 2 s, then turns north at once.
+        harness.take(&report(0, 1, 2.0, [0.0, 0.0], [100.0, 0.0]));
+        let mut turned = report(0, 1, 6.0, [0.0, 0.0], [0.0, 100.0]);
+        turned.position_m = [200.0, 400.0, 0.0];
+        harness.take(&turned);
+        harness.advance(12.0);
+        let found = harness.published.iter().find(|track| track.reference_time_ns == 4 * S);
+        found.expect("a state at 4 s").position_m
+    };
+    assert_eq!(at_4_s(0), [400.0, 0.0, 0.0], "extrapolated");
+    assert_eq!(
+        at_4_s(3 * S),
+        [200.0, 200.0, 0.0],
+        "half-way between the reports on either side"
+    );
+}
+
+#[test]
+fn a_track_that_no_usable_source_sees_coasts_until_one_does() {
+    let mut settings = test_settings(1);
+    settings.rule.rule = crate::rules::find("quality-factor").unwrap();
+    let mut harness = Harness::new(settings);
+    let with_state = |time_s: f64, state: TrackState| {
+        let mut report = report(0, 1, time_s, [0.0, 0.0], [10.0, 0.0]);
+        report.state = state as u8;
+        report
+    };
+    let states: Vec<u8> = (0..8)
+        .map(|step| {
+            let believed = !(3..=5).contains(&step);
+            let state = if believed {
+                TrackState::Confirmed
+            } else {
+                TrackState::Tentative
+            };
+            harness.take(&with_state(f64::from(step), state)).unwrap().state
+        })
+        .collect();
+    let (tentative, confirmed, coasted) = (0, TrackState::Confirmed as u8, TrackState::Coasted as u8);
+    assert_eq!(tentative, TrackState::Tentative as u8);
+    assert_eq!(states[..2], [tentative; 2]);
+    assert_eq!(
+        states[2..],
+        [confirmed, coasted, coasted, coasted, confirmed, confirmed]
+    );
+    let unused = harness.published[4];
+    assert_eq!(
+        (unused.selected_source, unused.contributions()[0].weight),
+        (NO_SOURCE, 0.0)
+    );
+    assert!((unused.position_m[0] - 40.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_source_that_drops_out_is_blended_out_by_its_last_report() {
+    let run = |drop_out| {
+        let mut settings = test_settings(2);
+        settings.rule.hand_over.ramp = vec![0.25, 0.5, 0.75];
+        settings.rule.hand_over.drop_out = drop_out;
+        let mut harness = Harness::new(settings);
+        for step in 0..10 {
+            let time = f64::from(step);
+            // Source 0 agrees with itself, source 1 wanders a little; source 0 falls silent after 4 s.
+            if step <= 4 {
+                harness.take(&report(0, 1, time, [0.0, 0.0], [20.0, 0.0]));
+            }
+            let wander = if step % 2 == 0 { 0.01 } else { -0.01 };
+            harness.take(&report(1, 1, time + 0.1, [0.0, 8.0 + wander], [20.0, 0.0]));
+        }
+        let weight = |track: &SystemTrack| {
+            let contributions = track.contributions().iter();
+            let own = contributions.filter(|contribution| contribution.source == 1);
+            (
+                own.map(|contribution| contribution.weight).sum::<f64>(),
+                track.position_m[1].round(),
+            )
+        };
+        let last = harness.published.iter().rev().take(4).rev();
+        last.map(weight).collect::<Vec<_>>()
+    };
+    // Fresh until 6.5 s: at 7.1, 8.1 and 9.1 s the output goes over.
+    assert_eq!(run(DropOut::Blend), [(0.0, 0.0), (0.25, 2.0), (0.5, 4.0), (0.75, 6.0)]);
+    assert_eq!(run(DropOut::Switch), [(0.0, 0.0), (1.0, 8.0), (1.0, 8.0), (1.0, 8.0)]);
+}
+
+#[test]
+fn what_cannot_be_used_for_weighing_is_counted_at_its_source() {
+    let mut settings = test_settings(2);
+    settings.rule.rule = crate::rules::find("information").unwrap();
+    let mut harness = Harness::new(settings);
+    let mut bad = report(1, 1, 0.1, [0.0, 0.0], [0.0, 0.0]);
+    bad.covariance.set(0, 1, 150.0);
+    harness.take(&report(0, 1, 0.0, [0.0, 0.0], [0.0, 0.0]));
+    assert!(harness.take(&bad).is_some());
+    let of = |source| harness.engine.counts().source(source).unwrap()[Counter::CovariancesRepaired as usize];
+    assert_eq!((of(0), of(1)), (0, 1));
+
+    let mut settings = test_settings(2);
+    settings.rule.rule = crate::rules::find("inverse-trace").unwrap();
+    let mut harness = Harness::new(settings);
+    let mut bad = report(1, 1, 0.1, [0.0, 0.0], [0.0, 0.0]);
+    (bad.valid, bad.trace_m2) = (bad.valid | sensor_track_bits::TRACE, f64::NAN);
+    harness.take(&report(0, 1, 0.0, [0.0, 0.0], [0.0, 0.0]));
+    assert!(harness.take(&bad).is_some());
+    assert_eq!(harness.count(Counter::TracesUnusable), 1);
 }
 
 /// Reports of a few wandering targets by three sources, in time order.

@@ -10,7 +10,7 @@ use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::engine::Engine;
 use crate::explanation::{DecisionKind, Sink};
-use crate::filter::Innovation;
+use crate::filter::{Filter, Innovation};
 use crate::registration::View;
 use crate::sensor_tracks::{Role, SensorSlot};
 use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, Measurement};
@@ -104,6 +104,7 @@ impl Engine {
             *point = Default::default();
             point.epoch = epoch;
             point.is_reference = true;
+            self.begin_at(senior, system);
             self.decide(senior, DecisionKind::ReferencePoint, f64::NAN, f64::NAN, sink);
         }
         let point = self.sensors.get(sensor).point;
@@ -122,6 +123,14 @@ impl Engine {
         }
     }
 
+    /// Lets the system filter begin anew from a sensor track: what it was before is a mixture of points.
+    fn begin_at(&mut self, sensor: SensorSlot, system: SystemSlot) {
+        let report = self.sensors.get(sensor).latest;
+        let has_height = report.has(sensor_track_bits::HEIGHT);
+        let state = crate::engine::gaussian_of(&report);
+        self.systems.get_mut(system).filter = Filter::new(report.time_of_measurement_ns, state, has_height);
+    }
+
     /// Whether some contributing sensor track carries the target's reference point.
     fn is_anchored(&self, system: SystemSlot, now_ns: i64) -> bool {
         self.search().fresh_primaries(system, now_ns).any(|member| {
@@ -130,13 +139,13 @@ impl Engine {
         })
     }
 
-    /// The contributing sensor track that has followed the target longest.
+    /// The contributing sensor track of the source that has followed the target longest.
     fn senior(&self, system: SystemSlot, now_ns: i64) -> Option<SensorSlot> {
+        let (_, first_source) = self.systems.get(system).first_seen;
         self.search().fresh_primaries(system, now_ns).min_by_key(|member| {
-            (
-                self.sensors.get(*member).started_ns,
-                self.sensors.get(*member).latest.source,
-            )
+            let entry = self.sensors.get(*member);
+            let source = entry.latest.source;
+            (source != first_source, entry.started_ns, source)
         })
     }
 
@@ -341,7 +350,8 @@ mod tests {
     #[test]
     fn body_frame_and_back() {
         let course = [0.6, 0.8];
-        assert_eq!(to_body([6.0, 8.0], course), [10.0, 0.0]);
+        let [along, across] = to_body([6.0, 8.0], course);
+        assert!((along - 10.0).abs() < 1e-12 && across.abs() < 1e-12);
         let back = from_body(to_body([3.0, -7.0], course), course);
         assert!((back[0] - 3.0).abs() < 1e-12 && (back[1] + 7.0).abs() < 1e-12);
     }

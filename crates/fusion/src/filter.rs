@@ -1,17 +1,24 @@
-//! The system filter: one Kalman filter per target, fed with the measurements behind all sensor tracks.
+//! The system filter: one per target, fed with the measurements behind all sensor tracks.
 //!
 //! Every system track has one, whatever rule makes its output: reports are compared with it, and what the sources are
 //! worth shows in its innovations. Measurements have independent errors, so it needs no assumption about how the sources'
 //! errors are correlated; it carries what each source contributed to its present estimate as a share, which decays as
 //! others contribute.
 //!
-//! A single innovation far outside what the covariances explain (a blunder, a sharp turn) is weighed down, not refused:
-//! refusing would lose a target that really turned.
+//! A target flies straight most of the time, and turns now and then. A filter that is ready for turns throws away most
+//! of what it could know on the straight; several sensors together would even make that worse, since more measurements
+//! per second make its memory shorter. So two filters run side by side, one that assumes steady motion and one with the
+//! process noise that the sources' own trackers assume. Which one holds is estimated from how well each foretells the
+//! measurements (interacting multiple models).
 //!
-//! Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (Wiley,
-//! 2001), chapters 5 and 6; P. J. Huber, *Robust Statistics* (Wiley, 1981), for the weighing down.
+//! A single innovation far outside what the covariances explain (a blunder) is weighed down, not refused: refusing would
+//! lose a target that really is where nobody expected it.
+//!
+//! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
+//! coefficients*, IEEE Transactions on Automatic Control 33 (1988); P. J. Huber, *Robust Statistics* (Wiley, 1981), for
+//! the weighing down.
 
-use estimation::{Gaussian, Matrix3, NearlyConstantVelocity};
+use estimation::{Gaussian, Matrix3, Matrix6, NearlyConstantVelocity, Vector6};
 use messages::{AXES, NS_PER_S};
 use nalgebra::{SMatrix, SVector};
 
@@ -20,13 +27,26 @@ use crate::state::State;
 
 /// Normalised innovation squared beyond which a measurement is weighed down.
 const BLUNDER: f64 = 30.0;
+/// Number of motion models.
+const MODES: usize = 2;
+/// Process noise of steady motion, relative to what the sources assume.
+const STEADY: f64 = 0.02;
+/// Mean duration of steady motion and of manoeuvres, seconds.
+const DURATION_S: [f64; MODES] = [40.0, 10.0];
+/// Probabilities of the models at the start.
+const PRIOR: [f64; MODES] = [0.8, 0.2];
+/// Smallest probability of a model: it must be able to come back.
+const PROBABILITY_MIN: f64 = 1e-3;
 
 /// State of one target's filter at one time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Filter {
     pub(crate) time_ns: i64,
+    /// All models together.
     pub(crate) estimate: Gaussian,
     pub(crate) has_height: bool,
+    modes: [Gaussian; MODES],
+    probability: [f64; MODES],
 }
 
 /// How a measurement differed from what the filter expected.
@@ -46,6 +66,8 @@ impl Filter {
             time_ns,
             estimate,
             has_height,
+            modes: [estimate; MODES],
+            probability: PRIOR,
         }
     }
 
@@ -59,21 +81,50 @@ impl Filter {
         State::of_gaussian(time_ns, &self.at(time_ns, noise), self.has_height)
     }
 
-    /// The estimate at `time_ns`, later or earlier.
+    /// The estimate at `time_ns`, later or earlier; `noise` is that of manoeuvres.
     pub(crate) fn at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> Gaussian {
         let ns = time_ns - self.time_ns;
         if ns == 0 {
             return self.estimate;
         }
-        noise.predicted(&self.estimate, ns as f64 / NS_PER_S)
+        let factor = self.probability[0] * STEADY + self.probability[1];
+        scaled(noise, factor).predicted(&self.estimate, ns as f64 / NS_PER_S)
+    }
+
+    /// Whether its position is known better than the other's.
+    pub(crate) fn is_surer_than(&self, other: &Self) -> bool {
+        let trace = |filter: &Self| filter.estimate.horizontal_trace_m2();
+        trace(self) < trace(other)
     }
 
     /// Brings the filter forward to `time_ns`; never back.
     pub(crate) fn advance(&mut self, time_ns: i64, noise: &NearlyConstantVelocity) {
-        if time_ns > self.time_ns {
-            self.estimate = self.at(time_ns, noise);
-            self.time_ns = time_ns;
+        if time_ns <= self.time_ns {
+            return;
         }
+        let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
+        self.mix(seconds);
+        self.modes = [
+            scaled(noise, STEADY).predicted(&self.modes[0], seconds),
+            noise.predicted(&self.modes[1], seconds),
+        ];
+        self.estimate = mixture(&self.modes, &self.probability);
+        self.time_ns = time_ns;
+    }
+
+    /// Targets may have begun or ended to manoeuvre in `seconds`.
+    fn mix(&mut self, seconds: f64) {
+        let leave = DURATION_S.map(|duration| 1.0 - (-seconds / duration).exp());
+        let stay = [1.0 - leave[0], 1.0 - leave[1]];
+        let [p, q] = self.probability;
+        // Probability of each model afterwards, by where it comes from.
+        let [into_steady, into_turn] = [[p * stay[0], q * leave[1]], [p * leave[0], q * stay[1]]];
+        let [steady, turn] = [into_steady[0] + into_steady[1], into_turn[0] + into_turn[1]];
+        self.modes = [
+            mixture(&self.modes, &into_steady.map(|part| part / steady)),
+            mixture(&self.modes, &into_turn.map(|part| part / turn)),
+        ];
+        self.probability = [steady, turn];
     }
 
     /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement older
@@ -122,15 +173,27 @@ impl Filter {
             covariance_m2: [s[(0, 0)], s[(0, 1)], s[(1, 1)]],
             gain: 0.0,
         };
-        if use_it {
-            if squared > BLUNDER {
-                r *= squared / BLUNDER;
-            }
-            self.estimate.update_position(z, r)?;
-            let after = self.estimate.covariance.fixed_view::<D, D>(0, 0);
-            let kept = (after[(0, 0)] + after[(1, 1)]) / (before[(0, 0)] + before[(1, 1)]);
-            innovation.gain = (1.0_f64 - kept).clamp(0.0, 1.0);
+        if !use_it {
+            return Some(innovation);
         }
+        if squared > BLUNDER {
+            r *= squared / BLUNDER;
+        }
+        let mut likelihood = [0.0; MODES];
+        for (mode, likelihood) in self.modes.iter_mut().zip(&mut likelihood) {
+            let own = mode.update_position(z, r)?;
+            let sigmas = own.covariance_m2.cholesky()?.l_dirty().diagonal();
+            *likelihood = -0.5 * own.squared_distance - sigmas.map(f64::ln).sum();
+        }
+        // Only the difference matters, and a huge one must not become 0/0.
+        let ratio = (likelihood[1] - likelihood[0]).clamp(-50.0, 50.0).exp();
+        let turn = self.probability[1] * ratio / (self.probability[0] + self.probability[1] * ratio);
+        let turn = turn.clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
+        self.probability = [1.0 - turn, turn];
+        self.estimate = mixture(&self.modes, &self.probability);
+        let after = self.estimate.covariance.fixed_view::<D, D>(0, 0);
+        let kept: f64 = (after[(0, 0)] + after[(1, 1)]) / (before[(0, 0)] + before[(1, 1)]);
+        innovation.gain = (1.0 - kept).clamp(0.0, 1.0);
         Some(innovation)
     }
 
@@ -138,13 +201,32 @@ impl Filter {
     fn begin_height(&mut self, height_m: f64, variance_m2: f64) {
         const VERTICAL_SPEED_M2PS2: f64 = 400.0;
         self.has_height = true;
-        let estimate = &mut self.estimate;
-        for (component, value, variance) in [(2, height_m, variance_m2), (5, 0.0, VERTICAL_SPEED_M2PS2)] {
-            estimate.mean[component] = value;
-            estimate.covariance.row_mut(component).fill(0.0);
-            estimate.covariance.column_mut(component).fill(0.0);
-            estimate.covariance[(component, component)] = variance;
+        for estimate in self.modes.iter_mut().chain([&mut self.estimate]) {
+            for (component, value, variance) in [(2, height_m, variance_m2), (5, 0.0, VERTICAL_SPEED_M2PS2)] {
+                estimate.mean[component] = value;
+                estimate.covariance.row_mut(component).fill(0.0);
+                estimate.covariance.column_mut(component).fill(0.0);
+                estimate.covariance[(component, component)] = variance;
+            }
         }
+    }
+}
+
+fn scaled(noise: &NearlyConstantVelocity, factor: f64) -> NearlyConstantVelocity {
+    NearlyConstantVelocity {
+        density_m2ps3: noise.density_m2ps3.map(|density| density * factor),
+    }
+}
+
+/// Mean and covariance of a mixture of two states.
+fn mixture(modes: &[Gaussian; MODES], weights: &[f64; MODES]) -> Gaussian {
+    let [a, b] = modes;
+    let [p, q] = *weights;
+    let difference: Vector6 = a.mean - b.mean;
+    let spread: Matrix6 = difference * difference.transpose() * (p * q);
+    Gaussian {
+        mean: a.mean * p + b.mean * q,
+        covariance: a.covariance * p + b.covariance * q + spread,
     }
 }
 

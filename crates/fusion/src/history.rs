@@ -95,6 +95,22 @@ impl Histories {
         Some(&self.stored[slot * self.length + index])
     }
 
+    /// Position and velocity at `time_ns` between the two reports on either side of it (QF-6); `None` where there are none.
+    pub(crate) fn interpolated(&self, slot: usize, time_ns: i64) -> Option<([f64; 3], [f64; 3])> {
+        let earlier = (1..self.length).find(|back| self.nth(slot, *back).is_some_and(|r| r.time_ns <= time_ns))?;
+        let (before, after) = (self.nth(slot, earlier)?, self.nth(slot, earlier - 1)?);
+        let span_ns = after.time_ns - before.time_ns;
+        if span_ns <= 0 || after.time_ns < time_ns {
+            return None;
+        }
+        let part = (time_ns - before.time_ns) as f64 / span_ns as f64;
+        let between = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|axis| a[axis] + part * (b[axis] - a[axis]));
+        Some((
+            between(before.position_m, after.position_m),
+            between(before.velocity_mps, after.velocity_mps),
+        ))
+    }
+
     /// V per axis at the reference time, signed; `None` without an earlier report (TI-10).
     ///
     /// `recency` weighs each earlier report relative to the next newer one; 1 gives the plain mean (TI-5).
@@ -184,5 +200,18 @@ mod tests {
             (v[0] - (21.0 - 20.5)).abs() < 1e-12,
             "falls back to the position residual"
         );
+    }
+
+    #[test]
+    fn a_time_between_two_reports_is_interpolated_and_no_other() {
+        let mut histories = Histories::new(1, 3);
+        for (time, x, vx) in [(0, 0.0, 1.0), (4, 8.0, 3.0), (8, 40.0, 5.0)] {
+            histories.push(0, &report(time, x, vx));
+        }
+        let (position, velocity) = histories.interpolated(0, 5 * S).unwrap();
+        assert!((position[0] - 16.0).abs() < 1e-12 && (velocity[0] - 3.5).abs() < 1e-12);
+        assert_eq!(histories.interpolated(0, 4 * S).unwrap().0[0], 8.0);
+        assert_eq!(histories.interpolated(0, -1), None);
+        assert_eq!(histories.interpolated(0, 9 * S), None);
     }
 }

@@ -13,7 +13,7 @@ use crate::explanation::{Decision, DecisionKind, Sink};
 use crate::filter::Filter;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::source_model::Measurement;
-use crate::system_tracks::SystemSlot;
+use crate::system_tracks::{SystemEntry, SystemSlot};
 
 /// Time between two looks for a twin of one system track, nanoseconds.
 const TWIN_EVERY_NS: i64 = 1_000_000_000;
@@ -66,8 +66,10 @@ impl Engine {
         let entry = self.sensors.get_mut(sensor);
         entry.role = Role::Duplicate;
         entry.forget_target();
-        let identity = entry.latest.identity;
+        let (identity, seen) = (entry.latest.identity, (entry.started_ns, entry.latest.source));
         self.systems.identify(system, &identity);
+        let first_seen = &mut self.systems.get_mut(system).first_seen;
+        *first_seen = seen.min(*first_seen);
     }
 
     /// What a sensor track knows of the position when it joins: everything, so far unused.
@@ -198,24 +200,40 @@ impl Engine {
         if hits < self.settings.association.merge_reports {
             return;
         }
-        let older_first = self.systems.get(twin).number < self.systems.get(system).number;
-        let (into, from) = if older_first { (twin, system) } else { (system, twin) };
-        self.merge(from, into, now_ns, d2, sink);
+        self.merge(system, twin, now_ns, d2, sink);
     }
 
-    /// Moves a sensor track to another system track. If nothing fresh stays behind, the old one ends, merged.
+    /// Moves a sensor track to another system track. If nothing fresh stays behind, the two are merged.
     fn move_to(&mut self, sensor: SensorSlot, target: SystemSlot, d2: f64, sink: &mut impl Sink) {
         let entry = self.sensors.get(sensor);
         let (old, now_ns) = (entry.system, entry.latest.time_of_measurement_ns);
-        self.systems.unlink(&mut self.sensors, sensor);
-        self.join(sensor, target);
-        if self.search().fresh_primaries(old, now_ns).next().is_none() {
+        if self
+            .search()
+            .fresh_primaries(old, now_ns)
+            .all(|member| member == sensor)
+        {
             self.merge(old, target, now_ns, d2, sink);
+        } else {
+            self.systems.unlink(&mut self.sensors, sensor);
+            self.join(sensor, target);
         }
     }
 
-    /// Hands all sensor tracks of `from` to `into`, and ends it.
-    fn merge(&mut self, from: SystemSlot, into: SystemSlot, now_ns: i64, d2: f64, sink: &mut impl Sink) {
+    /// Makes one system track of two. The one that is shown lives on, of two that are the older one.
+    fn merge(&mut self, a: SystemSlot, b: SystemSlot, now_ns: i64, d2: f64, sink: &mut impl Sink) {
+        let rank = |slot: SystemSlot| {
+            let entry = self.systems.get(slot);
+            (entry.life == TrackState::Tentative, entry.number)
+        };
+        let (into, from) = if rank(a) < rank(b) { (a, b) } else { (b, a) };
+        let SystemEntry {
+            reports,
+            first_seen,
+            filter,
+            number: ended,
+            ..
+        } = *self.systems.get(from);
+        let reanchor = first_seen < self.systems.get(into).first_seen;
         while let Some(member) = self.systems.get(from).members {
             let role = self.sensors.get(member).role;
             self.systems.unlink(&mut self.sensors, member);
@@ -225,12 +243,19 @@ impl Engine {
                 self.sensors.get_mut(member).role = Role::Primary;
             }
         }
-        let shown = [from, into].map(|slot| self.systems.get(slot).life != TrackState::Tentative);
-        let number = self.systems.get(into).number;
+        if reanchor {
+            self.forget_points(into);
+        }
+        let entry = self.systems.get_mut(into);
+        entry.reports = entry.reports.saturating_add(reports);
+        if filter.is_surer_than(&entry.filter) {
+            entry.filter = filter;
+        }
+        let number = entry.number;
         sink.decision(&Decision {
             time_ns: now_ns,
             kind: DecisionKind::Merged,
-            system_track: self.systems.get(from).number,
+            system_track: ended,
             other_system_track: number,
             source: messages::NO_SOURCE,
             other_source: messages::NO_SOURCE,
@@ -238,14 +263,18 @@ impl Engine {
             value: d2,
             limit: self.settings.association.scan_gate(),
         });
-        if shown[0] && !shown[1] {
-            self.systems.set_life(into, TrackState::Confirmed);
-        }
-        let reports = self.systems.get(from).reports;
-        let entry = self.systems.get_mut(into);
-        entry.reports = entry.reports.saturating_add(reports);
         self.counts.add(messages::NO_SOURCE, Counter::TracksMerged);
         self.end(from, now_ns, number, sink);
+    }
+
+    /// The sources that have followed the target longest have only now come together: the reference point is chosen anew.
+    fn forget_points(&mut self, system: SystemSlot) {
+        let mut at = self.systems.get(system).members;
+        while let Some(member) = at {
+            let entry = self.sensors.get_mut(member);
+            entry.point = Default::default();
+            at = entry.next;
+        }
     }
 
     /// One sensor track of a source speaks for it; it goes on doing so while it is fresh.

@@ -56,6 +56,14 @@ impl Engine {
         if let Some(report) = cause {
             self.learn(report.source, &weighed);
         }
+        for (share, candidate) in weighed.shares().iter().zip(weighed.candidates()) {
+            if share.trace_unusable {
+                self.counts.add(candidate.source, Counter::TracesUnusable);
+            }
+            if share.repaired {
+                self.counts.add(candidate.source, Counter::CovariancesRepaired);
+            }
+        }
         let latest = || {
             let members = weighed.members().iter();
             members.map(|member| &self.sensors.get(*member).latest)
@@ -152,7 +160,9 @@ impl Engine {
 
     fn message(&self, slot: SystemSlot, cause: Option<&SensorTrack>, weighed: Option<&Weighed>) -> SystemTrack {
         let entry = self.systems.get(slot);
-        let (members, shares) = weighed.map_or((&[][..], &[][..]), |weighed| (weighed.members(), weighed.shares()));
+        let members = weighed.map_or(&[][..], Weighed::members);
+        let shares = weighed.map_or(&[][..], Weighed::shares);
+        let candidates = weighed.map_or(&[][..], Weighed::candidates);
         let mut message = SystemTrack {
             reference_time_ns: entry.state.time_ns,
             time_of_measurement_ns: cause.map_or(entry.state.time_ns, |report| report.time_of_measurement_ns),
@@ -180,6 +190,11 @@ impl Engine {
         for (index, share) in shares.iter().enumerate() {
             let latest = &self.sensors.get(members[index]).latest;
             let weight = share.weight.iter().sum::<f64>() / AXES as f64;
+            let fresh = if candidates[index].stale {
+                0
+            } else {
+                contribution_bits::FRESH
+            };
             let scored = if share.accuracy.is_finite() {
                 contribution_bits::SCORED
             } else {
@@ -189,7 +204,7 @@ impl Engine {
                 time_of_measurement_ns: latest.time_of_measurement_ns,
                 track_number: latest.track_number,
                 source: latest.source,
-                flags: contribution_bits::FRESH | scored,
+                flags: fresh | scored,
                 weight,
                 accuracy: if share.accuracy.is_finite() {
                     share.accuracy

@@ -34,9 +34,12 @@ const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
 const SAMPLE_WEIGHT: f64 = 0.25;
 /// Sweeps of Gauss–Seidel per tick.
 const SWEEPS: usize = 4;
-/// Chi-square per component group beyond which an error is removed, and below which it is no longer.
-const SIGNIFICANT: f64 = 16.0;
-const INSIGNIFICANT: f64 = 4.0;
+/// Chi-square with two degrees of freedom beyond which a horizontal offset is removed, and below which it is no longer.
+const SIGNIFICANT_2: f64 = 13.8;
+const INSIGNIFICANT_2: f64 = 2.8;
+/// The same with one degree of freedom, for the other errors.
+const SIGNIFICANT_1: f64 = 10.8;
+const INSIGNIFICANT_1: f64 = 1.6;
 /// Samples of a source before any of its errors is removed.
 const SAMPLES_MIN: f64 = 20.0;
 /// Largest squared statistical length of a difference that is used.
@@ -233,9 +236,10 @@ impl Registration {
         self.sources[usize::from(own)].samples += 1.0;
     }
 
-    /// Solves for all sources, once per tick. `spread_m2` gives the variance of a source's detection points, `targets`
-    /// how many targets several sources see.
-    pub(crate) fn tick(&mut self, spread_m2: impl Fn(u16) -> f64, targets: usize) {
+    /// Solves for all sources, once per tick. `known` says for which sources the spread is known, so that one can decide;
+    /// `spread_m2` is the variance of the detection points on the targets, `targets`
+    /// how many targets several sources see; `points` whether the detection points are known to lie far apart.
+    pub(crate) fn tick(&mut self, known: impl Fn(usize) -> bool, spread_m2: f64, targets: usize, points: bool) {
         let count = self.sources.len();
         for pair in &mut self.pairs {
             pair.own *= self.keep;
@@ -249,8 +253,9 @@ impl Registration {
             self.fix_gauge();
         }
         for own in 0..count {
-            let spread = spread_m2(own as u16) / targets.max(1) as f64;
-            self.decide(own, spread);
+            if known(own) {
+                self.decide(own, spread_m2 / targets.max(1) as f64, points);
+            }
         }
     }
 
@@ -296,22 +301,33 @@ impl Registration {
         }
     }
 
-    /// Which errors are significant: the horizontal offset as one, the others each for itself.
-    fn decide(&mut self, own: usize, spread_m2: f64) {
+    /// Which errors are significant: the horizontal offset as one, the others each for itself. `spread_m2` is the variance
+    /// that the detection points add to a mean over all targets.
+    ///
+    /// Where detection points are far apart, one that lies ahead of the others looks like a clock that is fast: then time
+    /// offsets are left alone.
+    fn decide(&mut self, own: usize, spread_m2: f64, points: bool) {
         let known = &mut self.sources[own];
         let enough = known.samples >= SAMPLES_MIN;
-        let ratio = |row: usize, extra: f64| known.errors[row].powi(2) / (known.variances[row] + extra);
-        let squared = [
-            0.5 * (ratio(0, spread_m2) + ratio(1, spread_m2)),
-            0.5 * (ratio(0, spread_m2) + ratio(1, spread_m2)),
-            ratio(2, 0.0),
-            ratio(3, 0.0),
-            ratio(4, spread_m2),
-            ratio(5, 0.0),
+        let squared = |row: usize, extra: f64| known.errors[row].powi(2) / (known.variances[row] + extra);
+        let horizontal = squared(0, spread_m2) + squared(1, spread_m2);
+        let time = if points { 0.0 } else { squared(3, 0.0) };
+        let values = [
+            horizontal,
+            horizontal,
+            squared(2, 0.0),
+            time,
+            squared(4, spread_m2),
+            squared(5, 0.0),
         ];
-        for (removed, squared) in known.removed.iter_mut().zip(squared) {
-            let limit = if *removed { INSIGNIFICANT } else { SIGNIFICANT };
-            *removed = enough && squared > limit;
+        for (row, (removed, value)) in known.removed.iter_mut().zip(values).enumerate() {
+            let limit = match (row < 2, *removed) {
+                (true, false) => SIGNIFICANT_2,
+                (true, true) => INSIGNIFICANT_2,
+                (false, false) => SIGNIFICANT_1,
+                (false, true) => INSIGNIFICANT_1,
+            };
+            *removed = enough && value > limit;
         }
     }
 }
@@ -361,7 +377,7 @@ mod tests {
                 };
                 registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16));
             }
-            registration.tick(|_| 0.0, 20);
+            registration.tick(|_| true, 0.0, 20, false);
         }
         registration
     }

@@ -18,8 +18,6 @@ use crate::system_tracks::SystemSlot;
 const WAITING_MAX: usize = 4096;
 /// Most admissible pairs of one scan.
 const PAIRS_MAX: usize = 4 * WAITING_MAX;
-/// A scan is complete when this part of the source's period has passed since its first waiting report.
-const SCAN_FRACTION: i64 = 20;
 
 /// Sensor tracks that wait for the end of their scan, per source, and room to assign them.
 #[derive(Debug)]
@@ -81,7 +79,8 @@ impl Engine {
     pub(crate) fn finish_scans(&mut self, now_ns: i64, sink: &mut impl Sink) {
         for source in 0..self.scans.waiting.len() {
             let waiting = &self.scans.waiting[source];
-            let length_ns = self.settings.sources[source].period_ns / SCAN_FRACTION;
+            let length_ns =
+                (self.settings.sources[source].period_ns as f64 * self.settings.association.scan_wait) as i64;
             if !waiting.sensors.is_empty() && now_ns > waiting.first_ns.saturating_add(length_ns) {
                 self.assign_scan(source, sink);
             }

@@ -152,6 +152,8 @@ pub enum AccuracyBase {
         /// Azimuth error, radians.
         azimuth_sigma_rad: f64,
     },
+    /// Root mean square of the horizontal standard deviations that the source states in its latest report.
+    Reported,
     /// Root mean square of the source's own residuals over its recent reports, all targets together.
     Estimated {
         /// s until there are residuals, metres.
@@ -187,6 +189,9 @@ pub struct AssociationSettings {
     /// Part of the variance of a difference that two tracks of one target have in common, in [0, 1): both lag behind the
     /// same manoeuvres.
     pub error_correlation: f64,
+    /// How long sensor tracks that belong nowhere yet wait for the rest of their scan, as a part of their source's period;
+    /// 0: each is placed at once, without regard to the others.
+    pub scan_wait: f64,
 }
 
 impl AssociationSettings {
@@ -224,6 +229,106 @@ pub struct RuleSettings {
     pub overdue_periods: f64,
     /// N of QF-4: due scans over which the quality index is summed.
     pub quality_scans: u32,
+    /// How the output passes from one source to another.
+    pub hand_over: HandOverSettings,
+    /// h of TI-18: another source's lambda must be below h times that of the present one; 1 is TI-11.
+    pub hysteresis: f64,
+    /// Refreshes for which a chosen source is kept at least (TI-18).
+    pub hold_refreshes: u32,
+    /// Cells and lists of the mosaic rule.
+    pub mosaic: MosaicSettings,
+    /// What covariance intersection makes small.
+    pub intersection: Intersection,
+    /// Spectral density of the process noise that the sources' errors have in common, m²/s³; `None`: that with which fusion
+    /// carries states forward.
+    pub common_noise_m2ps3: Option<f64>,
+}
+
+/// How the output passes from one source to another (TI-13 … TI-16).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HandOverSettings {
+    /// eta_0 of the new source at the first refresh and those that follow, rising; after the last it is 1. Empty: at once.
+    pub ramp: Vec<f64>,
+    /// Ordered pairs of sources with ramps of their own.
+    pub pairs: Vec<PairRamp>,
+    /// Whether eta_0 comes from the covariance traces of both sources, for one refresh (TI-16); where a trace cannot be
+    /// used the ramp holds.
+    pub by_traces: bool,
+    /// What happens if the previous source has missed its expected report.
+    pub drop_out: DropOut,
+}
+
+/// The ramp from one source to another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairRamp {
+    /// Number of the source that is left.
+    pub from: u16,
+    /// Number of the source that takes over.
+    pub to: u16,
+    /// As [`HandOverSettings::ramp`].
+    pub ramp: Vec<f64>,
+}
+
+/// What happens if the source that is left has missed its expected report (TI-15).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DropOut {
+    /// The new one gets all at once.
+    #[default]
+    Switch,
+    /// It is blended by its last stored report, moved to the reference time.
+    Blend,
+}
+
+/// Cells of the area and who speaks there (QF-9).
+#[derive(Clone, Debug, PartialEq)]
+pub struct MosaicSettings {
+    /// Width of a cell, metres. Cell (0, 0) begins at the system origin and lies north-east of it.
+    pub cell_m: f64,
+    /// Numbers of sources, the most wanted first, where no cell says otherwise. Empty: by the sources' priorities.
+    pub default: Vec<u16>,
+    /// Cells with lists of their own, in ascending order of (east, north).
+    pub cells: Vec<MosaicCell>,
+}
+
+/// One cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MosaicCell {
+    /// Column, counted from the system origin to the east.
+    pub east: i32,
+    /// Row, counted from the system origin to the north.
+    pub north: i32,
+    /// Numbers of sources, the most wanted first. Those left out are not used there.
+    pub sources: Vec<u16>,
+}
+
+/// What covariance intersection makes small.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Intersection {
+    /// The determinant of the covariance of position and velocity.
+    #[default]
+    Determinant,
+    /// The trace of the covariance of position.
+    Trace,
+}
+
+impl HandOverSettings {
+    /// The ramp from source `from` to source `to`.
+    pub(crate) fn ramp(&self, from: u16, to: u16) -> &[f64] {
+        let pair = self.pairs.iter().find(|pair| pair.from == from && pair.to == to);
+        pair.map_or(&self.ramp, |pair| &pair.ramp)
+    }
+}
+
+impl MosaicSettings {
+    /// The list that holds at a place (east, north, up, metres); `None` where priorities decide.
+    pub(crate) fn list_at(&self, place_m: [f64; 3]) -> Option<&[u16]> {
+        let cell = |metres: f64| (metres / self.cell_m).floor() as i32;
+        let here = (cell(place_m[0]), cell(place_m[1]));
+        match self.cells.binary_search_by_key(&here, |cell| (cell.east, cell.north)) {
+            Ok(index) => Some(&self.cells[index].sources),
+            Err(_) => (!self.default.is_empty()).then_some(&self.default),
+        }
+    }
 }
 
 /// Variants of the residual V (TI-6).
@@ -250,6 +355,8 @@ pub enum Tie {
 
 /// Most stored reports per source and target.
 pub const STORED_REPORTS_MAX: usize = 64;
+/// Most refreshes that a hand-over can take.
+pub const RAMP_MAX: usize = 256;
 /// Most sources.
 pub const SOURCES_MAX: usize = 64;
 
@@ -298,6 +405,7 @@ impl Settings {
             ("merge_reports", f64::from(association.merge_reports), 1.0, 1e6),
             ("cell_m", association.cell_m, 1.0, 1e6),
             ("error_correlation", association.error_correlation, 0.0, 0.9),
+            ("scan_wait", association.scan_wait, 0.0, 1.0),
         ] {
             in_range(&format!("fusion.association.{key}"), value, low, high)?;
         }
@@ -325,10 +433,7 @@ impl Settings {
         }
         let delay_s = self.refresh_delay_ns as f64 / messages::NS_PER_S;
         in_range("fusion.refresh_delay_s", delay_s, 0.0, 3600.0)?;
-        in_range("fusion.rule.recency", self.rule.recency, 1e-6, 1.0)?;
-        in_range("fusion.rule.overdue_periods", self.rule.overdue_periods, 0.5, 1e3)?;
-        let scans = f64::from(self.rule.quality_scans);
-        in_range("fusion.rule.quality_scans", scans, 2.0, f64::from(SCANS_MAX))?;
+        self.rule.check(self.sources.len())?;
         for (index, source) in self.sources.iter().enumerate() {
             source.check(&format!("source[{index}]"))?;
         }
@@ -357,6 +462,11 @@ impl Settings {
             AccuracyBase::Constant { sigma_m } => sigma_m,
             AccuracyBase::Polar { range_sigma_m, .. } => range_sigma_m,
             AccuracyBase::Estimated { initial_m, .. } => initial_m,
+            AccuracyBase::Reported => {
+                let reason = "its accuracy is what it reports, so nothing is known of it where it reports nothing; \
+                              name a source with another model";
+                return Err(refused("fusion.rule.reference_source", &source.name, reason));
+            }
         };
         if source.adjustment * smallest > 0.0 {
             return Ok(());
@@ -365,6 +475,55 @@ impl Settings {
                       give that source an accuracy and an adjustment above 0, or name another";
         Err(refused("fusion.rule.reference_source", &source.name, reason))
     }
+}
+
+impl RuleSettings {
+    fn check(&self, sources: usize) -> Result<(), SettingsError> {
+        let scans = f64::from(self.quality_scans);
+        for (key, value, low, high) in [
+            ("recency", self.recency, 1e-6, 1.0),
+            ("overdue_periods", self.overdue_periods, 0.5, 1e3),
+            ("quality_scans", scans, 2.0, f64::from(SCANS_MAX)),
+            ("hysteresis", self.hysteresis, 1e-6, 1.0),
+            ("hold_refreshes", f64::from(self.hold_refreshes), 0.0, 1e6),
+            ("common_noise_m2ps3", self.common_noise_m2ps3.unwrap_or(0.0), 0.0, 1e6),
+            ("mosaic.cell_m", self.mosaic.cell_m, 1.0, 1e7),
+        ] {
+            in_range(&format!("fusion.rule.{key}"), value, low, high)?;
+        }
+        let check_sources = |key: &str, list: &[u16]| match list.iter().find(|source| usize::from(**source) >= sources)
+        {
+            Some(source) => Err(refused(key, source, "there is no such source")),
+            None => Ok(()),
+        };
+        check_ramp("fusion.rule.hand_over.ramp", &self.hand_over.ramp)?;
+        for (index, pair) in self.hand_over.pairs.iter().enumerate() {
+            let key = format!("fusion.rule.hand_over.pair[{index}]");
+            check_sources(&key, &[pair.from, pair.to])?;
+            check_ramp(&format!("{key}.ramp"), &pair.ramp)?;
+        }
+        check_sources("fusion.rule.mosaic.default", &self.mosaic.default)?;
+        for cell in &self.mosaic.cells {
+            check_sources("fusion.rule.mosaic.cell", &cell.sources)?;
+        }
+        let places = self.mosaic.cells.iter().map(|cell| (cell.east, cell.north));
+        if !places.is_sorted_by(|a, b| a < b) {
+            let reason = "cells must stand in ascending order of (east, north), each once";
+            return Err(refused("fusion.rule.mosaic.cell", "unordered", reason));
+        }
+        Ok(())
+    }
+}
+
+/// TI-14: a rising sequence within [0, 1].
+fn check_ramp(key: &str, ramp: &[f64]) -> Result<(), SettingsError> {
+    for eta in ramp {
+        in_range(key, *eta, 0.0, 1.0)?;
+    }
+    if !ramp.is_sorted() {
+        return Err(refused(key, format!("{ramp:?}"), "a ramp must rise"));
+    }
+    in_range(&format!("{key} (length)"), ramp.len() as f64, 0.0, RAMP_MAX as f64)
 }
 
 impl SourceSettings {
@@ -392,6 +551,7 @@ impl SourceSettings {
             in_range(&format!("{key}.accuracy.conditions.{name}"), *factor, 0.0, 1e6)?;
         }
         match self.accuracy.base {
+            AccuracyBase::Reported => Ok(()),
             AccuracyBase::Constant { sigma_m } => in_range(&format!("{key}.accuracy.sigma_m"), sigma_m, 0.0, 1e6),
             AccuracyBase::Polar {
                 range_sigma_m,
@@ -444,6 +604,7 @@ impl Default for AssociationSettings {
             merge_reports: 2,
             cell_m: 1000.0,
             error_correlation: 0.1,
+            scan_wait: 0.05,
         }
     }
 }
@@ -468,6 +629,16 @@ impl Default for Capacity {
     }
 }
 
+impl Default for MosaicSettings {
+    fn default() -> Self {
+        Self {
+            cell_m: 10_000.0,
+            default: Vec::new(),
+            cells: Vec::new(),
+        }
+    }
+}
+
 impl Default for RuleSettings {
     fn default() -> Self {
         Self {
@@ -478,6 +649,12 @@ impl Default for RuleSettings {
             tie: Tie::LastThenPriority,
             overdue_periods: 1.5,
             quality_scans: 10,
+            hand_over: HandOverSettings::default(),
+            hysteresis: 1.0,
+            hold_refreshes: 0,
+            mosaic: MosaicSettings::default(),
+            intersection: Intersection::default(),
+            common_noise_m2ps3: None,
         }
     }
 }

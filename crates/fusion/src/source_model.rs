@@ -30,8 +30,11 @@ const NOISE_SAMPLE_EVERY: u32 = 64;
 const INFLATION_MIN: f64 = 1.3;
 /// Largest inflation of a covariance.
 const INFLATION_MAX: f64 = 1000.0;
-/// Step of the logarithm of the inflation per report.
+/// Step of the logarithm of the inflation per report, and how much longer it may become where all reports say the same.
 const INFLATION_STEP: f64 = 0.03;
+const INFLATION_STRIDE: f64 = 0.3;
+/// Agreement of the reports from which the step becomes longer: chance seldom reaches it.
+const INFLATION_AGREEMENT: f64 = 0.5;
 /// Samples of detection points before their spread is believed.
 const SPREAD_SAMPLES_MIN: u32 = 30;
 
@@ -69,6 +72,8 @@ pub(crate) struct SourceModel {
     filtered_share: f64,
     looked_at: u32,
     log_inflation: f64,
+    /// Mean over the last reports of whether they ask for more (1) or less (−1) inflation.
+    inflation_trend: f64,
     /// Squared mean innovation over a sensor track, relative to what noise explains.
     spread_ratio: Median,
     /// What noise explains, m² per axis.
@@ -87,6 +92,7 @@ impl Default for SourceModel {
             filtered_share: 0.5,
             looked_at: 0,
             log_inflation: 0.0,
+            inflation_trend: 0.0,
             spread_ratio: Median::default(),
             spread_noise_m2: Median::default(),
             measured_m2: Median::default(),
@@ -173,7 +179,10 @@ impl SourceModel {
 
     /// Learns from one normalised innovation squared of the horizontal position.
     pub(crate) fn learn_consistency(&mut self, normalised_squared: f64) {
-        let step = INFLATION_STEP.copysign(normalised_squared - CHI2_MEDIAN_2);
+        let wish = f64::copysign(1.0, normalised_squared - CHI2_MEDIAN_2);
+        self.inflation_trend += (wish - self.inflation_trend) / 16.0;
+        let agreement = (self.inflation_trend * wish - INFLATION_AGREEMENT).max(0.0);
+        let step = wish * (INFLATION_STEP + INFLATION_STRIDE * agreement);
         self.log_inflation = (self.log_inflation + step).clamp(0.0, INFLATION_MAX.ln());
     }
 
@@ -185,9 +194,14 @@ impl SourceModel {
         self.measured_m2.add(measured_m2);
     }
 
+    /// Whether enough targets were seen to know how far the detection points lie apart.
+    pub(crate) fn knows_spread(&self) -> bool {
+        self.spread_ratio.samples >= SPREAD_SAMPLES_MIN
+    }
+
     /// Variance per axis of where this source's detection points lie on targets, m².
     pub(crate) fn spread_m2(&self) -> f64 {
-        if self.spread_ratio.samples < SPREAD_SAMPLES_MIN {
+        if !self.knows_spread() {
             return 0.0;
         }
         // The squared length of a mean of noise is half a chi-square with two degrees of freedom.

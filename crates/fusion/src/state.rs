@@ -78,24 +78,6 @@ impl State {
         }
     }
 
-    /// Horizontal position covariance: (east², east·north, north²), m².
-    pub(crate) fn horizontal(&self) -> [f64; 3] {
-        [
-            self.covariance.get(0, 0),
-            self.covariance.get(0, 1),
-            self.covariance.get(1, 1),
-        ]
-    }
-
-    /// Horizontal velocity covariance, m²/s².
-    pub(crate) fn horizontal_velocity(&self) -> [f64; 3] {
-        [
-            self.covariance.get(3, 3),
-            self.covariance.get(3, 4),
-            self.covariance.get(4, 4),
-        ]
-    }
-
     /// Sum of the position variances over east and north, m²: what traces are compared by (TI-16).
     pub(crate) fn horizontal_trace_m2(&self) -> f64 {
         self.covariance.get(0, 0) + self.covariance.get(1, 1)
@@ -158,9 +140,10 @@ fn weights_per_axis(candidates: &[Candidate], shares: &[Share]) -> [[f64; AXES];
         return weights;
     }
     let total: f64 = all.clone().filter(known).map(|index| shares[index].weight[2]).sum();
-    let best = all
-        .filter(known)
-        .min_by(|a, b| shares[*a].accuracy.total_cmp(&shares[*b].accuracy));
+    let best = all.filter(known).min_by(|a, b| {
+        let by_accuracy = shares[*a].accuracy.total_cmp(&shares[*b].accuracy);
+        by_accuracy.then(candidates[*a].source.cmp(&candidates[*b].source))
+    });
     for (index, weight) in weights[..candidates.len()].iter_mut().enumerate() {
         weight[2] = match known(&index) {
             false => 0.0,
@@ -198,6 +181,7 @@ mod tests {
         let share = |weight: f64| Share {
             weight: [weight; 3],
             accuracy: 1.0 - weight,
+            ..Share::default()
         };
         let candidates: Vec<_> = parts.iter().map(|(state, _)| candidate(*state)).collect();
         let shares: Vec<_> = parts.iter().map(|(_, weight)| share(*weight)).collect();

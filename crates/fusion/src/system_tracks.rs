@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use association::Grid;
 use estimation::Gaussian;
-use messages::{Identity, TrackState};
+use messages::{Identity, NO_SOURCE, TrackState};
 use rustc_hash::FxHashMap;
 
 use crate::filter::Filter;
@@ -30,6 +30,8 @@ pub(crate) struct SystemEntry {
     pub(crate) course: [f64; 2],
     /// Sum of ln(1 − probability of detection) over the misses since the last report.
     pub(crate) absence: f64,
+    /// When a sensor track that joined began, earliest, and its source: the one that has followed the target longest.
+    pub(crate) first_seen: (i64, u16),
     /// Whether it was ever confirmed.
     pub(crate) was_shown: bool,
     /// Number of another system track that seems to be the same target, and how many looks in a row it did.
@@ -71,6 +73,7 @@ impl SystemEntry {
             state: filter.state(),
             course: [0.0, 1.0],
             absence: 0.0,
+            first_seen: (i64::MAX, NO_SOURCE),
             was_shown: false,
             twin: None,
             twin_due_ns: i64::MIN,

@@ -9,7 +9,8 @@ use messages::{CONTRIBUTIONS_MAX, TrackState, sensor_track_bits};
 use crate::accuracy::Accuracies;
 use crate::association_step::Search;
 use crate::rules::{self, Candidate, Memory, Share, Target};
-use crate::sensor_tracks::SensorSlot;
+use crate::sensor_tracks::{Role, SensorSlot};
+use crate::settings::DropOut;
 use crate::state::State;
 use crate::system_tracks::SystemSlot;
 
@@ -91,16 +92,57 @@ impl Weigher<'_> {
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
     fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        for member in self.search.fresh_primaries(system, reference_ns) {
-            if weighed.len == CONTRIBUTIONS_MAX {
-                break;
-            }
+        let fresh = self.search.fresh_primaries(system, reference_ns);
+        for member in fresh.take(CONTRIBUTIONS_MAX) {
             weighed.push(member, self.candidate(member, reference_ns));
+        }
+        if self.search.settings.rule.hand_over.drop_out == DropOut::Blend {
+            self.gather_stale(system, reference_ns, weighed);
         }
         let three_axes = weighed.candidates().iter().all(|candidate| candidate.state.has_height);
         for candidate in &mut weighed.candidates[..weighed.len] {
             candidate.lambda = candidate.lambda_over(three_axes);
         }
+    }
+
+    /// The last reports of sources that are being left, though they are no longer fresh (TI-15).
+    fn gather_stale(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+        let sensors = self.search.sensors;
+        for member in self.search.systems.members(sensors, system) {
+            let entry = sensors.get(member);
+            let source = entry.latest.source;
+            let wanted = entry.role == Role::Primary && weighed.memory.holds(source);
+            let known = weighed.candidates().iter().any(|candidate| candidate.source == source);
+            if wanted && !known && weighed.len < CONTRIBUTIONS_MAX {
+                let candidate = Candidate {
+                    stale: true,
+                    ..self.candidate(member, reference_ns)
+                };
+                weighed.push(member, candidate);
+            }
+        }
+    }
+
+    /// The latest report of `member` at `reference_ns`: interpolated where later ones are there, else extrapolated (QF-6).
+    fn state(&self, member: SensorSlot, reported: &State, reference_ns: i64) -> State {
+        let between = || {
+            self.search
+                .sensors
+                .histories
+                .interpolated(member as usize, reference_ns)
+        };
+        if reported.time_ns > reference_ns
+            && let Some((position_m, velocity_mps)) = between()
+        {
+            // Between two reports the target is known no worse than by either.
+            return State {
+                time_ns: reference_ns,
+                position_m,
+                velocity_mps,
+                ..*reported
+            };
+        }
+        reported.at(reference_ns, self.search.settings.process_noise_m2ps3)
     }
 
     fn candidate(&self, member: SensorSlot, reference_ns: i64) -> Candidate {
@@ -109,7 +151,7 @@ impl Weigher<'_> {
         let latest = &entry.latest;
         let (source, rule) = (&settings.sources[usize::from(latest.source)], &settings.rule);
         let reported = State::of_report(latest);
-        let state = reported.at(reference_ns, settings.process_noise_m2ps3);
+        let state = self.state(member, &reported, reference_ns);
         let life = TrackState::from_code(latest.state).unwrap_or(TrackState::Tentative);
         // A track that its source does not believe yet is scored like one with a single report (TI-10): its velocity
         // is a guess.
@@ -118,18 +160,18 @@ impl Weigher<'_> {
                 .histories
                 .residual(member as usize, rule.residual, rule.recency, reference_ns)
         };
-        let age_ns = reference_ns - latest.time_of_measurement_ns;
+        let age_ns = (reference_ns - latest.time_of_measurement_ns).max(0);
+        let reported_m = (0.5 * reported.horizontal_trace_m2()).sqrt();
         Candidate {
             source: latest.source,
             priority: source.priority,
-            alpha: self
-                .accuracies
-                .alpha(settings, latest.source, state.position_m, state.speed_mps()),
+            alpha: self.accuracies.alpha(settings, latest.source, &state, reported_m),
             residual: (life != TrackState::Tentative).then(residual).flatten(),
             lambda: f64::INFINITY,
             age_ns,
             period_ns: source.period_ns,
             overdue: age_ns as f64 > rule.overdue_periods * source.period_ns as f64,
+            stale: false,
             life,
             trace_m2: latest
                 .has(sensor_track_bits::TRACE)

@@ -1,11 +1,13 @@
 //! After its construction the engine allocates nothing, whatever it is given (PL-4).
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use fusion::rules;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RuleSettings, Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, DropOut, HandOverSettings, LifeSettings,
+    RegistrationSettings, RuleSettings, Settings, SourceSettings,
 };
 use fusion::{Engine, Merger};
-use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -25,6 +27,7 @@ fn settings() -> Settings {
         adjustment: 1.0,
         priority: 0,
         ceiling_m: f64::INFINITY,
+        coverage: None,
     };
     Settings {
         sources: ["a", "b", "c"].map(source).to_vec(),
@@ -39,6 +42,8 @@ fn settings() -> Settings {
         },
         life: LifeSettings::default(),
         rule: RuleSettings::default(),
+        registration: RegistrationSettings::default(),
+        consistency: true,
         process_noise_m2ps3: 1.0,
         refresh_ns: None,
         refresh_delay_ns: 0,
@@ -78,6 +83,9 @@ fn report(step: u64) -> SensorTrack {
     if source == 1 {
         report.identity = Identity::default().with_address(target % 40);
     }
+    if random() < 0.1 {
+        report.covariance.set(0, 1, 130.0);
+    }
     if random() < 0.01 {
         report.position_m[0] = f64::NAN;
     }
@@ -101,10 +109,10 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
                 merger.mark(source, report.time_of_measurement_ns);
             }
             while let Some(report) = merger.pop() {
-                engine.take(&report, &mut |_| published += 1);
+                engine.take(&report, &mut |_: &SystemTrack| published += 1);
             }
         }
-        engine.advance(i64::MAX, &mut |_| published += 1);
+        engine.advance(i64::MAX, &mut |_: &SystemTrack| published += 1);
     });
     assert!(published > 20_000, "{published}");
     let counts = engine.counts();
@@ -114,5 +122,40 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
         messages::Counter::Invalid,
     ] {
         assert!(counts.get(counter) > 0, "the traffic was meant to cause {counter:?}");
+    }
+}
+
+#[test]
+fn no_rule_allocates_anything_at_reports_or_at_uniform_times() {
+    for (index, rule) in rules::REGISTRY.iter().enumerate() {
+        for refresh_ns in [None, Some(S / 2)] {
+            let settings = Settings {
+                rule: RuleSettings {
+                    rule,
+                    hand_over: HandOverSettings {
+                        ramp: vec![0.3, 0.6],
+                        by_traces: index % 2 == 1,
+                        drop_out: DropOut::Blend,
+                        ..HandOverSettings::default()
+                    },
+                    ..RuleSettings::default()
+                },
+                refresh_ns,
+                refresh_delay_ns: S,
+                ..settings()
+            };
+            let mut engine = Engine::new(settings).unwrap();
+            let mut published = 0u64;
+            assert_no_alloc(|| {
+                for step in 0..20_000 {
+                    engine.take(&report(step), &mut |_: &SystemTrack| published += 1);
+                }
+                engine.advance(i64::MAX, &mut |_: &SystemTrack| published += 1);
+            });
+            assert!(published > 2_000, "{}: {published}", rule.name);
+            let repaired = engine.counts().get(messages::Counter::CovariancesRepaired);
+            let uses_covariances = ["information", "covariance-intersection", "bar-shalom-campo"].contains(&rule.name);
+            assert_eq!(repaired > 0, uses_covariances, "{}", rule.name);
+        }
     }
 }

@@ -1,8 +1,12 @@
-//! `best-source`: follow the source with the smallest accuracy value (TI-8 … TI-12).
+//! `best-source`: follow the source with the smallest accuracy value (TI-8 … TI-18).
 //!
 //! Two sensors that see different points of a large target, or that carry a bias, give parallel but offset tracks.
-//! Averaging them makes a still target creep as the weights change. This rule never averages: at each refresh the
-//! source with the smallest lambda = alpha·V gets weight 1, all others 0.
+//! Averaging them makes a still target creep as the weights change. This rule does not average: at each refresh the
+//! source with the smallest lambda = alpha·V gets weight 1, all others 0. Only when the best source changes may the output
+//! be blended from one to the other, over few refreshes (`hand_over`).
+//!
+//! With hysteresis (TI-18) the present source is kept until another's lambda is below h times its own, and for a minimum
+//! number of refreshes.
 
 use super::{Candidate, Memory, NO_SOURCE, RuleEntry, Share, Target};
 use crate::settings::{Residual, RuleSettings, Tie};
@@ -19,28 +23,32 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
 
 fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
     let (candidates, per_axis) = (target.candidates, settings.residual == Residual::PerAxis);
-    for axis in 0..3 {
-        if per_axis || axis == 0 {
-            memory.selected[axis] = choose(settings, candidates, memory.selected[axis], axis);
-        } else {
-            memory.selected[axis] = memory.selected[0];
-        }
+    if candidates.iter().all(|candidate| candidate.stale) {
+        return None;
     }
-    for (share, candidate) in shares.iter_mut().zip(candidates) {
-        share.weight = memory
-            .selected
-            .map(|selected| f64::from(u8::from(selected == candidate.source)));
+    for axis in 0..3 {
+        memory.selected[axis] = if per_axis || axis == 0 {
+            choose(settings, candidates, memory, axis)
+        } else {
+            memory.selected[0]
+        };
+        memory.hand_overs[axis].follow(&settings.hand_over, memory.selected[axis], axis, candidates, shares);
     }
     Some(combine(candidates, shares))
 }
 
-/// The best source on one axis.
-fn choose(settings: &RuleSettings, candidates: &[Candidate], last: u16, axis: usize) -> u16 {
-    let best = candidates.iter().min_by(|a, b| {
-        let key = |candidate: &Candidate| Key::new(settings, candidate, last, axis);
-        key(a).compare(&key(b))
-    });
-    best.map_or(NO_SOURCE, |candidate| candidate.source)
+/// The source to follow on one axis.
+fn choose(settings: &RuleSettings, candidates: &[Candidate], memory: &Memory, axis: usize) -> u16 {
+    let last = memory.selected[axis];
+    let fresh = || candidates.iter().filter(|candidate| !candidate.stale);
+    let keyed = || fresh().map(|candidate| Key::new(settings, candidate, last, axis));
+    let Some(best) = keyed().min_by(Key::compare) else {
+        return NO_SOURCE;
+    };
+    match keyed().find(|key| key.source == last) {
+        Some(present) if !present.gives_way_to(&best, settings, memory.hand_overs[axis].refreshes()) => last,
+        _ => best.source,
+    }
 }
 
 /// What two sources are compared by, most important first (TI-10, TI-11).
@@ -68,6 +76,17 @@ impl Key {
         }
     }
 
+    /// Whether hysteresis lets `best` take over from this, the present source.
+    fn gives_way_to(&self, best: &Self, settings: &RuleSettings, refreshes: u32) -> bool {
+        let clearly = if self.lambda.is_finite() || best.lambda.is_finite() {
+            best.lambda < settings.hysteresis * self.lambda
+        } else {
+            best.alpha < settings.hysteresis * self.alpha
+        };
+        // The choice itself is the first of the refreshes.
+        refreshes.saturating_add(1) >= settings.hold_refreshes && (settings.hysteresis >= 1.0 || clearly)
+    }
+
     fn compare(&self, other: &Self) -> std::cmp::Ordering {
         self.lambda
             .total_cmp(&other.lambda)
@@ -81,7 +100,14 @@ impl Key {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rules::{self, default_rule};
+    use crate::rules::{self, find, testing};
+
+    fn defaults() -> RuleSettings {
+        RuleSettings {
+            rule: find("best-source").expect("it is in the registry"),
+            ..RuleSettings::default()
+        }
+    }
 
     fn candidate(source: u16, alpha: f64, residual: Option<[f64; 3]>) -> Candidate {
         let candidate = Candidate {
@@ -97,13 +123,16 @@ mod tests {
         }
     }
 
+    /// A memory in which `source` was chosen last.
+    fn chosen(source: u16) -> Memory {
+        Memory {
+            selected: [source; 3],
+            ..Memory::default()
+        }
+    }
+
     fn selected(settings: &RuleSettings, candidates: &[Candidate], memory: &mut Memory) -> [u16; 3] {
-        let target = Target {
-            candidates,
-            reference_ns: 0,
-            last: State::default(),
-            process_noise_m2ps3: 1.0,
-        };
+        let target = testing::target(candidates);
         let mut shares = vec![Share::default(); candidates.len()];
         rules::fuse(settings, &target, memory, &mut shares).expect("there is a source");
         memory.selected
@@ -112,7 +141,7 @@ mod tests {
     #[test]
     fn the_worked_check_hands_over_at_t4() {
         // Until t3 lambda_A < lambda_B, from t4 on lambda_B < lambda_A.
-        let settings = RuleSettings::default();
+        let settings = defaults();
         let mut memory = Memory::default();
         let lambdas = [(1.0, 2.0), (1.0, 2.0), (1.0, 2.0), (3.0, 2.0), (3.0, 2.0)];
         let chosen: Vec<u16> = lambdas
@@ -134,15 +163,12 @@ mod tests {
             candidate(0, 1.0, Some([4.0, 0.0, 0.0])),
             candidate(1, 10.0, Some([1.0, 0.0, 0.0])),
         ];
-        assert_eq!(
-            selected(&RuleSettings::default(), &both, &mut Memory::default()),
-            [0; 3]
-        );
+        assert_eq!(selected(&defaults(), &both, &mut Memory::default()), [0; 3]);
     }
 
     #[test]
     fn a_source_without_residual_loses_and_is_scored_by_alpha_alone() {
-        let settings = RuleSettings::default();
+        let settings = defaults();
         let both = [candidate(0, 1.0, None), candidate(1, 99.0, Some([50.0, 0.0, 0.0]))];
         assert_eq!(selected(&settings, &both, &mut Memory::default()), [1; 3]);
         let neither = [candidate(0, 2.0, None), candidate(1, 1.0, None)];
@@ -152,34 +178,70 @@ mod tests {
     #[test]
     fn ties_go_to_the_smaller_alpha_then_the_last_choice_then_priority() {
         let still = Some([0.0; 3]);
-        let settings = RuleSettings::default();
-        let mut last_was_1 = Memory { selected: [1; 3] };
+        let settings = defaults();
+        let mut last_was_1 = chosen(1);
         let equal = [candidate(0, 1.0, still), candidate(1, 1.0, still)];
         assert_eq!(selected(&settings, &equal, &mut last_was_1), [1; 3]);
         assert_eq!(selected(&settings, &equal, &mut Memory::default()), [0; 3]);
         let priority_only = RuleSettings {
             tie: Tie::Priority,
-            ..RuleSettings::default()
+            ..defaults()
         };
         assert_eq!(selected(&priority_only, &equal, &mut last_was_1), [0; 3]);
         let smaller_alpha = [candidate(0, 1.0, still), candidate(1, 0.5, still)];
-        assert_eq!(
-            selected(&settings, &smaller_alpha, &mut Memory { selected: [0; 3] }),
-            [1; 3]
-        );
+        assert_eq!(selected(&settings, &smaller_alpha, &mut chosen(0)), [1; 3]);
     }
 
     #[test]
     fn per_axis_each_axis_chooses_for_itself() {
         let settings = RuleSettings {
             residual: Residual::PerAxis,
-            rule: default_rule(),
-            ..RuleSettings::default()
+            rule: find("best-source").expect("it is in the registry"),
+            ..defaults()
         };
         let both = [
             candidate(0, 1.0, Some([1.0, 9.0, 0.0])),
             candidate(1, 1.0, Some([9.0, 1.0, 5.0])),
         ];
         assert_eq!(selected(&settings, &both, &mut Memory::default()), [0, 1, 0]);
+    }
+
+    #[test]
+    fn the_present_source_is_kept_until_another_is_clearly_better_and_its_time_is_up() {
+        let settings = RuleSettings {
+            hysteresis: 0.5,
+            ..defaults()
+        };
+        let both = |a: f64, b: f64| {
+            [
+                candidate(0, 1.0, Some([a, 0.0, 0.0])),
+                candidate(1, 1.0, Some([b, 0.0, 0.0])),
+            ]
+        };
+        let mut memory = Memory::default();
+        assert_eq!(selected(&settings, &both(2.0, 3.0), &mut memory), [0; 3]);
+        assert_eq!(
+            selected(&settings, &both(4.0, 2.0), &mut memory),
+            [0; 3],
+            "not below half"
+        );
+        assert_eq!(selected(&settings, &both(4.0, 1.9), &mut memory), [1; 3]);
+        let settings = RuleSettings {
+            hold_refreshes: 3,
+            ..defaults()
+        };
+        let mut memory = Memory::default();
+        let lambdas = [(1.0, 2.0), (2.0, 1.0), (2.0, 1.0), (2.0, 1.0), (1.0, 2.0)];
+        let chosen = lambdas.map(|(a, b)| selected(&settings, &both(a, b), &mut memory)[0]);
+        assert_eq!(
+            chosen,
+            [0, 0, 0, 1, 1],
+            "three refreshes of 0, then at least three of 1"
+        );
+        assert_eq!(
+            selected(&settings, &both(1.0, 9.0)[..1], &mut memory),
+            [0; 3],
+            "1 has gone"
+        );
     }
 }

@@ -5,10 +5,22 @@
 //! [`REGISTRY`].
 
 mod auto;
+mod bar_shalom_campo;
 mod best_source;
+#[cfg(test)]
+mod conformance;
+mod covariance_intersection;
+mod hand_over;
+mod information;
+mod inverse_trace;
+mod matrices;
+mod mosaic;
+mod quality_factor;
 mod system_filter;
 
 use messages::TrackState;
+
+use hand_over::HandOver;
 
 use crate::settings::RuleSettings;
 use crate::state::State;
@@ -38,7 +50,17 @@ pub struct RuleEntry {
 }
 
 /// Every rule there is.
-pub static REGISTRY: &[RuleEntry] = &[auto::ENTRY, system_filter::ENTRY, best_source::ENTRY];
+pub static REGISTRY: &[RuleEntry] = &[
+    auto::ENTRY,
+    system_filter::ENTRY,
+    best_source::ENTRY,
+    inverse_trace::ENTRY,
+    quality_factor::ENTRY,
+    mosaic::ENTRY,
+    information::ENTRY,
+    covariance_intersection::ENTRY,
+    bar_shalom_campo::ENTRY,
+];
 
 /// The rule called `name`.
 pub fn find(name: &str) -> Option<&'static RuleEntry> {
@@ -105,6 +127,8 @@ pub struct Candidate {
     pub period_ns: i64,
     /// Whether its source has missed the expected report (TI-15).
     pub overdue: bool,
+    /// Whether it is no longer fresh, and here only so that the source it was handed over from can be blended out (TI-15).
+    pub stale: bool,
     /// State of the track at its source.
     pub life: TrackState,
     /// Trace over east and north that the source itself delivered (TI-16), brought to the reference time, m².
@@ -128,6 +152,14 @@ impl Candidate {
     }
 }
 
+impl Candidate {
+    /// Trace over east and north: the source's own word, else that of its covariance; `None` if that can be no trace.
+    pub(crate) fn usable_trace_m2(&self) -> Option<f64> {
+        let trace_m2 = self.trace_m2.unwrap_or_else(|| self.state.horizontal_trace_m2());
+        (trace_m2 > 0.0 && trace_m2.is_finite()).then_some(trace_m2)
+    }
+}
+
 impl Default for Candidate {
     fn default() -> Self {
         Self {
@@ -139,6 +171,7 @@ impl Default for Candidate {
             age_ns: 0,
             period_ns: 1,
             overdue: false,
+            stale: false,
             life: TrackState::Confirmed,
             trace_m2: None,
             quality: 0,
@@ -155,107 +188,75 @@ pub struct Share {
     pub weight: [f64; 3],
     /// Accuracy value lambda (TI-9); infinite while it does not exist.
     pub accuracy: f64,
+    /// Whether its trace was asked for and could not be used (TI-16).
+    pub trace_unusable: bool,
+    /// Whether its covariance was not positive definite, and was repaired or left out.
+    pub repaired: bool,
 }
 
 /// What a rule remembers of one target between refreshes (TI-12).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory {
-    /// Source chosen last time, per axis.
+    /// Source chosen last time, per axis; [`NO_SOURCE`] where the rule chooses none.
     pub selected: [u16; 3],
+    /// Where the hand-over between sources stands, per axis (TI-13).
+    pub(crate) hand_overs: [HandOver; 3],
+}
+
+impl Memory {
+    /// Whether the last stored report of `source` may still be needed though it has ceased to be fresh.
+    pub(crate) fn holds(&self, source: u16) -> bool {
+        self.hand_overs.iter().any(|hand_over| hand_over.holds(source))
+    }
 }
 
 impl Default for Memory {
     fn default() -> Self {
         Self {
             selected: [NO_SOURCE; 3],
+            hand_overs: [HandOver::default(); 3],
         }
     }
 }
 
 #[cfg(test)]
-mod conformance {
-    //! What every rule promises, whatever its method.
-
-    use proptest::prelude::*;
+pub(crate) mod testing {
+    //! Rules called by hand.
 
     use super::*;
 
-    fn candidates() -> impl Strategy<Value = Vec<Candidate>> {
-        let residual = prop::option::weighted(0.8, prop::array::uniform3(0.0..200.0f64));
-        prop::collection::vec((0.0..100.0f64, residual, 0u32..3), 1..9).prop_map(|parts| {
-            let numbered = parts.into_iter().enumerate();
-            let candidate = |(source, (alpha, residual, priority))| {
-                let candidate = Candidate {
-                    source: source as u16,
-                    priority,
-                    alpha,
-                    residual,
-                    ..Candidate::default()
-                };
-                Candidate {
-                    lambda: candidate.lambda_over(true),
-                    ..candidate
-                }
-            };
-            numbered.map(candidate).collect()
-        })
+    pub(crate) fn target(candidates: &[Candidate]) -> Target<'_> {
+        // What a filter that has heard of all of them equally often might say.
+        let even = Share {
+            weight: [1.0 / candidates.len() as f64; 3],
+            ..Share::default()
+        };
+        Target {
+            candidates,
+            reference_ns: 0,
+            filtered: crate::state::combine(candidates, &vec![even; candidates.len()]),
+            last: State::default(),
+            process_noise_m2ps3: 1.0,
+        }
     }
 
-    fn weigh(rule: &'static RuleEntry, candidates: &[Candidate], memory: &mut Memory) -> Vec<Share> {
+    /// What `rule` with default options and no memory makes of `candidates`.
+    pub(crate) fn fused_of(rule: &'static RuleEntry, candidates: &[Candidate]) -> (Option<State>, Vec<Share>) {
         let settings = RuleSettings {
             rule,
             ..RuleSettings::default()
         };
-        let target = Target {
-            candidates,
-            reference_ns: 0,
-            last: State::default(),
-            process_noise_m2ps3: 1.0,
-        };
         let mut shares = vec![Share::default(); candidates.len()];
-        fuse(&settings, &target, memory, &mut shares);
-        shares
+        let state = fuse(&settings, &target(candidates), &mut Memory::default(), &mut shares);
+        (state, shares)
     }
 
-    proptest! {
-        #[test]
-        fn weights_lie_between_0_and_1_and_sum_to_1(candidates in candidates()) {
-            for rule in REGISTRY {
-                let shares = weigh(rule, &candidates, &mut Memory::default());
-                for axis in 0..3 {
-                    let sum: f64 = shares.iter().map(|share| share.weight[axis]).sum();
-                    prop_assert!((sum - 1.0).abs() < 1e-12, "{}: {sum}", rule.name);
-                    prop_assert!(shares.iter().all(|share| (0.0..=1.0).contains(&share.weight[axis])));
-                }
-            }
-        }
-
-        #[test]
-        fn the_order_of_the_sources_does_not_matter(candidates in candidates()) {
-            for rule in REGISTRY {
-                let forwards = weigh(rule, &candidates, &mut Memory::default());
-                let reversed: Vec<_> = candidates.iter().rev().copied().collect();
-                let mut backwards = weigh(rule, &reversed, &mut Memory::default());
-                backwards.reverse();
-                prop_assert_eq!(forwards, backwards, "{}", rule.name);
-            }
-        }
-
-        #[test]
-        fn a_single_source_gets_everything(candidates in candidates()) {
-            for rule in REGISTRY {
-                let shares = weigh(rule, &candidates[..1], &mut Memory::default());
-                prop_assert_eq!(shares[0].weight, [1.0; 3], "{}", rule.name);
-            }
-        }
-    }
-
-    #[test]
-    fn names_are_unique_and_found() {
-        for rule in REGISTRY {
-            assert!(std::ptr::eq(find(rule.name).unwrap(), rule));
-            assert_eq!(&REGISTRY[usize::from(code(rule))].name, &rule.name);
-        }
-        assert!(find("no-such-rule").is_none());
+    /// The same for a fixed number of them.
+    pub(crate) fn fused<const N: usize>(
+        rule: &'static RuleEntry,
+        candidates: &[Candidate; N],
+    ) -> (Option<State>, [Share; N]) {
+        let (state, shares) = fused_of(rule, candidates);
+        (state, shares.try_into().expect("one share per candidate"))
     }
 }

@@ -493,6 +493,7 @@ fn check_association(raw: &RawAssociation) -> Checked<engine::AssociationSetting
         merge_reports: raw.merge_reports,
         cell_m: raw.cell_m,
         error_correlation: raw.error_correlation,
+        scan_wait: raw.scan_wait,
     })
 }
 

@@ -351,6 +351,7 @@ pub(crate) struct RawAssociation {
     pub(crate) merge_reports: u32,
     pub(crate) cell_m: f64,
     pub(crate) error_correlation: f64,
+    pub(crate) scan_wait: f64,
 }
 
 impl Default for RawAssociation {
@@ -368,6 +369,7 @@ impl Default for RawAssociation {
             merge_reports: engine.merge_reports,
             cell_m: engine.cell_m,
             error_correlation: engine.error_correlation,
+            scan_wait: engine.scan_wait,
         }
     }
 }

@@ -1,0 +1,103 @@
+//! `mosaic`: the area is divided into cells, each with a priority list of sources (QF-9).
+//!
+//! The first source of the list that is present and whose track is confirmed gives the output. A source that the list of
+//! its cell leaves out gives none there. Where no list is configured the sources' priorities decide.
+
+use messages::TrackState;
+
+use super::{Candidate, Memory, RuleEntry, Share, Target};
+use crate::history::moved;
+use crate::settings::RuleSettings;
+use crate::state::{State, combine};
+
+pub(super) const ENTRY: RuleEntry = RuleEntry {
+    name: "mosaic",
+    summary: "the confirmed source that comes first in the list of the target's cell",
+    assumption: "none: one source at a time, so correlation between sources does not matter",
+    keeps_points: false,
+    claims_consistency: false,
+    fuse,
+};
+
+fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
+    let last = &target.last;
+    let place_m = moved(last.position_m, last.velocity_mps, target.reference_ns - last.time_ns);
+    let list = settings.mosaic.list_at(place_m);
+    let rank = |candidate: &Candidate| match list {
+        Some(list) => list.iter().position(|source| *source == candidate.source),
+        None => Some(candidate.priority as usize),
+    };
+    let (_, source) = target
+        .candidates
+        .iter()
+        .filter(|candidate| candidate.life == TrackState::Confirmed)
+        .filter_map(|candidate| Some((rank(candidate)?, candidate.source)))
+        .min()?;
+    memory.selected = [source; 3];
+    for (share, candidate) in shares.iter_mut().zip(target.candidates) {
+        share.weight = [f64::from(u8::from(candidate.source == source)); 3];
+    }
+    Some(combine(target.candidates, shares))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rules::fuse;
+    use crate::settings::{MosaicCell, MosaicSettings};
+
+    fn selected(settings: &RuleSettings, candidates: &[Candidate], place_m: [f64; 3]) -> Option<u16> {
+        let target = Target {
+            candidates,
+            reference_ns: 0,
+            filtered: State::default(),
+            last: State {
+                position_m: place_m,
+                ..State::default()
+            },
+            process_noise_m2ps3: 1.0,
+        };
+        let mut memory = Memory::default();
+        fuse(
+            settings,
+            &target,
+            &mut memory,
+            &mut vec![Share::default(); candidates.len()],
+        )?;
+        Some(memory.selected[0])
+    }
+
+    #[test]
+    fn the_cell_decides_who_speaks() {
+        let mut settings = RuleSettings {
+            rule: &ENTRY,
+            mosaic: MosaicSettings {
+                cell_m: 1000.0,
+                default: Vec::new(),
+                cells: vec![MosaicCell {
+                    east: -1,
+                    north: 0,
+                    sources: vec![2, 1],
+                }],
+            },
+            ..RuleSettings::default()
+        };
+        let mut candidates = [0, 1, 2].map(|source| Candidate {
+            source,
+            priority: u32::from(source),
+            ..Candidate::default()
+        });
+        let (inside, outside) = ([-500.0, 10.0, 0.0], [500.0, 10.0, 0.0]);
+        assert_eq!(selected(&settings, &candidates, inside), Some(2));
+        assert_eq!(selected(&settings, &candidates, outside), Some(0), "by priority");
+        candidates[2].life = TrackState::Tentative;
+        assert_eq!(selected(&settings, &candidates, inside), Some(1));
+        assert_eq!(
+            selected(&settings, &candidates[..1], inside),
+            None,
+            "not in the list of this cell"
+        );
+        settings.mosaic.default = vec![1];
+        assert_eq!(selected(&settings, &candidates, outside), Some(1));
+    }
+}
