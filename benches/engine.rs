@@ -5,7 +5,8 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fusion::Engine;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleSettings, Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleSettings, Settings,
+    SourceSettings,
 };
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 
@@ -90,7 +91,9 @@ fn per_report(criterion: &mut Criterion) {
                 (next / u64::from(SOURCES)) % u64::from(targets),
             );
             let second = next as f64 / f64::from(targets) / f64::from(SOURCES);
-            engine.take(&report(source, target as u32, side, second), &mut |_: &SystemTrack| published += 1);
+            engine.take(&report(source, target as u32, side, second), &mut |_: &SystemTrack| {
+                published += 1
+            });
             next += 1;
         };
         for _ in 0..5 * targets * u32::from(SOURCES) {
