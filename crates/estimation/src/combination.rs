@@ -23,7 +23,7 @@ pub const INPUTS_MAX: usize = 16;
 /// Most rows of a joint covariance: inputs times components.
 const JOINT_MAX: usize = 64;
 /// Strengths of the barrier that keeps intersection weights positive, one after the other: each start is good for the next.
-const BARRIERS: [f64; 4] = [1e-2, 1e-4, 1e-7, 1e-10];
+const BARRIERS: [f64; 3] = [1e-2, 1e-5, 1e-8];
 /// Most Newton steps per strength; a handful is usual.
 const NEWTON_STEPS_MAX: usize = 16;
 /// Most halvings of one Newton step.
@@ -94,7 +94,8 @@ pub fn weighted_information<const D: usize>(
 /// smallest by `criterion`. Where several are as good, equal inputs get equal weights.
 ///
 /// Both criteria are convex in the weights. Newton's method on the simplex with a logarithmic barrier finds the minimum in
-/// a bounded number of steps; a barrier of 1e-10 moves it by no more than that. `None` as in [`weighted_information`].
+/// a bounded number of steps; a barrier of 1e-8 moves it by no more than that. An input that is best all by itself, which is
+/// common, is recognised without any search. `None` as in [`weighted_information`].
 pub fn intersection_weights<const D: usize>(
     inputs: &[Estimate<D>],
     criterion: Criterion,
@@ -108,6 +109,11 @@ pub fn intersection_weights<const D: usize>(
         scale: 1.0,
     };
     let mut at = [0.0; INPUTS_MAX];
+    if let Some(best) = (0..n).find(|index| problem.is_best_alone(*index, &inputs[*index].covariance)) {
+        weights[..n].fill(0.0);
+        weights[best] = 1.0;
+        return Some(());
+    }
     at[..n].fill(1.0 / n as f64);
     problem.scale = 1.0 / problem.value(&at, 0.0)?.abs().max(f64::MIN_POSITIVE);
     if criterion == Criterion::Determinant {
@@ -143,6 +149,30 @@ impl<const D: usize> Intersection<'_, D> {
         terms.fold(SMatrix::zeros(), |sum, (y, weight)| sum + y * *weight)
     }
 
+    /// Whether no weight on any other input makes the criterion smaller than input `index` alone, of covariance P, does:
+    /// the gradient there says so. Clearly: an equal input is no worse.
+    fn is_best_alone(&self, index: usize, covariance: &SMatrix<f64, D, D>) -> bool {
+        let outer = self.outer(covariance);
+        let worth = |y: &SMatrix<f64, D, D>| outer.component_mul(y).sum();
+        let own = worth(&self.information[index]);
+        let mut others = self.information.iter().enumerate().filter(|(other, _)| *other != index);
+        others.all(|(_, y)| worth(y) < (1.0 - 1e-9) * own)
+    }
+
+    /// What the gradient is made of: P for the determinant, P·S·P for the trace.
+    fn outer(&self, covariance: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+        match self.criterion {
+            Criterion::Determinant => *covariance,
+            Criterion::Trace { components } => {
+                let mut chosen = *covariance;
+                for row in components..D {
+                    chosen.row_mut(row).fill(0.0);
+                }
+                covariance * chosen
+            }
+        }
+    }
+
     /// Criterion plus barrier; `None` outside the simplex.
     fn value(&self, weights: &[f64; INPUTS_MAX], barrier: f64) -> Option<f64> {
         let used = &weights[..self.information.len()];
@@ -176,7 +206,7 @@ impl<const D: usize> Intersection<'_, D> {
         let direction: [f64; INPUTS_MAX] = std::array::from_fn(|k| multiplier * ones[k] - along[k]);
         let slope: f64 = (0..n).map(|k| gradient[k] * direction[k]).sum();
         // Minus twice the gain that is left, to second order.
-        if slope > -(1e-3 * barrier * barrier).max(f64::EPSILON) {
+        if slope > -1e-3 * barrier * barrier.sqrt() {
             return Some(false);
         }
         let before = self.value(weights, barrier)?;
@@ -199,15 +229,11 @@ impl<const D: usize> Intersection<'_, D> {
     /// tr(P·Yᵢ·P·Yⱼ); those of tr(S·P) are −tr(P·S·P·Yᵢ) and 2·tr(P·S·P·Yᵢ·P·Yⱼ).
     fn derivatives(&self, weights: &[f64; INPUTS_MAX], barrier: f64) -> Option<([f64; INPUTS_MAX], Square)> {
         let covariance = inverse(&self.sum(weights))?;
-        let (outer, twice) = match self.criterion {
-            Criterion::Determinant => (covariance, 1.0),
-            Criterion::Trace { components } => {
-                let mut chosen = covariance;
-                for row in components..D {
-                    chosen.row_mut(row).fill(0.0);
-                }
-                (covariance * chosen, 2.0)
-            }
+        let outer = self.outer(&covariance);
+        let twice = if self.criterion == Criterion::Determinant {
+            1.0
+        } else {
+            2.0
         };
         let (mut gradient, mut hessian) = ([0.0; INPUTS_MAX], [[0.0; INPUTS_MAX]; INPUTS_MAX]);
         for (i, y) in self.information.iter().enumerate() {

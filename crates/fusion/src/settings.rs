@@ -265,7 +265,7 @@ pub struct PairRamp {
     pub from: u16,
     /// Number of the source that takes over.
     pub to: u16,
-    /// As [`HandOverSettings::ramp`].
+    /// eta_0 at successive refreshes, as for those that are no pair.
     pub ramp: Vec<f64>,
 }
 

@@ -259,8 +259,6 @@ counters! {
     Extrapolated = "extrapolated", "Reports that are their source's own extrapolation: no observation, so not used.";
     IdentityConflicts = "identity_conflicts", "Reports whose identity contradicted that of the system track they had belonged to.";
     HandOvers = "hand_overs", "Changes of the selected source.";
-    TracesUnusable = "traces_unusable", "Times a covariance trace was asked for and missing or no trace; the configured weights held.";
-    CovariancesRepaired = "covariances_repaired", "Times a covariance was not positive definite, and was repaired or left out.";
     LiveTracks = "live_tracks", "Level: system tracks that are confirmed or coasted now.";
     TentativeTracks = "tentative_tracks", "Level: system tracks that are tentative now.";
     CoastedTracks = "coasted_tracks", "Level: system tracks that are coasted now.";
@@ -277,4 +275,6 @@ counters! {
     DatagramsSent = "datagrams_sent", "Datagrams sent to other systems.";
     SendFailures = "send_failures", "Datagrams that could not be sent.";
     HeightAssumed = "height_assumed", "Reports without height whose slant range was turned into a place by an assumed one.";
+    TracesUnusable = "traces_unusable", "Times a covariance trace was asked for and missing or no trace; the configured weights held.";
+    CovariancesRepaired = "covariances_repaired", "Times a covariance was not positive definite, and was repaired or left out.";
 }

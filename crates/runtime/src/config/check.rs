@@ -12,10 +12,10 @@ use fusion::settings as engine;
 use messages::NS_PER_S;
 
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
+use super::check_rule::check_rule;
 use super::locate::line_of;
 use super::raw::{
-    AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawPlace, RawRecorded, RawResidual,
-    RawRule, RawSource, RawTie,
+    AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawPlace, RawRecorded, RawSource,
 };
 use super::{Config, ConfigError, Fusion, Input, Monitor, Order, Recorded, RecordedFormat, Source};
 use crate::cores::{self, Placement};
@@ -318,6 +318,7 @@ pub(super) fn accuracy(raw: &RawAccuracy, place_m: [f64; 2]) -> engine::Accuracy
                 range_sigma_m: raw.range_sigma_m,
                 azimuth_sigma_rad: raw.azimuth_sigma_deg.to_radians(),
             },
+            AccuracyModel::Reported => engine::AccuracyBase::Reported,
             AccuracyModel::Estimated => engine::AccuracyBase::Estimated {
                 initial_m: raw.initial_m,
                 memory: raw.memory,
@@ -433,11 +434,12 @@ pub(super) fn check_fusion(fusion: &RawFusion, sources: Vec<engine::SourceSettin
         rule: check_rule(&fusion.rule, &sources)?,
         registration: engine::RegistrationSettings {
             enabled: fusion.registration.enabled,
-            reference_source: source_called(
-                "fusion.registration.reference_source",
-                fusion.registration.reference_source.as_deref(),
-                &sources,
-            )?,
+            reference_source: fusion
+                .registration
+                .reference_source
+                .as_deref()
+                .map(|name| source_called("fusion.registration.reference_source", name, &sources))
+                .transpose()?,
             memory_s: within("fusion.registration.memory_s", fusion.registration.memory_s, 1.0, 1e6)?,
         },
         consistency: fusion.consistency,
@@ -497,39 +499,12 @@ fn check_association(raw: &RawAssociation) -> Checked<engine::AssociationSetting
     })
 }
 
-/// Number of the source that the value of `key` names, if it names one.
-fn source_called(key: &str, name: Option<&str>, sources: &[engine::SourceSettings]) -> Checked<Option<u16>> {
-    let Some(name) = name else { return Ok(None) };
-    match sources.iter().position(|source| source.name == name) {
-        Some(number) => Ok(Some(number as u16)),
-        None => Err(problem(key, format!("there is no source named \"{name}\""))),
-    }
-}
-
-fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> Checked<engine::RuleSettings> {
-    let rule = fusion::rules::find(&raw.name).ok_or_else(|| {
-        let known: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name).collect();
-        problem(
-            "fusion.rule.name",
-            format!("\"{}\" is no fusion rule; there are: {}", raw.name, known.join(", ")),
-        )
-    })?;
-    let key = "fusion.rule.reference_source";
-    let reference_source = source_called(key, raw.reference_source.as_deref(), sources)?;
-    Ok(engine::RuleSettings {
-        rule,
-        residual: match raw.residual {
-            RawResidual::Position => engine::Residual::Position,
-            RawResidual::Velocity => engine::Residual::Velocity,
-            RawResidual::PerAxis => engine::Residual::PerAxis,
-            RawResidual::Innovation => engine::Residual::Innovation,
-        },
-        recency: raw.recency,
-        reference_source,
-        tie: match raw.tie {
-            RawTie::LastThenPriority => engine::Tie::LastThenPriority,
-            RawTie::Priority => engine::Tie::Priority,
-        },
-        ..engine::RuleSettings::default()
+/// Number of the source called `name`, which stands at `key`.
+pub(super) fn source_called(key: &str, name: &str, sources: &[engine::SourceSettings]) -> Checked<u16> {
+    let number = sources.iter().position(|source| source.name == name);
+    number.map(|number| number as u16).ok_or_else(|| {
+        let known: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
+        let what = format!("there is no source named \"{name}\"; there are: {}", known.join(", "));
+        problem(key, what)
     })
 }

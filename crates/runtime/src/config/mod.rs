@@ -5,6 +5,7 @@
 
 mod check;
 mod check_network;
+mod check_rule;
 mod locate;
 mod network;
 mod offline;

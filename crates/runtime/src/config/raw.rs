@@ -254,6 +254,7 @@ pub(crate) enum AccuracyModel {
     #[default]
     Constant,
     Polar,
+    Reported,
     Estimated,
 }
 
@@ -433,18 +434,100 @@ pub(crate) struct RawRule {
     pub(crate) recency: f64,
     pub(crate) reference_source: Option<String>,
     pub(crate) tie: RawTie,
+    pub(crate) overdue_periods: f64,
+    pub(crate) quality_scans: u32,
+    pub(crate) hysteresis: f64,
+    pub(crate) hold_refreshes: u32,
+    pub(crate) intersection: RawIntersection,
+    pub(crate) common_noise_m2ps3: Option<f64>,
+    pub(crate) hand_over: RawHandOver,
+    pub(crate) mosaic: RawMosaic,
 }
 
 impl Default for RawRule {
     fn default() -> Self {
+        let engine = fusion::settings::RuleSettings::default();
         Self {
             name: fusion::rules::default_rule().name.to_owned(),
             residual: RawResidual::Position,
             recency: 1.0,
             reference_source: None,
             tie: RawTie::LastThenPriority,
+            overdue_periods: engine.overdue_periods,
+            quality_scans: engine.quality_scans,
+            hysteresis: engine.hysteresis,
+            hold_refreshes: engine.hold_refreshes,
+            intersection: RawIntersection::Determinant,
+            common_noise_m2ps3: engine.common_noise_m2ps3,
+            hand_over: RawHandOver::default(),
+            mosaic: RawMosaic::default(),
         }
     }
+}
+
+/// TI-13 … TI-16.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawHandOver {
+    /// eta_0 at the first refresh and those that follow; empty: at once.
+    pub(crate) ramp: Vec<f64>,
+    pub(crate) by_traces: bool,
+    pub(crate) drop_out: RawDropOut,
+    #[serde(rename = "pair")]
+    pub(crate) pairs: Vec<RawPair>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawPair {
+    pub(crate) from: String,
+    pub(crate) to: String,
+    pub(crate) ramp: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum RawDropOut {
+    #[default]
+    Switch,
+    Blend,
+}
+
+/// QF-9.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawMosaic {
+    pub(crate) cell_m: f64,
+    /// Sources where no cell says otherwise, the most wanted first; empty: by their priorities.
+    pub(crate) default: Vec<String>,
+    #[serde(rename = "cell")]
+    pub(crate) cells: Vec<RawCell>,
+}
+
+impl Default for RawMosaic {
+    fn default() -> Self {
+        Self {
+            cell_m: fusion::settings::MosaicSettings::default().cell_m,
+            default: Vec::new(),
+            cells: Vec::new(),
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawCell {
+    /// Counted in cells from the system origin.
+    pub(crate) east: i32,
+    pub(crate) north: i32,
+    pub(crate) sources: Vec<String>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum RawIntersection {
+    Determinant,
+    Trace,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]

@@ -54,7 +54,7 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
         (
             "name = \"best-source\"",
             "name = \"beste-quelle\"",
-            "there are: best-source",
+            "there are: auto, system-filter, best-source",
         ),
         (
             "\"21\" = \"0.23\"",
@@ -84,6 +84,73 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
                 "line {line}: {message}"
             );
         }
+    }
+}
+
+#[test]
+fn every_option_of_weighing_can_be_set_and_its_mistakes_are_named() {
+    let options = "name = \"best-source\"\nhysteresis = 0.8\nhold_refreshes = 2\noverdue_periods = 2.0\n\
+                   quality_scans = 6\nintersection = \"trace\"\ncommon_noise_m2ps3 = 4.0\n\
+                   [fusion.rule.hand_over]\nramp = [0.2, 0.6]\nby_traces = true\ndrop_out = \"blend\"\n\
+                   [[fusion.rule.hand_over.pair]]\nfrom = \"radar\"\nto = \"ads-b\"\nramp = [0.45]\n\
+                   [fusion.rule.mosaic]\ncell_m = 2000.0\ndefault = [\"ads-b\", \"radar\"]\n\
+                   [[fusion.rule.mosaic.cell]]\neast = 1\nnorth = -1\nsources = [\"radar\"]\n\
+                   [[fusion.rule.mosaic.cell]]\neast = 0\nnorth = 0\nsources = [\"multilateration\"]";
+    let (text, first_line) = with_line("name = \"best-source\"", options);
+    let rule = Config::parse(Path::new("test.toml"), &text, &[])
+        .unwrap()
+        .fusion
+        .settings
+        .rule;
+    assert_eq!((rule.hysteresis, rule.hold_refreshes), (0.8, 2));
+    assert_eq!((rule.overdue_periods, rule.quality_scans), (2.0, 6));
+    assert_eq!(rule.intersection, engine::Intersection::Trace);
+    assert_eq!(rule.common_noise_m2ps3, Some(4.0));
+    let hand_over = &rule.hand_over;
+    assert_eq!((&hand_over.ramp[..], hand_over.by_traces), (&[0.2, 0.6][..], true));
+    assert_eq!(hand_over.drop_out, engine::DropOut::Blend);
+    assert_eq!((hand_over.pairs[0].from, hand_over.pairs[0].to), (0, 2));
+    assert_eq!((rule.mosaic.cell_m, &rule.mosaic.default[..]), (2000.0, &[2, 0][..]));
+    let cells: Vec<_> = rule
+        .mosaic
+        .cells
+        .iter()
+        .map(|cell| (cell.east, cell.sources[0]))
+        .collect();
+    assert_eq!(cells, [(0, 1), (1, 0)], "sorted");
+
+    for (old, new, expected) in [
+        (
+            "to = \"ads-b\"",
+            "to = \"adsb\"",
+            "there are: radar, multilateration, ads-b",
+        ),
+        (
+            "default = [\"ads-b\", \"radar\"]",
+            "default = [\"lidar\"]",
+            "no source named \"lidar\"",
+        ),
+        (
+            "sources = [\"radar\"]",
+            "sources = [\"sonar\"]",
+            "no source named \"sonar\"",
+        ),
+        ("east = 0\nnorth = 0", "east = 1\nnorth = -1", "has been given before"),
+        ("ramp = [0.2, 0.6]", "ramp = [0.6, 0.2]", "a ramp must rise"),
+        ("ramp = [0.45]", "ramp = [1.5]", "must lie between 0 and 1"),
+        ("hysteresis = 0.8", "hysteresis = 1.8", "must lie between"),
+        ("quality_scans = 6", "quality_scans = 1", "must lie between 2 and 64"),
+        ("drop_out = \"blend\"", "drop_out = \"mix\"", "unknown variant `mix`"),
+        ("intersection = \"trace\"", "intersektion = \"trace\"", "unknown field"),
+    ] {
+        assert!(text.contains(old), "{old}");
+        let message = refused(&text.replacen(old, new, 1));
+        assert!(message.contains(expected), "{new}: {message}");
+        let line = text[..text.find(old).unwrap()].matches('\n').count() + 1;
+        assert!(
+            line > first_line && message.starts_with(&format!("test.toml:{line}: ")),
+            "line {line}: {message}"
+        );
     }
 }
 
