@@ -5,9 +5,10 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fusion::Engine;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RuleSettings, Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleSettings, Settings,
+    SourceSettings,
 };
-use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 
 const S: i64 = 1_000_000_000;
 const SOURCES: u16 = 4;
@@ -25,6 +26,7 @@ fn settings(targets: usize) -> Settings {
         adjustment: 1.0,
         priority: u32::from(number),
         ceiling_m: f64::INFINITY,
+        coverage: None,
     };
     Settings {
         sources: (0..SOURCES).map(source).collect(),
@@ -40,6 +42,8 @@ fn settings(targets: usize) -> Settings {
         life: LifeSettings::default(),
         rule: RuleSettings::default(),
         process_noise_m2ps3: 1.0,
+        registration: RegistrationSettings::default(),
+        consistency: true,
         refresh_ns: None,
         refresh_delay_ns: 0,
     }
@@ -87,7 +91,9 @@ fn per_report(criterion: &mut Criterion) {
                 (next / u64::from(SOURCES)) % u64::from(targets),
             );
             let second = next as f64 / f64::from(targets) / f64::from(SOURCES);
-            engine.take(&report(source, target as u32, side, second), &mut |_| published += 1);
+            engine.take(&report(source, target as u32, side, second), &mut |_: &SystemTrack| {
+                published += 1
+            });
             next += 1;
         };
         for _ in 0..5 * targets * u32::from(SOURCES) {

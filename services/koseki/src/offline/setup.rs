@@ -24,7 +24,7 @@ pub(crate) struct Setup<'a> {
 /// What `--config` names.
 enum Given {
     Deployment(Box<Config>),
-    Offline(Offline),
+    Offline(Box<Offline>),
 }
 
 impl<'a> Setup<'a> {
@@ -38,7 +38,7 @@ impl<'a> Setup<'a> {
         }
         let given = match &input.config {
             Some(path) => given(path)?,
-            None => Given::Offline(Offline::default()),
+            None => Given::Offline(Box::default()),
         };
         let survey = Survey::of(&input.tracks)?;
         let (sensor_ids, settings) = match given {
@@ -99,7 +99,7 @@ fn given(path: &Path) -> anyhow::Result<Given> {
     Ok(if is_deployment {
         Given::Deployment(Box::new(Config::parse(path, &text, &[])?))
     } else {
-        Given::Offline(Offline::parse(path, &text)?)
+        Given::Offline(Box::new(Offline::parse(path, &text)?))
     })
 }
 

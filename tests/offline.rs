@@ -1,0 +1,398 @@
+//! `koseki fuse`, `koseki simulate` and `koseki compare` as a user calls them: files in, files out, and what is refused.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+const HEADER: &str = "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,P02,P03,P04,P05,P11,P12,P13,P14,P15,\
+                      P22,P23,P24,P25,P33,P34,P35,P44,P45,P55,state";
+const VARIANCES: &str = "100,0,0,0,0,0,100,0,0,0,0,100,0,0,0,4,0,0,4,0,4";
+
+/// A folder to work in.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// Names of the files that are there.
+    fn names(&self) -> BTreeSet<String> {
+        let entries = fs::read_dir(self.0.path()).unwrap();
+        entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect()
+    }
+
+    /// Runs `koseki` in the folder, with arguments apart by blanks.
+    fn run(&self, arguments: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_koseki"))
+            .args(arguments.split_whitespace())
+            .current_dir(self.0.path())
+            .output()
+            .unwrap()
+    }
+
+    /// What it prints where it succeeds: standard output, standard error.
+    fn succeed(&self, arguments: &str) -> (String, String) {
+        let output = self.run(arguments);
+        assert!(output.status.success(), "{arguments}: {output:?}");
+        let text = |octets| String::from_utf8(octets).unwrap();
+        (text(output.stdout), text(output.stderr))
+    }
+
+    fn json(&self, arguments: &str) -> Value {
+        serde_json::from_str(&self.succeed(arguments).0).unwrap()
+    }
+
+    /// The one line with which a call is refused.
+    fn refusal(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {output:?}");
+        assert!(output.stdout.is_empty(), "{output:?}");
+        let line = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(line.lines().count(), 1, "{line}");
+        line
+    }
+}
+
+/// Reports of one sensor: targets fly east at 100 m/s, 20 km apart; the last report is at or before 30 s.
+fn sensor(id: u32, period_s: f64, phase_s: f64) -> String {
+    let mut text = format!("{HEADER}\n");
+    let mut time_s = phase_s;
+    while time_s <= 30.0 {
+        for target in 0..3 {
+            let (x, y) = (100.0 * time_s, 20e3 * f64::from(target));
+            text += &format!("{time_s},{id},{target},{x},{y},3000,100,0,0,{VARIANCES},confirmed\n");
+        }
+        time_s += period_s;
+    }
+    text
+}
+
+fn truth() -> String {
+    let mut text = "time_s,target_id,x,y,z,vx,vy,vz\n".to_owned();
+    for second in 0..=30 {
+        for target in 0..3 {
+            text += &format!("{second},{target},{},{},3000,100,0,0\n", 100 * second, 20_000 * target);
+        }
+    }
+    text
+}
+
+/// Two sensors, 7 and 9, in a file each, and the truth.
+fn two_sensors() -> Folder {
+    let folder = Folder::new();
+    folder.write("a.csv", &sensor(7, 2.0, 0.25));
+    folder.write("b.csv", &sensor(9, 4.0, 1.5));
+    folder.write("truth.csv", &truth());
+    folder
+}
+
+/// The values of a column.
+fn column(text: &str, name: &str) -> Vec<String> {
+    let mut lines = text.lines();
+    let place = lines.next().unwrap().split(',').position(|found| found == name);
+    let place = place.unwrap_or_else(|| panic!("no column {name}"));
+    lines
+        .map(|line| line.split(',').nth(place).unwrap().to_owned())
+        .collect()
+}
+
+#[test]
+fn fusing_gives_a_row_per_live_track_at_whole_multiples_to_the_end_of_the_data() {
+    let folder = two_sensors();
+    let found = folder.json("fuse --tracks a.csv b.csv --refresh 1 --out fused.csv --json");
+    assert_eq!(found["rows_refused"], 0);
+    let fused = folder.read("fused.csv");
+    let header = fused.lines().next().unwrap();
+    assert!(
+        header.starts_with(
+            "time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,"
+        ),
+        "{header}"
+    );
+    let times = column(&fused, "time_s");
+    assert!(times.iter().all(|time| time.parse::<u32>().is_ok()), "{times:?}");
+    // The last report is of 29.5 s.
+    assert_eq!(times.last().unwrap(), "30");
+    let states: BTreeSet<_> = column(&fused, "state").into_iter().collect();
+    assert!(
+        states
+            .iter()
+            .all(|state| ["confirmed", "coasted"].contains(&state.as_str()))
+    );
+    // No track twice at one time, and all three targets at the end.
+    let ids = column(&fused, "system_track_id");
+    let pairs: BTreeSet<_> = times.iter().zip(&ids).collect();
+    assert_eq!(pairs.len(), times.len());
+    assert_eq!(times.iter().filter(|time| *time == "30").count(), 3);
+    // Sources have the ids of the files.
+    assert_eq!(column(&fused, "sources").last().unwrap(), "7|9");
+    let score = folder.json("score --truth truth.csv --tracks fused.csv --json");
+    assert_eq!((&score["system_tracks"], &score["id_switches"]), (&3.into(), &0.into()));
+    assert!(score["rmse_pos"].as_f64().unwrap() < 1.0, "{score}");
+    assert!(score["nees_pos"].as_f64().unwrap() < 0.1, "the errors are 0: {score}");
+}
+
+#[test]
+fn without_a_refresh_time_there_is_a_row_per_update() {
+    let folder = two_sensors();
+    let found = folder.json("fuse --tracks b.csv a.csv --out fused.csv --json");
+    let fused = folder.read("fused.csv");
+    assert_eq!(found["rows"], fused.lines().count() - 1);
+    assert_eq!(found["reports"].as_u64(), Some(45 + 24));
+    let times: BTreeSet<_> = column(&fused, "time_s").into_iter().collect();
+    assert!(times.contains("0.25") && times.contains("29.5"), "{times:?}");
+}
+
+#[test]
+fn the_same_files_give_the_same_bytes() {
+    let folder = two_sensors();
+    let mut both = sensor(7, 2.0, 0.25);
+    both.push_str(sensor(9, 4.0, 1.5).split_once('\n').unwrap().1);
+    let (header, rows) = both.split_once('\n').unwrap();
+    let mut rows: Vec<&str> = rows.lines().collect();
+    rows.sort_by(|one, other| {
+        let time = |row: &str| row.split(',').next().unwrap().parse::<f64>().unwrap();
+        time(one).total_cmp(&time(other))
+    });
+    folder.write("both.csv", &format!("{header}\n{}\n", rows.join("\n")));
+    folder.succeed("fuse --tracks a.csv b.csv --refresh 0.5 --out one.csv --explain why.csv");
+    folder.succeed("fuse --tracks b.csv a.csv --refresh 0.5 --out two.csv --explain why_two.csv");
+    folder.succeed("fuse --tracks both.csv --refresh 0.5 --out three.csv");
+    assert_eq!(folder.read("one.csv"), folder.read("two.csv"));
+    assert_eq!(folder.read("one.csv"), folder.read("three.csv"));
+    assert_eq!(folder.read("why.csv"), folder.read("why_two.csv"));
+    let decisions = column(&folder.read("why.csv"), "decision");
+    assert_eq!(decisions.iter().filter(|word| *word == "started").count(), 3);
+    assert_eq!(decisions.iter().filter(|word| *word == "joined").count(), 3);
+}
+
+#[test]
+fn rows_that_cannot_be_used_are_left_out_counted_and_named() {
+    let folder = two_sensors();
+    folder.succeed("fuse --tracks a.csv --refresh 1 --out good.csv");
+    let good = folder.read("a.csv");
+    let row = |time: &str, x: &str, state: &str| format!("{time},7,1,{x},0,0,0,0,0,{VARIANCES},{state}\n");
+    let mut lines = good.lines();
+    let mut text = format!("{}\n", lines.next().unwrap());
+    for (place, line) in lines.enumerate() {
+        text += &format!("{line}\n");
+        match place {
+            5 => text += &row("0.25", "0", "confirmed"),
+            8 => text += &row("4.25", "NaN", "confirmed"),
+            9 => text += &row("6.25", "5", "lost"),
+            10 => text += "6.25,7\n",
+            // Far beyond the rows after it: they are right, not this one.
+            11 => text += &row("90000", "0", "confirmed"),
+            _ => {}
+        }
+    }
+    folder.write("bad.csv", &text);
+    let found = folder.json("fuse --tracks bad.csv --refresh 1 --out fused.csv --json");
+    assert_eq!(found["rows_refused"], 5);
+    let refused = serde_json::json!({"column state": 1, "column x": 1, "number of values": 1, "order of time": 2});
+    assert_eq!(found["refused"], refused);
+    let first = found["first_refused"].to_string();
+    for expected in [
+        "bad.csv: line 8, column time_s: 0.25 is before 2.25",
+        "column x: \\\"NaN\\\" is not finite",
+        "column state: \\\"lost\\\" is no state",
+        "2 values, but the header names",
+        "90000 is far beyond the rows around it",
+    ] {
+        assert!(first.contains(expected), "{expected}: {first}");
+    }
+    assert_eq!(
+        folder.read("good.csv"),
+        folder.read("fused.csv"),
+        "the others are fused as ever"
+    );
+    let (_, said) = folder.succeed("fuse --tracks bad.csv --out fused.csv");
+    assert!(said.contains("left out: 5 rows") && said.contains("sensor 7"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_fused_is_refused_in_one_line_and_nothing_is_written() {
+    let folder = two_sensors();
+    folder.write("other.csv", "time_s,x\n1,2\n");
+    folder.write("header.csv", &format!("{HEADER}\n"));
+    folder.write("useless.csv", &format!("{HEADER}\n1,1,1\n"));
+    folder.write("wrong.toml", "[fusion]\nspeed = 1\n");
+    folder.write("twice.toml", "[[sensor]]\nid = 7\n[[sensor]]\nid = 7\n");
+    folder.write(
+        "range.toml",
+        "[[sensor]]\nid = 7\n\n[sensor.accuracy]\nsigma_m = -1.0\n",
+    );
+    folder.write(
+        "placeless.toml",
+        "[[sensor]]\nid = 7\n[sensor.coverage]\nrange_m = 5e3\n",
+    );
+    folder.write("deployment.toml", "name = \"x\"\n");
+    let before = folder.names();
+    for (arguments, expected) in [
+        ("--tracks gone.csv --out f.csv", "gone.csv: cannot be read"),
+        (
+            "--tracks other.csv --out f.csv",
+            "other.csv: header: column sensor_id is missing",
+        ),
+        (
+            "--tracks header.csv --out f.csv",
+            "no row can be used: the files have a header only",
+        ),
+        (
+            "--tracks useless.csv --out f.csv",
+            "line 2: 3 values, but the header names",
+        ),
+        ("--tracks a.csv a.csv --out f.csv", "names a.csv twice"),
+        ("--tracks a.csv --out a.csv", "--out a.csv is an input"),
+        (
+            "--tracks a.csv --out f.csv --explain a.csv",
+            "--explain a.csv is an input",
+        ),
+        ("--tracks a.csv --out f.csv --explain f.csv", "name two"),
+        (
+            "--tracks a.csv --out f.csv --rule best",
+            "there is no such rule; there are ",
+        ),
+        ("--tracks a.csv --out f.csv --refresh 0", "more than 0"),
+        ("--tracks a.csv --out f.csv --refresh 7200", "between 0.001 and 3600"),
+        ("--tracks a.csv", "--out <FILE>"),
+        (
+            "--tracks a.csv --config wrong.toml --out f.csv",
+            "wrong.toml:2: unknown field `speed`",
+        ),
+        (
+            "--tracks a.csv --config twice.toml --out f.csv",
+            "twice.toml:4: sensor[1].id: 7 is the id of an earlier",
+        ),
+        (
+            "--tracks a.csv --config range.toml --out f.csv",
+            "range.toml:5: sensor[0].accuracy.sigma_m: -1: must",
+        ),
+        (
+            "--tracks a.csv --config placeless.toml --out f.csv",
+            "placeless.toml:4: sensor[0].coverage.range_m: depends",
+        ),
+        (
+            "--tracks a.csv --config deployment.toml --out f.csv",
+            "deployment.toml:1: missing field",
+        ),
+    ] {
+        let line = folder.refusal(&format!("fuse {arguments}"));
+        assert!(line.contains(expected), "{arguments}: {line}");
+    }
+    let output = folder.run("fuse --tracks a.csv --out nowhere/f.csv");
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert_eq!(folder.names(), before);
+}
+
+#[test]
+fn a_configuration_says_what_is_known_better() {
+    let folder = two_sensors();
+    let config = "[fusion.rule]\nname = \"best-source\"\nreference_source = \"main\"\n\
+                  [[sensor]]\nid = 9\nname = \"main\"\nperiod_s = 3.5\n[sensor.accuracy]\nsigma_m = 1.0\n\
+                  [sensor.coverage]\npolygon_m = [[-9e4, -9e4], [9e4, -9e4], [0, 9e4]]\n";
+    folder.write("sensors.toml", config);
+    let found = folder.json("fuse --tracks a.csv b.csv --config sensors.toml --refresh 1 --out fused.csv --json");
+    assert_eq!(found["rule"], "best-source");
+    let sensors = found["sensors"].as_array().unwrap();
+    let shown: Vec<_> = sensors
+        .iter()
+        .map(|sensor| (&sensor["name"], sensor["period_s"].as_f64()))
+        .collect();
+    assert_eq!(shown, [(&"7".into(), Some(2.0)), (&"main".into(), Some(3.5))]);
+}
+
+#[test]
+fn a_simulation_is_the_same_for_the_same_seed_and_can_be_fused() {
+    let folder = Folder::new();
+    let files = [
+        "truth.csv",
+        "sensor_tracks_1.csv",
+        "sensor_tracks_4.csv",
+        "detections_1.csv",
+        "detections_4.csv",
+    ];
+    for (name, seed) in [("one", 3), ("two", 3), ("other", 4)] {
+        folder.succeed(&format!("simulate --scenario demo --seed {seed} --for 20 --out {name}"));
+    }
+    for file in files {
+        let text = folder.read(&format!("one/{file}"));
+        assert!(text.lines().count() > 100, "{file}");
+        assert_eq!(text, folder.read(&format!("two/{file}")), "{file}");
+        assert_ne!(text, folder.read(&format!("other/{file}")), "{file}");
+    }
+    // A detection is what was measured: of the sensor tracks' times, about as far from the truth as it says.
+    let detections = folder.read("one/detections_4.csv");
+    assert!(
+        detections.starts_with("time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz,truth_id")
+    );
+    let tracked: BTreeSet<_> = column(&folder.read("one/sensor_tracks_4.csv"), "time_s")
+        .into_iter()
+        .collect();
+    let detected = column(&detections, "time_s");
+    assert!(detected.iter().all(|time| tracked.contains(time)));
+    let found = folder.json(
+        "fuse --tracks one/sensor_tracks_1.csv one/sensor_tracks_2.csv one/sensor_tracks_3.csv one/sensor_tracks_4.csv \
+         --refresh 1 --out fused.csv --json",
+    );
+    assert_eq!(found["rows_refused"], 0, "rows are in the order of time: {found}");
+    let score = folder.json("score --truth one/truth.csv --tracks fused.csv --json");
+    assert!(score["completeness"].as_f64().unwrap() > 0.9, "{score}");
+    let line = folder.refusal("simulate --scenario rain --out rain");
+    assert!(line.contains("there are demo, en-route, dense"), "{line}");
+}
+
+#[test]
+fn a_comparison_has_a_row_per_rule_with_the_figures_of_fuse_and_score() {
+    let folder = two_sensors();
+    let rules: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name).collect();
+    let found = folder.json("compare --tracks a.csv b.csv --truth truth.csv --json");
+    let rows = found["rules"].as_array().unwrap();
+    assert_eq!(
+        rows.iter().map(|row| row["rule"].as_str().unwrap()).collect::<Vec<_>>(),
+        rules
+    );
+    for row in rows {
+        let rule = row["rule"].as_str().unwrap();
+        folder.succeed(&format!(
+            "fuse --tracks a.csv b.csv --rule {rule} --refresh 1 --out fused.csv"
+        ));
+        let score = folder.json("score --truth truth.csv --tracks fused.csv --json");
+        for word in [
+            "gospa",
+            "completeness",
+            "id_switches",
+            "breaks",
+            "spurious",
+            "system_tracks",
+        ] {
+            let (one, other) = (row[word].as_f64().unwrap(), score[word].as_f64().unwrap());
+            assert!((one - other).abs() < 0.01, "{rule}, {word}: {one} and {other}");
+        }
+    }
+    let (table, _) = folder.succeed("compare --tracks a.csv b.csv --markdown");
+    assert_eq!(table.lines().count(), 2 + rules.len());
+    assert!(table.starts_with("| rule | confirmed_tracks | hand_overs | rows | coasted | us_per_report |\n| --- |"));
+    let (table, _) = folder.succeed("compare --tracks a.csv b.csv --truth truth.csv");
+    assert_eq!(table.lines().count(), 1 + rules.len());
+    assert!(table.lines().next().unwrap().contains("nees_pos"), "{table}");
+}
