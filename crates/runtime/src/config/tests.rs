@@ -54,7 +54,7 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
         (
             "name = \"best-source\"",
             "name = \"beste-quelle\"",
-            "there are: best-source",
+            "there are: auto",
         ),
         (
             "\"21\" = \"0.23\"",
