@@ -18,7 +18,7 @@
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988); P. J. Huber, *Robust Statistics* (Wiley, 1981), for
 //! the weighing down.
 
-use estimation::{Gaussian, Matrix3, Matrix6, NearlyConstantVelocity, Vector6};
+use estimation::{Gaussian, Matrix3, NearlyConstantVelocity};
 use messages::{AXES, NS_PER_S};
 use nalgebra::{SMatrix, SVector};
 
@@ -108,7 +108,7 @@ impl Filter {
             scaled(noise, STEADY).predicted(&self.modes[0], seconds),
             noise.predicted(&self.modes[1], seconds),
         ];
-        self.estimate = mixture(&self.modes, &self.probability);
+        self.combine();
         self.time_ns = time_ns;
     }
 
@@ -118,13 +118,18 @@ impl Filter {
         let stay = [1.0 - leave[0], 1.0 - leave[1]];
         let [p, q] = self.probability;
         // Probability of each model afterwards, by where it comes from.
-        let [into_steady, into_turn] = [[p * stay[0], q * leave[1]], [p * leave[0], q * stay[1]]];
-        let [steady, turn] = [into_steady[0] + into_steady[1], into_turn[0] + into_turn[1]];
+        let steady = p * stay[0] + q * leave[1];
+        let turn = p * leave[0] + q * stay[1];
+        let [a, b] = &self.modes;
         self.modes = [
-            mixture(&self.modes, &into_steady.map(|part| part / steady)),
-            mixture(&self.modes, &into_turn.map(|part| part / turn)),
+            Gaussian::mixture(a, b, q * leave[1] / steady),
+            Gaussian::mixture(a, b, q * stay[1] / turn),
         ];
         self.probability = [steady, turn];
+    }
+
+    fn combine(&mut self) {
+        self.estimate = Gaussian::mixture(&self.modes[0], &self.modes[1], self.probability[1]);
     }
 
     /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement older
@@ -182,15 +187,14 @@ impl Filter {
         let mut likelihood = [0.0; MODES];
         for (mode, likelihood) in self.modes.iter_mut().zip(&mut likelihood) {
             let own = mode.update_position(z, r)?;
-            let sigmas = own.covariance_m2.cholesky()?.l_dirty().diagonal();
-            *likelihood = -0.5 * own.squared_distance - sigmas.map(f64::ln).sum();
+            *likelihood = -0.5 * (own.squared_distance + own.log_determinant);
         }
         // Only the difference matters, and a huge one must not become 0/0.
         let ratio = (likelihood[1] - likelihood[0]).clamp(-50.0, 50.0).exp();
         let turn = self.probability[1] * ratio / (self.probability[0] + self.probability[1] * ratio);
         let turn = turn.clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
         self.probability = [1.0 - turn, turn];
-        self.estimate = mixture(&self.modes, &self.probability);
+        self.combine();
         let after = self.estimate.covariance.fixed_view::<D, D>(0, 0);
         let kept: f64 = (after[(0, 0)] + after[(1, 1)]) / (before[(0, 0)] + before[(1, 1)]);
         innovation.gain = (1.0 - kept).clamp(0.0, 1.0);
@@ -215,18 +219,6 @@ impl Filter {
 fn scaled(noise: &NearlyConstantVelocity, factor: f64) -> NearlyConstantVelocity {
     NearlyConstantVelocity {
         density_m2ps3: noise.density_m2ps3.map(|density| density * factor),
-    }
-}
-
-/// Mean and covariance of a mixture of two states.
-fn mixture(modes: &[Gaussian; MODES], weights: &[f64; MODES]) -> Gaussian {
-    let [a, b] = modes;
-    let [p, q] = *weights;
-    let difference: Vector6 = a.mean - b.mean;
-    let spread: Matrix6 = difference * difference.transpose() * (p * q);
-    Gaussian {
-        mean: a.mean * p + b.mean * q,
-        covariance: a.covariance * p + b.covariance * q + spread,
     }
 }
 
