@@ -123,7 +123,7 @@ impl Search<'_> {
     /// Fresh sources of a system track, as bits.
     pub(crate) fn sources_of(&self, system: SystemSlot, now_ns: i64) -> u64 {
         self.fresh_primaries(system, now_ns)
-            .fold(0, |bits, member| bits | 1 << self.sensors.get(member).latest.source)
+            .fold(0, |bits, member| bits | 1 << self.sensors.get(member).source)
     }
 
     /// Calls `visit` with every system track near a report.
@@ -214,20 +214,19 @@ impl Search<'_> {
     /// The fresh primary of `source` in `system`, other than `own`.
     pub(crate) fn speaker(&self, system: SystemSlot, source: u16, own: SensorSlot, now_ns: i64) -> Option<SensorSlot> {
         self.fresh_primaries(system, now_ns)
-            .find(|member| *member != own && self.sensors.get(*member).latest.source == source)
+            .find(|member| *member != own && self.sensors.get(*member).source == source)
     }
 
     /// The sensor tracks that contribute to `system` at `now_ns`.
     pub(crate) fn fresh_primaries(&self, system: SystemSlot, now_ns: i64) -> impl Iterator<Item = SensorSlot> {
         self.systems.members(self.sensors, system).filter(move |member| {
             let entry = self.sensors.get(*member);
-            entry.role == Role::Primary && self.is_fresh(&entry.latest, now_ns)
+            entry.role == Role::Primary && self.is_fresh(entry.source, entry.time_ns, now_ns)
         })
     }
 
-    pub(crate) fn is_fresh(&self, report: &SensorTrack, now_ns: i64) -> bool {
-        let fresh_ns = self.settings.sources[usize::from(report.source)].fresh_ns;
-        now_ns - report.time_of_measurement_ns <= fresh_ns
+    fn is_fresh(&self, source: u16, time_ns: i64, now_ns: i64) -> bool {
+        now_ns - time_ns <= self.settings.sources[usize::from(source)].fresh_ns
     }
 
     /// Whether the source has made enough of its track for it to be compared with others.
@@ -257,7 +256,7 @@ impl Search<'_> {
         theirs.is_none_or(|z| z <= ceiling(report.source))
             && height.is_none_or(|z| {
                 self.fresh_primaries(system, report.time_of_measurement_ns)
-                    .all(|member| z <= ceiling(self.sensors.get(member).latest.source))
+                    .all(|member| z <= ceiling(self.sensors.get(member).source))
             })
     }
 }

@@ -5,19 +5,21 @@
 //! `feeding` feeds the system filter and learns from it, `life` confirms, coasts and ends, `publishing` weighs and tells.
 
 use estimation::{Gaussian, NearlyConstantVelocity};
-use messages::{Counter, NS_PER_S, STATE_LEN, SensorTrack, TrackState};
+use messages::{AXES, Counter, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
 use crate::association_step::Search;
 use crate::counts::Counts;
 use crate::existence::Coverage;
 use crate::explanation::Sink;
+use crate::measurement::{Measurement, as_reported, recovered_measurement, whole_report};
 use crate::registration::{Registration, SourceErrors};
 use crate::scan::Scans;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
 use crate::settings::{AccuracyBase, Settings, SettingsError};
-use crate::source_model::{Measurement, SourceModel};
+use crate::source_model::SourceModel;
 use crate::system_tracks::SystemTracks;
+use crate::weighing::Weighed;
 
 /// Time between two looks at what was learned of the sources, nanoseconds.
 const TICK_NS: i64 = 1_000_000_000;
@@ -46,6 +48,8 @@ pub struct Engine {
     /// Counts the changes of `keeps_points`: what was estimated before the last one is void.
     pub(crate) points_epoch: u32,
     next_tick_ns: Option<i64>,
+    /// Room to weigh one system track; taken out meanwhile.
+    pub(crate) weighed: Option<Box<Weighed>>,
     /// No entry is left unlooked-at for longer than this, so that its deadline can be put off but never missed.
     pub(crate) shortest_fresh_ns: i64,
     /// The next whole multiple of the refresh time; `None` before the first report, and where reports refresh.
@@ -77,6 +81,7 @@ impl Engine {
             keeps_points: false,
             points_epoch: 0,
             next_tick_ns: None,
+            weighed: Some(Box::default()),
             shortest_fresh_ns: settings.sources.iter().map(|source| source.fresh_ns).min().unwrap_or(1),
             next_refresh_ns: None,
             settings,
@@ -148,16 +153,19 @@ impl Engine {
             self.miss(report, sink);
             return;
         }
-        let Some((sensor, measurement)) = self.store(report) else {
+        // From here on it is what the source would have said without its known errors.
+        let mut report = *report;
+        let Some((sensor, measurement)) = self.store(&mut report) else {
             return;
         };
+        let report = &report;
         if report.state == TrackState::Terminated as u8 {
             self.counts.add(report.source, Counter::TracksEnded);
             self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
             return;
         }
         let before = self.sensors.get(sensor).system;
-        self.relate(sensor, sink);
+        self.relate(sensor, report, sink);
         if self.settings.association.scan_wait == 0.0 && self.sensors.get(sensor).waits {
             self.finish_scans(i64::MAX, sink);
             if before == NO_SYSTEM {
@@ -168,17 +176,13 @@ impl Engine {
         if system == NO_SYSTEM {
             return;
         }
-        let new_here = system != before;
         self.assign_role(sensor);
-        if self.sensors.get(sensor).role == Role::Primary {
-            let measurement = if new_here {
-                Some(self.whole_report(sensor))
-            } else {
-                measurement
-            };
-            self.contribute(sensor, measurement, sink);
-        } else {
+        if self.sensors.get(sensor).role != Role::Primary {
             self.counts.add(report.source, Counter::Duplicates);
+        } else if system == before {
+            self.contribute(sensor, report, measurement.as_ref(), sink);
+        } else {
+            self.contribute(sensor, report, Some(&whole_report(report)), sink);
         }
     }
 
@@ -196,44 +200,25 @@ impl Engine {
     }
 
     /// Stores the report in its sensor track's entry, a new one if need be (then not linked yet), with the source's known
-    /// errors removed. Also yields the measurement behind it.
-    fn store(&mut self, report: &SensorTrack) -> Option<(SensorSlot, Option<Measurement>)> {
+    /// errors removed from it. Also yields the measurement behind it.
+    fn store(&mut self, report: &mut SensorTrack) -> Option<(SensorSlot, Option<Measurement>)> {
         let earlier = self.earlier(report)?;
+        let measurement = self.measurement_behind(report, earlier);
         let index = usize::from(report.source);
-        let has_height = report.has(messages::sensor_track_bits::HEIGHT);
-        let raw = gaussian_of(report);
-        let measurement = match &earlier {
-            Some((_, before, seconds)) if *seconds > 0.0 => {
-                self.models[index].learn_noise(&before.covariance, &raw.covariance, *seconds, has_height);
-                self.models[index].measurement(Some((before, *seconds)), &raw, has_height)
-            }
-            _ => self.models[index].measurement(None, &raw, has_height),
-        };
-        let shift = self.registration.shift(
-            report.source,
-            report.position_m,
-            report.velocity_mps,
-            self.place_of(report.source),
-        );
-        let inflation = self.models[index].inflation();
-        let mut corrected = *report;
-        for axis in 0..messages::AXES {
-            corrected.position_m[axis] -= shift[axis];
+        let (shift_m, inflation) = (self.shift_of(report), self.models[index].inflation());
+        for (position, shift) in report.position_m.iter_mut().zip(shift_m) {
+            *position -= shift;
         }
         if inflation != 1.0 {
-            corrected
-                .covariance
-                .upper
-                .iter_mut()
-                .for_each(|value| *value *= inflation);
+            report.covariance.upper.iter_mut().for_each(|value| *value *= inflation);
         }
         let sensor = match earlier {
-            Some((sensor, ..)) => {
-                self.sensors.update(sensor, &corrected);
+            Some((sensor, _)) => {
+                self.sensors.update(sensor, report);
                 sensor
             }
             None => {
-                let inserted = self.sensors.insert(&corrected);
+                let inserted = self.sensors.insert(report);
                 if inserted.is_none() {
                     self.counts.add(report.source, Counter::TableFull);
                 }
@@ -241,7 +226,7 @@ impl Engine {
             }
         };
         let entry = self.sensors.get_mut(sensor);
-        entry.shift_m = shift;
+        entry.shift_m = shift_m;
         entry.inflation = inflation;
         entry.reports = entry.reports.saturating_add(1);
         entry.misses = 0;
@@ -250,25 +235,19 @@ impl Engine {
         self.sensors
             .qualities
             .push(sensor as usize, report.time_of_measurement_ns, period_ns, confirmed);
-        let measurement = measurement.map(|mut measurement| {
-            for axis in 0..messages::AXES {
-                measurement.position_m[axis] -= shift[axis];
-            }
-            measurement.covariance_m2 *= inflation;
-            measurement
-        });
-        Some((sensor, measurement))
+        Some((
+            sensor,
+            measurement.map(|measurement| measurement.corrected(shift_m, inflation)),
+        ))
     }
 
-    /// The entry of the report's sensor track with its latest state as the source gave it and how long ago that was;
-    /// `Some(None)` if there is no entry yet; `None` if the report is older.
-    #[allow(clippy::type_complexity)]
-    fn earlier(&mut self, report: &SensorTrack) -> Option<Option<(SensorSlot, Gaussian, f64)>> {
+    /// The entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there is no entry
+    /// yet; `None` if the report is older.
+    fn earlier(&mut self, report: &SensorTrack) -> Option<Option<(SensorSlot, f64)>> {
         let Some(sensor) = self.sensors.find(report.source, report.track_number) else {
             return Some(None);
         };
-        let entry = self.sensors.get(sensor);
-        let age_ns = report.time_of_measurement_ns - entry.latest.time_of_measurement_ns;
+        let age_ns = report.time_of_measurement_ns - self.sensors.get(sensor).time_ns;
         if age_ns < 0 {
             self.counts.add(report.source, Counter::OutOfOrder);
             return None;
@@ -278,7 +257,38 @@ impl Engine {
             self.drop_sensor_track(sensor);
             return Some(None);
         }
-        Some(Some((sensor, entry.as_reported(), age_ns as f64 / NS_PER_S)))
+        Some(Some((sensor, age_ns as f64 / NS_PER_S)))
+    }
+
+    /// The measurement that led from the sensor track's latest report, `earlier`, to this one.
+    fn measurement_behind(&mut self, report: &SensorTrack, earlier: Option<(SensorSlot, f64)>) -> Option<Measurement> {
+        let model = &mut self.models[usize::from(report.source)];
+        let Some((sensor, seconds)) = earlier.filter(|(_, seconds)| *seconds > 0.0) else {
+            return Some(as_reported(report));
+        };
+        let (looks, knows) = (model.looks_at_noise(), model.process_noise().is_some());
+        if !looks && !knows {
+            return Some(as_reported(report));
+        }
+        let has_height = report.has(sensor_track_bits::HEIGHT);
+        let (before, after) = (self.sensors.get(sensor).as_reported(), gaussian_of(report));
+        if looks {
+            model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
+        }
+        match model.process_noise() {
+            Some(noise) => recovered_measurement(&noise.predicted(&before, seconds), &after, report),
+            None => Some(as_reported(report)),
+        }
+    }
+
+    /// By how much the known errors of its source have moved a report, metres.
+    fn shift_of(&self, report: &SensorTrack) -> [f64; AXES] {
+        self.registration.shift(
+            report.source,
+            report.position_m,
+            report.velocity_mps,
+            self.place_of(report.source),
+        )
     }
 
     /// Where a source that measures range and azimuth stands.

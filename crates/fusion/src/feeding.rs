@@ -11,13 +11,16 @@ use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use crate::engine::Engine;
 use crate::explanation::{DecisionKind, Sink};
 use crate::filter::{Filter, Innovation};
+use crate::measurement::Measurement;
 use crate::registration::View;
 use crate::sensor_tracks::{Role, SensorSlot};
-use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, Measurement};
+use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE};
 use crate::system_tracks::SystemSlot;
 
 /// Innovations of one sensor track before their mean is used.
 const MEAN_REPORTS_MIN: u32 = 4;
+/// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly changes.
+const SPREAD_EVERY: u32 = 2;
 /// Innovations before a detection point is known well enough to be taken off.
 const POINT_REPORTS_MIN: u32 = 4;
 /// Smallest weight of a new innovation in the estimate of a detection point.
@@ -30,22 +33,27 @@ const REGISTRATION_EVERY: u32 = 8;
 
 impl Engine {
     /// Takes the contribution of a speaker whose report has just been stored. `measurement` is what it says that is new.
-    pub(crate) fn contribute(&mut self, sensor: SensorSlot, measurement: Option<Measurement>, sink: &mut impl Sink) {
-        let entry = self.sensors.get(sensor);
-        let (system, report) = (entry.system, entry.latest);
+    pub(crate) fn contribute(
+        &mut self,
+        sensor: SensorSlot,
+        report: &SensorTrack,
+        measurement: Option<&Measurement>,
+        sink: &mut impl Sink,
+    ) {
+        let system = self.sensors.get(sensor).system;
         if let Some(measurement) = measurement {
-            self.feed(sensor, &measurement, sink);
+            self.feed(sensor, measurement, sink);
         }
-        self.keep_alive(system, &report);
+        self.keep_alive(system, report);
         self.compare_sources(sensor);
-        self.judge_existence(system, &report, sink);
-        self.refresh(sensor, sink);
+        self.judge_existence(system, report, sink);
+        self.refresh(system, report, sink);
     }
 
     fn feed(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
         let (use_it, point_m, extra_m2) = self.reference_point(sensor, measurement, sink);
         let entry = self.sensors.get(sensor);
-        let (system, time_ns) = (entry.system, entry.latest.time_of_measurement_ns);
+        let (system, time_ns) = (entry.system, entry.time_ns);
         let mut relative = *measurement;
         for axis in 0..2 {
             relative.position_m[axis] -= point_m[axis];
@@ -96,7 +104,7 @@ impl Engine {
             entry.point = Default::default();
             entry.point.epoch = epoch;
         }
-        let (system, now_ns) = (entry.system, entry.latest.time_of_measurement_ns);
+        let (system, now_ns) = (entry.system, entry.time_ns);
         if !self.is_anchored(system, now_ns)
             && let Some(senior) = self.senior(system, now_ns)
         {
@@ -111,7 +119,7 @@ impl Engine {
         if point.is_reference {
             (true, [0.0; 2], 0.0)
         } else if point.reports >= POINT_REPORTS_MIN {
-            let variance = 0.5 * (measurement.covariance_m2[(0, 0)] + measurement.covariance_m2[(1, 1)]);
+            let variance = measurement.variance_m2();
             let course = self.systems.get(system).course;
             (
                 true,
@@ -175,8 +183,8 @@ impl Engine {
         innovation: &Innovation,
         measurement: &Measurement,
     ) {
-        let source = usize::from(self.sensors.get(sensor).latest.source);
         let entry = self.sensors.get_mut(sensor);
+        let source = usize::from(entry.source);
         let [xx, _, yy] = innovation.covariance_m2;
         let before = entry.residual_mean_m;
         let known = entry.residuals >= MEAN_REPORTS_MIN;
@@ -194,12 +202,13 @@ impl Engine {
         if self.settings.consistency && squared.is_finite() {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
         }
-        if self.systems.get(system).life == TrackState::Confirmed
+        let looks = self.sensors.get(sensor).residuals.is_multiple_of(SPREAD_EVERY);
+        if looks
+            && self.systems.get(system).life == TrackState::Confirmed
             && let Some((offset, noise_m2)) = self.offset(sensor)
         {
             let squared = offset[0] * offset[0] + offset[1] * offset[1];
-            let measured_m2 = 0.5 * (measurement.covariance_m2[(0, 0)] + measurement.covariance_m2[(1, 1)]);
-            self.models[source].learn_spread(squared, 2.0 * noise_m2, measured_m2);
+            self.models[source].learn_spread(squared, 2.0 * noise_m2, measurement.variance_m2());
         }
     }
 
@@ -207,13 +216,13 @@ impl Engine {
     /// variance per axis that noise explains. A turn moves all of them to the same side, a wrong join does not.
     fn offset(&self, sensor: SensorSlot) -> Option<([f64; 2], f64)> {
         let entry = self.sensors.get(sensor);
-        let (system, now_ns) = (entry.system, entry.latest.time_of_measurement_ns);
+        let (system, now_ns) = (entry.system, entry.time_ns);
         let suspected = |source: u16| self.registration.suspected_shift(source);
         let (mut sum, mut count, mut variance) = ([0.0; 2], 0.0, 0.0);
         for member in self.search().fresh_primaries(system, now_ns) {
             let other = self.sensors.get(member);
             if member != sensor && other.residuals >= MEAN_REPORTS_MIN {
-                let shift = suspected(other.latest.source);
+                let shift = suspected(other.source);
                 for axis in 0..2 {
                     sum[axis] += other.residual_mean_m[axis] - shift[axis];
                 }
@@ -224,7 +233,7 @@ impl Engine {
         if count == 0.0 || entry.residuals < MEAN_REPORTS_MIN {
             return None;
         }
-        let shift = suspected(entry.latest.source);
+        let shift = suspected(entry.source);
         let offset = std::array::from_fn(|axis| entry.residual_mean_m[axis] - shift[axis] - sum[axis] / count);
         let variance_m2 = MEAN_VARIANCE * (entry.residual_variance_m2 + variance / (count * count));
         Some((offset, variance_m2))
@@ -303,8 +312,8 @@ impl Engine {
         self.systems
             .members(&self.sensors, system)
             .map(|member| {
-                let latest = &self.sensors.get(member).latest;
-                latest.time_of_measurement_ns + self.settings.sources[usize::from(latest.source)].fresh_ns
+                let entry = self.sensors.get(member);
+                entry.time_ns + self.settings.sources[usize::from(entry.source)].fresh_ns
             })
             .max()
             .unwrap_or(i64::MIN)

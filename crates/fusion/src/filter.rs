@@ -22,7 +22,7 @@ use estimation::{Gaussian, Matrix3, NearlyConstantVelocity};
 use messages::{AXES, NS_PER_S};
 use nalgebra::{SMatrix, SVector};
 
-use crate::source_model::Measurement;
+use crate::measurement::Measurement;
 use crate::state::State;
 
 /// Normalised innovation squared beyond which a measurement is weighed down.

@@ -25,6 +25,7 @@ mod filter;
 mod history;
 mod life;
 mod linking;
+mod measurement;
 mod merger;
 mod publishing;
 pub mod quality;

@@ -6,13 +6,12 @@
 //! - it, or the whole system track it is in, keeps agreeing with another one that has none of its sources (one target
 //!   that was started twice).
 
-use messages::{Counter, TrackState};
+use messages::{Counter, SensorTrack, TrackState};
 
 use crate::engine::{Engine, gaussian_of};
 use crate::explanation::{Decision, DecisionKind, Sink};
 use crate::filter::Filter;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
-use crate::source_model::Measurement;
 use crate::system_tracks::{SystemEntry, SystemSlot};
 
 /// Time between two looks for a twin of one system track, nanoseconds.
@@ -20,11 +19,11 @@ const TWIN_EVERY_NS: i64 = 1_000_000_000;
 
 impl Engine {
     /// Finds out to which system track the sensor track belongs now.
-    pub(crate) fn relate(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
+    pub(crate) fn relate(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
         if self.sensors.get(sensor).system == NO_SYSTEM {
             self.place_new(sensor, sink);
         } else {
-            self.reconsider(sensor, sink);
+            self.reconsider(sensor, report, sink);
         }
     }
 
@@ -57,7 +56,7 @@ impl Engine {
         self.sensors.get_mut(sensor).share = 1.0;
         self.decide(sensor, DecisionKind::Started, f64::NAN, f64::NAN, sink);
         self.assign_role(sensor);
-        self.contribute(sensor, None, sink);
+        self.contribute(sensor, &report, None, sink);
     }
 
     /// Links an unlinked sensor track to `system`.
@@ -72,20 +71,9 @@ impl Engine {
         *first_seen = seen.min(*first_seen);
     }
 
-    /// What a sensor track knows of the position when it joins: everything, so far unused.
-    pub(crate) fn whole_report(&self, sensor: SensorSlot) -> Measurement {
-        let report = &self.sensors.get(sensor).latest;
-        Measurement {
-            position_m: report.position_m,
-            covariance_m2: crate::filter::position_block(&gaussian_of(report)),
-            has_height: report.has(messages::sensor_track_bits::HEIGHT),
-        }
-    }
-
     /// Whether the sensor track may stay where it is, and if not, where it goes.
-    fn reconsider(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        let entry = self.sensors.get(sensor);
-        let (report, system) = (entry.latest, entry.system);
+    fn reconsider(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
+        let system = self.sensors.get(sensor).system;
         let mine = report
             .identity
             .address()
@@ -280,14 +268,14 @@ impl Engine {
     /// One sensor track of a source speaks for it; it goes on doing so while it is fresh.
     pub(crate) fn assign_role(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
-        let (system, source, now_ns) = (entry.system, entry.latest.source, entry.latest.time_of_measurement_ns);
+        let (system, source, now_ns) = (entry.system, entry.source, entry.time_ns);
         if entry.role == Role::Primary || self.search().speaker(system, source, sensor, now_ns).is_some() {
             return;
         }
         let mut at = self.systems.get(system).members;
         while let Some(member) = at {
             let entry = self.sensors.get_mut(member);
-            if entry.latest.source == source {
+            if entry.source == source {
                 entry.role = Role::Duplicate;
             }
             at = entry.next;

@@ -8,24 +8,24 @@ use messages::{
 use crate::engine::Engine;
 use crate::explanation::{Decision, DecisionKind, Sink};
 use crate::rules;
-use crate::sensor_tracks::SensorSlot;
 use crate::settings::AccuracyBase;
 use crate::system_tracks::SystemSlot;
 use crate::weighing::{Weighed, Weigher};
 
 impl Engine {
     /// A report of a speaker has been taken: unless states come at uniform times, its system track is weighed anew.
-    pub(crate) fn refresh(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        let entry = self.sensors.get(sensor);
-        let (system, report) = (entry.system, entry.latest);
+    pub(crate) fn refresh(&mut self, system: SystemSlot, report: &SensorTrack, sink: &mut impl Sink) {
         let time_ns = self.systems.get(system).state.time_ns;
         let reference_ns = time_ns.max(report.time_of_measurement_ns);
         if self.settings.refresh_ns.is_none() {
-            self.weigh(system, reference_ns, Some(&report), sink);
-        } else if self.learns(report.source) {
+            self.weigh(system, reference_ns, Some(report), sink);
+        } else if self.learns(report.source)
+            && let Some(mut weighed) = self.weighed.take()
+        {
             // A report teaches once, however often its system track is weighed.
-            let weighed = self.weigher().weigh(system, reference_ns);
+            self.weigher().weigh(system, reference_ns, &mut weighed);
             self.learn(report.source, &weighed);
+            self.weighed = Some(weighed);
         }
     }
 
@@ -52,9 +52,27 @@ impl Engine {
     /// Weighs the contributions to `system` at `reference_ns`, stores what comes out and hands it to `sink`. `cause` is
     /// the report that made it necessary.
     fn weigh(&mut self, system: SystemSlot, reference_ns: i64, cause: Option<&SensorTrack>, sink: &mut impl Sink) {
-        let weighed = self.weigher().weigh(system, reference_ns);
-        if let Some(report) = cause {
-            self.learn(report.source, &weighed);
+        let Some(mut weighed) = self.weighed.take() else {
+            return;
+        };
+        self.weigher().weigh(system, reference_ns, &mut weighed);
+        self.store_weighed(system, reference_ns, cause, &weighed, sink);
+        sink.track(&self.message(system, cause, Some(&weighed)));
+        self.weighed = Some(weighed);
+    }
+
+    fn store_weighed(
+        &mut self,
+        system: SystemSlot,
+        reference_ns: i64,
+        cause: Option<&SensorTrack>,
+        weighed: &Weighed,
+        sink: &mut impl Sink,
+    ) {
+        if let Some(report) = cause
+            && self.learns(report.source)
+        {
+            self.learn(report.source, weighed);
         }
         for (share, candidate) in weighed.shares().iter().zip(weighed.candidates()) {
             if share.trace_unusable {
@@ -82,11 +100,10 @@ impl Engine {
         if weighed.state.is_none() && entry.life == TrackState::Confirmed {
             self.systems.set_life(system, TrackState::Coasted);
         }
-        if last != chosen && last != rules::NO_SOURCE {
+        if last != chosen && last != rules::NO_SOURCE && !self.settings.rule.rule.from_filter {
             self.counts.add(chosen, Counter::HandOvers);
-            self.tell_hand_over(system, reference_ns, last, &weighed, sink);
+            self.tell_hand_over(system, reference_ns, last, weighed, sink);
         }
-        sink.track(&self.message(system, cause, Some(&weighed)));
     }
 
     fn tell_hand_over(&self, system: SystemSlot, time_ns: i64, last: u16, weighed: &Weighed, sink: &mut impl Sink) {

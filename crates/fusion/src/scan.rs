@@ -11,6 +11,7 @@ use messages::{Counter, TrackState};
 
 use crate::engine::Engine;
 use crate::explanation::{Decision, DecisionKind, Sink};
+use crate::measurement::whole_report;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::system_tracks::SystemSlot;
 
@@ -159,8 +160,8 @@ impl Engine {
                 );
                 self.assign_role(sensor);
                 if self.sensors.get(sensor).role == Role::Primary {
-                    let measurement = self.whole_report(sensor);
-                    self.contribute(sensor, Some(measurement), sink);
+                    let report = self.sensors.get(sensor).latest;
+                    self.contribute(sensor, &report, Some(&whole_report(&report)), sink);
                 }
             }
             Some((system, d2)) => self.vote_to_merge(sensor, system, d2, sink),

@@ -22,15 +22,28 @@ pub(crate) enum Role {
     Duplicate,
 }
 
-/// One live sensor track.
+/// One live sensor track. What every report of its system track's other members looks at comes first, in one line of the
+/// cache.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
 pub(crate) struct SensorEntry {
-    pub(crate) latest: SensorTrack,
-    pub(crate) role: Role,
+    /// Time of `latest`, nanoseconds.
+    pub(crate) time_ns: i64,
+    /// Share in the estimate of the system track's filter.
+    pub(crate) share: f64,
+    /// Mean innovation of the system track's filter over the last reports (east, north), its variance per axis, and the
+    /// number of innovations so far.
+    pub(crate) residual_mean_m: [f64; 2],
+    pub(crate) residual_variance_m2: f64,
+    pub(crate) residuals: u32,
     /// System track it belongs to, or [`NO_SYSTEM`].
     pub(crate) system: u32,
     /// Next sensor track of the same system track.
     pub(crate) next: Option<SensorSlot>,
+    /// Source of `latest`.
+    pub(crate) source: u16,
+    pub(crate) role: Role,
+    pub(crate) latest: SensorTrack,
     /// Reports in a row that did not fit the rest of the system track.
     pub(crate) misfits: u32,
     /// Number of another system track that the last reports fitted, and how many in a row.
@@ -47,13 +60,6 @@ pub(crate) struct SensorEntry {
     pub(crate) misses: u32,
     /// Time of its first report, nanoseconds.
     pub(crate) started_ns: i64,
-    /// Share in the estimate of the system track's filter.
-    pub(crate) share: f64,
-    /// Innovations of the system track's filter so far, their mean over the last ones (east, north), and their variance
-    /// per axis.
-    pub(crate) residuals: u32,
-    pub(crate) residual_mean_m: [f64; 2],
-    pub(crate) residual_variance_m2: f64,
     /// Where on the target the source sees it.
     pub(crate) point: DetectionPoint,
 }
@@ -74,6 +80,8 @@ pub(crate) struct DetectionPoint {
 impl Default for SensorEntry {
     fn default() -> Self {
         Self {
+            time_ns: 0,
+            source: 0,
             latest: SensorTrack::default(),
             role: Role::Duplicate,
             system: NO_SYSTEM,
@@ -154,6 +162,8 @@ impl SensorTracks {
         self.histories.clear(slot as usize);
         self.qualities.clear(slot as usize);
         self.entries[slot as usize] = SensorEntry {
+            time_ns: report.time_of_measurement_ns,
+            source: report.source,
             latest: *report,
             started_ns: report.time_of_measurement_ns,
             ..SensorEntry::default()
@@ -164,7 +174,9 @@ impl SensorTracks {
 
     /// Stores a further report of the sensor track in `slot`.
     pub(crate) fn update(&mut self, slot: SensorSlot, report: &SensorTrack) {
-        self.entries[slot as usize].latest = *report;
+        let entry = &mut self.entries[slot as usize];
+        entry.latest = *report;
+        entry.time_ns = report.time_of_measurement_ns;
         self.histories.push(slot as usize, report);
     }
 

@@ -13,8 +13,7 @@
 //!
 //! Everything is tracked by medians that move by a bounded step, so that no single report can spoil them.
 
-use estimation::{Gaussian, Matrix6, NearlyConstantVelocity, Recovered, implied_noise, recovered};
-use messages::AXES;
+use estimation::{Matrix6, NearlyConstantVelocity, implied_noise};
 
 /// Median of chi-square with two degrees of freedom.
 const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
@@ -24,7 +23,8 @@ pub(crate) const MEAN_GAIN: f64 = 0.25;
 pub(crate) const MEAN_VARIANCE: f64 = MEAN_GAIN / (2.0 - MEAN_GAIN);
 /// Reports whose covariances must have implied a process noise before it is believed.
 const NOISE_SAMPLES_MIN: u32 = 8;
-/// After that, every how many reports one is looked at.
+/// Pairs of reports that are all looked at, and after that, every how many one is.
+const NOISE_SAMPLES_FIRST: u32 = 256;
 const NOISE_SAMPLE_EVERY: u32 = 64;
 /// Inflation below this is within what a consistent source shows by chance.
 const INFLATION_MIN: f64 = 1.3;
@@ -71,6 +71,7 @@ pub(crate) struct SourceModel {
     /// Share of the looked-at reports that came from a filter as [`estimation::implied_noise`] knows it.
     filtered_share: f64,
     looked_at: u32,
+    process_noise: Option<NearlyConstantVelocity>,
     log_inflation: f64,
     /// Mean over the last reports of whether they ask for more (1) or less (−1) inflation.
     inflation_trend: f64,
@@ -91,6 +92,7 @@ impl Default for SourceModel {
             vertical_noise: Median::default(),
             filtered_share: 0.5,
             looked_at: 0,
+            process_noise: None,
             log_inflation: 0.0,
             inflation_trend: 0.0,
             spread_ratio: Median::default(),
@@ -101,36 +103,20 @@ impl Default for SourceModel {
     }
 }
 
-/// A measurement that a report yields, of two or three axes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Measurement {
-    pub(crate) position_m: [f64; AXES],
-    /// (xx, xy, yy, xz, yz, zz), m².
-    pub(crate) covariance_m2: estimation::Matrix3,
-    pub(crate) has_height: bool,
-}
-
 impl SourceModel {
     /// The process noise of the source's own filter, if it is known.
     pub(crate) fn process_noise(&self) -> Option<NearlyConstantVelocity> {
-        let known = self.horizontal_noise.samples >= NOISE_SAMPLES_MIN && self.filtered_share > 0.5;
-        known.then(|| {
-            let horizontal = self.horizontal_noise.value();
-            let vertical = match self.vertical_noise.samples {
-                0 => horizontal,
-                _ => self.vertical_noise.value(),
-            };
-            NearlyConstantVelocity::new(horizontal, vertical)
-        })
+        self.process_noise
+    }
+
+    /// Whether the next pair of reports shall be learned from: the first ones, and a few now and then.
+    pub(crate) fn looks_at_noise(&mut self) -> bool {
+        self.looked_at = self.looked_at.wrapping_add(1);
+        self.looked_at < NOISE_SAMPLES_FIRST || self.looked_at.is_multiple_of(NOISE_SAMPLE_EVERY)
     }
 
     /// Learns from two successive reports of one sensor track.
     pub(crate) fn learn_noise(&mut self, before: &Matrix6, after: &Matrix6, seconds: f64, has_height: bool) {
-        self.looked_at = self.looked_at.wrapping_add(1);
-        let settled = self.horizontal_noise.samples >= 4 * NOISE_SAMPLES_MIN;
-        if settled && !self.looked_at.is_multiple_of(NOISE_SAMPLE_EVERY) {
-            return;
-        }
         let implied = |axis| implied_noise(before, after, seconds, axis);
         let horizontal = [implied(0), implied(1)];
         for noise in horizontal.into_iter().flatten() {
@@ -141,38 +127,22 @@ impl SourceModel {
         }
         let filtered = f64::from(u8::from(horizontal.iter().all(Option::is_some)));
         self.filtered_share += (filtered - self.filtered_share) / 16.0;
-    }
-
-    /// The measurement behind `updated`, which followed `before` by `seconds` in the same sensor track.
-    ///
-    /// Where the source's filter cannot be undone, the report itself stands for the measurement: as it is if its
-    /// covariance shows no filter, with three times the covariance if it does (its errors persist over some reports).
-    pub(crate) fn measurement(
-        &self,
-        before: Option<(&Gaussian, f64)>,
-        updated: &Gaussian,
-        has_height: bool,
-    ) -> Option<Measurement> {
-        let noise = self.process_noise();
-        if let (Some((before, seconds)), Some(noise)) = (before, noise)
-            && seconds > 0.0
-        {
-            let predicted = noise.predicted(before, seconds);
-            return if is_one_update(&predicted, updated) {
-                recover(&predicted, updated, has_height)
-            } else {
-                Some(as_reported(updated, 3.0, has_height))
+        let known = self.horizontal_noise.samples >= NOISE_SAMPLES_MIN && self.filtered_share > 0.5;
+        self.process_noise = known.then(|| {
+            let horizontal = self.horizontal_noise.value();
+            let vertical = match self.vertical_noise.samples {
+                0 => horizontal,
+                _ => self.vertical_noise.value(),
             };
-        }
-        let smoothed = (0..2).any(|axis| {
-            let p = &updated.covariance;
-            p[(axis, axis + AXES)] > 0.2 * (p[(axis, axis)] * p[(axis + AXES, axis + AXES)]).sqrt()
+            NearlyConstantVelocity::new(horizontal, vertical)
         });
-        Some(as_reported(updated, if smoothed { 3.0 } else { 1.0 }, has_height))
     }
 
     /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.
     pub(crate) fn inflation(&self) -> f64 {
+        if self.log_inflation == 0.0 {
+            return 1.0;
+        }
         let inflation = self.log_inflation.exp();
         if inflation < INFLATION_MIN { 1.0 } else { inflation }
     }
@@ -224,48 +194,4 @@ impl SourceModel {
         let seen = f64::from(u8::from(seen));
         self.detection = (self.detection + (seen - self.detection) / 256.0).clamp(0.5, 0.98);
     }
-}
-
-/// Whether exactly one position measurement can have led from `predicted` to `updated`: it leaves the regression of
-/// velocity on position as it was.
-fn is_one_update(predicted: &Gaussian, updated: &Gaussian) -> bool {
-    (0..2).all(|axis| {
-        let slope = |p: &Matrix6| p[(axis, axis + AXES)] / p[(axis, axis)];
-        let (before, after) = (slope(&predicted.covariance), slope(&updated.covariance));
-        (before - after).abs() <= 0.1 * before.abs().max(after.abs())
-    })
-}
-
-fn as_reported(report: &Gaussian, factor: f64, has_height: bool) -> Measurement {
-    Measurement {
-        position_m: report.position_m(),
-        covariance_m2: report.covariance.fixed_view::<3, 3>(0, 0) * factor,
-        has_height,
-    }
-}
-
-fn recover(predicted: &Gaussian, updated: &Gaussian, has_height: bool) -> Option<Measurement> {
-    if has_height
-        && let Some(Recovered {
-            position_m,
-            covariance_m2,
-        }) = recovered::<3>(predicted, updated)
-    {
-        return Some(Measurement {
-            position_m: position_m.into(),
-            covariance_m2,
-            has_height: true,
-        });
-    }
-    let Recovered {
-        position_m,
-        covariance_m2,
-    } = recovered::<2>(predicted, updated)?;
-    let mut measurement = as_reported(updated, 1.0, false);
-    measurement.position_m[..2].copy_from_slice(position_m.as_slice());
-    measurement
-        .covariance_m2
-        .fixed_view_mut::<2, 2>(0, 0)
-        .copy_from(&covariance_m2);
-    Some(measurement)
 }

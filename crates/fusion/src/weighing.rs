@@ -20,7 +20,8 @@ pub(crate) struct Weigher<'a> {
     pub(crate) accuracies: &'a Accuracies,
 }
 
-/// What the rule has made of one system track; `len` entries of each array hold something.
+/// What the rule has made of one system track; `len` entries of each array hold something. Large, and so kept and filled
+/// anew for each system track.
 #[derive(Debug)]
 pub(crate) struct Weighed {
     members: [SensorSlot; CONTRIBUTIONS_MAX],
@@ -31,6 +32,19 @@ pub(crate) struct Weighed {
     pub(crate) state: Option<State>,
     /// What the rule will remember of the target.
     pub(crate) memory: Memory,
+}
+
+impl Default for Weighed {
+    fn default() -> Self {
+        Self {
+            members: [0; CONTRIBUTIONS_MAX],
+            candidates: [Candidate::default(); CONTRIBUTIONS_MAX],
+            shares: [Share::default(); CONTRIBUTIONS_MAX],
+            len: 0,
+            state: None,
+            memory: Memory::default(),
+        }
+    }
 }
 
 impl Weighed {
@@ -63,31 +77,54 @@ impl Weighed {
 
 impl Weigher<'_> {
     /// Weighs the contributions to `system` at `reference_ns`.
-    pub(crate) fn weigh(&self, system: SystemSlot, reference_ns: i64) -> Weighed {
+    pub(crate) fn weigh(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let entry = self.search.systems.get(system);
-        let mut weighed = Weighed {
-            members: [0; CONTRIBUTIONS_MAX],
-            candidates: [Candidate::default(); CONTRIBUTIONS_MAX],
-            shares: [Share::default(); CONTRIBUTIONS_MAX],
-            len: 0,
-            state: None,
-            memory: entry.memory,
-        };
-        self.gather(system, reference_ns, &mut weighed);
-        if weighed.len == 0 {
-            return weighed;
-        }
         let settings = self.search.settings;
+        weighed.len = 0;
+        weighed.state = None;
+        weighed.memory = entry.memory;
+        let mut filtered = None;
+        if settings.rule.rule.from_filter {
+            self.gather_shares(system, reference_ns, weighed);
+            filtered = Some(entry.filter.state_at(reference_ns, self.search.motion));
+        } else {
+            self.gather(system, reference_ns, weighed);
+        }
+        if weighed.len == 0 {
+            return;
+        }
         let target = Target {
             candidates: &weighed.candidates[..weighed.len],
             reference_ns,
-            filtered: entry.filter.state_at(reference_ns, self.search.motion),
+            filtered,
             last: entry.state,
             process_noise_m2ps3: settings.process_noise_m2ps3,
         };
         let shares = &mut weighed.shares[..weighed.len];
         weighed.state = rules::fuse(&settings.rule, &target, &mut weighed.memory, shares);
-        weighed
+    }
+
+    /// The contributions to `system` in the order of their sources, with nothing but their share in the filter.
+    fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+        let sensors = self.search.sensors;
+        for member in self
+            .search
+            .fresh_primaries(system, reference_ns)
+            .take(CONTRIBUTIONS_MAX)
+        {
+            let source = sensors.get(member).source;
+            let place = weighed
+                .members()
+                .partition_point(|other| sensors.get(*other).source < source);
+            weighed.len += 1;
+            weighed.members[place..weighed.len].rotate_right(1);
+            weighed.members[place] = member;
+        }
+        for (candidate, member) in weighed.candidates.iter_mut().zip(&weighed.members[..weighed.len]) {
+            let entry = sensors.get(*member);
+            candidate.source = entry.source;
+            candidate.filter_share = entry.share;
+        }
     }
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.

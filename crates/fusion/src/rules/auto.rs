@@ -16,5 +16,6 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "as system-filter; differences that persist are systematic errors or detection points, not noise",
     claims_consistency: true,
     keeps_points: true,
+    from_filter: true,
     fuse: system_filter::fuse,
 };

@@ -42,6 +42,9 @@ pub struct RuleEntry {
     pub claims_consistency: bool,
     /// Whether one point of each target is kept where the sources see different ones.
     pub keeps_points: bool,
+    /// Whether it takes its state from the target's filter: then of the candidates nothing but source and share is filled
+    /// in, and choosing another source is no hand-over.
+    pub from_filter: bool,
     /// Fills the weights of one share per candidate and returns the state at the candidates' common time.
     ///
     /// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of
@@ -99,8 +102,8 @@ pub struct Target<'a> {
     pub candidates: &'a [Candidate],
     /// The reference time, UTC, nanoseconds.
     pub reference_ns: i64,
-    /// The estimate of the target's filter at the reference time.
-    pub filtered: State,
+    /// The estimate of the target's filter at the reference time; for rules that take it from there.
+    pub filtered: Option<State>,
     /// The system track's state so far, at its own time.
     pub last: State,
     /// Spectral density of the white-noise acceleration of targets, m²/s³.
@@ -234,7 +237,7 @@ pub(crate) mod testing {
         Target {
             candidates,
             reference_ns: 0,
-            filtered: crate::state::combine(candidates, &vec![even; candidates.len()]),
+            filtered: Some(crate::state::combine(candidates, &vec![even; candidates.len()])),
             last: State::default(),
             process_noise_m2ps3: 1.0,
         }

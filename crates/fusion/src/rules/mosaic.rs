@@ -15,6 +15,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "the confirmed source that comes first in the list of the target's cell",
     assumption: "none: one source at a time, so correlation between sources does not matter",
     keeps_points: false,
+    from_filter: false,
     claims_consistency: false,
     fuse,
 };
@@ -50,7 +51,7 @@ mod tests {
         let target = Target {
             candidates,
             reference_ns: 0,
-            filtered: State::default(),
+            filtered: None,
             last: State {
                 position_m: place_m,
                 ..State::default()

@@ -14,6 +14,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, each with a weight proportional to its track's confirmed scans among the last N",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
+    from_filter: false,
     claims_consistency: false,
     fuse,
 };

@@ -18,6 +18,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "measurement errors are independent between sources and in time, once the sources' filters are undone",
     claims_consistency: true,
     keeps_points: false,
+    from_filter: true,
     fuse,
 };
 
@@ -39,5 +40,5 @@ pub(super) fn fuse(_: &RuleSettings, target: &Target<'_>, memory: &mut Memory, s
     if let Some((_, source)) = heaviest {
         memory.selected = [source; 3];
     }
-    Some(target.filtered)
+    target.filtered
 }

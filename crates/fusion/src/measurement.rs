@@ -1,0 +1,110 @@
+//! The measurement that a report yields: recovered from the sensor track where the source's filter can be undone, else the
+//! report itself.
+//!
+//! A report that comes from a filter which cannot be undone repeats what earlier ones said; its errors persist over some
+//! reports. Such a one stands for a measurement with three times its covariance. A covariance without correlation of
+//! position and velocity shows no filter: then the report is taken as it is.
+
+use estimation::{Gaussian, Matrix3, Recovered, recovered};
+use messages::{AXES, SensorTrack, sensor_track_bits};
+
+/// Factor on the covariance of reports from a filter that cannot be undone.
+const SMOOTHED: f64 = 3.0;
+/// Correlation of position and velocity that shows a filter.
+const FILTERED: f64 = 0.2;
+/// Difference of the regression of velocity on position that rounding explains.
+const SLOPE_TOLERANCE: f64 = 0.1;
+
+/// A measured position.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measurement {
+    /// East, north, up, metres.
+    pub(crate) position_m: [f64; AXES],
+    pub(crate) covariance_m2: Matrix3,
+    /// Whether height was observed; else the third axis says nothing.
+    pub(crate) has_height: bool,
+}
+
+impl Measurement {
+    /// Without the known errors of its source, and with as much uncertainty as it should have claimed.
+    pub(crate) fn corrected(mut self, shift_m: [f64; AXES], inflation: f64) -> Self {
+        for (position, shift) in self.position_m.iter_mut().zip(shift_m) {
+            *position -= shift;
+        }
+        if inflation != 1.0 {
+            self.covariance_m2 *= inflation;
+        }
+        self
+    }
+
+    /// Variance per horizontal axis, m².
+    pub(crate) fn variance_m2(&self) -> f64 {
+        0.5 * (self.covariance_m2[(0, 0)] + self.covariance_m2[(1, 1)])
+    }
+}
+
+/// All that a report knows of the position: what a sensor track that has just joined contributes.
+pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
+    Measurement {
+        position_m: report.position_m,
+        covariance_m2: Matrix3::from_fn(|row, column| report.covariance.get(row, column)),
+        has_height: report.has(sensor_track_bits::HEIGHT),
+    }
+}
+
+/// The report in place of a measurement.
+pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
+    let p = |row, column| report.covariance.get(row, column);
+    let filtered = (0..2).any(|axis| {
+        let velocity = axis + AXES;
+        p(axis, velocity) > FILTERED * (p(axis, axis) * p(velocity, velocity)).sqrt()
+    });
+    let mut measurement = whole_report(report);
+    if filtered {
+        measurement.covariance_m2 *= SMOOTHED;
+    }
+    measurement
+}
+
+/// The measurement that led from `predicted` to `updated`, the report's state.
+pub(crate) fn recovered_measurement(
+    predicted: &Gaussian,
+    updated: &Gaussian,
+    report: &SensorTrack,
+) -> Option<Measurement> {
+    if !is_one_update(predicted, updated) {
+        return Some(as_reported(report));
+    }
+    let mut measurement = whole_report(report);
+    if measurement.has_height
+        && let Some(Recovered {
+            position_m,
+            covariance_m2,
+        }) = recovered::<AXES>(predicted, updated)
+    {
+        measurement.position_m = position_m.into();
+        measurement.covariance_m2 = covariance_m2;
+        return Some(measurement);
+    }
+    let Recovered {
+        position_m,
+        covariance_m2,
+    } = recovered::<2>(predicted, updated)?;
+    measurement.has_height = false;
+    measurement.position_m[..2].copy_from_slice(position_m.as_slice());
+    measurement
+        .covariance_m2
+        .fixed_view_mut::<2, 2>(0, 0)
+        .copy_from(&covariance_m2);
+    Some(measurement)
+}
+
+/// Whether exactly one position measurement can have led from `predicted` to `updated`: it leaves the regression of
+/// velocity on position as it was.
+fn is_one_update(predicted: &Gaussian, updated: &Gaussian) -> bool {
+    (0..2).all(|axis| {
+        let slope = |p: &estimation::Matrix6| p[(axis, axis + AXES)] / p[(axis, axis)];
+        let (before, after) = (slope(&predicted.covariance), slope(&updated.covariance));
+        (before - after).abs() <= SLOPE_TOLERANCE * before.abs().max(after.abs())
+    })
+}
