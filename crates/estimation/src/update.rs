@@ -106,6 +106,7 @@ mod tests {
 
     use super::*;
     use crate::definite::is_positive_definite;
+    use crate::gaussian::Matrix6;
     use crate::motion::{AxisNoise, NearlyConstantVelocity};
     use crate::testing::any_gaussian;
 

@@ -91,7 +91,7 @@ impl Search<'_> {
     pub(crate) fn twin(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
         let entry = self.systems.get(own);
-        let state = entry.filter.at(now_ns, self.motion);
+        let state = entry.filter.full_at(now_ns, self.motion);
         let sources = self.sources_of(own, now_ns);
         let (mut best, mut second): (Option<(f64, SystemSlot)>, f64) = (None, f64::INFINITY);
         let reach = self.reach(&state);
@@ -105,7 +105,7 @@ impl Search<'_> {
                 if entry.identity.contradicts(&other.identity) && self.settings.association.use_identity {
                     return;
                 }
-                let theirs = other.filter.at(now_ns, self.motion);
+                let theirs = other.filter.full_at(now_ns, self.motion);
                 let heights = entry.filter.has_height && other.filter.has_height;
                 if let Some(d2) = self.compare(&state, &theirs, heights, self.spread_m2(None)) {
                     if best.is_none_or(|(least, slot)| (d2, system) < (least, slot)) {
@@ -156,7 +156,7 @@ impl Search<'_> {
             return None;
         }
         let filter = &self.systems.get(system).filter;
-        let other = filter.at(report.time_of_measurement_ns, self.motion);
+        let other = filter.full_at(report.time_of_measurement_ns, self.motion);
         let heights = filter.has_height && report.has(sensor_track_bits::HEIGHT);
         self.compare(state, &other, heights, self.spread_m2(Some(report.source)))
     }

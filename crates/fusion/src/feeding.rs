@@ -6,6 +6,7 @@
 //! target's course, and taken off their measurements; so all of them go on improving the position, and when the first
 //! source falls silent the point stays where it was.
 
+use estimation::PackedGaussian;
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::engine::Engine;
@@ -20,7 +21,7 @@ use crate::system_tracks::SystemSlot;
 /// Innovations of one sensor track before their mean is used.
 const MEAN_REPORTS_MIN: u32 = 4;
 /// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly changes.
-const SPREAD_EVERY: u32 = 2;
+const SPREAD_EVERY: u32 = 4;
 /// Innovations before a detection point is known well enough to be taken off.
 const POINT_REPORTS_MIN: u32 = 4;
 /// Smallest weight of a new innovation in the estimate of a detection point.
@@ -57,8 +58,9 @@ impl Engine {
         let mut relative = *measurement;
         for axis in 0..2 {
             relative.position_m[axis] -= point_m[axis];
-            relative.covariance_m2[(axis, axis)] += extra_m2;
         }
+        relative.covariance_m2[0] += extra_m2;
+        relative.covariance_m2[3] += extra_m2;
         let filter = &mut self.systems.get_mut(system).filter;
         let Some(mut innovation) = filter.take(&relative, time_ns, &self.motion, use_it) else {
             return;
@@ -135,7 +137,7 @@ impl Engine {
     fn begin_at(&mut self, sensor: SensorSlot, system: SystemSlot) {
         let report = self.sensors.get(sensor).latest;
         let has_height = report.has(sensor_track_bits::HEIGHT);
-        let state = crate::engine::gaussian_of(&report);
+        let state = PackedGaussian::new(report.position_m, report.velocity_mps, &report.covariance);
         self.systems.get_mut(system).filter = Filter::new(report.time_of_measurement_ns, state, has_height);
     }
 
@@ -202,7 +204,8 @@ impl Engine {
         if self.settings.consistency && squared.is_finite() {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
         }
-        let looks = self.sensors.get(sensor).residuals.is_multiple_of(SPREAD_EVERY);
+        let looks =
+            !self.models[source].knows_spread_well() || self.sensors.get(sensor).residuals.is_multiple_of(SPREAD_EVERY);
         if looks
             && self.systems.get(system).life == TrackState::Confirmed
             && let Some((offset, noise_m2)) = self.offset(sensor)
@@ -300,7 +303,7 @@ impl Engine {
         View {
             source,
             position_m: state.position_m(),
-            covariance_m2: crate::filter::position_block(&state),
+            covariance_m2: state.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
             velocity_mps: state.velocity_mps(),
             has_height: entry.latest.has(sensor_track_bits::HEIGHT),
             place_m: self.place_of(source),

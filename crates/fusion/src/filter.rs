@@ -18,9 +18,8 @@
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988); P. J. Huber, *Robust Statistics* (Wiley, 1981), for
 //! the weighing down.
 
-use estimation::{Gaussian, Matrix3, NearlyConstantVelocity};
+use estimation::{AxisNoise, Gaussian, NearlyConstantVelocity, PackedGaussian, Symmetric3};
 use messages::{AXES, NS_PER_S};
-use nalgebra::{SMatrix, SVector};
 
 use crate::measurement::Measurement;
 use crate::state::State;
@@ -43,9 +42,9 @@ const PROBABILITY_MIN: f64 = 1e-3;
 pub(crate) struct Filter {
     pub(crate) time_ns: i64,
     /// All models together.
-    pub(crate) estimate: Gaussian,
+    pub(crate) estimate: PackedGaussian,
     pub(crate) has_height: bool,
-    modes: [Gaussian; MODES],
+    modes: [PackedGaussian; MODES],
     probability: [f64; MODES],
 }
 
@@ -61,7 +60,7 @@ pub(crate) struct Innovation {
 }
 
 impl Filter {
-    pub(crate) fn new(time_ns: i64, estimate: Gaussian, has_height: bool) -> Self {
+    pub(crate) fn new(time_ns: i64, estimate: PackedGaussian, has_height: bool) -> Self {
         Self {
             time_ns,
             estimate,
@@ -73,27 +72,36 @@ impl Filter {
 
     /// The estimate as rules and messages know states.
     pub(crate) fn state(&self) -> State {
-        State::of_gaussian(self.time_ns, &self.estimate, self.has_height)
+        State::of_estimate(self.time_ns, &self.estimate, self.has_height)
     }
 
     /// [`Self::at`], as rules and messages know states.
     pub(crate) fn state_at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> State {
-        State::of_gaussian(time_ns, &self.at(time_ns, noise), self.has_height)
+        State::of_estimate(time_ns, &self.at(time_ns, noise), self.has_height)
     }
 
     /// The estimate at `time_ns`, later or earlier; `noise` is that of manoeuvres.
-    pub(crate) fn at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> Gaussian {
+    pub(crate) fn at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> PackedGaussian {
         let ns = time_ns - self.time_ns;
         if ns == 0 {
             return self.estimate;
         }
         let factor = self.probability[0] * STEADY + self.probability[1];
-        scaled(noise, factor).predicted(&self.estimate, ns as f64 / NS_PER_S)
+        let seconds = ns as f64 / NS_PER_S;
+        self.estimate.moved(seconds, noise_over(noise, factor, seconds))
+    }
+
+    /// [`Self::at`] with a full matrix.
+    pub(crate) fn full_at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> Gaussian {
+        self.at(time_ns, noise).unpacked()
     }
 
     /// Whether its position is known better than the other's.
     pub(crate) fn is_surer_than(&self, other: &Self) -> bool {
-        let trace = |filter: &Self| filter.estimate.horizontal_trace_m2();
+        let trace = |filter: &Self| {
+            let [xx, _, _, yy, ..] = filter.estimate.position_covariance();
+            xx + yy
+        };
         trace(self) < trace(other)
     }
 
@@ -105,8 +113,8 @@ impl Filter {
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
         self.mix(seconds);
         self.modes = [
-            scaled(noise, STEADY).predicted(&self.modes[0], seconds),
-            noise.predicted(&self.modes[1], seconds),
+            self.modes[0].moved(seconds, noise_over(noise, STEADY, seconds)),
+            self.modes[1].moved(seconds, noise_over(noise, 1.0, seconds)),
         ];
         self.combine();
         self.time_ns = time_ns;
@@ -122,14 +130,14 @@ impl Filter {
         let turn = p * leave[0] + q * stay[1];
         let [a, b] = &self.modes;
         self.modes = [
-            Gaussian::mixture(a, b, q * leave[1] / steady),
-            Gaussian::mixture(a, b, q * stay[1] / turn),
+            PackedGaussian::mixture(a, b, q * leave[1] / steady),
+            PackedGaussian::mixture(a, b, q * stay[1] / turn),
         ];
         self.probability = [steady, turn];
     }
 
     fn combine(&mut self) {
-        self.estimate = Gaussian::mixture(&self.modes[0], &self.modes[1], self.probability[1]);
+        self.estimate = PackedGaussian::mixture(&self.modes[0], &self.modes[1], self.probability[1]);
     }
 
     /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement older
@@ -143,50 +151,44 @@ impl Filter {
     ) -> Option<Innovation> {
         self.advance(time_ns, noise);
         let late_s = (self.time_ns - time_ns) as f64 / NS_PER_S;
-        let mut z = SVector::<f64, AXES>::from(measurement.position_m);
-        let mut r = measurement.covariance_m2;
+        let (mut z, mut r) = (measurement.position_m, measurement.covariance_m2);
         if late_s > 0.0 {
-            z += self.estimate.mean.fixed_rows::<AXES>(AXES) * late_s;
-            r += self.estimate.covariance.fixed_view::<AXES, AXES>(AXES, AXES) * (late_s * late_s);
+            let velocity = self.estimate.velocity_mps();
+            for (z, velocity) in z.iter_mut().zip(velocity) {
+                *z += velocity * late_s;
+            }
+            for (r, spread) in r.iter_mut().zip(self.estimate.velocity_covariance()) {
+                *r += spread * late_s * late_s;
+            }
         }
         if measurement.has_height && !self.has_height {
-            self.begin_height(z[2], r[(2, 2)]);
+            self.begin_height(z[2], r[5]);
         }
         if measurement.has_height {
             self.update::<AXES>(z, r, use_it)
         } else {
-            let r = r.fixed_view::<2, 2>(0, 0).into_owned();
-            self.update::<2>(z.fixed_rows::<2>(0).into_owned(), r, use_it)
+            self.update::<2>(z, r, use_it)
         }
     }
 
-    fn update<const D: usize>(
-        &mut self,
-        z: SVector<f64, D>,
-        mut r: SMatrix<f64, D, D>,
-        use_it: bool,
-    ) -> Option<Innovation> {
-        let residual = z - self.estimate.mean.fixed_rows::<D>(0);
-        let before = self.estimate.covariance.fixed_view::<D, D>(0, 0).into_owned();
-        let s = before + r;
-        let squared = estimation::squared_length(&residual, &s);
-        if !squared.is_finite() {
-            return None;
-        }
+    fn update<const D: usize>(&mut self, z: [f64; AXES], mut r: Symmetric3, use_it: bool) -> Option<Innovation> {
+        let mut tried = self.estimate;
+        let expected = self.estimate.position_covariance();
+        let squared = tried.update_position::<D>(z, &r)?.squared_distance;
         let mut innovation = Innovation {
-            residual_m: [residual[0], residual[1]],
-            covariance_m2: [s[(0, 0)], s[(0, 1)], s[(1, 1)]],
+            residual_m: [z[0] - self.estimate.mean[0], z[1] - self.estimate.mean[1]],
+            covariance_m2: [expected[0] + r[0], expected[1] + r[1], expected[3] + r[3]],
             gain: 0.0,
         };
         if !use_it {
             return Some(innovation);
         }
         if squared > BLUNDER {
-            r *= squared / BLUNDER;
+            r.iter_mut().for_each(|value| *value *= squared / BLUNDER);
         }
         let mut likelihood = [0.0; MODES];
         for (mode, likelihood) in self.modes.iter_mut().zip(&mut likelihood) {
-            let own = mode.update_position(z, r)?;
+            let own = mode.update_position::<D>(z, &r)?;
             *likelihood = -0.5 * (own.squared_distance + own.log_determinant);
         }
         // Only the difference matters, and a huge one must not become 0/0.
@@ -195,9 +197,8 @@ impl Filter {
         let turn = turn.clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
         self.probability = [1.0 - turn, turn];
         self.combine();
-        let after = self.estimate.covariance.fixed_view::<D, D>(0, 0);
-        let kept: f64 = (after[(0, 0)] + after[(1, 1)]) / (before[(0, 0)] + before[(1, 1)]);
-        innovation.gain = (1.0 - kept).clamp(0.0, 1.0);
+        let after = self.estimate.position_covariance();
+        innovation.gain = (1.0 - (after[0] + after[3]) / (expected[0] + expected[3])).clamp(0.0, 1.0);
         Some(innovation)
     }
 
@@ -208,21 +209,19 @@ impl Filter {
         for estimate in self.modes.iter_mut().chain([&mut self.estimate]) {
             for (component, value, variance) in [(2, height_m, variance_m2), (5, 0.0, VERTICAL_SPEED_M2PS2)] {
                 estimate.mean[component] = value;
-                estimate.covariance.row_mut(component).fill(0.0);
-                estimate.covariance.column_mut(component).fill(0.0);
-                estimate.covariance[(component, component)] = variance;
+                for other in 0..messages::STATE_LEN {
+                    let (row, column) = (component.min(other), component.max(other));
+                    estimate.covariance.set(row, column, 0.0);
+                }
+                estimate.covariance.set(component, component, variance);
             }
         }
     }
 }
 
-fn scaled(noise: &NearlyConstantVelocity, factor: f64) -> NearlyConstantVelocity {
-    NearlyConstantVelocity {
-        density_m2ps3: noise.density_m2ps3.map(|density| density * factor),
-    }
-}
-
-/// Position block of a covariance.
-pub(crate) fn position_block(estimate: &Gaussian) -> Matrix3 {
-    estimate.covariance.fixed_view::<AXES, AXES>(0, 0).into_owned()
+/// White noise over `seconds`, `factor` times as strong as `noise`.
+fn noise_over(noise: &NearlyConstantVelocity, factor: f64, seconds: f64) -> [AxisNoise; AXES] {
+    noise
+        .density_m2ps3
+        .map(|density| AxisNoise::white(density * factor, seconds))
 }

@@ -6,9 +6,10 @@
 //! - it, or the whole system track it is in, keeps agreeing with another one that has none of its sources (one target
 //!   that was started twice).
 
+use estimation::PackedGaussian;
 use messages::{Counter, SensorTrack, TrackState};
 
-use crate::engine::{Engine, gaussian_of};
+use crate::engine::Engine;
 use crate::explanation::{Decision, DecisionKind, Sink};
 use crate::filter::Filter;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
@@ -45,7 +46,8 @@ impl Engine {
     pub(crate) fn start_system_track(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let report = self.sensors.get(sensor).latest;
         let has_height = report.has(messages::sensor_track_bits::HEIGHT);
-        let filter = Filter::new(report.time_of_measurement_ns, gaussian_of(&report), has_height);
+        let state = PackedGaussian::new(report.position_m, report.velocity_mps, &report.covariance);
+        let filter = Filter::new(report.time_of_measurement_ns, state, has_height);
         let deadline_ns = report.time_of_measurement_ns + self.shortest_fresh_ns;
         let Some(system) = self.systems.insert(filter, deadline_ns) else {
             self.counts.add(report.source, Counter::TableFull);

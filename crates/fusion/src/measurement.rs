@@ -5,7 +5,7 @@
 //! reports. Such a one stands for a measurement with three times its covariance. A covariance without correlation of
 //! position and velocity shows no filter: then the report is taken as it is.
 
-use estimation::{Gaussian, Matrix3, Recovered, recovered};
+use estimation::{Gaussian, Recovered, Symmetric3, recovered};
 use messages::{AXES, SensorTrack, sensor_track_bits};
 
 /// Factor on the covariance of reports from a filter that cannot be undone.
@@ -20,7 +20,7 @@ const SLOPE_TOLERANCE: f64 = 0.1;
 pub(crate) struct Measurement {
     /// East, north, up, metres.
     pub(crate) position_m: [f64; AXES],
-    pub(crate) covariance_m2: Matrix3,
+    pub(crate) covariance_m2: Symmetric3,
     /// Whether height was observed; else the third axis says nothing.
     pub(crate) has_height: bool,
 }
@@ -32,14 +32,14 @@ impl Measurement {
             *position -= shift;
         }
         if inflation != 1.0 {
-            self.covariance_m2 *= inflation;
+            self.covariance_m2.iter_mut().for_each(|value| *value *= inflation);
         }
         self
     }
 
     /// Variance per horizontal axis, m².
     pub(crate) fn variance_m2(&self) -> f64 {
-        0.5 * (self.covariance_m2[(0, 0)] + self.covariance_m2[(1, 1)])
+        0.5 * (self.covariance_m2[0] + self.covariance_m2[3])
     }
 }
 
@@ -47,7 +47,7 @@ impl Measurement {
 pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
     Measurement {
         position_m: report.position_m,
-        covariance_m2: Matrix3::from_fn(|row, column| report.covariance.get(row, column)),
+        covariance_m2: [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(row, column)| report.covariance.get(row, column)),
         has_height: report.has(sensor_track_bits::HEIGHT),
     }
 }
@@ -61,7 +61,7 @@ pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
     });
     let mut measurement = whole_report(report);
     if filtered {
-        measurement.covariance_m2 *= SMOOTHED;
+        measurement.covariance_m2.iter_mut().for_each(|value| *value *= SMOOTHED);
     }
     measurement
 }
@@ -83,7 +83,8 @@ pub(crate) fn recovered_measurement(
         }) = recovered::<AXES>(predicted, updated)
     {
         measurement.position_m = position_m.into();
-        measurement.covariance_m2 = covariance_m2;
+        let r = covariance_m2;
+        measurement.covariance_m2 = [r[(0, 0)], r[(0, 1)], r[(0, 2)], r[(1, 1)], r[(1, 2)], r[(2, 2)]];
         return Some(measurement);
     }
     let Recovered {
@@ -92,10 +93,8 @@ pub(crate) fn recovered_measurement(
     } = recovered::<2>(predicted, updated)?;
     measurement.has_height = false;
     measurement.position_m[..2].copy_from_slice(position_m.as_slice());
-    measurement
-        .covariance_m2
-        .fixed_view_mut::<2, 2>(0, 0)
-        .copy_from(&covariance_m2);
+    let r = covariance_m2;
+    measurement.covariance_m2 = [r[(0, 0)], r[(0, 1)], 0.0, r[(1, 1)], 0.0, 0.0];
     Some(measurement)
 }
 

@@ -169,6 +169,11 @@ impl SourceModel {
         self.spread_ratio.samples >= SPREAD_SAMPLES_MIN
     }
 
+    /// Whether so many were seen that each further one matters little.
+    pub(crate) fn knows_spread_well(&self) -> bool {
+        self.spread_ratio.samples >= 16 * SPREAD_SAMPLES_MIN
+    }
+
     /// Variance per axis of where this source's detection points lie on targets, m².
     pub(crate) fn spread_m2(&self) -> f64 {
         if !self.knows_spread() {

@@ -1,6 +1,6 @@
 //! A position, a velocity and their covariance, carried through time and combined.
 
-use estimation::Gaussian;
+use estimation::PackedGaussian;
 use messages::{AXES, CONTRIBUTIONS_MAX, Covariance, SensorTrack, sensor_track_bits};
 
 use crate::history::moved;
@@ -32,12 +32,12 @@ impl State {
         }
     }
 
-    pub(crate) fn of_gaussian(time_ns: i64, estimate: &Gaussian, has_height: bool) -> Self {
+    pub(crate) fn of_estimate(time_ns: i64, estimate: &PackedGaussian, has_height: bool) -> Self {
         Self {
             time_ns,
             position_m: estimate.position_m(),
             velocity_mps: estimate.velocity_mps(),
-            covariance: estimate.packed_covariance(),
+            covariance: estimate.covariance,
             has_height,
         }
     }

@@ -4,8 +4,8 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use association::Grid;
-use estimation::Gaussian;
-use messages::{Identity, NO_SOURCE, TrackState};
+use estimation::PackedGaussian;
+use messages::{Covariance, Identity, NO_SOURCE, TrackState};
 use rustc_hash::FxHashMap;
 
 use crate::filter::Filter;
@@ -59,11 +59,6 @@ pub(crate) struct SystemEntry {
     pub(crate) merged_into: u32,
 }
 
-const EMPTY: Gaussian = Gaussian {
-    mean: estimation::Vector6::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; 1])),
-    covariance: estimation::Matrix6::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; 6])),
-};
-
 impl SystemEntry {
     fn new(number: u32, life: TrackState, filter: Filter, fresh_until_ns: i64) -> Self {
         Self {
@@ -108,7 +103,8 @@ pub(crate) struct SystemTracks {
 
 impl SystemTracks {
     pub(crate) fn new(capacity: usize, cell_m: f64) -> Self {
-        let empty = SystemEntry::new(0, TrackState::Terminated, Filter::new(0, EMPTY, false), i64::MIN);
+        let nowhere = PackedGaussian::new([0.0; 3], [0.0; 3], &Covariance::default());
+        let empty = SystemEntry::new(0, TrackState::Terminated, Filter::new(0, nowhere, false), i64::MIN);
         Self {
             entries: vec![empty; capacity],
             free: (0..capacity as SystemSlot).rev().collect(),

@@ -113,12 +113,13 @@ impl Weigher<'_> {
             .take(CONTRIBUTIONS_MAX)
         {
             let source = sensors.get(member).source;
-            let place = weighed
-                .members()
-                .partition_point(|other| sensors.get(*other).source < source);
-            weighed.len += 1;
-            weighed.members[place..weighed.len].rotate_right(1);
+            let mut place = weighed.len;
+            while place > 0 && sensors.get(weighed.members[place - 1]).source > source {
+                weighed.members[place] = weighed.members[place - 1];
+                place -= 1;
+            }
             weighed.members[place] = member;
+            weighed.len += 1;
         }
         for (candidate, member) in weighed.candidates.iter_mut().zip(&weighed.members[..weighed.len]) {
             let entry = sensors.get(*member);

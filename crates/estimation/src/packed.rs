@@ -1,0 +1,256 @@
+//! The Gaussian state in the form of messages: six numbers and the upper triangle of the covariance.
+//!
+//! A filter that runs for every target at every report spends its time on moving numbers. Half of a covariance matrix
+//! repeats the other half; without it a state fits in four lines of the cache, and predicting, mixing and updating are a
+//! third of the work. The formulas are those of [`Gaussian`]; only where they leave their results differs.
+
+use messages::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
+
+use crate::gaussian::{packed, unpacked};
+use crate::{AxisNoise, Gaussian, Vector6};
+
+/// Symmetric 3×3 matrix: (xx, xy, xz, yy, yz, zz).
+pub type Symmetric3 = [f64; 6];
+
+/// Mean and covariance of a target's state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PackedGaussian {
+    /// (x, y, z, vx, vy, vz) in metres and metres per second.
+    pub mean: [f64; STATE_LEN],
+    /// Its covariance.
+    pub covariance: Covariance,
+}
+
+/// By how much a measured position differed from what was expected, and how much it was allowed to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PackedInnovation {
+    /// Squared statistical length: chi-square with as many degrees of freedom as axes were measured.
+    pub squared_distance: f64,
+    /// Logarithm of the determinant of its covariance.
+    pub log_determinant: f64,
+}
+
+/// Place of (row, column), row ≤ column, in the upper triangle of a 6×6 matrix.
+const fn at(row: usize, column: usize) -> usize {
+    row * STATE_LEN - row * (row + 1) / 2 + column
+}
+
+impl PackedGaussian {
+    /// From the fields of a message.
+    pub fn new(position_m: [f64; AXES], velocity_mps: [f64; AXES], covariance: &Covariance) -> Self {
+        let [x, y, z] = position_m;
+        let [vx, vy, vz] = velocity_mps;
+        Self {
+            mean: [x, y, z, vx, vy, vz],
+            covariance: *covariance,
+        }
+    }
+
+    /// With a full matrix.
+    pub fn unpacked(&self) -> Gaussian {
+        Gaussian {
+            mean: Vector6::from_column_slice(&self.mean),
+            covariance: unpacked(&self.covariance),
+        }
+    }
+
+    /// From a full matrix.
+    pub fn packed(gaussian: &Gaussian) -> Self {
+        Self {
+            mean: gaussian.mean.into(),
+            covariance: packed(&gaussian.covariance),
+        }
+    }
+
+    /// Position east, north, up, metres.
+    pub fn position_m(&self) -> [f64; AXES] {
+        [self.mean[0], self.mean[1], self.mean[2]]
+    }
+
+    /// Velocity east, north, up, metres per second.
+    pub fn velocity_mps(&self) -> [f64; AXES] {
+        [self.mean[3], self.mean[4], self.mean[5]]
+    }
+
+    /// Covariance of the position, m².
+    pub fn position_covariance(&self) -> Symmetric3 {
+        let p = &self.covariance.upper;
+        [p[at(0, 0)], p[at(0, 1)], p[at(0, 2)], p[at(1, 1)], p[at(1, 2)], p[at(2, 2)]]
+    }
+
+    /// Covariance of the velocity, m²/s².
+    pub fn velocity_covariance(&self) -> Symmetric3 {
+        let p = &self.covariance.upper;
+        [p[at(3, 3)], p[at(3, 4)], p[at(3, 5)], p[at(4, 4)], p[at(4, 5)], p[at(5, 5)]]
+    }
+
+    /// Moved along its velocity for `duration_s` seconds, with `noise` per axis: as [`Gaussian::moved`].
+    #[must_use]
+    pub fn moved(&self, duration_s: f64, noise: [AxisNoise; AXES]) -> Self {
+        let t = duration_s;
+        let mut moved = *self;
+        let (p, q) = (&self.covariance.upper, &mut moved.covariance.upper);
+        for row in 0..AXES {
+            moved.mean[row] += t * self.mean[row + AXES];
+            for column in row..AXES {
+                let velocity = p[at(row + AXES, column + AXES)];
+                let (cross, mirrored) = (p[at(row, column + AXES)], p[at(column, row + AXES)]);
+                q[at(row, column)] = p[at(row, column)] + t * (cross + mirrored) + t * t * velocity;
+                q[at(row, column + AXES)] = cross + t * velocity;
+                q[at(column, row + AXES)] = mirrored + t * velocity;
+            }
+        }
+        for (axis, noise) in noise.iter().enumerate() {
+            q[at(axis, axis)] += noise.position_m2;
+            q[at(axis, axis + AXES)] += noise.cross_m2ps;
+            q[at(axis + AXES, axis + AXES)] += noise.velocity_m2ps2;
+        }
+        moved
+    }
+
+    /// Mean and covariance of a mixture of two: `a` with probability `1 − weight_of_b`, else `b`.
+    pub fn mixture(a: &Self, b: &Self, weight_of_b: f64) -> Self {
+        let (q, p) = (weight_of_b, 1.0 - weight_of_b);
+        let mut mixture = *a;
+        let mut difference = [0.0; STATE_LEN];
+        for row in 0..STATE_LEN {
+            difference[row] = a.mean[row] - b.mean[row];
+            mixture.mean[row] = p * a.mean[row] + q * b.mean[row];
+        }
+        let (upper, of_a, of_b) = (&mut mixture.covariance.upper, &a.covariance.upper, &b.covariance.upper);
+        for place in 0..COVARIANCE_LEN {
+            upper[place] = p * of_a[place] + q * of_b[place];
+        }
+        for row in 0..STATE_LEN {
+            let spread = p * q * difference[row];
+            for column in row..STATE_LEN {
+                upper[at(row, column)] += spread * difference[column];
+            }
+        }
+        mixture
+    }
+
+    /// Updates with a measured position of covariance `r` in the first `D` axes: as [`Gaussian::update_position`].
+    ///
+    /// `None`, and no change, if the residual's covariance is not positive definite or a value not finite.
+    pub fn update_position<const D: usize>(
+        &mut self,
+        measured_m: [f64; AXES],
+        r: &Symmetric3,
+    ) -> Option<PackedInnovation> {
+        const { assert!(D == 2 || D == 3, "a position has two or three axes") };
+        let [rxx, rxy, rxz, ryy, ryz, rzz] = *r;
+        let p = self.position_covariance();
+        // S = L·Lᵀ, and for two axes nothing of the third.
+        let l00 = root(p[0] + rxx)?;
+        let l10 = (p[1] + rxy) / l00;
+        let l11 = root(p[3] + ryy - l10 * l10)?;
+        let (mut l20, mut l21, mut l22) = (0.0, 0.0, 1.0);
+        if D == 3 {
+            l20 = (p[2] + rxz) / l00;
+            l21 = (p[4] + ryz - l20 * l10) / l11;
+            l22 = root(p[5] + rzz - l20 * l20 - l21 * l21)?;
+        }
+        let (i0, i1, i2) = (1.0 / l00, 1.0 / l11, if D == 3 { 1.0 / l22 } else { 0.0 });
+        let forward = |b: [f64; AXES]| {
+            let x = b[0] * i0;
+            let y = (b[1] - l10 * x) * i1;
+            [x, y, (b[2] - l20 * x - l21 * y) * i2]
+        };
+        let whitened = forward([
+            measured_m[0] - self.mean[0],
+            measured_m[1] - self.mean[1],
+            measured_m[2] - self.mean[2],
+        ]);
+        let dot = |a: &[f64; AXES], b: &[f64; AXES]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let squared_distance = dot(&whitened, &whitened);
+        if !squared_distance.is_finite() {
+            return None;
+        }
+        let upper = &mut self.covariance.upper;
+        let rows: [[f64; AXES]; STATE_LEN] = [
+            forward([upper[at(0, 0)], upper[at(0, 1)], upper[at(0, 2)]]),
+            forward([upper[at(0, 1)], upper[at(1, 1)], upper[at(1, 2)]]),
+            forward([upper[at(0, 2)], upper[at(1, 2)], upper[at(2, 2)]]),
+            forward([upper[at(0, 3)], upper[at(1, 3)], upper[at(2, 3)]]),
+            forward([upper[at(0, 4)], upper[at(1, 4)], upper[at(2, 4)]]),
+            forward([upper[at(0, 5)], upper[at(1, 5)], upper[at(2, 5)]]),
+        ];
+        for row in 0..STATE_LEN {
+            self.mean[row] += dot(&rows[row], &whitened);
+            for column in row..STATE_LEN {
+                upper[at(row, column)] -= dot(&rows[row], &rows[column]);
+            }
+        }
+        Some(PackedInnovation {
+            squared_distance,
+            log_determinant: 2.0 * (l00 * l11 * l22).ln(),
+        })
+    }
+}
+
+/// √x of a positive number.
+fn root(x: f64) -> Option<f64> {
+    // Written so that NaN is refused.
+    if x > 0.0 { Some(x.sqrt()) } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::NearlyConstantVelocity;
+    use crate::testing::{any_gaussian, assert_close};
+
+    proptest! {
+        #[test]
+        fn everything_equals_the_full_form(
+            a in any_gaussian(), b in any_gaussian(), weight in 0.0..1.0f64, seconds in 0.0..20.0f64, density in 0.0..50.0f64,
+            sigma in 5.0..500.0f64, shift in -500.0..500.0f64,
+        ) {
+            let (packed_a, packed_b) = (PackedGaussian::packed(&a), PackedGaussian::packed(&b));
+            assert_close(&packed_a.unpacked(), &a);
+            let noise = [AxisNoise::white(density, seconds); AXES];
+            assert_close(&packed_a.moved(seconds, noise).unpacked(), &a.moved(seconds, noise));
+            let mixture = Gaussian::mixture(&a, &b, weight);
+            assert_close(&PackedGaussian::mixture(&packed_a, &packed_b, weight).unpacked(), &mixture);
+
+            let (xx, xy, yy) = (sigma * sigma, 0.3 * sigma * sigma, 2.0 * sigma * sigma);
+            let z = [a.mean[0] + shift, a.mean[1] - shift, a.mean[2] + 0.5 * shift];
+            let mut space = (a, packed_a);
+            let full = space.0.update_position(Vector3::from(z), Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, xx))
+                .expect("positive definite");
+            let short = space.1.update_position::<3>(z, &[xx, xy, 0.0, yy, 0.0, xx]).expect("positive definite");
+            assert_close(&space.1.unpacked(), &space.0);
+            prop_assert!((full.squared_distance - short.squared_distance).abs() < 1e-9 * (1.0 + full.squared_distance));
+            prop_assert!((full.log_determinant - short.log_determinant).abs() < 1e-9 * full.log_determinant.abs());
+
+            let mut plane = (a, packed_a);
+            plane.0.update_position(Vector2::new(z[0], z[1]), Matrix2::new(xx, xy, xy, yy)).expect("positive definite");
+            plane.1.update_position::<2>(z, &[xx, xy, 0.0, yy, 0.0, 0.0]).expect("positive definite");
+            assert_close(&plane.1.unpacked(), &plane.0);
+        }
+    }
+
+    #[test]
+    fn impossible_measurements_change_nothing() {
+        let start = PackedGaussian::packed(&NearlyConstantVelocity::new(1.0, 1.0).predicted(
+            &Gaussian {
+                mean: Vector6::zeros(),
+                covariance: crate::Matrix6::identity(),
+            },
+            1.0,
+        ));
+        for (z, r) in [
+            ([f64::NAN, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
+            ([0.0; 3], [-9.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
+            ([0.0; 3], [f64::NAN, 0.0, 0.0, 1.0, 0.0, 1.0]),
+        ] {
+            let mut state = start;
+            assert_eq!(state.update_position::<3>(z, &r), None);
+            assert_eq!(state, start);
+        }
+    }
+}
