@@ -75,13 +75,27 @@ impl PackedGaussian {
     /// Covariance of the position, m².
     pub fn position_covariance(&self) -> Symmetric3 {
         let p = &self.covariance.upper;
-        [p[at(0, 0)], p[at(0, 1)], p[at(0, 2)], p[at(1, 1)], p[at(1, 2)], p[at(2, 2)]]
+        [
+            p[at(0, 0)],
+            p[at(0, 1)],
+            p[at(0, 2)],
+            p[at(1, 1)],
+            p[at(1, 2)],
+            p[at(2, 2)],
+        ]
     }
 
     /// Covariance of the velocity, m²/s².
     pub fn velocity_covariance(&self) -> Symmetric3 {
         let p = &self.covariance.upper;
-        [p[at(3, 3)], p[at(3, 4)], p[at(3, 5)], p[at(4, 4)], p[at(4, 5)], p[at(5, 5)]]
+        [
+            p[at(3, 3)],
+            p[at(3, 4)],
+            p[at(3, 5)],
+            p[at(4, 4)],
+            p[at(4, 5)],
+            p[at(5, 5)],
+        ]
     }
 
     /// Moved along its velocity for `duration_s` seconds, with `noise` per axis: as [`Gaussian::moved`].
@@ -138,35 +152,13 @@ impl PackedGaussian {
         measured_m: [f64; AXES],
         r: &Symmetric3,
     ) -> Option<PackedInnovation> {
-        const { assert!(D == 2 || D == 3, "a position has two or three axes") };
-        let [rxx, rxy, rxz, ryy, ryz, rzz] = *r;
-        let p = self.position_covariance();
-        // S = L·Lᵀ, and for two axes nothing of the third.
-        let l00 = root(p[0] + rxx)?;
-        let l10 = (p[1] + rxy) / l00;
-        let l11 = root(p[3] + ryy - l10 * l10)?;
-        let (mut l20, mut l21, mut l22) = (0.0, 0.0, 1.0);
-        if D == 3 {
-            l20 = (p[2] + rxz) / l00;
-            l21 = (p[4] + ryz - l20 * l10) / l11;
-            l22 = root(p[5] + rzz - l20 * l20 - l21 * l21)?;
-        }
-        let (i0, i1, i2) = (1.0 / l00, 1.0 / l11, if D == 3 { 1.0 / l22 } else { 0.0 });
-        let forward = |b: [f64; AXES]| {
-            let x = b[0] * i0;
-            let y = (b[1] - l10 * x) * i1;
-            [x, y, (b[2] - l20 * x - l21 * y) * i2]
-        };
-        let whitened = forward([
-            measured_m[0] - self.mean[0],
-            measured_m[1] - self.mean[1],
-            measured_m[2] - self.mean[2],
-        ]);
-        let dot = |a: &[f64; AXES], b: &[f64; AXES]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let root = Root::<D>::of(&self.position_covariance(), r)?;
+        let whitened = root.whitened(self.residual(measured_m));
         let squared_distance = dot(&whitened, &whitened);
         if !squared_distance.is_finite() {
             return None;
         }
+        let forward = |b| root.whitened(b);
         let upper = &mut self.covariance.upper;
         let rows: [[f64; AXES]; STATE_LEN] = [
             forward([upper[at(0, 0)], upper[at(0, 1)], upper[at(0, 2)]]),
@@ -184,9 +176,84 @@ impl PackedGaussian {
         }
         Some(PackedInnovation {
             squared_distance,
-            log_determinant: 2.0 * (l00 * l11 * l22).ln(),
+            log_determinant: 2.0 * root.determinant().ln(),
         })
     }
+
+    /// Squared statistical length of the difference to a measured position of covariance `r` in the first `D` axes;
+    /// `None` if its covariance is not positive definite or a value not finite.
+    pub fn squared_distance<const D: usize>(&self, measured_m: [f64; AXES], r: &Symmetric3) -> Option<f64> {
+        let root = Root::<D>::of(&self.position_covariance(), r)?;
+        let whitened = root.whitened(self.residual(measured_m));
+        let squared = dot(&whitened, &whitened);
+        squared.is_finite().then_some(squared)
+    }
+
+    fn residual(&self, measured_m: [f64; AXES]) -> [f64; AXES] {
+        [
+            measured_m[0] - self.mean[0],
+            measured_m[1] - self.mean[1],
+            measured_m[2] - self.mean[2],
+        ]
+    }
+}
+
+/// L of S = L·Lᵀ, S being the covariance of a residual in two or three axes; with its diagonal inverted, since it is
+/// divided by again and again.
+struct Root<const D: usize> {
+    diagonal: [f64; AXES],
+    inverse: [f64; AXES],
+    l10: f64,
+    l20: f64,
+    l21: f64,
+}
+
+impl<const D: usize> Root<D> {
+    #[inline]
+    fn of(p: &Symmetric3, r: &Symmetric3) -> Option<Self> {
+        const { assert!(D == 2 || D == 3, "a position has two or three axes") };
+        let s = |place: usize| p[place] + r[place];
+        let l00 = root(s(0))?;
+        let l10 = s(1) / l00;
+        let l11 = root(s(3) - l10 * l10)?;
+        if D == 2 {
+            // Nothing of the third axis.
+            return Some(Self {
+                diagonal: [l00, l11, 1.0],
+                inverse: [1.0 / l00, 1.0 / l11, 0.0],
+                l10,
+                l20: 0.0,
+                l21: 0.0,
+            });
+        }
+        let l20 = s(2) / l00;
+        let l21 = (s(4) - l20 * l10) / l11;
+        let l22 = root(s(5) - l20 * l20 - l21 * l21)?;
+        Some(Self {
+            diagonal: [l00, l11, l22],
+            inverse: [1.0 / l00, 1.0 / l11, 1.0 / l22],
+            l10,
+            l20,
+            l21,
+        })
+    }
+
+    /// L⁻¹·b.
+    #[inline]
+    fn whitened(&self, b: [f64; AXES]) -> [f64; AXES] {
+        let x = b[0] * self.inverse[0];
+        let y = (b[1] - self.l10 * x) * self.inverse[1];
+        [x, y, (b[2] - self.l20 * x - self.l21 * y) * self.inverse[2]]
+    }
+
+    fn determinant(&self) -> f64 {
+        self.diagonal[0] * self.diagonal[1] * self.diagonal[2]
+    }
+}
+
+#[inline]
+fn dot(a: &[f64; AXES], b: &[f64; AXES]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// √x of a positive number.

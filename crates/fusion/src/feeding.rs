@@ -244,6 +244,13 @@ impl Engine {
 
     /// d² of a sensor track's offset from the others, in view of noise and of how far detection points lie apart.
     pub(crate) fn offset_from_others(&self, sensor: SensorSlot) -> Option<f64> {
+        // Of two that differ, one is at least half as far from the filter as they are from each other.
+        let entry = self.sensors.get(sensor);
+        let [east, north] = entry.residual_mean_m;
+        let gate = self.settings.association.keep_gate;
+        if 4.0 * (east * east + north * north) < gate * MEAN_VARIANCE * entry.residual_variance_m2 {
+            return Some(0.0);
+        }
         let (offset, noise_m2) = self.offset(sensor)?;
         let spread_m2 = self.search().spread_m2(None);
         Some((offset[0] * offset[0] + offset[1] * offset[1]) / (noise_m2 + 2.0 * spread_m2))

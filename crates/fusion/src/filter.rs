@@ -122,7 +122,7 @@ impl Filter {
 
     /// Targets may have begun or ended to manoeuvre in `seconds`.
     fn mix(&mut self, seconds: f64) {
-        let leave = DURATION_S.map(|duration| 1.0 - (-seconds / duration).exp());
+        let leave = DURATION_S.map(|duration| seconds / (seconds + duration));
         let stay = [1.0 - leave[0], 1.0 - leave[1]];
         let [p, q] = self.probability;
         // Probability of each model afterwards, by where it comes from.
@@ -172,9 +172,8 @@ impl Filter {
     }
 
     fn update<const D: usize>(&mut self, z: [f64; AXES], mut r: Symmetric3, use_it: bool) -> Option<Innovation> {
-        let mut tried = self.estimate;
         let expected = self.estimate.position_covariance();
-        let squared = tried.update_position::<D>(z, &r)?.squared_distance;
+        let squared = self.estimate.squared_distance::<D>(z, &r)?;
         let mut innovation = Innovation {
             residual_m: [z[0] - self.estimate.mean[0], z[1] - self.estimate.mean[1]],
             covariance_m2: [expected[0] + r[0], expected[1] + r[1], expected[3] + r[3]],

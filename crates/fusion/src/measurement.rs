@@ -47,7 +47,8 @@ impl Measurement {
 pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
     Measurement {
         position_m: report.position_m,
-        covariance_m2: [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(row, column)| report.covariance.get(row, column)),
+        covariance_m2: [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]
+            .map(|(row, column)| report.covariance.get(row, column)),
         has_height: report.has(sensor_track_bits::HEIGHT),
     }
 }
@@ -61,7 +62,10 @@ pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
     });
     let mut measurement = whole_report(report);
     if filtered {
-        measurement.covariance_m2.iter_mut().for_each(|value| *value *= SMOOTHED);
+        measurement
+            .covariance_m2
+            .iter_mut()
+            .for_each(|value| *value *= SMOOTHED);
     }
     measurement
 }

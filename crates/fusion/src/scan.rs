@@ -24,6 +24,8 @@ const PAIRS_MAX: usize = 4 * WAITING_MAX;
 #[derive(Debug)]
 pub(crate) struct Scans {
     waiting: Vec<Waiting>,
+    /// When the first scan that waits is complete, nanoseconds.
+    due_ns: i64,
     /// Taken out while a scan is being assigned.
     room: Option<Room>,
 }
@@ -52,6 +54,7 @@ impl Scans {
         };
         Self {
             waiting: (0..sources).map(|_| waiting()).collect(),
+            due_ns: i64::MAX,
             room: Some(Room {
                 pairs: Vec::with_capacity(PAIRS_MAX),
                 columns: Vec::with_capacity(PAIRS_MAX),
@@ -74,18 +77,30 @@ impl Engine {
         entry.waits = true;
         waiting.sensors.push(sensor);
         waiting.first_ns = waiting.first_ns.min(time_ns);
+        let complete_ns = self.complete_ns(usize::from(source));
+        self.scans.due_ns = self.scans.due_ns.min(complete_ns);
+    }
+
+    /// When the scan of a source that waits is complete.
+    fn complete_ns(&self, source: usize) -> i64 {
+        let wait_ns = self.settings.sources[source].period_ns as f64 * self.settings.association.scan_wait;
+        self.scans.waiting[source].first_ns.saturating_add(wait_ns as i64)
     }
 
     /// Assigns the scans that are complete at `now_ns`.
     pub(crate) fn finish_scans(&mut self, now_ns: i64, sink: &mut impl Sink) {
+        if now_ns <= self.scans.due_ns {
+            return;
+        }
         for source in 0..self.scans.waiting.len() {
-            let waiting = &self.scans.waiting[source];
-            let length_ns =
-                (self.settings.sources[source].period_ns as f64 * self.settings.association.scan_wait) as i64;
-            if !waiting.sensors.is_empty() && now_ns > waiting.first_ns.saturating_add(length_ns) {
+            if !self.scans.waiting[source].sensors.is_empty() && now_ns > self.complete_ns(source) {
                 self.assign_scan(source, sink);
             }
         }
+        let due_ns = (0..self.scans.waiting.len())
+            .map(|source| self.complete_ns(source))
+            .min();
+        self.scans.due_ns = due_ns.unwrap_or(i64::MAX);
     }
 
     fn assign_scan(&mut self, source: usize, sink: &mut impl Sink) {
