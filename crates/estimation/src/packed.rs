@@ -126,11 +126,8 @@ impl PackedGaussian {
     pub fn mixture(a: &Self, b: &Self, weight_of_b: f64) -> Self {
         let (q, p) = (weight_of_b, 1.0 - weight_of_b);
         let mut mixture = *a;
-        let mut difference = [0.0; STATE_LEN];
-        for row in 0..STATE_LEN {
-            difference[row] = a.mean[row] - b.mean[row];
-            mixture.mean[row] = p * a.mean[row] + q * b.mean[row];
-        }
+        let difference: [f64; STATE_LEN] = std::array::from_fn(|row| a.mean[row] - b.mean[row]);
+        mixture.mean = std::array::from_fn(|row| p * a.mean[row] + q * b.mean[row]);
         let (upper, of_a, of_b) = (&mut mixture.covariance.upper, &a.covariance.upper, &b.covariance.upper);
         for place in 0..COVARIANCE_LEN {
             upper[place] = p * of_a[place] + q * of_b[place];

@@ -45,6 +45,8 @@ pub struct Engine {
     pub(crate) motion: NearlyConstantVelocity,
     /// Whether the sources see different points of the targets, so that one must be kept.
     pub(crate) keeps_points: bool,
+    /// How far such points lie from the target's middle, as a variance per axis, m²; 0 where none is kept.
+    pub(crate) point_spread_m2: f64,
     /// Counts the changes of `keeps_points`: what was estimated before the last one is void.
     pub(crate) points_epoch: u32,
     next_tick_ns: Option<i64>,
@@ -79,6 +81,7 @@ impl Engine {
             scans: Scans::new(sources),
             motion: NearlyConstantVelocity::new(settings.process_noise_m2ps3, settings.process_noise_m2ps3),
             keeps_points: false,
+            point_spread_m2: 0.0,
             points_epoch: 0,
             next_tick_ns: None,
             weighed: Some(Box::default()),
@@ -332,6 +335,9 @@ impl Engine {
         const END: f64 = 1.0;
         let ratio = if self.keeps_points { END } else { BEGIN };
         let keep = self.settings.rule.rule.keeps_points && self.models.iter().any(|model| model.sees_points(ratio));
+        // One of several points, taken for the target's middle, is as far off as they are from each other.
+        let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
+        self.point_spread_m2 = if keep { spread_m2 } else { 0.0 };
         if keep != self.keeps_points {
             self.keeps_points = keep;
             self.points_epoch = self.points_epoch.wrapping_add(1);

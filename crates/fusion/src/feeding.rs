@@ -56,8 +56,8 @@ impl Engine {
         let entry = self.sensors.get(sensor);
         let (system, time_ns) = (entry.system, entry.time_ns);
         let mut relative = *measurement;
-        for axis in 0..2 {
-            relative.position_m[axis] -= point_m[axis];
+        for (position, point) in relative.position_m.iter_mut().zip(point_m) {
+            *position -= point;
         }
         relative.covariance_m2[0] += extra_m2;
         relative.covariance_m2[3] += extra_m2;
@@ -70,8 +70,8 @@ impl Engine {
         if speed > COURSE_SPEED_MIN_MPS {
             self.systems.get_mut(system).course = velocity.map(|part| part / speed);
         }
-        for axis in 0..2 {
-            innovation.residual_m[axis] += point_m[axis];
+        for (residual, point) in innovation.residual_m.iter_mut().zip(point_m) {
+            *residual += point;
         }
         self.share_out(sensor, system, innovation.gain);
         self.learn_point(sensor, system, &innovation);
@@ -172,8 +172,8 @@ impl Engine {
         let seen = to_body(innovation.residual_m, course);
         point.reports = point.reports.saturating_add(1);
         let gain = (1.0 / f64::from(point.reports)).max(POINT_GAIN_MIN);
-        for axis in 0..2 {
-            point.offset_m[axis] += gain * (seen[axis] - point.offset_m[axis]);
+        for (offset, seen) in point.offset_m.iter_mut().zip(seen) {
+            *offset += gain * (seen - *offset);
         }
     }
 
@@ -192,8 +192,8 @@ impl Engine {
         let known = entry.residuals >= MEAN_REPORTS_MIN;
         entry.residuals = entry.residuals.saturating_add(1);
         let gain = (1.0 / f64::from(entry.residuals)).max(MEAN_GAIN);
-        for axis in 0..2 {
-            entry.residual_mean_m[axis] += gain * (innovation.residual_m[axis] - before[axis]);
+        for (mean, residual) in entry.residual_mean_m.iter_mut().zip(innovation.residual_m) {
+            *mean += gain * (residual - *mean);
         }
         entry.residual_variance_m2 += gain * (0.5 * (xx + yy) - entry.residual_variance_m2);
         if !known {

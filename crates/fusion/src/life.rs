@@ -10,6 +10,11 @@ use crate::system_tracks::SystemSlot;
 /// Time between two looks, per system track, at which sources follow it, nanoseconds.
 const COVERAGE_EVERY_NS: i64 = 4_000_000_000;
 
+/// Periods that a source needs to find a target: its silence before says nothing.
+const CHANCE_PERIODS: i64 = 3;
+/// A source that follows fewer targets than this here need not be waited for.
+const FOLLOWS_SELDOM: f64 = 0.1;
+
 impl Engine {
     /// A report has come in: is there enough evidence now to show the system track?
     pub(crate) fn judge_existence(&mut self, system: SystemSlot, report: &SensorTrack, sink: &mut impl Sink) {
@@ -50,16 +55,25 @@ impl Engine {
             return (true, f64::from(established));
         }
         let entry = self.systems.get(system);
-        let silence = (0..self.settings.sources.len() as u16)
-            .filter(|source| sources & (1 << source) == 0 && self.may_see(*source, system))
-            .map(|source| (1.0 - self.coverage.follows(source, entry.filter.estimate.position_m())).ln())
-            .sum();
+        let age_ns = now_ns - entry.first_seen.0;
+        let (mut silence, mut had_their_chance) = (0.0, true);
+        for source in 0..self.settings.sources.len() as u16 {
+            if sources & (1 << source) == 0 && self.may_see(source, system) {
+                let follows = self.coverage.follows(source, entry.filter.estimate.position_m());
+                let period_ns = self.settings.sources[usize::from(source)].period_ns;
+                silence += (1.0 - follows).ln();
+                had_their_chance &= follows < FOLLOWS_SELDOM || age_ns >= CHANCE_PERIODS * period_ns;
+            }
+        }
         let claim = Claim {
             silence,
             reports,
             has_address: entry.identity.address().is_some(),
         };
-        (claim.is_believed(), claim.worth())
+        (
+            claim.is_believed() && (had_their_chance || claim.has_address),
+            claim.worth(),
+        )
     }
 
     /// Whether the target is not higher than the source can see.

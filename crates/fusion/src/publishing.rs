@@ -33,6 +33,7 @@ impl Engine {
         Weigher {
             search: self.search(),
             accuracies: &self.accuracies,
+            point_spread_m2: self.point_spread_m2,
         }
     }
 

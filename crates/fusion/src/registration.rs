@@ -387,8 +387,8 @@ mod tests {
         let registration = registered(None, [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
         for (source, expected) in [[-30.0, -17.3], [30.0, -17.3], [0.0, 34.7]].into_iter().enumerate() {
             let known = registration.of(source as u16);
-            for axis in 0..2 {
-                assert!((known.errors[axis] - expected[axis]).abs() < 3.0, "{source}: {known:?}");
+            for (axis, expected) in expected.into_iter().enumerate() {
+                assert!((known.errors[axis] - expected).abs() < 3.0, "{source}: {known:?}");
                 assert!(known.removed[axis], "{source}: {known:?}");
             }
             assert!(!known.removed[3], "no clock is wrong: {known:?}");

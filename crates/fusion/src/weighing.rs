@@ -4,7 +4,7 @@
 //! known of it besides (its accuracy value, age, quality index …) goes with it to the rule as a [`Candidate`]; the rule
 //! gives each its share and the state they yield together. Nothing is changed here: the engine stores what comes out.
 
-use messages::{CONTRIBUTIONS_MAX, TrackState, sensor_track_bits};
+use messages::{CONTRIBUTIONS_MAX, Covariance, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
 use crate::association_step::Search;
@@ -18,6 +18,8 @@ use crate::system_tracks::SystemSlot;
 pub(crate) struct Weigher<'a> {
     pub(crate) search: Search<'a>,
     pub(crate) accuracies: &'a Accuracies,
+    /// Variance per axis of where a target's reference point lies on it, m²; 0 where no point is kept.
+    pub(crate) point_spread_m2: f64,
 }
 
 /// What the rule has made of one system track; `len` entries of each array hold something. Large, and so kept and filled
@@ -86,7 +88,11 @@ impl Weigher<'_> {
         let mut filtered = None;
         if settings.rule.rule.from_filter {
             self.gather_shares(system, reference_ns, weighed);
-            filtered = Some(entry.filter.state_at(reference_ns, self.search.motion));
+            let mut state = entry.filter.state_at(reference_ns, self.search.motion);
+            for axis in 0..2 {
+                state.covariance.upper[Covariance::index(axis, axis)] += self.point_spread_m2;
+            }
+            filtered = Some(state);
         } else {
             self.gather(system, reference_ns, weighed);
         }
