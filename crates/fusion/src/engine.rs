@@ -43,7 +43,9 @@ pub struct Engine {
     pub(crate) scans: Scans,
     /// How targets move, as far as is known.
     pub(crate) motion: NearlyConstantVelocity,
-    /// Whether the sources see different points of the targets, so that one must be kept.
+    /// Whether the sources see different points of the targets.
+    sees_points: bool,
+    /// Whether they do and the rule keeps one per target.
     pub(crate) keeps_points: bool,
     /// How far such points lie from the target's middle, as a variance per axis, m²; 0 where none is kept.
     pub(crate) point_spread_m2: f64,
@@ -80,6 +82,7 @@ impl Engine {
             coverage: Coverage::new(areas, COVERAGE_CELLS, COVERAGE_CELL_M),
             scans: Scans::new(sources),
             motion: NearlyConstantVelocity::new(settings.process_noise_m2ps3, settings.process_noise_m2ps3),
+            sees_points: false,
             keeps_points: false,
             point_spread_m2: 0.0,
             points_epoch: 0,
@@ -133,6 +136,8 @@ impl Engine {
     pub fn advance(&mut self, now_ns: i64, sink: &mut impl Sink) {
         self.finish_scans(now_ns, sink);
         while let Some(refresh_ns) = self.refresh_due_before(now_ns) {
+            // What was reported up to the refresh time shall be in it.
+            self.finish_scans(i64::MAX, sink);
             self.meet_deadlines(refresh_ns + self.settings.refresh_delay_ns, sink);
             self.refresh_all(refresh_ns, sink);
         }
@@ -323,7 +328,7 @@ impl Engine {
             let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
             let models = &self.models;
             let known = |source: usize| models[source].knows_spread();
-            self.registration.tick(known, spread_m2, targets, self.keeps_points);
+            self.registration.tick(known, spread_m2, targets, self.sees_points);
         }
         self.look_at_points();
         self.look_at_motion();
@@ -333,8 +338,9 @@ impl Engine {
     fn look_at_points(&mut self) {
         const BEGIN: f64 = 2.0;
         const END: f64 = 1.0;
-        let ratio = if self.keeps_points { END } else { BEGIN };
-        let keep = self.settings.rule.rule.keeps_points && self.models.iter().any(|model| model.sees_points(ratio));
+        let ratio = if self.sees_points { END } else { BEGIN };
+        self.sees_points = self.models.iter().any(|model| model.sees_points(ratio));
+        let keep = self.sees_points && self.settings.rule.rule.keeps_points;
         // One of several points, taken for the target's middle, is as far off as they are from each other.
         let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
         self.point_spread_m2 = if keep { spread_m2 } else { 0.0 };
