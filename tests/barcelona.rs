@@ -5,13 +5,16 @@
 //! whoever reads the addresses knows which reports belong together, whether or not fusion was allowed to use them.
 
 mod common;
+#[path = "common/recordings.rs"]
+mod recordings;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use adapter::recording::Recording;
-use common::{Deployment, data_folder};
+use common::Deployment;
 use messages::{Counter, SensorTrack, TrackState};
+use recordings::data_folder;
 use runtime::config::{Config, Input};
 
 const S: i64 = 1_000_000_000;

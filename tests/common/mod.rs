@@ -1,6 +1,6 @@
-//! What tests of the executable share: a deployment of their own, and the recordings.
+//! What tests of the executable share: a deployment of their own.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 /// A place where a test's deployment lives, apart from every other one's.
@@ -47,18 +47,4 @@ impl Deployment {
         assert!(ours.is_empty(), "left in shared memory: {ours:?}");
         assert!(!root.path().exists(), "left behind: {}", root.path().display());
     }
-}
-
-/// The folder of the recordings, if it holds `part`; else says that the test is skipped.
-pub(crate) fn data_folder(part: &str) -> Option<PathBuf> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("KOSEKI_DATA").map_or(default, PathBuf::from);
-    if folder.join(part).is_dir() {
-        return Some(folder);
-    }
-    println!(
-        "skipped: no recordings at {} (set KOSEKI_DATA)",
-        folder.join(part).display()
-    );
-    None
 }

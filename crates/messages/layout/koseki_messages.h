@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SCHEMA UINT64_C(0x18093929a17cacd9) /* Every BatchHeader.schema must equal this. */
+#define KOSEKI_SCHEMA UINT64_C(0x533b03e17ac9c235) /* Every BatchHeader.schema must equal this. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
 #define KOSEKI_COUNTERS_MAX UINT64_C(0x40) /* Length of Health.counters. */
 #define KOSEKI_IDENTITY_ADDRESS UINT64_C(0x1) /* Bit of a flags or valid field. */
@@ -30,6 +30,12 @@
 #define KOSEKI_ALERT_MINIMUM_FUEL UINT64_C(0x20) /* Bit of a flags or valid field. */
 #define KOSEKI_ALERT_TRANSPONDER_ALERT UINT64_C(0x40) /* Bit of a flags or valid field. */
 #define KOSEKI_ALERT_RESOLUTION_ADVISORY UINT64_C(0x80) /* Bit of a flags or valid field. */
+#define KOSEKI_REGISTRATION_EAST UINT64_C(0x1) /* Bit of a flags or valid field. */
+#define KOSEKI_REGISTRATION_NORTH UINT64_C(0x2) /* Bit of a flags or valid field. */
+#define KOSEKI_REGISTRATION_UP UINT64_C(0x4) /* Bit of a flags or valid field. */
+#define KOSEKI_REGISTRATION_TIME UINT64_C(0x8) /* Bit of a flags or valid field. */
+#define KOSEKI_REGISTRATION_RANGE UINT64_C(0x10) /* Bit of a flags or valid field. */
+#define KOSEKI_REGISTRATION_AZIMUTH UINT64_C(0x20) /* Bit of a flags or valid field. */
 #define KOSEKI_STATE_TENTATIVE UINT64_C(0x0) /* Value of a state field. */
 #define KOSEKI_STATE_CONFIRMED UINT64_C(0x1) /* Value of a state field. */
 #define KOSEKI_STATE_COASTED UINT64_C(0x2) /* Value of a state field. */
@@ -181,6 +187,34 @@ static_assert(offsetof(KosekiSystemTrack, merged_into) == 816, "offset");
 static_assert(offsetof(KosekiSystemTrack, on_ground) == 820, "offset");
 static_assert(offsetof(KosekiSystemTrack, reserved) == 821, "offset");
 
+typedef struct KosekiRegistration {
+    double comparisons; /* Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known. */
+    double offset_m[3]; /* Estimated offset of the reports from the true positions (east, north, up), metres. */
+    double offset_sigma_m[3]; /* Standard deviations of the offset, metres. */
+    double time_offset_s; /* Estimated time offset, seconds; positive if the reports show where the target was earlier. */
+    double time_offset_sigma_s; /* Its standard deviation, seconds. */
+    double range_bias_m; /* Estimated range bias, metres. */
+    double range_bias_sigma_m; /* Its standard deviation, metres. */
+    double azimuth_bias_rad; /* Estimated azimuth bias, clockwise, radians. */
+    double azimuth_bias_sigma_rad; /* Its standard deviation, radians. */
+    double covariance_inflation; /* Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not. */
+    uint32_t removed; /* Which of the errors are being removed from the source's reports: `registration_bits`. */
+    uint32_t reserved; /* Reserved, 0. */
+} KosekiRegistration;
+static_assert(sizeof(KosekiRegistration) == 120, "size");
+static_assert(offsetof(KosekiRegistration, comparisons) == 0, "offset");
+static_assert(offsetof(KosekiRegistration, offset_m) == 8, "offset");
+static_assert(offsetof(KosekiRegistration, offset_sigma_m) == 32, "offset");
+static_assert(offsetof(KosekiRegistration, time_offset_s) == 56, "offset");
+static_assert(offsetof(KosekiRegistration, time_offset_sigma_s) == 64, "offset");
+static_assert(offsetof(KosekiRegistration, range_bias_m) == 72, "offset");
+static_assert(offsetof(KosekiRegistration, range_bias_sigma_m) == 80, "offset");
+static_assert(offsetof(KosekiRegistration, azimuth_bias_rad) == 88, "offset");
+static_assert(offsetof(KosekiRegistration, azimuth_bias_sigma_rad) == 96, "offset");
+static_assert(offsetof(KosekiRegistration, covariance_inflation) == 104, "offset");
+static_assert(offsetof(KosekiRegistration, removed) == 112, "offset");
+static_assert(offsetof(KosekiRegistration, reserved) == 116, "offset");
+
 typedef struct KosekiHealth {
     int64_t said_ns; /* When this was said, monotonic, nanoseconds. */
     uint64_t incarnation; /* Monotonic start time of the process, nanoseconds. */
@@ -194,8 +228,9 @@ typedef struct KosekiHealth {
     uint8_t name[32]; /* Name of the process, UTF-8, padded with zeros. */
     uint8_t note[56]; /* What is wrong, in a few words; empty if nothing is. UTF-8, padded with zeros. */
     uint64_t counters[64]; /* Values of the counters, indexed by `Counter`. */
+    KosekiRegistration registration; /* Systematic errors of the source, where fusion speaks of one. */
 } KosekiHealth;
-static_assert(sizeof(KosekiHealth) == 640, "size");
+static_assert(sizeof(KosekiHealth) == 760, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
 static_assert(offsetof(KosekiHealth, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiHealth, progress_ns) == 16, "offset");
@@ -208,6 +243,7 @@ static_assert(offsetof(KosekiHealth, reserved) == 36, "offset");
 static_assert(offsetof(KosekiHealth, name) == 40, "offset");
 static_assert(offsetof(KosekiHealth, note) == 72, "offset");
 static_assert(offsetof(KosekiHealth, counters) == 128, "offset");
+static_assert(offsetof(KosekiHealth, registration) == 640, "offset");
 
 typedef struct KosekiProgress {
     uint64_t consumer_incarnation; /* Monotonic start time of the consumer, nanoseconds: a restart shows as a new value. */

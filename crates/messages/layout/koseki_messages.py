@@ -5,7 +5,7 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SCHEMA = 0x18093929a17cacd9  # Every BatchHeader.schema must equal this.
+SCHEMA = 0x533b03e17ac9c235  # Every BatchHeader.schema must equal this.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
 COUNTERS_MAX = 0x40  # Length of Health.counters.
 IDENTITY_ADDRESS = 0x1  # Bit of a flags or valid field.
@@ -29,6 +29,12 @@ ALERT_MEDICAL = 0x10  # Bit of a flags or valid field.
 ALERT_MINIMUM_FUEL = 0x20  # Bit of a flags or valid field.
 ALERT_TRANSPONDER_ALERT = 0x40  # Bit of a flags or valid field.
 ALERT_RESOLUTION_ADVISORY = 0x80  # Bit of a flags or valid field.
+REGISTRATION_EAST = 0x1  # Bit of a flags or valid field.
+REGISTRATION_NORTH = 0x2  # Bit of a flags or valid field.
+REGISTRATION_UP = 0x4  # Bit of a flags or valid field.
+REGISTRATION_TIME = 0x8  # Bit of a flags or valid field.
+REGISTRATION_RANGE = 0x10  # Bit of a flags or valid field.
+REGISTRATION_AZIMUTH = 0x20  # Bit of a flags or valid field.
 STATE_TENTATIVE = 0x0  # Value of a state field.
 STATE_CONFIRMED = 0x1  # Value of a state field.
 STATE_COASTED = 0x2  # Value of a state field.
@@ -237,6 +243,42 @@ assert SystemTrack.on_ground.offset == 820
 assert SystemTrack.reserved.offset == 821
 
 
+class Registration(ctypes.Structure):
+    _fields_ = [
+        ("comparisons", ctypes.c_double),  # Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known.
+        ("offset_m", ctypes.c_double * 3),  # Estimated offset of the reports from the true positions (east, north, up), metres.
+        ("offset_sigma_m", ctypes.c_double * 3),  # Standard deviations of the offset, metres.
+        ("time_offset_s", ctypes.c_double),  # Estimated time offset, seconds; positive if the reports show where the target was earlier.
+        ("time_offset_sigma_s", ctypes.c_double),  # Its standard deviation, seconds.
+        ("range_bias_m", ctypes.c_double),  # Estimated range bias, metres.
+        ("range_bias_sigma_m", ctypes.c_double),  # Its standard deviation, metres.
+        ("azimuth_bias_rad", ctypes.c_double),  # Estimated azimuth bias, clockwise, radians.
+        ("azimuth_bias_sigma_rad", ctypes.c_double),  # Its standard deviation, radians.
+        ("covariance_inflation", ctypes.c_double),  # Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
+        ("removed", ctypes.c_uint32),  # Which of the errors are being removed from the source's reports: `registration_bits`.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Registration"
+
+
+assert ctypes.sizeof(Registration) == 120
+assert Registration.comparisons.offset == 0
+assert Registration.offset_m.offset == 8
+assert Registration.offset_sigma_m.offset == 32
+assert Registration.time_offset_s.offset == 56
+assert Registration.time_offset_sigma_s.offset == 64
+assert Registration.range_bias_m.offset == 72
+assert Registration.range_bias_sigma_m.offset == 80
+assert Registration.azimuth_bias_rad.offset == 88
+assert Registration.azimuth_bias_sigma_rad.offset == 96
+assert Registration.covariance_inflation.offset == 104
+assert Registration.removed.offset == 112
+assert Registration.reserved.offset == 116
+
+
 class Health(ctypes.Structure):
     _fields_ = [
         ("said_ns", ctypes.c_int64),  # When this was said, monotonic, nanoseconds.
@@ -251,6 +293,7 @@ class Health(ctypes.Structure):
         ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
         ("note", ctypes.c_uint8 * 56),  # What is wrong, in a few words; empty if nothing is. UTF-8, padded with zeros.
         ("counters", ctypes.c_uint64 * 64),  # Values of the counters, indexed by `Counter`.
+        ("registration", Registration),  # Systematic errors of the source, where fusion speaks of one.
     ]
 
     @staticmethod
@@ -258,7 +301,7 @@ class Health(ctypes.Structure):
         return "Health"
 
 
-assert ctypes.sizeof(Health) == 640
+assert ctypes.sizeof(Health) == 760
 assert Health.said_ns.offset == 0
 assert Health.incarnation.offset == 8
 assert Health.progress_ns.offset == 16
@@ -271,6 +314,7 @@ assert Health.reserved.offset == 36
 assert Health.name.offset == 40
 assert Health.note.offset == 72
 assert Health.counters.offset == 128
+assert Health.registration.offset == 640
 
 
 class Progress(ctypes.Structure):

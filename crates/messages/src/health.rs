@@ -1,5 +1,6 @@
 //! What every process says about itself, several times a second.
 
+use crate::Registration;
 use crate::layout::sample;
 
 /// Length of [`Health::counters`].
@@ -13,7 +14,7 @@ pub type HealthName = [u8; 32];
 
 sample! {
     /// State and counters of one process, or of one source within it.
-    Health, size 640 {
+    Health, size 760 {
         /// When this was said, monotonic, nanoseconds.
         said_ns: i64,
         /// Monotonic start time of the process, nanoseconds.
@@ -38,6 +39,8 @@ sample! {
         note: [u8; 56],
         /// Values of the counters, indexed by `Counter`.
         counters: [u64; 64],
+        /// Systematic errors of the source, where fusion speaks of one.
+        registration: Registration,
     }
 }
 
@@ -56,6 +59,7 @@ impl Default for Health {
             name: [0; 32],
             note: [0; 56],
             counters: [0; COUNTERS_MAX],
+            registration: Registration::default(),
         }
     }
 }

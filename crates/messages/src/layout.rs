@@ -111,6 +111,7 @@ pub const ALL: &[Layout] = &[
     crate::SensorTrack::LAYOUT,
     crate::Contribution::LAYOUT,
     crate::SystemTrack::LAYOUT,
+    crate::Registration::LAYOUT,
     crate::Health::LAYOUT,
     crate::Progress::LAYOUT,
     crate::Control::LAYOUT,
@@ -191,7 +192,7 @@ fn size_of_name(name: &str) -> Option<usize> {
 
 /// The constants a reader in another language needs, by name.
 fn constants() -> Vec<(String, u64, &'static str)> {
-    use crate::{alert_bits, contribution_bits, identity_bits, sensor_track_bits};
+    use crate::{alert_bits, contribution_bits, identity_bits, registration_bits, sensor_track_bits};
     let mut list = vec![
         (
             "SCHEMA".to_owned(),
@@ -209,11 +210,12 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             "Length of Health.counters.",
         ),
     ];
-    let groups: [(&str, &[(&str, u64)]); 4] = [
+    let groups: [(&str, &[(&str, u64)]); 5] = [
         ("IDENTITY", identity_bits::NAMES),
         ("SENSOR_TRACK", sensor_track_bits::NAMES),
         ("CONTRIBUTION", contribution_bits::NAMES),
         ("ALERT", alert_bits::NAMES),
+        ("REGISTRATION", registration_bits::NAMES),
     ];
     for (group, bits) in groups {
         for (name, bit) in bits {

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, Root, SharedMemory};
-use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind};
+use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind, Registration};
 
 use crate::clock::{Now, mono_ns};
 use crate::config::{Config, loopback_of};
@@ -159,6 +159,8 @@ pub struct HealthEntry {
     pub counters: [u64; messages::COUNTERS_MAX],
     /// What is wrong; empty if nothing is.
     pub note: String,
+    /// Systematic errors of the source, where fusion speaks of one.
+    pub registration: Registration,
 }
 
 impl Default for HealthEntry {
@@ -168,6 +170,7 @@ impl Default for HealthEntry {
             progress_ns: i64::MIN,
             counters: [0; messages::COUNTERS_MAX],
             note: String::new(),
+            registration: Registration::default(),
         }
     }
 }
@@ -255,6 +258,7 @@ impl Reporter {
                 source: entry.source,
                 life: life as u8,
                 counters: entry.counters,
+                registration: entry.registration,
                 ..blank
             }
             .with_note(&entry.note)

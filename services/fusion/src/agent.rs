@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use bus::{Bus, Subscriber, Transport, Waiter};
 use fusion::{Engine, Merger, Pushed};
-use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, SensorTrack, SystemTrack, TrackState};
+use messages::{
+    BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, SensorTrack, SystemTrack, TrackState,
+};
 use runtime::clock::mono_ns;
 use runtime::config::{Config, Order};
 use runtime::flow::Reached;
@@ -239,11 +241,36 @@ impl<S: Transport> Agent for FusionAgent<S> {
                     .source(input.source)
                     .copied()
                     .unwrap_or([0; messages::COUNTERS_MAX]),
-                note: String::new(),
+                registration: registration(&self.engine, input.source),
+                ..HealthEntry::default()
             };
             input.count(&mut entry.counters);
             entries.push(entry);
         }
         debug_assert!(entries.iter().skip(1).all(|entry| entry.source != NO_SOURCE));
+    }
+}
+
+/// What the engine has learned of a source, as health messages carry it.
+fn registration(engine: &Engine, source: u16) -> Registration {
+    let Some(known) = engine.source_errors(source).filter(|known| known.samples > 0.0) else {
+        return Registration::default();
+    };
+    let sigma = known.variances.map(f64::sqrt);
+    let [east, north, up, time, range, azimuth] = known.errors.into();
+    let bits = known.removed.iter().enumerate();
+    Registration {
+        comparisons: known.samples,
+        offset_m: [east, north, up],
+        offset_sigma_m: [sigma[0], sigma[1], sigma[2]],
+        time_offset_s: time,
+        time_offset_sigma_s: sigma[3],
+        range_bias_m: range,
+        range_bias_sigma_m: sigma[4],
+        azimuth_bias_rad: azimuth,
+        azimuth_bias_sigma_rad: sigma[5],
+        covariance_inflation: engine.inflation(source).unwrap_or(1.0),
+        removed: bits.fold(0, |bits, (error, removed)| bits | u32::from(*removed) << error),
+        reserved: 0,
     }
 }

@@ -26,6 +26,9 @@ fn config(order: &str, more: &str) -> Config {
     Config::parse(Path::new("t.toml"), &text, &[]).unwrap()
 }
 
+/// A new sensor track is placed at once, without waiting for the rest of its scan.
+const AT_ONCE: &str = "[fusion.association]\nscan_wait = 0.0\n";
+
 struct Bench {
     _folder: tempfile::TempDir,
     _held: Vec<Held>,
@@ -153,7 +156,7 @@ fn by_time_the_result_does_not_depend_on_who_comes_first() {
 
 #[test]
 fn by_time_a_report_waits_for_the_slower_source() {
-    let mut bench = Bench::new(&config("time", ""));
+    let mut bench = Bench::new(&config("time", AT_ONCE));
     bench.send(0, &[report(1, 0, 5.0, 0.0)], DAY + 6 * S, false);
     bench.settle();
     assert!(bench.received.is_empty(), "source b may still be at 3 s");
@@ -180,7 +183,7 @@ fn a_repeated_report_is_not_fused_twice() {
 
 #[test]
 fn on_arrival_a_report_is_fused_at_once_and_stamped() {
-    let mut bench = Bench::new(&config("arrival", ""));
+    let mut bench = Bench::new(&config("arrival", AT_ONCE));
     bench.send(1, &[report(1, 0, 0.0, 3.0)], i64::MIN, false);
     bench.turn();
     let track = bench.received[0];
@@ -190,7 +193,7 @@ fn on_arrival_a_report_is_fused_at_once_and_stamped() {
 
 #[test]
 fn a_flood_of_one_source_does_not_keep_the_other_waiting() {
-    let mut bench = Bench::new(&config("arrival", ""));
+    let mut bench = Bench::new(&config("arrival", AT_ONCE));
     for slice in 0..50u64 {
         let flood: Vec<_> = (0..64)
             .map(|index| report(index, 64 * slice + u64::from(index), 0.0, 1e4))

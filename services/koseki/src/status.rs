@@ -3,11 +3,12 @@
 //! It looks on like any reader would: joins each instance that runs, listens to two rounds of health messages, and
 //! leaves. Rates are the differences between the two rounds.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use bus::{Bus, BusError, Instance, Process, Root, SharedMemory};
-use messages::{Counter, Health, NO_SOURCE, ProcessKind};
+use messages::{Counter, Health, NO_SOURCE, ProcessKind, Registration};
 use runtime::clock::mono_ns;
 
 /// How long to listen: health messages come five times a second.
@@ -55,9 +56,10 @@ fn describe(instance: &Instance) -> anyhow::Result<String> {
     let listened = listen(&instance.root);
     clear_if_ended(&instance.root)?;
     match listened {
-        Ok((heard, processes)) => Ok(format!(
-            "instance {name}: run by process {pid}\n{}",
-            table(&heard, &processes)
+        Ok(heard) => Ok(format!(
+            "instance {name}: run by process {pid}\n{}{}",
+            table(&heard.speakers, &heard.processes),
+            registrations(&heard.registrations)
         )),
         Err(BusError::NotRunning { .. } | BusError::NoSuchTopic { .. }) => {
             Ok(format!("instance {name}: process {pid} is starting or stopping it\n"))
@@ -86,17 +88,27 @@ struct Heard {
 }
 
 /// Everything that is said while listening, and who has joined the instance.
-fn listen(root: &Root) -> Result<(Vec<Heard>, Vec<Process>), BusError> {
+struct Listened {
+    speakers: Vec<Heard>,
+    /// By number of the source.
+    registrations: BTreeMap<u16, Registration>,
+    processes: Vec<Process>,
+}
+
+fn listen(root: &Root) -> Result<Listened, BusError> {
     let bus = Bus::<SharedMemory>::open(root, OWN_NAME)?;
     let mut subscriber = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
-    let mut heard: Vec<Heard> = Vec::new();
+    let mut speakers: Vec<Heard> = Vec::new();
+    let mut registrations = BTreeMap::new();
     let start = Instant::now();
     while start.elapsed() < LISTEN {
         subscriber.take(usize::MAX, |_, said| {
             for health in said {
                 let whole = health.source == NO_SOURCE || is_launcher(health);
                 if whole {
-                    note(&mut heard, health);
+                    note(&mut speakers, health);
+                } else if health.registration.comparisons > 0.0 {
+                    registrations.insert(health.source, health.registration);
                 }
             }
         })?;
@@ -104,7 +116,17 @@ fn listen(root: &Root) -> Result<(Vec<Heard>, Vec<Process>), BusError> {
     }
     let mut processes = root.processes()?;
     processes.retain(|process| process.pid != std::process::id());
-    Ok((heard, processes))
+    Ok(Listened {
+        speakers,
+        registrations,
+        processes,
+    })
+}
+
+/// One line per source of which fusion knows how far its reports lie off; sources count from 1, as in the files.
+fn registrations(known: &BTreeMap<u16, Registration>) -> String {
+    let line = |(source, known): (&u16, &Registration)| format!("  registration: source {}: {known}\n", source + 1);
+    known.iter().map(line).collect()
 }
 
 fn note(heard: &mut Vec<Heard>, health: &Health) {
@@ -314,5 +336,21 @@ mod tests {
         assert!(table.contains("the last one was killed by SIGKILL"));
         assert_eq!(lines[3][..2], ["second", "9"]);
         assert_eq!(lines[4][..2], ["subscribe", "10"]);
+    }
+
+    #[test]
+    fn registrations_are_listed_by_source() {
+        let known = Registration {
+            comparisons: 100.0,
+            offset_m: [-1.5, -6.8, 0.0],
+            ..Registration::default()
+        };
+        let text = registrations(&BTreeMap::from([(2, known), (0, known)]));
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert!(
+            lines[0].starts_with("  registration: source 1: -1.5 m east, -6.8 m north"),
+            "{text}"
+        );
     }
 }

@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use messages::{Health, HealthName, LifeState, NO_SOURCE, ProcessKind};
+use messages::{Health, HealthName, LifeState, NO_SOURCE, ProcessKind, Registration};
 
 use crate::counters::Counters;
 use crate::report::{Process, State};
@@ -147,6 +147,13 @@ impl HealthBook {
     pub(crate) fn service(&self, kind: ProcessKind, source: u16) -> Counters {
         let said = self.said(kind, kind.word(), source);
         said.map_or_else(Counters::default, |said| said.counters())
+    }
+
+    /// What fusion has learned of the systematic errors of a source.
+    pub(crate) fn registration(&self, source: u16) -> Registration {
+        let kind = ProcessKind::Fusion;
+        let said = self.said(kind, kind.word(), source);
+        said.map_or_else(Registration::default, |said| said.0.latest.registration)
     }
 
     /// The `expected` processes, and others that were heard from.

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use messages::{LifeState, ProcessKind};
+use messages::{LifeState, ProcessKind, Registration, registration_bits};
 use scenario::AccuracyReport;
 use serde::{Serialize, Serializer};
 use telemetry::{Irregularities, Stage, Summary};
@@ -105,9 +105,45 @@ pub struct SourceReport {
     pub fusion: Counters,
     /// What the recorder counted of its reports.
     pub recorder: Counters,
+    /// Its systematic errors, as fusion has estimated them.
+    #[serde(with = "RegistrationReport")]
+    pub registration: Registration,
     /// Latencies of its reports, by stage.
     #[serde(serialize_with = "by_key")]
     pub stages: Vec<(Stage, Summary)>,
+}
+
+/// How [`Registration`] is written: its members, with words for the bits.
+#[derive(Serialize)]
+#[serde(remote = "Registration")]
+struct RegistrationReport {
+    comparisons: f64,
+    offset_m: [f64; 3],
+    offset_sigma_m: [f64; 3],
+    time_offset_s: f64,
+    time_offset_sigma_s: f64,
+    range_bias_m: f64,
+    range_bias_sigma_m: f64,
+    azimuth_bias_rad: f64,
+    azimuth_bias_sigma_rad: f64,
+    covariance_inflation: f64,
+    #[serde(serialize_with = "as_errors")]
+    removed: u32,
+    #[serde(skip)]
+    reserved: u32,
+}
+
+fn as_errors<S: Serializer>(removed: &u32, serializer: S) -> Result<S::Ok, S::Error> {
+    let words = [
+        (registration_bits::EAST, "east"),
+        (registration_bits::NORTH, "north"),
+        (registration_bits::UP, "up"),
+        (registration_bits::TIME, "time"),
+        (registration_bits::RANGE, "range"),
+        (registration_bits::AZIMUTH, "azimuth"),
+    ];
+    let removed = words.into_iter().filter(|(bit, _)| removed & bit != 0);
+    serializer.collect_seq(removed.map(|(_, word)| word))
 }
 
 /// Latencies of one stage, and stamps that are no latencies.

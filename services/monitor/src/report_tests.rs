@@ -1,7 +1,7 @@
 use crate::report::NetworkReport;
 use std::collections::BTreeMap;
 
-use messages::{LifeState, ProcessKind};
+use messages::{LifeState, ProcessKind, Registration, registration_bits};
 
 use super::*;
 use crate::counters::Counters;
@@ -32,6 +32,7 @@ fn source(number: u16, name: &str, published: u64) -> SourceReport {
             .with(Counter::Taken, published)
             .with(Counter::Duplicates, 11),
         recorder: Counters::default(),
+        registration: Registration::default(),
         stages: Stage::ALL.map(|stage| (stage, SUMMARY)).to_vec(),
     }
 }
@@ -52,6 +53,17 @@ fn judged(mut report: Report) -> Report {
     report
 }
 
+/// A radar that is off by a few metres, as fusion has found out.
+fn registered() -> Registration {
+    Registration {
+        comparisons: 900.0,
+        offset_m: [-1.5, -6.8, 0.0],
+        offset_sigma_m: [0.3, 0.3, 12.0],
+        removed: registration_bits::EAST | registration_bits::NORTH,
+        ..Registration::default()
+    }
+}
+
 /// A demonstration that went well.
 fn good() -> Report {
     let stage = |stage| {
@@ -65,7 +77,7 @@ fn good() -> Report {
         settings: RunSettings {
             deployment: "demo".to_owned(),
             instance: "demo".to_owned(),
-            rule: "best-source".to_owned(),
+            rule: "auto".to_owned(),
             order: "arrival",
             wait: "event",
             recorded_sources: 0,
@@ -82,7 +94,13 @@ fn good() -> Report {
         duration_s: 20.04,
         recording_reached_utc_ns: None,
         verdict: Verdict::default(),
-        sources: vec![source(0, "radar-west", 1_234), source(1, "ads-b", 20_345)],
+        sources: vec![
+            SourceReport {
+                registration: registered(),
+                ..source(0, "radar-west", 1_234)
+            },
+            source(1, "ads-b", 20_345),
+        ],
         losses: Losses {
             complete: true,
             hops: vec![

@@ -28,6 +28,7 @@ impl Report {
             self.latencies(),
             self.system_tracks(),
         ]);
+        sections.extend(self.registration());
         sections.extend(self.accuracy.as_ref().map(accuracy));
         sections.push(self.process_table());
         sections.push(wrapped(&self.verdict.sentence, WIDTH));
@@ -236,6 +237,16 @@ impl Report {
             ));
         }
         text
+    }
+
+    /// Systematic errors, if sources were compared at all.
+    fn registration(&self) -> Option<String> {
+        let width = self.sources.iter().map(|source| source.name.chars().count()).max()?;
+        let compared = self.sources.iter().any(|source| source.registration.comparisons > 0.0);
+        let line = |source: &crate::SourceReport| format!("{:<width$}  {}\n", source.name, source.registration);
+        let lines: String = self.sources.iter().map(line).collect();
+        compared
+            .then(|| format!("REGISTRATION: how far the sources' reports lie off, as fusion has estimated it\n{lines}"))
     }
 
     fn system_tracks(&self) -> String {

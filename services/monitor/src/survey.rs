@@ -238,6 +238,7 @@ impl Survey {
             adapter: self.book.adapter(&source.adapter, number),
             fusion: self.book.service(ProcessKind::Fusion, number),
             recorder: self.book.service(ProcessKind::Recorder, number),
+            registration: self.book.registration(number),
             stages: Stage::ALL.map(summary).to_vec(),
         }
     }

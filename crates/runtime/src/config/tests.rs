@@ -52,7 +52,7 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
             "there are \"spin\", \"event\" and \"hybrid\"",
         ),
         (
-            "name = \"best-source\"",
+            "name = \"auto\"",
             "name = \"beste-quelle\"",
             "there are: auto, system-filter, best-source",
         ),
@@ -96,7 +96,7 @@ fn every_option_of_weighing_can_be_set_and_its_mistakes_are_named() {
                    [fusion.rule.mosaic]\ncell_m = 2000.0\ndefault = [\"ads-b\", \"radar\"]\n\
                    [[fusion.rule.mosaic.cell]]\neast = 1\nnorth = -1\nsources = [\"radar\"]\n\
                    [[fusion.rule.mosaic.cell]]\neast = 0\nnorth = 0\nsources = [\"multilateration\"]";
-    let (text, first_line) = with_line("name = \"best-source\"", options);
+    let (text, first_line) = with_line("name = \"auto\"", options);
     let rule = Config::parse(Path::new("test.toml"), &text, &[])
         .unwrap()
         .fusion

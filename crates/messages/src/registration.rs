@@ -1,0 +1,162 @@
+//! What fusion has learned of the systematic errors of one source (BF-3).
+
+use std::fmt;
+
+use crate::layout::sample;
+
+/// Bits of [`Registration::removed`].
+pub mod registration_bits {
+    /// The offset east is being removed from the source's reports.
+    pub const EAST: u32 = 1;
+    /// The offset north is.
+    pub const NORTH: u32 = 1 << 1;
+    /// The offset up is.
+    pub const UP: u32 = 1 << 2;
+    /// The time offset is.
+    pub const TIME: u32 = 1 << 3;
+    /// The range bias is.
+    pub const RANGE: u32 = 1 << 4;
+    /// The azimuth bias is.
+    pub const AZIMUTH: u32 = 1 << 5;
+
+    pub(crate) const NAMES: &[(&str, u64)] = &[
+        ("EAST", EAST as u64),
+        ("NORTH", NORTH as u64),
+        ("UP", UP as u64),
+        ("TIME", TIME as u64),
+        ("RANGE", RANGE as u64),
+        ("AZIMUTH", AZIMUTH as u64),
+    ];
+}
+
+sample! {
+    /// What fusion has learned of the systematic errors of one source (BF-3) and of the truth of its covariances (BF-5).
+    Registration, size 120 {
+        /// Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known.
+        comparisons: f64,
+        /// Estimated offset of the reports from the true positions (east, north, up), metres.
+        offset_m: [f64; 3],
+        /// Standard deviations of the offset, metres.
+        offset_sigma_m: [f64; 3],
+        /// Estimated time offset, seconds; positive if the reports show where the target was earlier.
+        time_offset_s: f64,
+        /// Its standard deviation, seconds.
+        time_offset_sigma_s: f64,
+        /// Estimated range bias, metres.
+        range_bias_m: f64,
+        /// Its standard deviation, metres.
+        range_bias_sigma_m: f64,
+        /// Estimated azimuth bias, clockwise, radians.
+        azimuth_bias_rad: f64,
+        /// Its standard deviation, radians.
+        azimuth_bias_sigma_rad: f64,
+        /// Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
+        covariance_inflation: f64,
+        /// Which of the errors are being removed from the source's reports: `registration_bits`.
+        removed: u32,
+        /// Reserved, 0.
+        reserved: u32,
+    }
+}
+
+impl Default for Registration {
+    fn default() -> Self {
+        Self {
+            comparisons: 0.0,
+            offset_m: [0.0; 3],
+            offset_sigma_m: [0.0; 3],
+            time_offset_s: 0.0,
+            time_offset_sigma_s: 0.0,
+            range_bias_m: 0.0,
+            range_bias_sigma_m: 0.0,
+            azimuth_bias_rad: 0.0,
+            azimuth_bias_sigma_rad: 0.0,
+            covariance_inflation: 1.0,
+            removed: 0,
+            reserved: 0,
+        }
+    }
+}
+
+impl Registration {
+    /// Whether all errors in `bits` are being removed from the source's reports.
+    pub fn removes(&self, bits: u32) -> bool {
+        self.removed & bits == bits
+    }
+}
+
+/// One line for people: the horizontal offset always, what else is being removed, and the inflation if there is one.
+impl fmt::Display for Registration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.comparisons <= 0.0 {
+            return f.write_str("not compared with another source yet");
+        }
+        let [east, north, up] = self.offset_m;
+        let [east_sigma, north_sigma, up_sigma] = self.offset_sigma_m;
+        let horizontal = registration_bits::EAST | registration_bits::NORTH;
+        let removed = if self.removes(horizontal) { "" } else { "not " };
+        let sigma = east_sigma.max(north_sigma);
+        write!(
+            f,
+            "{east:+.1} m east, {north:+.1} m north ± {sigma:.1} ({removed}removed)"
+        )?;
+        for (bit, what, value, sigma, unit) in [
+            (registration_bits::UP, "up", up, up_sigma, "m"),
+            (
+                registration_bits::TIME,
+                "late",
+                self.time_offset_s,
+                self.time_offset_sigma_s,
+                "s",
+            ),
+            (
+                registration_bits::RANGE,
+                "range",
+                self.range_bias_m,
+                self.range_bias_sigma_m,
+                "m",
+            ),
+            (
+                registration_bits::AZIMUTH,
+                "azimuth",
+                self.azimuth_bias_rad.to_degrees(),
+                self.azimuth_bias_sigma_rad.to_degrees(),
+                "°",
+            ),
+        ] {
+            if self.removes(bit) {
+                write!(f, ", {what} {value:+.3} {unit} ± {sigma:.3} (removed)")?;
+            }
+        }
+        if self.covariance_inflation > 1.0 {
+            write!(f, ", covariances × {:.1}", self.covariance_inflation)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn people_read_what_is_removed() {
+        let known = Registration {
+            comparisons: 900.0,
+            offset_m: [-1.5, -6.8, 3.0],
+            offset_sigma_m: [0.2, 0.3, 9.0],
+            covariance_inflation: 2.0,
+            removed: registration_bits::EAST | registration_bits::NORTH,
+            ..Registration::default()
+        };
+        let line = "-1.5 m east, -6.8 m north ± 0.3 (removed), covariances × 2.0";
+        assert_eq!(known.to_string(), line);
+        let late = Registration {
+            time_offset_s: 0.25,
+            removed: registration_bits::TIME,
+            ..known
+        };
+        assert!(late.to_string().contains("(not removed), late +0.250 s"), "{late}");
+        assert!(Registration::default().to_string().contains("not compared"));
+    }
+}
