@@ -44,6 +44,6 @@ pub use distance::{ComparedComponents, squared_length, statistical_distance};
 pub use gaussian::{Gaussian, Matrix3, Matrix6, Vector6, packed, unpacked};
 pub use initiation::FirstVelocity;
 pub use motion::{AxisNoise, NearlyConstantVelocity};
-pub use packed::{PackedGaussian, PackedInnovation, Symmetric3};
+pub use packed::{PackedGaussian, PackedInnovation, Symmetric3, is_usable};
 pub use recovery::{Recovered, implied_noise, recovered};
 pub use update::Innovation;

@@ -30,6 +30,29 @@ pub struct PackedInnovation {
     pub log_determinant: f64,
 }
 
+/// Whether a message's covariance is positive definite. Components whose variance is 0 say nothing, and are left out.
+pub fn is_usable(covariance: &Covariance) -> bool {
+    let mut lower = [[0.0; STATE_LEN]; STATE_LEN];
+    for column in 0..STATE_LEN {
+        if covariance.upper[at(column, column)] == 0.0 {
+            continue;
+        }
+        for row in column..STATE_LEN {
+            let known = lower[row].iter().zip(&lower[column]).take(column);
+            let value = covariance.upper[at(column, row)] - known.map(|(a, b)| a * b).sum::<f64>();
+            if row > column {
+                lower[row][column] = value / lower[column][column];
+            } else if value > 0.0 {
+                lower[row][row] = value.sqrt();
+            } else {
+                // Not a number, too.
+                return false;
+            }
+        }
+    }
+    true
+}
+
 /// Place of (row, column), row ≤ column, in the upper triangle of a 6×6 matrix.
 const fn at(row: usize, column: usize) -> usize {
     row * STATE_LEN - row * (row + 1) / 2 + column
@@ -296,6 +319,16 @@ mod tests {
             plane.1.update_position::<2>(z, &[xx, xy, 0.0, yy, 0.0, 0.0]).expect("positive definite");
             assert_close(&plane.1.unpacked(), &plane.0);
         }
+    }
+
+    #[test]
+    fn usable_is_what_is_positive_definite_where_something_is_said() {
+        let mut covariance = Covariance::diagonal([10.0, 10.0, 0.0], [2.0, 2.0, 0.0]);
+        assert!(is_usable(&covariance), "nothing is said of height");
+        covariance.set(0, 1, 101.0);
+        assert!(!is_usable(&covariance));
+        covariance.set(0, 1, f64::NAN);
+        assert!(!is_usable(&covariance));
     }
 
     #[test]

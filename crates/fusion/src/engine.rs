@@ -27,6 +27,9 @@ const TICK_NS: i64 = 1_000_000_000;
 const COVERAGE_CELLS: usize = 4096;
 const COVERAGE_CELL_M: f64 = 5000.0;
 
+/// Farther apart than this, two reports of one address are not of one target, metres.
+const ADDRESS_REACH_M: f64 = 10e3;
+
 /// Fusion of sensor tracks into system tracks.
 #[derive(Debug)]
 pub struct Engine {
@@ -163,9 +166,15 @@ impl Engine {
         }
         // From here on it is what the source would have said without its known errors.
         let mut report = *report;
-        let Some((sensor, measurement)) = self.store(&mut report) else {
+        let Some(repaired) = self.repair(&mut report) else {
+            self.counts.add(report.source, Counter::Invalid);
             return;
         };
+        self.sift_identity(&mut report);
+        let Some((sensor, measurement)) = self.store(&mut report, repaired) else {
+            return;
+        };
+        self.sensors.get_mut(sensor).repaired = repaired;
         let report = &report;
         if report.state == TrackState::Terminated as u8 {
             self.counts.add(report.source, Counter::TracksEnded);
@@ -205,11 +214,50 @@ impl Engine {
             && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
     }
 
+    /// Makes a covariance that is not positive definite usable; whether it had to. `None` if there is nothing to keep of it.
+    fn repair(&mut self, report: &mut SensorTrack) -> Option<bool> {
+        if estimation::is_usable(&report.covariance) {
+            return Some(false);
+        }
+        let mut full = estimation::unpacked(&report.covariance);
+        for component in 0..STATE_LEN {
+            if full[(component, component)] == 0.0 {
+                full.row_mut(component).fill(0.0);
+                full.column_mut(component).fill(0.0);
+                full[(component, component)] = 1.0;
+            }
+        }
+        report.covariance = estimation::packed(&estimation::repaired(&full)?);
+        self.counts.add(report.source, Counter::CovariancesRepaired);
+        Some(true)
+    }
+
+    /// An address that belongs to a target far away is not believed: transponders are misread, and two can have the same.
+    fn sift_identity(&mut self, report: &mut SensorTrack) {
+        let Some(address) = report
+            .identity
+            .address()
+            .filter(|_| self.settings.association.use_identity)
+        else {
+            return;
+        };
+        let Some(system) = self.systems.with_address(address) else {
+            return;
+        };
+        let entry = self.systems.get(system);
+        let carried = entry.filter.at(report.time_of_measurement_ns, &self.motion);
+        let apart = |axis: usize| report.position_m[axis] - carried.mean[axis];
+        if apart(0).hypot(apart(1)) > ADDRESS_REACH_M {
+            report.identity = report.identity.without_address();
+            self.counts.add(report.source, Counter::IdentityConflicts);
+        }
+    }
+
     /// Stores the report in its sensor track's entry, a new one if need be (then not linked yet), with the source's known
     /// errors removed from it. Also yields the measurement behind it.
-    fn store(&mut self, report: &mut SensorTrack) -> Option<(SensorSlot, Option<Measurement>)> {
+    fn store(&mut self, report: &mut SensorTrack, repaired: bool) -> Option<(SensorSlot, Option<Measurement>)> {
         let earlier = self.earlier(report)?;
-        let measurement = self.measurement_behind(report, earlier);
+        let measurement = self.measurement_behind(report, earlier, repaired);
         let index = usize::from(report.source);
         let (shift_m, inflation) = (self.shift_of(report), self.models[index].inflation());
         for (position, shift) in report.position_m.iter_mut().zip(shift_m) {
@@ -254,7 +302,8 @@ impl Engine {
             return Some(None);
         };
         let age_ns = report.time_of_measurement_ns - self.sensors.get(sensor).time_ns;
-        if age_ns < 0 {
+        let ends = report.state == TrackState::Terminated as u8;
+        if age_ns < 0 || (age_ns == 0 && !ends) {
             self.counts.add(report.source, Counter::OutOfOrder);
             return None;
         }
@@ -267,12 +316,17 @@ impl Engine {
     }
 
     /// The measurement that led from the sensor track's latest report, `earlier`, to this one.
-    fn measurement_behind(&mut self, report: &SensorTrack, earlier: Option<(SensorSlot, f64)>) -> Option<Measurement> {
+    fn measurement_behind(
+        &mut self,
+        report: &SensorTrack,
+        earlier: Option<(SensorSlot, f64)>,
+        repaired: bool,
+    ) -> Option<Measurement> {
         let model = &mut self.models[usize::from(report.source)];
         let Some((sensor, seconds)) = earlier.filter(|(_, seconds)| *seconds > 0.0) else {
             return Some(as_reported(report));
         };
-        let (looks, knows) = (model.looks_at_noise(), model.process_noise().is_some());
+        let (looks, knows) = (!repaired && model.looks_at_noise(), model.process_noise().is_some());
         if !looks && !knows {
             return Some(as_reported(report));
         }

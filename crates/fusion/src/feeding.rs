@@ -196,7 +196,7 @@ impl Engine {
             *mean += gain * (residual - *mean);
         }
         entry.residual_variance_m2 += gain * (0.5 * (xx + yy) - entry.residual_variance_m2);
-        if !known {
+        if !known || entry.repaired {
             return;
         }
         let about_mean = std::array::from_fn(|axis| innovation.residual_m[axis] - before[axis]);
@@ -280,6 +280,7 @@ impl Engine {
         let settled = self.registration.of(source).samples > REGISTRATION_SETTLED;
         if !self.settings.registration.enabled
             || report.state != TrackState::Confirmed as u8
+            || entry.repaired
             || self.systems.get(system).life != TrackState::Confirmed
             || (settled && !entry.reports.is_multiple_of(REGISTRATION_EVERY))
         {

@@ -44,6 +44,8 @@ pub(crate) struct SensorEntry {
     pub(crate) source: u16,
     pub(crate) role: Role,
     pub(crate) latest: SensorTrack,
+    /// Whether the covariance of `latest` had to be repaired: then its source is not judged by it.
+    pub(crate) repaired: bool,
     /// Reports in a row that did not fit the rest of the system track.
     pub(crate) misfits: u32,
     /// Number of another system track that the last reports fitted, and how many in a row.
@@ -86,6 +88,7 @@ impl Default for SensorEntry {
             role: Role::Duplicate,
             system: NO_SYSTEM,
             next: None,
+            repaired: false,
             misfits: 0,
             rival: None,
             waits: false,

@@ -125,6 +125,24 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
     }
 }
 
+/// Ten million updates take minutes in a build for tests; `cargo test --release -p fusion --test allocation -- --ignored`.
+#[test]
+#[ignore = "ten million updates: a minute in a release build"]
+fn ten_million_updates_allocate_nothing() {
+    let settings = Settings {
+        rule: RuleSettings::default(),
+        ..settings()
+    };
+    let mut engine = Engine::new(settings).unwrap();
+    let mut published = 0u64;
+    assert_no_alloc(|| {
+        for step in 0..10_000_000 {
+            engine.take(&report(step), &mut |_: &SystemTrack| published += 1);
+        }
+    });
+    assert!(published > 500_000, "{published}");
+}
+
 #[test]
 fn no_rule_allocates_anything_at_reports_or_at_uniform_times() {
     for (index, rule) in rules::REGISTRY.iter().enumerate() {
@@ -154,8 +172,7 @@ fn no_rule_allocates_anything_at_reports_or_at_uniform_times() {
             });
             assert!(published > 2_000, "{}: {published}", rule.name);
             let repaired = engine.counts().get(messages::Counter::CovariancesRepaired);
-            let uses_covariances = ["information", "covariance-intersection", "bar-shalom-campo"].contains(&rule.name);
-            assert_eq!(repaired > 0, uses_covariances, "{}", rule.name);
+            assert!(repaired > 0, "the traffic was meant to need repairs");
         }
     }
 }

@@ -249,7 +249,7 @@ counters! {
     WaitedForConsumers = "waited_for_consumers", "Times a recorded source waited for its consumers so that nothing is lost.";
     Taken = "taken", "Samples taken from the source's topic.";
     Lost = "lost", "Samples missing from the source's sequence: dropped because the reader fell behind.";
-    OutOfOrder = "out_of_order", "Samples older than one already worked off in time order.";
+    OutOfOrder = "out_of_order", "Samples not newer than one already worked off: repeated, or out of order.";
     Invalid = "invalid", "Samples refused because a value is not finite or a code unknown.";
     SchemaMismatch = "schema_mismatch", "Batches refused because their publisher was built with another layout.";
     QueueFull = "queue_full", "Reports dropped because the source's queue in fusion was full, oldest first.";

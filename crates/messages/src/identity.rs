@@ -89,6 +89,14 @@ impl Identity {
         differ(self.address(), other.address()) || differ(self.mode_3a().map(u32::from), other.mode_3a().map(u32::from))
     }
 
+    /// This identity with its address forgotten.
+    #[must_use]
+    pub fn without_address(mut self) -> Self {
+        self.address = 0;
+        self.valid &= !identity_bits::ADDRESS;
+        self
+    }
+
     /// What this identity lacks, taken from `other`.
     #[must_use]
     pub fn or(mut self, other: &Self) -> Self {
