@@ -298,8 +298,20 @@ impl Engine {
         let Some(other) = latest else {
             return;
         };
-        let (own, other) = (self.view(sensor, now_ns), self.view(other, now_ns));
+        let (mut own, other) = (self.view(sensor, now_ns), self.view(other, now_ns));
+        let points_m2 = self.target_points_m2(system);
+        own.covariance_m2[(0, 0)] += points_m2;
+        own.covariance_m2[(1, 1)] += points_m2;
         self.registration.learn(&own, &other);
+    }
+
+    /// Variance per axis that a further comparison on one target has because the sources see different points of it. The
+    /// points stay where they are, so that however often a target is compared, it says no more than one pair of points:
+    /// an aircraft at its stand must not outweigh all that pass.
+    fn target_points_m2(&self, system: SystemSlot) -> f64 {
+        let sources = self.settings.sources.len() as f64;
+        let times = 1.0 + f64::from(self.systems.get(system).reports) / sources;
+        self.search().spread_m2(None) * times
     }
 
     /// A sensor track as its source gives it, at `time_ns`.
