@@ -733,3 +733,12 @@ fn ten_times_more_tracks_than_there_is_room_for_are_counted_and_the_others_stay(
     assert!(harness.count(Counter::TableFull) > 0);
     assert_eq!(full.len(), calm.len(), "the target in the west is still followed");
 }
+
+#[test]
+fn a_target_with_four_sources_and_eight_stored_reports_takes_less_than_12_kilobytes() {
+    let per_sensor_track = size_of::<crate::sensor_tracks::SensorEntry>() + crate::history::bytes_per_track(8 + 1);
+    let per_target = size_of::<crate::system_tracks::SystemEntry>() + 4 * per_sensor_track;
+    // Maps, grid, deadlines and quality indices take a few words per entry.
+    let rest = 5 * 128;
+    assert!(per_target + rest <= 12 * 1024, "{per_target} bytes");
+}

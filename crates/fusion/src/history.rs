@@ -37,6 +37,12 @@ pub(crate) struct Histories {
     length: usize,
 }
 
+/// What a ring of `length` reports takes.
+#[cfg(test)]
+pub(crate) fn bytes_per_track(length: usize) -> usize {
+    length * size_of::<Stored>() + size_of::<Head>()
+}
+
 /// Where one ring stands.
 #[derive(Clone, Copy, Debug, Default)]
 struct Head {
