@@ -224,7 +224,7 @@ fn what_overflows_is_counted_exactly() {
 #[test]
 fn a_condition_ordered_while_running_changes_the_accuracy_values() {
     let value = |ordered: Option<&str>| {
-        let mut bench = Bench::new(&config("arrival", ""));
+        let mut bench = Bench::new(&config("arrival", "[fusion.rule]\nname = \"best-source\"\n"));
         if let Some(name) = ordered {
             let order = Control::condition(name).unwrap();
             bench
