@@ -56,26 +56,6 @@ impl Gaussian {
         self.covariance[(0, 0)] + self.covariance[(1, 1)]
     }
 
-    /// The Gaussian with the mean and covariance of a mixture of two: `a` with probability `1 − weight_of_b`, else `b`.
-    pub fn mixture(a: &Self, b: &Self, weight_of_b: f64) -> Self {
-        let (q, p) = (weight_of_b, 1.0 - weight_of_b);
-        let difference = a.mean - b.mean;
-        let mut mixture = Self {
-            mean: a.mean * p + b.mean * q,
-            covariance: Matrix6::zeros(),
-        };
-        for row in 0..STATE_LEN {
-            let spread = p * q * difference[row];
-            for column in row..STATE_LEN {
-                let value =
-                    p * a.covariance[(row, column)] + q * b.covariance[(row, column)] + spread * difference[column];
-                mixture.covariance[(row, column)] = value;
-                mixture.covariance[(column, row)] = value;
-            }
-        }
-        mixture
-    }
-
     /// Makes the covariance exactly symmetric, by the mean of mirrored elements.
     pub(crate) fn symmetrise(&mut self) {
         self.covariance = (self.covariance + self.covariance.transpose()) * 0.5;
@@ -101,18 +81,6 @@ pub fn packed(matrix: &Matrix6) -> Covariance {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_mixture_is_wider_than_its_parts() {
-        let at = |x: f64, variance: f64| Gaussian {
-            mean: Vector6::from_fn(|row, _| if row == 0 { x } else { 0.0 }),
-            covariance: Matrix6::identity() * variance,
-        };
-        let mixed = Gaussian::mixture(&at(0.0, 1.0), &at(10.0, 5.0), 0.25);
-        assert_eq!(mixed.mean[0], 2.5);
-        assert_eq!(mixed.covariance[(0, 0)], 0.75 + 1.25 + 100.0 * 0.75 * 0.25);
-        assert_eq!(mixed.covariance[(1, 1)], 2.0);
-    }
 
     #[test]
     fn messages_and_back() {

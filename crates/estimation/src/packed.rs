@@ -301,7 +301,13 @@ mod tests {
             assert_close(&packed_a.unpacked(), &a);
             let noise = [AxisNoise::white(density, seconds); AXES];
             assert_close(&packed_a.moved(seconds, noise).unpacked(), &a.moved(seconds, noise));
-            let mixture = Gaussian::mixture(&a, &b, weight);
+            let apart = a.mean - b.mean;
+            let mixture = Gaussian {
+                mean: a.mean * (1.0 - weight) + b.mean * weight,
+                covariance: a.covariance * (1.0 - weight)
+                    + b.covariance * weight
+                    + apart * apart.transpose() * (weight * (1.0 - weight)),
+            };
             assert_close(&PackedGaussian::mixture(&packed_a, &packed_b, weight).unpacked(), &mixture);
 
             let (xx, xy, yy) = (sigma * sigma, 0.3 * sigma * sigma, 2.0 * sigma * sigma);

@@ -27,6 +27,10 @@ const TICK_NS: i64 = 1_000_000_000;
 const COVERAGE_CELLS: usize = 4096;
 const COVERAGE_CELL_M: f64 = 5000.0;
 
+/// What no sensor on this planet can report: metres, metres per second, and the squares of what it can be unsure of.
+const POSITION_MAX_M: f64 = 1e8;
+const SPEED_MAX_MPS: f64 = 1e5;
+const COVARIANCE_MAX: f64 = 1e14;
 /// Farther apart than this, two reports of one address are not of one target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
 
@@ -207,9 +211,13 @@ impl Engine {
         // Not a number and infinite times 0 is not 0: one sum finds any of them, without a branch for each.
         let zeroed = |values: &[f64]| values.iter().map(|value| value * 0.0).sum::<f64>();
         let sum = zeroed(&report.position_m) + zeroed(&report.velocity_mps) + zeroed(&report.covariance.upper);
+        let within = |values: &[f64], limit: f64| values.iter().all(|value| value.abs() <= limit);
         usize::from(report.source) < self.settings.sources.len()
             && TrackState::from_code(report.state).is_some()
             && sum == 0.0
+            && within(&report.position_m, POSITION_MAX_M)
+            && within(&report.velocity_mps, SPEED_MAX_MPS)
+            && within(&report.covariance.upper, COVARIANCE_MAX)
             && (0..STATE_LEN).all(|index| report.covariance.get(index, index) >= 0.0)
             && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
     }
@@ -386,6 +394,16 @@ impl Engine {
         }
         self.look_at_points();
         self.look_at_motion();
+        self.drop_silent(now_ns.saturating_sub(self.settings.life.terminate_ns));
+    }
+
+    /// Frees sensor tracks without report since `since_ns`, a part of the table at a time.
+    fn drop_silent(&mut self, since_ns: i64) {
+        for sensor in self.sensors.next_part() {
+            if self.sensors.is_silent(sensor, since_ns) {
+                self.drop_sensor_track(sensor);
+            }
+        }
     }
 
     /// Whether some source's detection points lie well apart from the others'.

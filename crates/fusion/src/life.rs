@@ -168,7 +168,7 @@ impl Engine {
         self.systems.get_mut(slot).merged_into = merged_into;
         self.counts.add(NO_SOURCE, Counter::TracksTerminated);
         self.decide_on(slot, DecisionKind::Ended, now_ns, f64::NAN, sink);
-        self.tell_end(slot, now_ns, sink);
+        self.tell_carried_on(slot, now_ns, sink);
     }
 
     pub(crate) fn decide_on(

@@ -38,7 +38,7 @@ impl Engine {
             self.join(sensor, system);
             self.decide(sensor, DecisionKind::JoinedByAddress, f64::NAN, f64::NAN, sink);
         } else if self.search().is_established(sensor) {
-            self.wait_for_scan(sensor);
+            self.wait_for_scan(sensor, sink);
         }
     }
 
@@ -96,7 +96,7 @@ impl Engine {
         }
         let now_ns = report.time_of_measurement_ns;
         if self.search().is_alone(sensor, now_ns) {
-            self.wait_for_scan(sensor);
+            self.wait_for_scan(sensor, sink);
             return;
         }
         if mine.is_none() && self.keeps_missing(sensor, sink) {

@@ -164,12 +164,12 @@ impl Engine {
     /// The life of a system track has changed without a report. At uniform times, the next refresh shows it.
     pub(crate) fn tell(&mut self, slot: SystemSlot, now_ns: i64, sink: &mut impl Sink) {
         if self.settings.refresh_ns.is_none() {
-            self.tell_end(slot, now_ns, sink);
+            self.tell_carried_on(slot, now_ns, sink);
         }
     }
 
     /// Hands out the state as it is carried on.
-    pub(crate) fn tell_end(&mut self, slot: SystemSlot, now_ns: i64, sink: &mut impl Sink) {
+    pub(crate) fn tell_carried_on(&mut self, slot: SystemSlot, now_ns: i64, sink: &mut impl Sink) {
         let process_noise = self.settings.process_noise_m2ps3;
         let entry = self.systems.get_mut(slot);
         entry.state = entry.state.at(now_ns.max(entry.state.time_ns), process_noise);

@@ -15,7 +15,7 @@ use crate::measurement::whole_report;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::system_tracks::SystemSlot;
 
-/// Most sensor tracks of one source that wait at a time; further ones wait for the next scan.
+/// Most sensor tracks of one source that are assigned at a time; a larger scan is assigned in parts.
 const WAITING_MAX: usize = 4096;
 /// Most admissible pairs of one scan.
 const PAIRS_MAX: usize = 4 * WAITING_MAX;
@@ -67,14 +67,16 @@ impl Scans {
 
 impl Engine {
     /// Lets a sensor track wait for the end of its scan.
-    pub(crate) fn wait_for_scan(&mut self, sensor: SensorSlot) {
+    pub(crate) fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let entry = self.sensors.get_mut(sensor);
-        let (source, time_ns) = (entry.latest.source, entry.latest.time_of_measurement_ns);
-        let waiting = &mut self.scans.waiting[usize::from(source)];
-        if entry.waits || waiting.sensors.len() == WAITING_MAX {
+        let (source, time_ns) = (entry.source, entry.time_ns);
+        if std::mem::replace(&mut entry.waits, true) {
             return;
         }
-        entry.waits = true;
+        if self.scans.waiting[usize::from(source)].sensors.len() == WAITING_MAX {
+            self.assign_scan(usize::from(source), sink);
+        }
+        let waiting = &mut self.scans.waiting[usize::from(source)];
         waiting.sensors.push(sensor);
         waiting.first_ns = waiting.first_ns.min(time_ns);
         let complete_ns = self.complete_ns(usize::from(source));

@@ -50,6 +50,8 @@ pub(crate) struct SensorEntry {
     pub(crate) misfits: u32,
     /// Number of another system track that the last reports fitted, and how many in a row.
     pub(crate) rival: Option<(u32, u32)>,
+    /// Whether this place of the table is taken.
+    live: bool,
     /// Whether it waits for the end of its scan.
     pub(crate) waits: bool,
     /// By how much the source's known errors have been taken off `latest`, metres.
@@ -91,6 +93,7 @@ impl Default for SensorEntry {
             repaired: false,
             misfits: 0,
             rival: None,
+            live: false,
             waits: false,
             shift_m: [0.0; 3],
             inflation: 1.0,
@@ -137,6 +140,8 @@ pub(crate) struct SensorTracks {
     entries: Vec<SensorEntry>,
     free: Vec<SensorSlot>,
     by_number: FxHashMap<(u16, u32), SensorSlot>,
+    /// Where the next look for sensor tracks that nobody hears of any more begins.
+    swept: usize,
     pub(crate) histories: Histories,
     pub(crate) qualities: Qualities,
 }
@@ -149,6 +154,7 @@ impl SensorTracks {
             entries: vec![SensorEntry::default(); capacity],
             free: (0..capacity as SensorSlot).rev().collect(),
             by_number,
+            swept: 0,
             histories: Histories::new(capacity, stored_reports + 1),
             qualities: Qualities::new(capacity),
         }
@@ -168,6 +174,7 @@ impl SensorTracks {
             time_ns: report.time_of_measurement_ns,
             source: report.source,
             latest: *report,
+            live: true,
             started_ns: report.time_of_measurement_ns,
             ..SensorEntry::default()
         };
@@ -187,9 +194,26 @@ impl SensorTracks {
     pub(crate) fn remove(&mut self, slot: SensorSlot) {
         let entry = &mut self.entries[slot as usize];
         entry.waits = false;
+        entry.live = false;
         let latest = &entry.latest;
         self.by_number.remove(&(latest.source, latest.track_number));
         self.free.push(slot);
+    }
+
+    /// The next part of the table to be looked through for sensor tracks that nobody hears of any more: their sources need
+    /// not say that they have ended. Part by part, so that no look takes long.
+    pub(crate) fn next_part(&mut self) -> std::ops::Range<SensorSlot> {
+        const PARTS: usize = 16;
+        let end = (self.swept + self.entries.len() / PARTS + 1).min(self.entries.len());
+        let part = self.swept as SensorSlot..end as SensorSlot;
+        self.swept = if end == self.entries.len() { 0 } else { end };
+        part
+    }
+
+    /// Whether `slot` is taken by a sensor track without report since `since_ns`.
+    pub(crate) fn is_silent(&self, slot: SensorSlot, since_ns: i64) -> bool {
+        let entry = self.get(slot);
+        entry.live && entry.time_ns < since_ns
     }
 
     pub(crate) fn get(&self, slot: SensorSlot) -> &SensorEntry {

@@ -1,9 +1,8 @@
 //! A position, a velocity and their covariance, carried through time and combined.
 
-use estimation::PackedGaussian;
+use estimation::{AxisNoise, PackedGaussian};
 use messages::{AXES, CONTRIBUTIONS_MAX, Covariance, SensorTrack, sensor_track_bits};
 
-use crate::history::moved;
 use crate::rules::{Candidate, Share};
 
 /// State of a target at a time.
@@ -48,34 +47,10 @@ impl State {
         if ns == 0 {
             return *self;
         }
-        let dt = ns as f64 / messages::NS_PER_S;
-        let (p, mut carried) = (&self.covariance, Covariance::default());
-        for row in 0..AXES {
-            for column in 0..AXES {
-                let velocity = p.get(row + AXES, column + AXES);
-                let cross = p.get(row, column + AXES);
-                if row <= column {
-                    let position = p.get(row, column) + dt * (cross + p.get(column, row + AXES)) + dt * dt * velocity;
-                    carried.set(row, column, position);
-                    carried.set(row + AXES, column + AXES, velocity);
-                }
-                carried.set(row, column + AXES, cross + dt * velocity);
-            }
-        }
-        // Noise accumulates whichever way time runs: an estimate carried backwards is no surer for it.
-        let (q, step) = (process_noise_m2ps3, dt.abs());
-        for axis in 0..AXES {
-            carried.upper[Covariance::index(axis, axis)] += q * step.powi(3) / 3.0;
-            carried.upper[Covariance::index(axis, axis + AXES)] += q * step * dt / 2.0;
-            carried.upper[Covariance::index(axis + AXES, axis + AXES)] += q * step;
-        }
-        Self {
-            time_ns,
-            position_m: moved(self.position_m, self.velocity_mps, ns),
-            velocity_mps: self.velocity_mps,
-            covariance: carried,
-            has_height: self.has_height,
-        }
+        let seconds = ns as f64 / messages::NS_PER_S;
+        let noise = [AxisNoise::white(process_noise_m2ps3, seconds); AXES];
+        let now = PackedGaussian::new(self.position_m, self.velocity_mps, &self.covariance);
+        Self::of_estimate(time_ns, &now.moved(seconds, noise), self.has_height)
     }
 
     /// Sum of the position variances over east and north, m²: what traces are compared by (TI-16).
