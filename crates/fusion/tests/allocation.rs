@@ -125,7 +125,7 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
     }
 }
 
-/// Ten million updates take minutes in a build for tests; `cargo test --release -p fusion --test allocation -- --ignored`.
+/// `cargo test --release -p fusion --test allocation -- --ignored`
 #[test]
 #[ignore = "ten million updates: a minute in a release build"]
 fn ten_million_updates_allocate_nothing() {
