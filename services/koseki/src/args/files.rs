@@ -1,0 +1,320 @@
+//! The commands on files: what can be written after them, and their help.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Subcommand};
+use formats::asterix::{Category, Expansion};
+use formats::containers::Container;
+
+use super::values::{above_zero, edition, editions_help, finite, not_negative, refresh, seconds, whole_second};
+
+pub(super) const DECODE_EXAMPLES: &str = "\
+Examples:
+  koseki decode radar.pcap --out radar.jsonl
+  koseki decode adsb.ast --edition 21=0.23 --out - | head -1
+  koseki decode night.ff --statistics --json night.json
+
+FILE holds data blocks and nothing else, or is a capture (pcap, pcapng), or has frames of the final format; its first
+octets tell. A line of output has the item numbers of a record as keys, \"_c\" for its category and \"_ts\" for the
+second in which it was recorded, where that is known.
+
+What cannot be decoded is summed up on standard error, and is no failure. Only blocks that fit their edition to the last
+octet are given, and only categories of which half of the blocks do: the others were made by another edition. The file
+is read into memory whole.";
+
+/// `koseki decode`.
+#[derive(Debug, Args)]
+pub(crate) struct Decode {
+    /// The recording
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Read a category by this edition, as in 21=0.23 (repeatable) [default: see --help]
+    #[arg(long = "edition", value_name = "CAT=ED", value_parser = edition, long_help = editions_help())]
+    pub(crate) editions: Vec<ChosenEdition>,
+    /// Kind of the recording: raw, pcap, pcapng or final [default: what its first octets tell]
+    #[arg(long, value_name = "KIND")]
+    pub(crate) container: Option<Container>,
+    /// Refuse blocks with spare bits set, or with items that go on beyond their edition
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// File for the records, one JSON object a line; - for standard output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print who sent how much and when, and what was refused
+    #[arg(long)]
+    pub(crate) statistics: bool,
+    /// File for the same statistics as JSON
+    #[arg(long, value_name = "FILE", requires = "statistics")]
+    pub(crate) json: Option<PathBuf>,
+}
+
+/// What `--edition` chooses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum ChosenEdition {
+    /// The table of a category.
+    Category(&'static Category),
+    /// The coding rules of its reserved expansion field.
+    Expansion(&'static Expansion),
+}
+
+pub(super) const SIMULATE_EXAMPLES: &str = "\
+Examples:
+  koseki simulate --scenario demo --seed 1 --out case1
+  koseki simulate --scenario dense --seed 3 --for 60 --out case3
+  koseki simulate --scenario my.toml --seed 1 --out mine
+
+NAME  demo      a busy airport and its surroundings, seen by four sensors: what `koseki demo` shows
+      en-route  the same sensors; all targets fly en route, and all of them meet another one on their way
+      dense     demo with 400 targets
+FILE  a deployment with [scenario] and simulated sources, as config/demo.toml
+
+DIR/truth.csv            a row per whole second and target that some sensor could see there
+DIR/sensor_tracks_K.csv  what sensor K reports, for `koseki fuse`
+DIR/detections_K.csv     what it detected before its own tracker made tracks of it; truth_id -1 is a false target
+Times begin at 0. The same scenario and seed give the same bytes.";
+
+/// `koseki simulate`.
+#[derive(Debug, Args)]
+pub(crate) struct Simulate {
+    /// Name of a scenario, or a configuration with one
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) scenario: PathBuf,
+    /// Seed of the simulated world: the same seed gives the same traffic
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the files
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// How long a time is simulated, seconds
+    #[arg(long = "for", value_name = "SECONDS", default_value = "120", value_parser = seconds)]
+    pub(crate) seconds: Duration,
+}
+
+pub(super) const FUSE_EXAMPLES: &str = "\
+Examples:
+  koseki fuse --tracks radar.csv adsb.csv --refresh 1 --out fused.csv
+  koseki fuse --tracks all.csv --rule best-source --out fused.csv --json
+  koseki fuse --tracks all.csv --config sensors.toml --out fused.csv
+
+FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
+         and, where known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid. Metres, m/s, the upper
+         triangle of the covariance row by row; state is tentative, confirmed, coasted or terminated. A file may hold
+         several sensors; several files are merged by time. Rows that cannot be used are left out and counted.
+--out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
+         and more, a row per update. With --refresh a row at every whole multiple of it for each track that is confirmed or
+         coasted. Several values in a column are joined with |.
+--explain time_s,decision,system_track_id,other_system_track_id,sensor_id,other_sensor_id,sensor_track_id,value,limit
+         decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value is what was
+         compared with limit.
+--config a deployment as for `koseki up` (sensor_id 1 is its first source), or [fusion] and [[sensor]] alone:
+           [fusion.rule]
+           name = \"best-source\"
+           [[sensor]]
+           id = 3                # the sensor_id of the files
+           period_s = 4.0        # time between two reports of a track
+           fresh_s = 10.0        # age beyond which a report no longer counts
+           priority = 1          # of equally good sensors the one with the smallest number is taken
+           [sensor.accuracy]
+           sigma_m = 50.0
+           adjustment = 1.0      # more makes it count less
+           [sensor.coverage]     # where it sees; else that is learned from its reports
+           polygon_m = [[-9e3, -9e3], [9e3, -9e3], [0, 9e3]]    # or range_m, sector_deg and the sensor's position_m
+           probability = 0.9     # that it follows a target in there
+         What is not configured, a first pass over the files tells: sensors, periods, accuracy as stated, sizes of tables.
+
+The same files and options give the same bytes.";
+
+/// `koseki fuse`.
+#[derive(Debug, Args)]
+pub(crate) struct Fuse {
+    #[command(flatten)]
+    pub(crate) input: OfflineInput,
+    /// How sources are weighed; auto is the best there is for unknown data [default: what --config says, else auto]
+    #[arg(long, value_name = "RULE")]
+    pub(crate) rule: Option<String>,
+    /// Write rows at whole multiples of so many seconds [default: a row per update]
+    #[arg(long, value_name = "SECONDS", value_parser = refresh)]
+    pub(crate) refresh: Option<Duration>,
+    /// File for the system tracks
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// File for what was decided and why, a row per decision
+    #[arg(long, value_name = "FILE")]
+    pub(crate) explain: Option<PathBuf>,
+    /// Print what was read and found as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What the offline engines of fusion are given.
+#[derive(Debug, Args)]
+pub(crate) struct OfflineInput {
+    /// Sensor tracks: CSV files, each in the order of time
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) tracks: Vec<PathBuf>,
+    /// What is known of the sensors, and settings of fusion: a TOML file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+}
+
+pub(super) const COMPARE_EXAMPLES: &str = "\
+Examples:
+  koseki compare --tracks radar.csv adsb.csv --truth truth.csv
+  koseki compare --tracks all.csv --truth truth.csv --c 100 --gate 50 --markdown
+  koseki compare --tracks all.csv --config sensors.toml --json
+
+Inputs are those of `koseki fuse`, figures those of `koseki score` (see their --help); without --truth those that need
+none. us_per_report is the time of the engine alone. Every rule has an engine of its own; nothing is written.";
+
+/// `koseki compare`.
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    #[command(flatten)]
+    pub(crate) input: OfflineInput,
+    /// Where the targets are: a CSV file as for `koseki score`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) truth: Option<PathBuf>,
+    /// System tracks are compared at whole multiples of so many seconds
+    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = refresh)]
+    pub(crate) refresh: Duration,
+    /// Cut-off of GOSPA and OSPA: distance from which a track is no track of a target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Distance up to which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// First whole second to score
+    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: i64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print the table as Markdown
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) markdown: bool,
+}
+
+pub(super) const SCORE_EXAMPLES: &str = "\
+Examples:
+  koseki score --truth truth.csv --tracks fused.csv
+  koseki score --truth truth.csv --tracks fused.csv --c 100 --gate 50 --json
+  koseki score tracks --truth run1/truth.csv run2/truth.csv --tracks run1/tracks.csv run2/tracks.csv --since 40
+  koseki score fixes --truth case/truth.csv --fixes case/fixes.csv
+
+At each whole second, the newest state of each track is moved to that second and held against the targets: GOSPA with its
+parts and OSPA say how far the picture is from the truth; targets keep their tracks from second to second while these are
+nearer than the gate, which gives switches, breaks, completeness and spurious tracks.
+
+truth:   time_s,target_id,x,y,z,vx,vy,vz                            a row per target and whole second
+tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz  rows with state tentative or terminated are left out
+Columns are found by name, others are ignored. A figure that cannot be computed is null in JSON.";
+
+/// `koseki score`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct Score {
+    /// What else is scored.
+    #[command(subcommand)]
+    pub(crate) what: Option<ScoreWhat>,
+    /// Where the targets are: a CSV file
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) truth: Option<PathBuf>,
+    /// The tracks to score: a CSV file
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) tracks: Option<PathBuf>,
+    /// Cut-off of GOSPA and OSPA: distance from which a track is no track of a target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Distance up to which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// A state older than this does not show, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = above_zero)]
+    pub(crate) max_age: f64,
+    /// First whole second to score
+    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: i64,
+    /// Last whole second to score [default: the last that the truth reaches]
+    #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t1: Option<i64>,
+    /// Directions are compared of targets faster than this, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 5.0, value_parser = not_negative)]
+    pub(crate) moving: f64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What `koseki score` scores beside pictures.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ScoreWhat {
+    /// Score how well a tracker tells targets apart, over one or more runs
+    #[command(after_help = SCORE_TRACKS_EXAMPLES)]
+    Tracks(ScoreTracks),
+    /// Score the fixes of a bearings-only locator in a scripted case, over one or more sets of runs
+    #[command(after_help = SCORE_FIXES_EXAMPLES)]
+    Fixes(ScoreFixes),
+}
+
+const SCORE_TRACKS_EXAMPLES: &str = "\
+Examples:
+  koseki score tracks --truth truth_0.csv --tracks tracks_0.csv --since 60
+  koseki score tracks --truth truth_*.csv --tracks tracks_*.csv --json
+
+At each time of the truth from --since on: are exactly as many confirmed tracks near targets as there are targets, each
+near another one? Before it, targets cannot be told apart yet, and several tracks are too many. Positions are compared in
+the plane; a track shows for 4 s after its newest row, moved along its velocity.
+
+truth:   time_s,x,y                                         a row per target and time
+tracks:  time_s,sensor_track_id,x,y,vx,vy,state             rows with state confirmed or coasted count
+Several runs: as many --tracks as --truth, in the same order. Shares and delay_s are then means over runs, tracks are added
+up, and JSON has the figures of each run under \"each\".";
+
+/// `koseki score tracks`.
+#[derive(Debug, Args)]
+pub(crate) struct ScoreTracks {
+    /// Where the targets are: a CSV file for each run
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) truth: Vec<PathBuf>,
+    /// The tracks of each run, in the same order
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) tracks: Vec<PathBuf>,
+    /// A track is near a target if it is nearer than this, metres
+    #[arg(long, value_name = "METRES", default_value_t = 300.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// From when on targets can be told apart, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) since: f64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const SCORE_FIXES_EXAMPLES: &str = "\
+Examples:
+  koseki score fixes --truth fixed/truth.csv --fixes fixed/fixes.csv
+  koseki score fixes --truth seed1/truth.csv seed2/truth.csv --fixes seed1/fixes.csv seed2/fixes.csv --json
+
+Cases: fixed   an emitter 50 km broadside of a straight baseline; the last raw fixes beside their Cramer-Rao bound
+       drop    a dropped transmitter drifts straight on while the aircraft circles; the second half counts
+       turn    the aircraft turns by 180 degrees with wrong bearings; from 500 s on counts
+Which case it is stands in the file meta.json beside each truth, with the baseline (m), sigma_deg and number of runs.
+
+truth:   time_s,emitter_id,x,y                              a row per emitter and bearing
+fixes:   time_s,emitter_id,x,y,vx,vy,raw_x,raw_y            rows of times that the truth lacks are left out
+Several sets of runs of one case are pooled: as many --fixes as --truth, in the same order.";
+
+/// `koseki score fixes`.
+#[derive(Debug, Args)]
+pub(crate) struct ScoreFixes {
+    /// Where the emitters are: a CSV file with meta.json beside it, for each set of runs
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) truth: Vec<PathBuf>,
+    /// The fixes of each set, in the same order
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) fixes: Vec<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}

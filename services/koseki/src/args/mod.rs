@@ -1,0 +1,353 @@
+//! The command line: every command and option, what they mean when they are left out, and their help.
+
+mod files;
+mod values;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use runtime::config::Config;
+use runtime::{ConfigError, Now, Options, Speed};
+
+use files::{COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES};
+pub(crate) use files::{
+    ChosenEdition, Compare, Decode, Fuse, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
+};
+use values::{seconds, speed};
+
+/// Where recordings are looked for if nobody says otherwise.
+const DATA_DEFAULT: &str = "../shared/data";
+/// Folder that contains what each instance records.
+const OUT_DEFAULT: &str = "records";
+
+/// Real-time fusion of sensor tracks: one system track per target.
+///
+/// Koseki is a set of processes that share memory: an adapter for each sensor, fusion, a monitor, a recorder and
+/// gateways. This executable contains all of them, and the launcher that starts, watches, restarts and stops them.
+#[derive(Debug, Parser)]
+#[command(name = "koseki", version, max_term_width = 110, after_help = EXAMPLES, after_long_help = EXAMPLES)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  koseki demo --for 20                          simulated sensors, a live table, a report at the end
+  koseki check config/barcelona.toml            is this configuration sound, and are its recordings there?
+  koseki up config/barcelona.toml --speed max   the recorded airport, as fast as this machine can
+  koseki status                                 what runs, in another terminal
+  koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
+  koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into one picture
+
+Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
+
+/// What can be asked for.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run the demonstration: simulated sensors, no file or network needed
+    #[command(after_help = DEMO_EXAMPLES)]
+    Demo(Demo),
+    /// Start and supervise a deployment
+    #[command(after_help = UP_EXAMPLES)]
+    Up(Up),
+    /// Validate a configuration and its recordings, and say what it would run
+    #[command(after_help = CHECK_EXAMPLES)]
+    Check(Check),
+    /// Show what runs on this machine
+    #[command(after_help = STATUS_EXAMPLES)]
+    Status(Status),
+    /// Tell a running deployment which condition (weather) holds from now on
+    #[command(after_help = CONDITION_EXAMPLES)]
+    Condition(Condition),
+    /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
+    #[command(after_help = DECODE_EXAMPLES)]
+    Decode(Decode),
+    /// Write what simulated sensors see of a simulated world, and the truth
+    #[command(after_help = SIMULATE_EXAMPLES)]
+    Simulate(Simulate),
+    /// Fuse files of sensor tracks into one file of system tracks
+    #[command(after_help = FUSE_EXAMPLES)]
+    Fuse(Fuse),
+    /// Run every fusion rule on the same sensor tracks, and show them side by side
+    #[command(after_help = COMPARE_EXAMPLES)]
+    Compare(Compare),
+    /// Score tracks or fixes against a known truth
+    #[command(after_help = SCORE_EXAMPLES)]
+    Score(Score),
+    /// Run the adapter of one source or receiver in a deployment that is up
+    #[command(after_help = SERVE_EXAMPLES)]
+    Adapter(Serve),
+    /// Run the fusion process in a deployment that is up
+    #[command(after_help = SERVE_EXAMPLES)]
+    Fusion(Serve),
+    /// Run the monitor in a deployment that is up: latencies, losses, counters
+    #[command(after_help = SERVE_EXAMPLES)]
+    Monitor(Serve),
+    /// Run the recorder in a deployment that is up: tracks as CSV files
+    #[command(after_help = SERVE_EXAMPLES)]
+    Recorder(Serve),
+    /// Run one gateway in a deployment that is up: tracks to other systems, in ASTERIX
+    #[command(after_help = SERVE_EXAMPLES)]
+    Gateway(Serve),
+    /// Run the simulator in a deployment that is up: what simulated sensors send, in ASTERIX
+    #[command(after_help = SERVE_EXAMPLES)]
+    Simulator(Serve),
+}
+
+const DEMO_EXAMPLES: &str = "\
+Examples:
+  koseki demo                         until Ctrl-C
+  koseki demo --for 20 --seed 7       another traffic picture, for 20 seconds
+  koseki demo --set scenario.targets=200 --set recorder.enabled=true
+
+The configuration is built in; config/demo.toml is its text. To change more than a few values, edit a copy of that file
+and start it with `koseki up`.";
+
+/// `koseki demo`.
+#[derive(Debug, Args)]
+pub(crate) struct Demo {
+    /// Stop after so many seconds [default: run until Ctrl-C]
+    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) seconds: Option<Duration>,
+    /// Seed of the simulated world: the same seed gives the same traffic
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Name of this instance; several run side by side under different names
+    #[arg(long, value_name = "NAME", default_value = "demo")]
+    pub(crate) instance: String,
+    /// Replace a value of the configuration (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Folder for what is recorded [default: records/INSTANCE]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+const UP_EXAMPLES: &str = "\
+Examples:
+  koseki up config/barcelona.toml                        recordings as fast as they were made
+  koseki up config/barcelona.toml --speed 10 --for 60    ten times as fast, for a minute
+  koseki up config/barcelona.toml --speed max --data /var/recordings --out /tmp/run1
+  koseki up config/barcelona.toml --instance b --set fusion.association.use_identity=false
+
+It ends with Ctrl-C (or SIGTERM), after --for, or when all recordings are worked off. Children that die are restarted.
+A second Ctrl-C ends it at once; its shared memory is then removed by the next start.";
+
+/// `koseki up`.
+#[derive(Debug, Args)]
+pub(crate) struct Up {
+    /// Configuration of the deployment, a TOML file
+    #[arg(value_name = "CONFIG")]
+    pub(crate) config: PathBuf,
+    /// Stop after so many seconds [default: when all recordings are worked off, or Ctrl-C]
+    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) seconds: Option<Duration>,
+    #[command(flatten)]
+    pub(crate) shared: Shared,
+}
+
+const CHECK_EXAMPLES: &str = "\
+Examples:
+  koseki check config/barcelona.toml
+  koseki check config/barcelona.toml --data /var/recordings --set fusion.core=1
+
+Nothing is started. A mistake is one line on standard error, with file, line or byte, value and remedy; exit code 2.";
+
+/// `koseki check`.
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    /// Configuration to validate, a TOML file
+    #[arg(value_name = "CONFIG")]
+    pub(crate) config: PathBuf,
+    /// Folder with recordings [default: $KOSEKI_DATA, else ../shared/data]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Replace a value of the configuration (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+const STATUS_EXAMPLES: &str = "\
+Examples:
+  koseki status
+  koseki status --instance demo
+
+Instances are looked for in $XDG_RUNTIME_DIR/koseki, or /tmp/koseki-<user number> where that is not set.";
+
+/// `koseki status`.
+#[derive(Debug, Args)]
+pub(crate) struct Status {
+    /// Show only this instance
+    #[arg(long, value_name = "NAME")]
+    pub(crate) instance: Option<String>,
+}
+
+const CONDITION_EXAMPLES: &str = "\
+Examples:
+  koseki condition rain --instance barcelona
+  koseki condition normal --instance barcelona
+
+Sources name conditions in their configuration: [source.accuracy] conditions = { rain = 3.0 } makes a sensor three times
+less accurate while it rains. \"normal\" holds at the start and has factor 1 everywhere.";
+
+/// `koseki condition`.
+#[derive(Debug, Args)]
+pub(crate) struct Condition {
+    /// The condition: a name that some source's accuracy has a factor for, or "normal"
+    pub(crate) name: String,
+    /// The instance that is told
+    #[arg(long, value_name = "NAME")]
+    pub(crate) instance: String,
+}
+
+const SERVE_EXAMPLES: &str = "\
+Examples:
+  koseki adapter --config config/barcelona.toml --name radar
+  koseki monitor --config config/barcelona.toml --name second-monitor
+
+`koseki up` starts all of these by itself. Run one by hand to look on with a second monitor, or to replace a process
+while trying something; give the same configuration, --instance, --set, --data and --speed as to `koseki up`, which must
+be running: it creates the shared memory.";
+
+/// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `simulator`.
+#[derive(Debug, Args)]
+pub(crate) struct Serve {
+    /// Configuration of the deployment, a TOML file
+    #[arg(long, value_name = "CONFIG")]
+    pub(crate) config: PathBuf,
+    /// Name of the process; for an adapter, of its source or receiver; for a gateway, its own [default: the command's name]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    #[command(flatten)]
+    pub(crate) shared: Shared,
+    /// When the simulated world began, UTC, nanoseconds [default: now]
+    #[arg(long, value_name = "NS", hide = true, allow_negative_numbers = true)]
+    pub(crate) scenario_start: Option<i64>,
+    /// Process number of the launcher, whose end this process follows
+    #[arg(long, value_name = "PID", hide = true)]
+    pub(crate) launcher: Option<u32>,
+}
+
+/// Options that a deployment and each of its processes have in common.
+#[derive(Debug, Args)]
+pub(crate) struct Shared {
+    /// Folder with recordings [default: $KOSEKI_DATA, else ../shared/data]
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Replay speed of recordings: seconds of the recording per second, or max (nothing is lost at any speed)
+    #[arg(long, value_name = "FACTOR|max", default_value = "1", value_parser = speed)]
+    speed: Speed,
+    /// Folder for what is recorded [default: records/INSTANCE]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Name of this instance; several run side by side under different names [default: the configuration's name]
+    #[arg(long, value_name = "NAME")]
+    instance: Option<String>,
+    /// Replace a value of the configuration, as in fusion.rule.name="best-source" (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Seed of the simulated world, where the configuration has one
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// A command line that is well-formed, but makes no sense.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct Usage(pub(crate) String);
+
+/// The deployment that `config` describes, and the options that its processes are started with.
+///
+/// # Errors
+/// If the configuration cannot be used.
+pub(crate) fn deployment(path: &std::path::Path, shared: Shared) -> Result<(Config, Options), ConfigError> {
+    let config = Config::read(path, &shared.set)?;
+    let instance = shared.instance.unwrap_or_else(|| config.name.clone());
+    let options = Options {
+        overrides: shared.set,
+        data: data_folder(shared.data),
+        out: out_folder(shared.out, &instance),
+        speed: shared.speed,
+        seed: shared.seed,
+        scenario_start_ns: Now::read().utc_ns,
+        launcher: None,
+        instance,
+    };
+    Ok((config, options))
+}
+
+/// Where recordings are looked for.
+pub(crate) fn data_folder(given: Option<PathBuf>) -> PathBuf {
+    let from_environment = || std::env::var_os("KOSEKI_DATA").filter(|folder| !folder.is_empty());
+    given
+        .or_else(|| from_environment().map(PathBuf::from))
+        .unwrap_or_else(|| PathBuf::from(DATA_DEFAULT))
+}
+
+/// Where an instance's records are written.
+pub(crate) fn out_folder(given: Option<PathBuf>, instance: &str) -> PathBuf {
+    given.unwrap_or_else(|| PathBuf::from(OUT_DEFAULT).join(instance))
+}
+
+/// What clap says about wrong usage, in one line.
+pub(crate) fn usage_line(error: &clap::Error) -> String {
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        let command = Cli::command();
+        let commands: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+        return format!(
+            "a command is missing; there are {} (see `koseki --help`)",
+            commands.join(", ")
+        );
+    }
+    let text = error.to_string();
+    let words: Vec<&str> = text
+        .lines()
+        .take_while(|line| !line.starts_with("Usage:"))
+        .filter(|line| !line.trim().is_empty() && !line.starts_with("For more information"))
+        .map(str::trim)
+        .collect();
+    let words = words.join(" ");
+    let what = words.strip_prefix("error: ").unwrap_or(&words);
+    let first = std::env::args().nth(1);
+    let command = first.filter(|word| Cli::command().find_subcommand(word).is_some());
+    match command {
+        Some(command) => format!("{what} (see `koseki {command} --help`)"),
+        None => format!("{what} (see `koseki --help`)"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_definitions_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn wrong_usage_is_one_line() {
+        let cases: [&[&str]; 9] = [
+            &["koseki", "score"],
+            &["koseki", "score", "--truth", "a.csv"],
+            &["koseki", "score", "tracks", "--truth", "a.csv"],
+            &[
+                "koseki", "score", "--truth", "a.csv", "--tracks", "b.csv", "--t0", "0.5",
+            ],
+            &["koseki"],
+            &["koseki", "upp"],
+            &["koseki", "up"],
+            &["koseki", "up", "a.toml", "--speed", "fast"],
+            &["koseki", "demo", "--fro", "3"],
+        ];
+        for case in cases {
+            let error = Cli::try_parse_from(case).unwrap_err();
+            let line = usage_line(&error);
+            assert_eq!(line.lines().count(), 1, "{line}");
+            assert!(!line.contains("error:") && line.contains("--help"), "{line}");
+        }
+    }
+}
