@@ -22,8 +22,8 @@ pub(crate) const SCHEMA: u64 = layout::fingerprint();
 /// Most processes that have a topic open at a time: 64 sources, the services, each perhaps twice, and spare ones.
 pub(crate) const NODES_MAX: usize = 256;
 
-/// Slices that a subscriber may look at at a time. This crate looks at one; readers in other languages may want two.
-pub(crate) const BORROWED_MAX: usize = 2;
+/// Slices that a subscriber may keep at a time.
+pub const BORROWED_MAX: usize = 2;
 
 /// Slices that a publisher writes at a time.
 pub(crate) const LOANED_MAX: usize = 2;

@@ -43,6 +43,33 @@ pub struct Subscriber<S: Transport, T: Payload> {
     failed_connections: Arc<AtomicU64>,
 }
 
+/// What [`Subscriber::receive`] found.
+#[derive(Debug)]
+pub enum Received<S: Transport, T: Payload> {
+    /// The next slice.
+    Slice(Slice<S, T>),
+    /// A slice of another layout: counted, and given back.
+    Refused,
+    /// The queue is empty.
+    Nothing,
+}
+
+/// A slice in shared memory, kept from being overwritten as long as this lives.
+#[derive(Debug)]
+pub struct Slice<S: Transport, T: Payload>(iceoryx2::sample::Sample<S, [T], BatchHeader>);
+
+impl<S: Transport, T: Payload> Slice<S, T> {
+    /// What its publisher says of it.
+    pub fn header(&self) -> &BatchHeader {
+        self.0.user_header()
+    }
+
+    /// Its samples.
+    pub fn samples(&self) -> &[T] {
+        self.0.payload()
+    }
+}
+
 /// What a subscriber has counted since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SubscriberCounts {
@@ -90,29 +117,45 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     /// [`BusError::Take`] if the memory of a publisher cannot be reached. Slices taken before that were shown.
     pub fn take(&mut self, budget: usize, mut visit: impl FnMut(&BatchHeader, &[T])) -> Result<usize, BusError> {
         for count in 0..budget {
-            let received = self.port.receive().map_err(|error| BusError::Take {
-                topic: self.topic.clone(),
-                reason: receive_reason(error),
-            })?;
-            let Some(slice) = received else {
-                return Ok(count);
-            };
-            let header = slice.user_header();
-            if header.schema != SCHEMA {
-                self.counts.schema_mismatch += 1;
-                continue;
+            match self.receive()? {
+                Received::Slice(slice) => visit(slice.header(), slice.samples()),
+                Received::Refused => {}
+                Received::Nothing => return Ok(count),
             }
-            let samples = slice.payload();
-            let origin = slice.origin().value();
-            self.counts.slices += 1;
-            self.counts.taken += samples.len() as u64;
-            match self.publishers.follow(origin, header, samples.len(), self.joined_ns) {
-                Step::Next { skipped } => self.counts.lost += skipped,
-                Step::Passed => self.counts.out_of_order += samples.len() as u64,
-            }
-            visit(header, samples);
         }
         Ok(budget)
+    }
+
+    /// Takes the next slice out of the queue, to be kept as long as its reader needs it: its memory is not written
+    /// to before it is dropped. A subscriber can keep [`BORROWED_MAX`] at a time.
+    ///
+    /// # Errors
+    /// [`BusError::Take`] if the memory of a publisher cannot be reached, or too many slices are kept.
+    pub fn receive(&mut self) -> Result<Received<S, T>, BusError> {
+        let received = self.port.receive().map_err(|error| BusError::Take {
+            topic: self.topic.clone(),
+            reason: receive_reason(error),
+        })?;
+        let Some(sample) = received else {
+            return Ok(Received::Nothing);
+        };
+        let slice = Slice(sample);
+        let header = slice.header();
+        if header.schema != SCHEMA {
+            self.counts.schema_mismatch += 1;
+            return Ok(Received::Refused);
+        }
+        let count = slice.samples().len();
+        self.counts.slices += 1;
+        self.counts.taken += count as u64;
+        match self
+            .publishers
+            .follow(slice.0.origin().value(), header, count, self.joined_ns)
+        {
+            Step::Next { skipped } => self.counts.lost += skipped,
+            Step::Passed => self.counts.out_of_order += count as u64,
+        }
+        Ok(Received::Slice(slice))
     }
 
     /// Whether something waits to be taken (or a take would say what is wrong). Costs some hundred nanoseconds.

@@ -48,7 +48,7 @@ pub const BACKSTOP: Duration = Duration::from_millis(100);
 /// Attempts to drain one listener at a time: a publisher that never pauses must not keep its reader from reading.
 const DRAIN_MAX: usize = 16;
 
-/// While spinning, the core is offered to others once in so many questions.
+/// While spinning on a shared core, it is offered to others once in so many questions.
 const YIELD_EVERY: u32 = 64;
 
 /// How to wait.
@@ -80,6 +80,8 @@ pub enum Woken {
 #[derive(Debug)]
 pub struct Waiter<S: Transport> {
     mode: WaitMode,
+    /// Whether others are offered the core while this one spins.
+    yields: bool,
     /// One for each entry of `listeners`, in the same order. Declared first: dropped first.
     descriptors: Vec<PollFd<'static>>,
     listeners: Vec<Listener<S>>,
@@ -98,10 +100,19 @@ impl<S: Transport> Waiter<S> {
     pub(crate) fn new(mode: WaitMode) -> Self {
         Self {
             mode,
+            yields: true,
             descriptors: Vec::new(),
             listeners: Vec::new(),
             missed: 0,
         }
+    }
+
+    /// This waiter, on a core of its own: while it spins it makes no system call at all. On a core that others need too
+    /// it would keep them waiting, and then they it.
+    #[must_use]
+    pub fn without_yielding(mut self) -> Self {
+        self.yields = false;
+        self
     }
 
     /// Watches `topic` too. A waiter that only spins needs no notifications, and asks the publishers for none.
@@ -159,7 +170,7 @@ impl<S: Transport> Waiter<S> {
             WaitMode::Event => Duration::ZERO,
             WaitMode::Hybrid { spin_ns } => Duration::from_nanos(spin_ns).min(timeout),
         };
-        if spin_until(start, spin, &mut has_work) {
+        if spin_until(start, spin, self.yields, &mut has_work) {
             return Ok(Woken::Work);
         }
         loop {
@@ -205,14 +216,14 @@ impl<S: Transport> Waiter<S> {
 }
 
 /// Asks for work until it is there (`true`) or `time` has passed since `start`.
-fn spin_until(start: Instant, time: Duration, has_work: &mut impl FnMut() -> bool) -> bool {
+fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl FnMut() -> bool) -> bool {
     let mut turn = 0_u32;
     while start.elapsed() < time {
         if has_work() {
             return true;
         }
         turn = turn.wrapping_add(1);
-        if turn.is_multiple_of(YIELD_EVERY) {
+        if yields && turn.is_multiple_of(YIELD_EVERY) {
             thread::yield_now();
         } else {
             hint::spin_loop();

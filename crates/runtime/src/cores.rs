@@ -1,10 +1,14 @@
 //! Giving a thread a core of its own (PL-5).
 
 use rustix::mm::{MlockAllFlags, mlockall};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use thread_priority::unix::{
     RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id,
 };
 use thread_priority::{ThreadPriority, ThreadPriorityValue};
+
+/// Stack that a real-time thread may come to use, bytes: touched before it is needed.
+const STACK_BYTES: usize = 256 << 10;
 
 /// What a real-time thread asks of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +49,9 @@ pub fn take_place(placement: Placement) -> Vec<String> {
             "SCHED_FIFO priority {priority} was refused ({reason}): grant CAP_SYS_NICE or raise the limit `ulimit -r`"
         ));
     }
+    if placement.lock_memory {
+        touch_stack();
+    }
     if placement.lock_memory
         && let Err(error) = mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE)
     {
@@ -53,6 +60,25 @@ pub fn take_place(placement: Placement) -> Vec<String> {
         ));
     }
     refused
+}
+
+/// Keeps the calling thread off `core`, if there is any other. Best effort: where the machine refuses, it stays.
+pub fn stay_away_from(core: usize) {
+    if let Ok(mut allowed) = sched_getaffinity(None)
+        && core < CpuSet::MAX_CPU
+    {
+        allowed.unset(core);
+        if allowed.count() > 0 {
+            let _ = sched_setaffinity(None, &allowed);
+        }
+    }
+}
+
+/// Has the kernel provide the pages of the stack now. (Those of the heap are there once they are locked.)
+#[inline(never)]
+fn touch_stack() {
+    let mut stack = [0u8; STACK_BYTES];
+    std::hint::black_box(&mut stack);
 }
 
 fn become_fifo(priority: i32) -> Result<(), String> {

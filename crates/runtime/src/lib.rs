@@ -9,9 +9,10 @@ pub mod clock;
 pub mod config;
 pub mod cores;
 pub mod flow;
+pub mod housekeeping;
 pub mod service;
 pub mod signals;
 
 pub use clock::Now;
 pub use config::{Config, ConfigError};
-pub use service::{Agent, HealthEntry, Options, Process, Speed, Turn};
+pub use service::{Agent, HealthEntry, Options, Process, Rest, Speed, Turn};

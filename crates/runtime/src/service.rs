@@ -2,7 +2,8 @@
 //!
 //! A service is an [`Agent`]: it does a bounded piece of work when asked and says whether there is more. [`run`] asks
 //! it again and again, reads the clocks once per turn, publishes its health, and ends the process when it is done or
-//! told to stop. The agent itself has no loop and reads no clock, so a test can drive it step by step.
+//! told to stop. The agent itself has no loop and reads no clock, so a test can drive it step by step. [`run_apart`] does
+//! the same for an agent whose thread must do nothing else.
 
 use std::net::Ipv4Addr;
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind, Registration}
 
 use crate::clock::{Now, mono_ns};
 use crate::config::{Config, loopback_of};
+use crate::housekeeping::Housekeeper;
 use crate::signals::{self, Stop};
 
 /// Time between two health messages, nanoseconds.
@@ -100,6 +102,17 @@ impl Process {
         self.stop.requested()
     }
 
+    /// A health message of this process, with nothing in it yet.
+    pub(crate) fn blank_health(&self) -> Health {
+        let blank = Health {
+            incarnation: self.incarnation,
+            process_id: std::process::id(),
+            kind: self.kind as u8,
+            ..Health::default()
+        };
+        blank.with_name(&self.name)
+    }
+
     /// Midnight of the day that files count their seconds from, UTC, nanoseconds.
     pub fn first_day_ns(&self) -> i64 {
         let live = || self.options.scenario_start_ns.div_euclid(frames::time::NS_PER_DAY) * frames::time::NS_PER_DAY;
@@ -182,69 +195,114 @@ impl HealthEntry {
     }
 }
 
+/// Pauses of a thread that would otherwise never sleep.
+///
+/// Linux keeps a `SCHED_FIFO` thread that leaves others nothing of its core from running at all for some 50 ms in each
+/// second. One that pauses often enough by itself is left alone, and its pauses are short.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rest {
+    /// Time between two pauses, nanoseconds.
+    pub every_ns: i64,
+    /// Length of a pause, nanoseconds.
+    pub for_ns: u64,
+}
+
 /// Runs `agent` until it has finished or the process is told to stop.
 ///
 /// # Errors
 /// What the agent could not cope with.
 pub fn run(process: &Process, agent: &mut dyn Agent) -> anyhow::Result<()> {
-    let mut reporter = Reporter::new(process)?;
-    let result = duty_cycle(process, agent, &mut reporter);
+    let mut reporter = Reporter::new(&process.bus, process.incarnation, process.blank_health())?;
+    let mut entries = Vec::new();
+    let result = duty_cycle(process, agent, None, &mut |agent, now| {
+        entries.clear();
+        agent.health(&mut entries);
+        reporter.publish(now, LifeState::Running, &entries)
+    });
     let closed = agent.close(Now::read());
-    let life = if result.is_err() || closed.is_err() {
-        LifeState::Failed
-    } else {
-        LifeState::Finished
-    };
+    entries.clear();
+    agent.health(&mut entries);
     // Health is best effort at the end: what matters is the error itself.
-    let _ = reporter.say(agent, Now::read(), life);
+    let _ = reporter.publish(Now::read(), life_at_end(&result, &closed), &entries);
     result.and(closed)
 }
 
-fn duty_cycle(process: &Process, agent: &mut dyn Agent, reporter: &mut Reporter) -> anyhow::Result<()> {
+/// Runs `agent` like [`run`] does, with all that is not its work left to `housekeeper`. It pauses as `rest` says.
+///
+/// # Errors
+/// What the agent or the housekeeper could not cope with.
+pub fn run_apart(
+    process: &Process,
+    agent: &mut dyn Agent,
+    rest: Option<Rest>,
+    housekeeper: Housekeeper,
+) -> anyhow::Result<()> {
+    let result = duty_cycle(process, agent, rest, &mut |agent, now| {
+        housekeeper.say(agent, now, LifeState::Running);
+        Ok(())
+    });
+    let closed = agent.close(Now::read());
+    let said = housekeeper.close(agent, Now::read(), life_at_end(&result, &closed));
+    result.and(closed).and(said)
+}
+
+fn life_at_end(result: &anyhow::Result<()>, closed: &anyhow::Result<()>) -> LifeState {
+    match result.is_err() || closed.is_err() {
+        true => LifeState::Failed,
+        false => LifeState::Finished,
+    }
+}
+
+fn duty_cycle(
+    process: &Process,
+    agent: &mut dyn Agent,
+    rest: Option<Rest>,
+    say: &mut dyn FnMut(&dyn Agent, Now) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
     let mut next_health_ns = i64::MIN;
+    let mut rested_ns = mono_ns();
+    let idle_max_ns = rest.map_or(HEALTH_PERIOD_NS, |rest| rest.every_ns.min(HEALTH_PERIOD_NS));
+    let idle_max = Duration::from_nanos(idle_max_ns as u64);
     loop {
         let now = Now::read();
         if now.mono_ns >= next_health_ns {
-            reporter.say(agent, now, LifeState::Running)?;
+            say(agent, now)?;
             next_health_ns = now.mono_ns + HEALTH_PERIOD_NS;
         }
         if process.stop_requested() {
             return Ok(());
         }
+        if let Some(rest) = rest
+            && now.mono_ns - rested_ns >= rest.every_ns
+        {
+            std::thread::sleep(Duration::from_nanos(rest.for_ns));
+            rested_ns = mono_ns();
+        }
         match agent.turn(now)? {
             Turn::Worked => {}
-            Turn::Idle(at_most) => agent.wait(at_most.min(Duration::from_nanos(HEALTH_PERIOD_NS as u64)))?,
+            Turn::Idle(at_most) => agent.wait(at_most.min(idle_max))?,
             Turn::Finished => return Ok(()),
         }
     }
 }
 
 /// Publishes the health of one process.
-struct Reporter {
+pub(crate) struct Reporter {
     publisher: Publisher<SharedMemory, Health>,
     blank: Health,
-    entries: Vec<HealthEntry>,
 }
 
 impl Reporter {
-    fn new(process: &Process) -> anyhow::Result<Self> {
-        let blank = Health {
-            incarnation: process.incarnation,
-            process_id: std::process::id(),
-            kind: process.kind as u8,
-            ..Health::default()
-        };
+    pub(crate) fn new(bus: &Bus<SharedMemory>, incarnation: u64, blank: Health) -> anyhow::Result<Self> {
         Ok(Self {
-            publisher: process.bus.publisher(&messages::health(), process.incarnation)?,
-            blank: blank.with_name(&process.name),
-            entries: Vec::new(),
+            publisher: bus.publisher(&messages::health(), incarnation)?,
+            blank,
         })
     }
 
-    fn say(&mut self, agent: &dyn Agent, now: Now, life: LifeState) -> anyhow::Result<()> {
-        self.entries.clear();
-        agent.health(&mut self.entries);
-        let (blank, entries) = (self.blank, &self.entries);
+    /// Publishes `entries`, as they were at `now`.
+    pub(crate) fn publish(&mut self, now: Now, life: LifeState, entries: &[HealthEntry]) -> anyhow::Result<()> {
+        let blank = self.blank;
         let mark = Mark {
             progress_ns: i64::MIN,
             sent_ns: now.mono_ns,
@@ -252,7 +310,7 @@ impl Reporter {
         };
         self.publisher.send(mark, entries.len(), |index, _| {
             let entry = &entries[index];
-            Health {
+            let health = Health {
                 said_ns: now.mono_ns,
                 progress_ns: entry.progress_ns,
                 source: entry.source,
@@ -260,8 +318,11 @@ impl Reporter {
                 counters: entry.counters,
                 registration: entry.registration,
                 ..blank
+            };
+            match entry.note.is_empty() {
+                true => health,
+                false => health.with_note(&entry.note),
             }
-            .with_note(&entry.note)
         })?;
         Ok(())
     }

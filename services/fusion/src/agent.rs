@@ -1,23 +1,27 @@
 //! The duty cycle of fusion.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Bus, Subscriber, Transport, Waiter};
+use bus::{Bus, Transport, Waiter};
 use fusion::{Engine, Merger, Pushed};
-use messages::{
-    BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, SensorTrack, SystemTrack, TrackState,
-};
+use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, SystemTrack, TrackState};
 use runtime::clock::mono_ns;
 use runtime::config::{Config, Order};
 use runtime::flow::Reached;
+use runtime::housekeeping::Orders;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::inputs::Input;
 use crate::output::Output;
 
-/// Reports worked off in one turn in order `time`, so that a long recording does not delay everything else.
+/// Reports worked off in one turn, so that a flood does not delay everything else.
 const REPORTS_PER_TURN: usize = 256;
-/// Slices taken from one source before the next one's turn, so that a flood cannot starve the others.
+/// Order `arrival`: idle sources that are looked at before each round. Looking costs some forty nanoseconds.
+const LOOKS_PER_ROUND: usize = 2;
+/// Order `arrival`: system-track states that are published together while a slice of many reports is worked off.
+const SENT_TOGETHER: usize = 16;
+/// Order `time`: slices taken from one source before the next one's turn.
 const SLICES_PER_SOURCE: usize = 4;
 
 /// Fusion as an agent; generic over the transport, so that tests drive it in process.
@@ -26,24 +30,30 @@ pub struct FusionAgent<S: Transport> {
     engine: Engine,
     inputs: Vec<Input<S>>,
     output: Output<S>,
-    control: Subscriber<S, Control>,
+    orders: Arc<Orders>,
     waiter: Waiter<S>,
+    /// Order `arrival`: the sources whose turn comes in the round at hand.
+    round: Vec<usize>,
+    /// The source that was looked at last.
+    look_at: usize,
     /// Order `time`: reports that wait for their turn.
     merger: Option<Merger>,
     /// Recordings: says how far fusion has got, so that nothing is lost.
     reached: Option<Reached<S>>,
     end_sent: bool,
     progress_ns: i64,
-    note: String,
 }
 
 impl<S: Transport> FusionAgent<S> {
-    /// Fusion of `config`, connected to `bus`; `incarnation` is the process's monotonic start time.
+    /// Fusion of `config`, connected to `bus`; `incarnation` is the process's monotonic start time. It obeys `orders`.
     ///
     /// # Errors
     /// If a setting cannot work or a topic cannot be opened.
-    pub fn new(config: &Config, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
+    pub fn new(config: &Config, bus: &Bus<S>, incarnation: u64, orders: Arc<Orders>) -> anyhow::Result<Self> {
         let mut waiter = bus.waiter(config.fusion.wait);
+        if config.fusion.placement.core.is_some() {
+            waiter = waiter.without_yielding();
+        }
         let inputs = Input::open_all(config, bus, incarnation, &mut waiter)?;
         let recorded = config.is_recorded();
         if recorded {
@@ -54,58 +64,104 @@ impl<S: Transport> FusionAgent<S> {
         Ok(Self {
             engine: Engine::new(config.fusion.settings.clone())?,
             output: Output::new(config, bus, incarnation)?,
-            control: bus.subscriber(&messages::control(), || incarnation)?,
+            orders,
             waiter,
+            round: Vec::with_capacity(inputs.len()),
+            look_at: 0,
             merger: (config.order == Order::Time).then(|| Merger::new(sources.len(), config.fusion.queue)),
             reached: recorded.then(reached).transpose()?,
             inputs,
             end_sent: false,
             progress_ns: i64::MIN,
-            note: String::new(),
         })
     }
 
-    /// What health messages shall say is wrong.
-    pub fn set_note(&mut self, note: String) {
-        self.note = note;
+    fn obey(&mut self) {
+        while let Some(order) = self.orders.pop() {
+            let obeyed = order.kind == Control::CONDITION && self.engine.set_condition(order.name());
+            let counter = if obeyed {
+                Counter::OrdersObeyed
+            } else {
+                Counter::OrdersRefused
+            };
+            self.engine.counts_mut().add(NO_SOURCE, counter);
+        }
     }
 
-    fn obey(&mut self) -> anyhow::Result<()> {
-        let engine = &mut self.engine;
-        self.control.take(usize::MAX, |_, orders| {
-            for order in orders {
-                let obeyed = order.kind == Control::CONDITION && engine.set_condition(order.name());
-                let counter = if obeyed {
-                    Counter::OrdersObeyed
-                } else {
-                    Counter::OrdersRefused
-                };
-                engine.counts_mut().add(NO_SOURCE, counter);
-            }
-        })?;
-        Ok(())
-    }
-
-    /// Order `arrival`: every report is worked off as it is taken.
+    /// Order `arrival`: reports are worked off as they come, in rounds. A round takes one report of each source that has
+    /// some, the source first whose slice was sent first. So a source that floods costs each of the others one report's
+    /// time, and what it has no turn for waits in its own queue.
     fn work_on_arrival(&mut self, now: Now) -> anyhow::Result<bool> {
-        let mut worked = false;
-        for input in &mut self.inputs {
-            for _ in 0..SLICES_PER_SOURCE {
-                let (engine, output) = (&mut self.engine, &mut self.output);
-                let fuse = |report: &SensorTrack| engine.take(report, &mut |track: &SystemTrack| output.push(track));
-                if !input.take_slice(mono_ns, fuse, |_, _| {})? {
-                    break;
-                }
-                worked = true;
-                self.progress_ns = self.progress_ns.max(input.progress_ns);
-                self.output.send(self.progress_ns, false)?;
+        let mut worked = 0;
+        while worked < REPORTS_PER_TURN {
+            if !self.begin_round()? {
+                break;
+            }
+            worked += self.round.len();
+            for place in 0..self.round.len() {
+                self.work_off_one(self.round[place])?;
             }
         }
         let output = &mut self.output;
         self.engine
             .advance(now.utc_ns, &mut |track: &SystemTrack| output.push(track));
         self.output.send(self.progress_ns, false)?;
-        Ok(worked)
+        Ok(worked > 0)
+    }
+
+    /// Finds the sources that have something; whether any has.
+    fn begin_round(&mut self) -> anyhow::Result<bool> {
+        self.list_round();
+        let (sources, looks) = match self.round.is_empty() {
+            true => (self.inputs.len(), self.inputs.len()),
+            false => (self.inputs.len(), LOOKS_PER_ROUND.min(self.inputs.len())),
+        };
+        let known = self.round.len();
+        let mut found = 0;
+        for _ in 0..looks {
+            self.look_at = (self.look_at + 1) % sources.max(1);
+            let input = &mut self.inputs[self.look_at];
+            if input.sent_ns().is_none() && input.reach(mono_ns)? {
+                found += 1;
+            }
+        }
+        if found > 0 || known > 1 {
+            self.list_round();
+            let inputs = &self.inputs;
+            // By number where sent at the same time: the order must not depend on where the looks began.
+            self.round
+                .sort_unstable_by_key(|index| (inputs[*index].sent_ns(), *index));
+        }
+        Ok(!self.round.is_empty())
+    }
+
+    fn list_round(&mut self) {
+        let has_some = self
+            .inputs
+            .iter()
+            .enumerate()
+            .filter(|(_, input)| input.sent_ns().is_some());
+        self.round.clear();
+        self.round.extend(has_some.map(|(index, _)| index));
+    }
+
+    /// Works off the next report of one source.
+    fn work_off_one(&mut self, index: usize) -> anyhow::Result<()> {
+        let input = &mut self.inputs[index];
+        let Some((report, last)) = input.next_report() else {
+            return Ok(());
+        };
+        let output = &mut self.output;
+        self.engine.take(&report, &mut |track: &SystemTrack| output.push(track));
+        self.progress_ns = self.progress_ns.max(input.progress_ns);
+        if last {
+            // A source that has more keeps its place in the rounds.
+            input.reach(mono_ns)?;
+        }
+        if last || self.output.waiting() >= SENT_TOGETHER {
+            self.output.send(self.progress_ns, false)?;
+        }
+        Ok(())
     }
 
     /// Order `time`: reports wait until their turn has come.
@@ -185,7 +241,7 @@ impl<S: Transport> FusionAgent<S> {
 
 impl<S: Transport> Agent for FusionAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        self.obey()?;
+        self.obey();
         let worked = match self.merger.take() {
             Some(mut merger) => {
                 let worked = self.work_by_time(&mut merger);
@@ -218,7 +274,6 @@ impl<S: Transport> Agent for FusionAgent<S> {
         let mut whole = HealthEntry {
             progress_ns: self.progress_ns,
             counters: *counts.total(),
-            note: self.note.clone(),
             ..HealthEntry::default()
         };
         let level = |state| self.engine.count_in_state(state) as u64;

@@ -1,6 +1,6 @@
 //! The sources' topics, as fusion reads them.
 
-use bus::{Bus, Subscriber, Transport, Waiter};
+use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
 use messages::{BatchHeader, COUNTERS_MAX, Counter, SensorTrack};
 use runtime::config::Config;
 
@@ -13,6 +13,17 @@ pub(crate) struct Input<S: Transport> {
     pub(crate) slice_len: usize,
     /// Latest progress mark, UTC, nanoseconds.
     pub(crate) progress_ns: i64,
+    /// Order `arrival`: the slice that is being worked off.
+    in_hand: Option<InHand<S>>,
+}
+
+/// A slice that stays in shared memory while its reports are worked off one at a time, in turn with other sources'.
+#[derive(Debug)]
+struct InHand<S: Transport> {
+    slice: Slice<S, SensorTrack>,
+    /// Place of the report that is next.
+    next: usize,
+    taken_ns: i64,
 }
 
 impl<S: Transport> Input<S> {
@@ -33,9 +44,51 @@ impl<S: Transport> Input<S> {
                 subscriber,
                 slice_len: topic.capacity.slice_len,
                 progress_ns: i64::MIN,
+                in_hand: None,
             });
         }
         Ok(inputs)
+    }
+
+    /// Takes the next slice in hand if none is. Whether one is in hand now.
+    pub(crate) fn reach(&mut self, clock: fn() -> i64) -> anyhow::Result<bool> {
+        while self.in_hand.is_none() {
+            match self.subscriber.receive()? {
+                Received::Nothing => return Ok(false),
+                Received::Refused => {}
+                Received::Slice(slice) => {
+                    self.progress_ns = self.progress_ns.max(slice.header().progress_ns);
+                    if !slice.samples().is_empty() {
+                        // Read here, not before: until the slice is in hand it may not have been published.
+                        let taken_ns = clock();
+                        self.in_hand = Some(InHand {
+                            slice,
+                            next: 0,
+                            taken_ns,
+                        });
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// When the slice in hand was sent, monotonic, nanoseconds.
+    pub(crate) fn sent_ns(&self) -> Option<i64> {
+        self.in_hand.as_ref().map(|hand| hand.slice.header().sent_ns)
+    }
+
+    /// The next report of the slice in hand, stamped, and whether it was the last. The last one gives the slice back.
+    pub(crate) fn next_report(&mut self) -> Option<(SensorTrack, bool)> {
+        let hand = self.in_hand.as_mut()?;
+        let reports = hand.slice.samples();
+        let report = stamped(reports.get(hand.next)?, self.source, hand.taken_ns);
+        hand.next += 1;
+        let last = hand.next == reports.len();
+        if last {
+            self.in_hand = None;
+        }
+        Some((report, last))
     }
 
     /// Takes one slice, if there is one. Each report is stamped with the time by `clock` and its source, and handed to
@@ -51,11 +104,7 @@ impl<S: Transport> Input<S> {
             // Read here, not before the take: between the two the slice may have been published.
             let taken_ns = clock();
             for report in reports {
-                let mut report = *report;
-                report.stages.taken_ns = taken_ns;
-                // A topic is its source: what a report says of its source is not believed.
-                report.source = source;
-                visit(&report);
+                visit(&stamped(report, source, taken_ns));
             }
             *progress_ns = (*progress_ns).max(batch.progress_ns);
             header(batch, reports);
@@ -74,4 +123,12 @@ impl<S: Transport> Input<S> {
         counters[Counter::Lost as usize] += counts.lost;
         counters[Counter::SchemaMismatch as usize] += counts.schema_mismatch;
     }
+}
+
+fn stamped(report: &SensorTrack, source: u16, taken_ns: i64) -> SensorTrack {
+    let mut report = *report;
+    report.stages.taken_ns = taken_ns;
+    // A topic is its source: what a report says of its source is not believed.
+    report.source = source;
+    report
 }

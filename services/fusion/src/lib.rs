@@ -5,26 +5,50 @@
 
 #![forbid(unsafe_code)]
 
+//! # The loop
+//! Fusion answers within microseconds, so its thread does nothing else: what it counts is published, and orders are read,
+//! by a second thread (`runtime::housekeeping`). Turn after turn it takes one report of each source that has some, fuses it,
+//! publishes what came of it, and asks again. With `wait = "spin"` on a core of its own, a turn makes no system call,
+//! takes no lock and allocates nothing (tests/allocation.rs; docs/real-time.md has the trace).
+
 mod agent;
 mod inputs;
 mod output;
 
 pub use agent::FusionAgent;
 
-use runtime::{Process, cores};
+use std::sync::Arc;
+
+use bus::WaitMode;
+use runtime::housekeeping::{self, Housekeeper};
+use runtime::{Process, Rest, cores};
+
+/// How a loop rests that would otherwise never sleep: six hundredths of the time, more than the kernel would take by force.
+const REST: Rest = Rest {
+    every_ns: 1_000_000,
+    for_ns: 60_000,
+};
 
 /// Runs fusion until every source has ended or the process is told to stop.
 ///
 /// # Errors
 /// If the machine refuses what the configuration requires of it, or shared memory fails.
 pub fn run(process: &Process) -> anyhow::Result<()> {
-    let fusion = &process.config.fusion;
-    let mut agent = FusionAgent::new(&process.config, &process.bus, process.incarnation)?;
+    let config = &process.config;
+    let fusion = &config.fusion;
+    let orders = housekeeping::orders();
+    // The process as a whole, and each source.
+    let entries_max = 1 + config.sources.len();
+    // Before this thread takes its place: threads inherit core and priority.
+    let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&orders))?;
+    let mut agent = FusionAgent::new(config, &process.bus, process.incarnation, orders)?;
     let refused = cores::take_place(fusion.placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");
         eprintln!("warning: {refused}; going on without");
-        agent.set_note(refused);
+        housekeeper.set_note(refused);
     }
-    runtime::service::run(process, &mut agent)
+    let never_sleeps = fusion.wait == WaitMode::Spin && fusion.placement.realtime_priority.is_some();
+    let rest = never_sleeps.then_some(REST).filter(|_| fusion.rests);
+    runtime::service::run_apart(process, &mut agent, rest, housekeeper)
 }

@@ -52,6 +52,11 @@ impl<S: Transport> Output<S> {
         self.waiting.len() >= self.publisher.slice_len()
     }
 
+    /// How many wait.
+    pub(crate) fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
     /// Sends what waits; with `end`, says that nothing follows.
     pub(crate) fn send(&mut self, progress_ns: i64, end: bool) -> anyhow::Result<()> {
         if self.waiting.is_empty() && !end {

@@ -3,6 +3,8 @@
 // Every test program uses its own part of this.
 #![allow(dead_code, reason = "each test program compiles this module, and uses a part of it")]
 
+pub(crate) mod heap;
+
 use std::fs;
 use std::path::Path;
 use std::sync::mpsc;

@@ -473,6 +473,7 @@ pub(super) fn check_fusion(fusion: &RawFusion, sources: Vec<engine::SourceSettin
             lock_memory: fusion.lock_memory,
         },
         required: fusion.required,
+        rests: fusion.rests,
         queue,
         deadline_ns: (within("fusion.deadline_us", fusion.deadline_us, 0.1, 1e9)? * 1e3) as i64,
     })

@@ -1,0 +1,202 @@
+//! Everything that a real-time loop must not do itself (PL-6).
+//!
+//! A loop that answers within microseconds cannot also publish its health: that wakes whoever listens, a system call for
+//! each. Nor can it look for orders in shared memory in every turn, or join a second topic when something goes wrong. So a
+//! second thread, the *housekeeper*, does all of it. The two hand each other things through bounded queues without locks:
+//!
+//! ```text
+//!   loop ── what it counts, five times a second ──▶ housekeeper ──▶ topic `health`
+//!   loop ◀── emptied buffers ────────────────────── housekeeper
+//!   loop ◀── orders ─────────────────────────────── housekeeper ◀── topic `control`
+//! ```
+//!
+//! Nothing is allocated in the loop: two buffers go back and forth. If the housekeeper is kept from running, the loop goes
+//! on without: what it counted is said later, since counters only grow. Orders wait in their topic while the queue is
+//! full.
+//!
+//! The housekeeper is started before the loop takes its core and priority, which threads inherit, and stays away from that
+//! core.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock, mpsc};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use bus::{Bus, SharedMemory, Subscriber};
+use crossbeam_queue::ArrayQueue;
+use messages::{Control, LifeState};
+
+use crate::clock::{Now, mono_ns};
+use crate::cores;
+use crate::service::{Agent, HealthEntry, Process, Reporter};
+
+/// Orders that wait for the loop.
+const ORDERS_MAX: usize = 16;
+/// Buffers that go back and forth.
+const BUFFERS: usize = 2;
+/// How often the housekeeper looks for work.
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// Orders on their way to a loop.
+pub type Orders = ArrayQueue<Control>;
+
+/// An empty queue of orders.
+pub fn orders() -> Arc<Orders> {
+    Arc::new(ArrayQueue::new(ORDERS_MAX))
+}
+
+/// The loop's side of a housekeeper.
+#[derive(Debug)]
+pub struct Housekeeper {
+    desk: Arc<Desk>,
+    thread: Option<JoinHandle<anyhow::Result<()>>>,
+}
+
+/// What lies between the two threads.
+#[derive(Debug)]
+struct Desk {
+    spare: ArrayQueue<Vec<HealthEntry>>,
+    said: ArrayQueue<Said>,
+    orders: Arc<Orders>,
+    closing: AtomicBool,
+    /// What health messages shall say is wrong.
+    note: OnceLock<String>,
+}
+
+/// What the loop said of itself.
+#[derive(Debug)]
+struct Said {
+    now: Now,
+    life: LifeState,
+    entries: Vec<HealthEntry>,
+}
+
+impl Housekeeper {
+    /// Starts the housekeeper of `process`, whose loop will run on `core`, if it has one of its own. Messages have up to
+    /// `entries_max` entries. `orders` is where it puts what it is told.
+    ///
+    /// # Errors
+    /// If its topics cannot be opened.
+    pub fn start(
+        process: &Process,
+        core: Option<usize>,
+        entries_max: usize,
+        orders: Arc<Orders>,
+    ) -> anyhow::Result<Self> {
+        let desk = Arc::new(Desk {
+            spare: ArrayQueue::new(BUFFERS),
+            said: ArrayQueue::new(BUFFERS),
+            orders,
+            closing: AtomicBool::new(false),
+            note: OnceLock::new(),
+        });
+        for _ in 0..BUFFERS {
+            // As many as there is room for.
+            let _ = desk.spare.push(Vec::with_capacity(entries_max));
+        }
+        let (ready, is_ready) = mpsc::channel();
+        let (root, blank, incarnation) = (process.bus.root().clone(), process.blank_health(), process.incarnation);
+        let name = format!("{}-{}-housekeeping", process.kind.word(), process.name);
+        let thread_desk = Arc::clone(&desk);
+        let thread = std::thread::Builder::new()
+            .name("housekeeping".to_owned())
+            .spawn(move || {
+                if let Some(core) = core {
+                    cores::stay_away_from(core);
+                }
+                let opened = || -> anyhow::Result<_> {
+                    let bus: Bus<SharedMemory> = Bus::open(&root, &name)?;
+                    let reporter = Reporter::new(&bus, incarnation, blank)?;
+                    let control = bus.subscriber(&messages::control(), || mono_ns() as u64)?;
+                    Ok((bus, reporter, control))
+                };
+                let (_bus, reporter, control) = opened()?;
+                // Whoever started this waits for it.
+                let _ = ready.send(());
+                keep_house(&thread_desk, reporter, control)
+            })
+            .context("starting the housekeeping thread")?;
+        let mut housekeeper = Self {
+            desk,
+            thread: Some(thread),
+        };
+        // An error means that the thread ended before it was ready: then it says why.
+        if is_ready.recv().is_err() {
+            housekeeper.join()?;
+        }
+        Ok(housekeeper)
+    }
+
+    /// What health messages shall say is wrong with the process, from now on. Only the first call counts.
+    pub fn set_note(&self, note: String) {
+        let _ = self.desk.note.set(note);
+    }
+
+    /// Has what `agent` counts published, if a buffer is at hand. No allocation, no system call.
+    pub(crate) fn say(&self, agent: &dyn Agent, now: Now, life: LifeState) {
+        if let Some(mut entries) = self.desk.spare.pop() {
+            entries.clear();
+            agent.health(&mut entries);
+            // There are as many places as buffers.
+            let _ = self.desk.said.push(Said { now, life, entries });
+        }
+    }
+
+    /// Says the last words of `agent` and ends the thread.
+    pub(crate) fn close(mut self, agent: &dyn Agent, now: Now, life: LifeState) -> anyhow::Result<()> {
+        let mut entries = Vec::new();
+        agent.health(&mut entries);
+        // Last words are worth more than what nobody has read yet.
+        self.desk.said.force_push(Said { now, life, entries });
+        self.join()
+    }
+
+    fn join(&mut self) -> anyhow::Result<()> {
+        self.desk.closing.store(true, Ordering::Release);
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result.context("housekeeping"),
+            Some(Err(_)) => anyhow::bail!("the housekeeping thread panicked"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Drop for Housekeeper {
+    fn drop(&mut self) {
+        // Only where nobody closed it: an error is on its way already.
+        let _ = self.join();
+    }
+}
+
+fn keep_house(
+    desk: &Desk,
+    mut reporter: Reporter,
+    mut control: Subscriber<SharedMemory, Control>,
+) -> anyhow::Result<()> {
+    loop {
+        // Read before the queue is emptied: what was said before closing is published.
+        let closing = desk.closing.load(Ordering::Acquire);
+        while let Some(mut said) = desk.said.pop() {
+            if let (Some(note), Some(whole)) = (desk.note.get(), said.entries.first_mut()) {
+                whole.note.clone_from(note);
+            }
+            reporter.publish(said.now, said.life, &said.entries)?;
+            // Emptied here: the loop must not give memory back either.
+            said.entries.clear();
+            // There are as many places as buffers; the one of the last words was made for them.
+            let _ = desk.spare.push(said.entries);
+        }
+        let room = desk.orders.capacity() - desk.orders.len();
+        control.take(room, |_, orders| {
+            for order in orders {
+                // A slice of orders is one order.
+                let _ = desk.orders.push(*order);
+            }
+        })?;
+        if closing {
+            return Ok(());
+        }
+        std::thread::sleep(PAUSE);
+    }
+}
