@@ -15,6 +15,7 @@ use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind, Registration}
 
 use crate::clock::{Now, mono_ns};
 use crate::config::{Config, loopback_of};
+use crate::cores;
 use crate::housekeeping::Housekeeper;
 use crate::signals::{self, Stop};
 
@@ -82,6 +83,12 @@ impl Process {
             && !signals::stop_with_parent(launcher).context("following the launcher")?
         {
             anyhow::bail!("the launcher (process {launcher}) is gone");
+        }
+        // Fusion's core is for fusion alone.
+        if kind != ProcessKind::Fusion
+            && let Some(core) = config.fusion.placement.core
+        {
+            cores::stay_away_from(core);
         }
         let root = Root::new(&options.instance)?;
         let bus = Bus::open(&root, &format!("{}-{name}", kind.word()))?;
