@@ -48,7 +48,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         eprintln!("warning: {refused}; going on without");
         housekeeper.set_note(refused);
     }
-    let never_sleeps = fusion.wait == WaitMode::Spin && fusion.placement.realtime_priority.is_some();
-    let rest = never_sleeps.then_some(REST).filter(|_| fusion.rests);
+    let hardly_sleeps = fusion.wait != WaitMode::Event && fusion.placement.realtime_priority.is_some();
+    let rest = hardly_sleeps.then_some(REST).filter(|_| fusion.rests);
     runtime::service::run_apart(process, &mut agent, rest, housekeeper)
 }
