@@ -5,7 +5,7 @@
 //! `feeding` feeds the system filter and learns from it, `life` confirms, coasts and ends, `publishing` weighs and tells.
 
 use estimation::{Gaussian, NearlyConstantVelocity};
-use messages::{AXES, Counter, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
+use messages::{AXES, Counter, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
 use crate::association_step::Search;
@@ -80,7 +80,11 @@ impl Engine {
         let registration = &settings.registration;
         let tick_s = TICK_NS as f64 / NS_PER_S;
         Ok(Self {
-            sensors: SensorTracks::new(capacity.sensor_tracks, capacity.stored_reports),
+            sensors: SensorTracks::new(
+                capacity.sensor_tracks,
+                // Rules that take their state from the filter do not look back.
+                (!settings.rule.rule.from_filter).then_some(capacity.stored_reports),
+            ),
             systems: SystemTracks::new(capacity.system_tracks, settings.association.cell_m),
             accuracies: Accuracies::new(sources),
             counts: Counts::new(sources),
@@ -168,18 +172,21 @@ impl Engine {
             self.miss(report, sink);
             return;
         }
-        // From here on it is what the source would have said without its known errors.
-        let mut report = *report;
-        let Some(repaired) = self.repair(&mut report) else {
+        // Asked for early: the answer comes from afar, and until it is needed there is other work.
+        let known = self.sensors.find(report.source, report.track_number);
+        let repaired = if estimation::is_usable(&report.covariance) {
+            None
+        } else if let Some(repaired) = self.repaired(report) {
+            Some(repaired)
+        } else {
             self.counts.add(report.source, Counter::Invalid);
             return;
         };
-        self.sift_identity(&mut report);
-        let Some((sensor, measurement)) = self.store(&mut report, repaired) else {
+        let report = repaired.as_ref().unwrap_or(report);
+        let identity = self.believed_identity(report);
+        let Some((sensor, measurement)) = self.store(report, known, identity, repaired.is_some()) else {
             return;
         };
-        self.sensors.get_mut(sensor).repaired = repaired;
-        let report = &report;
         if report.state == TrackState::Terminated as u8 {
             self.counts.add(report.source, Counter::TracksEnded);
             self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
@@ -203,18 +210,16 @@ impl Engine {
         } else if system == before {
             self.contribute(sensor, report, measurement.as_ref(), sink);
         } else {
-            self.contribute(sensor, report, Some(&whole_report(report)), sink);
+            let whole = whole_report(&self.sensors.get(sensor).latest);
+            self.contribute(sensor, report, Some(&whole), sink);
         }
     }
 
     fn is_valid(&self, report: &SensorTrack) -> bool {
-        // Not a number and infinite times 0 is not 0: one sum finds any of them, without a branch for each.
-        let zeroed = |values: &[f64]| values.iter().map(|value| value * 0.0).sum::<f64>();
-        let sum = zeroed(&report.position_m) + zeroed(&report.velocity_mps) + zeroed(&report.covariance.upper);
-        let within = |values: &[f64], limit: f64| values.iter().all(|value| value.abs() <= limit);
+        // Not a number is within no limit. All are looked at, without a branch for each.
+        let within = |values: &[f64], limit: f64| values.iter().fold(true, |all, value| all & (value.abs() <= limit));
         usize::from(report.source) < self.settings.sources.len()
             && TrackState::from_code(report.state).is_some()
-            && sum == 0.0
             && within(&report.position_m, POSITION_MAX_M)
             && within(&report.velocity_mps, SPEED_MAX_MPS)
             && within(&report.covariance.upper, COVARIANCE_MAX)
@@ -222,11 +227,9 @@ impl Engine {
             && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
     }
 
-    /// Makes a covariance that is not positive definite usable; whether it had to. `None` if there is nothing to keep of it.
-    fn repair(&mut self, report: &mut SensorTrack) -> Option<bool> {
-        if estimation::is_usable(&report.covariance) {
-            return Some(false);
-        }
+    /// The report with its covariance, which is not positive definite, made usable. `None` if there is nothing to keep of it.
+    #[cold]
+    fn repaired(&mut self, report: &SensorTrack) -> Option<SensorTrack> {
         let mut full = estimation::unpacked(&report.covariance);
         for component in 0..STATE_LEN {
             if full[(component, component)] == 0.0 {
@@ -235,50 +238,44 @@ impl Engine {
                 full[(component, component)] = 1.0;
             }
         }
-        report.covariance = estimation::packed(&estimation::repaired(&full)?);
+        let covariance = estimation::packed(&estimation::repaired(&full)?);
         self.counts.add(report.source, Counter::CovariancesRepaired);
-        Some(true)
+        Some(SensorTrack { covariance, ..*report })
     }
 
     /// An address that belongs to a target far away is not believed: transponders are misread, and two can have the same.
-    fn sift_identity(&mut self, report: &mut SensorTrack) {
-        let Some(address) = report
-            .identity
-            .address()
-            .filter(|_| self.settings.association.use_identity)
-        else {
-            return;
+    fn believed_identity(&mut self, report: &SensorTrack) -> Identity {
+        let identity = report.identity;
+        let Some(address) = identity.address().filter(|_| self.settings.association.use_identity) else {
+            return identity;
         };
         let Some(system) = self.systems.with_address(address) else {
-            return;
+            return identity;
         };
-        let entry = self.systems.get(system);
-        let carried = entry.filter.at(report.time_of_measurement_ns, &self.motion);
-        let apart = |axis: usize| report.position_m[axis] - carried.mean[axis];
-        if apart(0).hypot(apart(1)) > ADDRESS_REACH_M {
-            report.identity = report.identity.without_address();
-            self.counts.add(report.source, Counter::IdentityConflicts);
+        let carried_m = self.systems.get(system).filter.place_at(report.time_of_measurement_ns);
+        let apart = |axis: usize| report.position_m[axis] - carried_m[axis];
+        if apart(0).hypot(apart(1)) <= ADDRESS_REACH_M {
+            return identity;
         }
+        self.counts.add(report.source, Counter::IdentityConflicts);
+        identity.without_address()
     }
 
-    /// Stores the report in its sensor track's entry, a new one if need be (then not linked yet), with the source's known
-    /// errors removed from it. Also yields the measurement behind it.
-    fn store(&mut self, report: &mut SensorTrack, repaired: bool) -> Option<(SensorSlot, Option<Measurement>)> {
-        let earlier = self.earlier(report)?;
+    /// Stores the report in its sensor track's entry (`known`, or a new one, then not linked yet), as what the source would
+    /// have said without its known errors. Also yields the measurement behind it.
+    fn store(
+        &mut self,
+        report: &SensorTrack,
+        known: Option<SensorSlot>,
+        identity: Identity,
+        repaired: bool,
+    ) -> Option<(SensorSlot, Option<Measurement>)> {
+        let earlier = self.earlier(report, known)?;
         let measurement = self.measurement_behind(report, earlier, repaired);
         let index = usize::from(report.source);
         let (shift_m, inflation) = (self.shift_of(report), self.models[index].inflation());
-        for (position, shift) in report.position_m.iter_mut().zip(shift_m) {
-            *position -= shift;
-        }
-        if inflation != 1.0 {
-            report.covariance.upper.iter_mut().for_each(|value| *value *= inflation);
-        }
         let sensor = match earlier {
-            Some((sensor, _)) => {
-                self.sensors.update(sensor, report);
-                sensor
-            }
+            Some((sensor, _)) => sensor,
             None => {
                 let inserted = self.sensors.insert(report);
                 if inserted.is_none() {
@@ -288,15 +285,10 @@ impl Engine {
             }
         };
         let entry = self.sensors.get_mut(sensor);
-        entry.shift_m = shift_m;
-        entry.inflation = inflation;
-        entry.reports = entry.reports.saturating_add(1);
-        entry.misses = 0;
-        let period_ns = self.settings.sources[index].period_ns;
-        let confirmed = report.state == TrackState::Confirmed as u8;
-        self.sensors
-            .qualities
-            .push(sensor as usize, report.time_of_measurement_ns, period_ns, confirmed);
+        entry.take(report, shift_m, inflation);
+        entry.latest.identity = identity;
+        entry.repaired = repaired;
+        self.sensors.note(sensor, self.settings.sources[index].period_ns);
         Some((
             sensor,
             measurement.map(|measurement| measurement.corrected(shift_m, inflation)),
@@ -305,8 +297,8 @@ impl Engine {
 
     /// The entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there is no entry
     /// yet; `None` if the report is older.
-    fn earlier(&mut self, report: &SensorTrack) -> Option<Option<(SensorSlot, f64)>> {
-        let Some(sensor) = self.sensors.find(report.source, report.track_number) else {
+    fn earlier(&mut self, report: &SensorTrack, known: Option<SensorSlot>) -> Option<Option<(SensorSlot, f64)>> {
+        let Some(sensor) = known else {
             return Some(None);
         };
         let age_ns = report.time_of_measurement_ns - self.sensors.get(sensor).time_ns;

@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 
 use crate::filter::Filter;
 use crate::rules::Memory;
-use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot, SensorTracks};
+use crate::sensor_tracks::{Link, NO_SYSTEM, SensorSlot, SensorTracks};
 use crate::state::State;
 
 /// Place of a system track in its table.
@@ -214,25 +214,26 @@ impl SystemTracks {
         let first = &mut self.entries[system as usize].members;
         let entry = sensors.get_mut(sensor);
         entry.system = system;
-        entry.next = first.replace(sensor);
+        entry.next = Link::to(first.replace(sensor));
     }
 
     /// Takes a sensor track out of its system track.
     pub(crate) fn unlink(&mut self, sensors: &mut SensorTracks, sensor: SensorSlot) {
-        let SensorEntry { system, next, .. } = *sensors.get(sensor);
+        let entry = sensors.get(sensor);
+        let (system, next) = (entry.system, entry.next);
         sensors.get_mut(sensor).system = NO_SYSTEM;
         let mut at = self.entries[system as usize].members;
         if at == Some(sensor) {
-            self.entries[system as usize].members = next;
+            self.entries[system as usize].members = next.get();
             return;
         }
         while let Some(slot) = at {
             let entry = sensors.get_mut(slot);
-            if entry.next == Some(sensor) {
+            if entry.next == Link::to(Some(sensor)) {
                 entry.next = next;
                 return;
             }
-            at = entry.next;
+            at = entry.next.get();
         }
     }
 
@@ -256,7 +257,7 @@ impl Iterator for Members<'_> {
 
     fn next(&mut self) -> Option<SensorSlot> {
         let slot = self.at?;
-        self.at = self.sensors.get(slot).next;
+        self.at = self.sensors.get(slot).next.get();
         Some(slot)
     }
 }

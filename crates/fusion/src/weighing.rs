@@ -2,7 +2,8 @@
 //!
 //! Each source that speaks for a system track contributes its latest report, brought to the reference time. What is
 //! known of it besides (its accuracy value, age, quality index …) goes with it to the rule as a [`Candidate`]; the rule
-//! gives each its share and the state they yield together. Nothing is changed here: the engine stores what comes out.
+//! gives each its share and the state they yield together. Rules that take the state from the target's filter need
+//! nothing of the contributions but their share in it.
 
 use messages::{CONTRIBUTIONS_MAX, Covariance, TrackState, sensor_track_bits};
 
@@ -10,9 +11,9 @@ use crate::accuracy::Accuracies;
 use crate::association_step::Search;
 use crate::rules::{self, Candidate, Memory, Share, Target};
 use crate::sensor_tracks::{Role, SensorSlot};
-use crate::settings::DropOut;
+use crate::settings::{DropOut, Settings};
 use crate::state::State;
-use crate::system_tracks::SystemSlot;
+use crate::system_tracks::{SystemEntry, SystemSlot};
 
 /// What weighing needs to look at, borrowed from the engine.
 pub(crate) struct Weigher<'a> {
@@ -22,18 +23,16 @@ pub(crate) struct Weigher<'a> {
     pub(crate) point_spread_m2: f64,
 }
 
-/// What the rule has made of one system track; `len` entries of each array hold something. Large, and so kept and filled
-/// anew for each system track.
+/// The contributions to one system track and what the rule makes of them; `len` entries of each array hold something.
+/// Large, and so kept and filled anew for each system track.
 #[derive(Debug)]
 pub(crate) struct Weighed {
     members: [SensorSlot; CONTRIBUTIONS_MAX],
     candidates: [Candidate; CONTRIBUTIONS_MAX],
     shares: [Share; CONTRIBUTIONS_MAX],
     len: usize,
-    /// The fused state at the reference time; `None` if the rule can use none of the contributions.
-    pub(crate) state: Option<State>,
-    /// What the rule will remember of the target.
-    pub(crate) memory: Memory,
+    /// The estimate of the target's filter at the reference time, where the rule takes it from there.
+    filtered: State,
 }
 
 impl Default for Weighed {
@@ -43,8 +42,7 @@ impl Default for Weighed {
             candidates: [Candidate::default(); CONTRIBUTIONS_MAX],
             shares: [Share::default(); CONTRIBUTIONS_MAX],
             len: 0,
-            state: None,
-            memory: Memory::default(),
+            filtered: State::default(),
         }
     }
 }
@@ -65,6 +63,22 @@ impl Weighed {
         &self.shares[..self.len]
     }
 
+    /// Lets the rule weigh the contributions that were gathered for `entry` at `reference_ns`; it remembers what it has done
+    /// in the entry's memory. `None` if it can use none of them.
+    pub(crate) fn fuse(&mut self, settings: &Settings, entry: &mut SystemEntry, reference_ns: i64) -> Option<State> {
+        if self.len == 0 {
+            return None;
+        }
+        let target = Target {
+            candidates: &self.candidates[..self.len],
+            reference_ns,
+            filtered: settings.rule.rule.from_filter.then_some(&self.filtered),
+            last: &entry.state,
+            process_noise_m2ps3: settings.process_noise_m2ps3,
+        };
+        rules::fuse(&settings.rule, &target, &mut entry.memory, &mut self.shares[..self.len])
+    }
+
     fn push(&mut self, member: SensorSlot, candidate: Candidate) {
         let place = self
             .candidates()
@@ -78,36 +92,19 @@ impl Weighed {
 }
 
 impl Weigher<'_> {
-    /// Weighs the contributions to `system` at `reference_ns`.
-    pub(crate) fn weigh(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+    /// Gathers the contributions to `system` at `reference_ns`.
+    pub(crate) fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let entry = self.search.systems.get(system);
-        let settings = self.search.settings;
         weighed.len = 0;
-        weighed.state = None;
-        weighed.memory = entry.memory;
-        let mut filtered = None;
-        if settings.rule.rule.from_filter {
+        if self.search.settings.rule.rule.from_filter {
             self.gather_shares(system, reference_ns, weighed);
-            let mut state = entry.filter.state_at(reference_ns, self.search.motion);
+            weighed.filtered = entry.filter.state_at(reference_ns, self.search.motion);
             for axis in 0..2 {
-                state.covariance.upper[Covariance::index(axis, axis)] += self.point_spread_m2;
+                weighed.filtered.covariance.upper[Covariance::index(axis, axis)] += self.point_spread_m2;
             }
-            filtered = Some(state);
         } else {
-            self.gather(system, reference_ns, weighed);
+            self.gather_states(system, reference_ns, &entry.memory, weighed);
         }
-        if weighed.len == 0 {
-            return;
-        }
-        let target = Target {
-            candidates: &weighed.candidates[..weighed.len],
-            reference_ns,
-            filtered,
-            last: entry.state,
-            process_noise_m2ps3: settings.process_noise_m2ps3,
-        };
-        let shares = &mut weighed.shares[..weighed.len];
-        weighed.state = rules::fuse(&settings.rule, &target, &mut weighed.memory, shares);
     }
 
     /// The contributions to `system` in the order of their sources, with nothing but their share in the filter.
@@ -135,13 +132,13 @@ impl Weigher<'_> {
     }
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
-    fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+    fn gather_states(&self, system: SystemSlot, reference_ns: i64, memory: &Memory, weighed: &mut Weighed) {
         let fresh = self.search.fresh_primaries(system, reference_ns);
         for member in fresh.take(CONTRIBUTIONS_MAX) {
             weighed.push(member, self.candidate(member, reference_ns));
         }
         if self.search.settings.rule.hand_over.drop_out == DropOut::Blend {
-            self.gather_stale(system, reference_ns, weighed);
+            self.gather_stale(system, reference_ns, memory, weighed);
         }
         let three_axes = weighed.candidates().iter().all(|candidate| candidate.state.has_height);
         for candidate in &mut weighed.candidates[..weighed.len] {
@@ -150,12 +147,12 @@ impl Weigher<'_> {
     }
 
     /// The last reports of sources that are being left, though they are no longer fresh (TI-15).
-    fn gather_stale(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+    fn gather_stale(&self, system: SystemSlot, reference_ns: i64, memory: &Memory, weighed: &mut Weighed) {
         let sensors = self.search.sensors;
         for member in self.search.systems.members(sensors, system) {
             let entry = sensors.get(member);
             let source = entry.latest.source;
-            let wanted = entry.role == Role::Primary && weighed.memory.holds(source);
+            let wanted = entry.role == Role::Primary && memory.holds(source);
             let known = weighed.candidates().iter().any(|candidate| candidate.source == source);
             if wanted && !known && weighed.len < CONTRIBUTIONS_MAX {
                 let candidate = Candidate {

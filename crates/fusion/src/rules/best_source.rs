@@ -133,7 +133,8 @@ mod tests {
     }
 
     fn selected(settings: &RuleSettings, candidates: &[Candidate], memory: &mut Memory) -> [u16; 3] {
-        let target = testing::target(candidates);
+        let filtered = testing::filtered(candidates);
+        let target = testing::target(candidates, &filtered);
         let mut shares = vec![Share::default(); candidates.len()];
         rules::fuse(settings, &target, memory, &mut shares).expect("there is a source");
         memory.selected

@@ -62,7 +62,8 @@ mod tests {
                 ..RuleSettings::default()
             };
             let mut shares = [Share::default(); 2];
-            let target = testing::target(&candidates);
+            let filtered = testing::filtered(&candidates);
+            let target = testing::target(&candidates, &filtered);
             let state = fuse(&settings, &target, &mut Memory::default(), &mut shares).unwrap();
             state.horizontal_trace_m2()
         };

@@ -103,9 +103,9 @@ pub struct Target<'a> {
     /// The reference time, UTC, nanoseconds.
     pub reference_ns: i64,
     /// The estimate of the target's filter at the reference time; for rules that take it from there.
-    pub filtered: Option<State>,
+    pub filtered: Option<&'a State>,
     /// The system track's state so far, at its own time.
-    pub last: State,
+    pub last: &'a State,
     /// Spectral density of the white-noise acceleration of targets, m²/s³.
     pub process_noise_m2ps3: f64,
 }
@@ -226,21 +226,29 @@ impl Default for Memory {
 pub(crate) mod testing {
     //! Rules called by hand.
 
+    use std::sync::LazyLock;
+
     use super::*;
 
-    pub(crate) fn target(candidates: &[Candidate]) -> Target<'_> {
-        // What a filter that has heard of all of them equally often might say.
+    /// A target without past. `filtered` is what its filter says: see [`filtered`].
+    pub(crate) fn target<'a>(candidates: &'a [Candidate], filtered: &'a State) -> Target<'a> {
+        static NOWHERE: LazyLock<State> = LazyLock::new(State::default);
+        Target {
+            candidates,
+            reference_ns: 0,
+            filtered: Some(filtered),
+            last: &NOWHERE,
+            process_noise_m2ps3: 1.0,
+        }
+    }
+
+    /// What a filter that has heard of all candidates equally often might say.
+    pub(crate) fn filtered(candidates: &[Candidate]) -> State {
         let even = Share {
             weight: [1.0 / candidates.len() as f64; 3],
             ..Share::default()
         };
-        Target {
-            candidates,
-            reference_ns: 0,
-            filtered: Some(crate::state::combine(candidates, &vec![even; candidates.len()])),
-            last: State::default(),
-            process_noise_m2ps3: 1.0,
-        }
+        crate::state::combine(candidates, &vec![even; candidates.len()])
     }
 
     /// What `rule` with default options and no memory makes of `candidates`.
@@ -250,7 +258,9 @@ pub(crate) mod testing {
             ..RuleSettings::default()
         };
         let mut shares = vec![Share::default(); candidates.len()];
-        let state = fuse(&settings, &target(candidates), &mut Memory::default(), &mut shares);
+        let filtered = filtered(candidates);
+        let target = target(candidates, &filtered);
+        let state = fuse(&settings, &target, &mut Memory::default(), &mut shares);
         (state, shares)
     }
 

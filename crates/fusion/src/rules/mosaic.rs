@@ -21,7 +21,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
 };
 
 fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
-    let last = &target.last;
+    let last = target.last;
     let place_m = moved(last.position_m, last.velocity_mps, target.reference_ns - last.time_ns);
     let list = settings.mosaic.list_at(place_m);
     let rank = |candidate: &Candidate| match list {
@@ -52,7 +52,7 @@ mod tests {
             candidates,
             reference_ns: 0,
             filtered: None,
-            last: State {
+            last: &State {
                 position_m: place_m,
                 ..State::default()
             },

@@ -40,5 +40,5 @@ pub(super) fn fuse(_: &RuleSettings, target: &Target<'_>, memory: &mut Memory, s
     if let Some((_, source)) = heaviest {
         memory.selected = [source; 3];
     }
-    target.filtered
+    target.filtered.copied()
 }
