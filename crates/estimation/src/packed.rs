@@ -32,21 +32,22 @@ pub struct PackedInnovation {
 
 /// Whether a message's covariance is positive definite. Components whose variance is 0 say nothing, and are left out.
 pub fn is_usable(covariance: &Covariance) -> bool {
-    let mut lower = [[0.0; STATE_LEN]; STATE_LEN];
-    for column in 0..STATE_LEN {
-        if covariance.upper[at(column, column)] == 0.0 {
+    // L·D·Lᵀ: what is left of each component once the ones before it are known. Without roots, and with one division per
+    // component.
+    let mut rest = covariance.upper;
+    for known in 0..STATE_LEN {
+        let variance = rest[at(known, known)];
+        if covariance.upper[at(known, known)] == 0.0 {
             continue;
         }
-        for row in column..STATE_LEN {
-            let known = lower[row].iter().zip(&lower[column]).take(column);
-            let value = covariance.upper[at(column, row)] - known.map(|(a, b)| a * b).sum::<f64>();
-            if row > column {
-                lower[row][column] = value / lower[column][column];
-            } else if value > 0.0 {
-                lower[row][row] = value.sqrt();
-            } else {
-                // Not a number, too.
-                return false;
+        if variance <= 0.0 || variance.is_nan() {
+            return false;
+        }
+        let inverse = 1.0 / variance;
+        for row in known + 1..STATE_LEN {
+            let slope = rest[at(known, row)] * inverse;
+            for column in row..STATE_LEN {
+                rest[at(row, column)] -= slope * rest[at(known, column)];
             }
         }
     }

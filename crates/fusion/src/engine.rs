@@ -83,9 +83,13 @@ impl Engine {
             sensors: SensorTracks::new(
                 capacity.sensor_tracks,
                 // Rules that take their state from the filter do not look back.
-                (!settings.rule.rule.from_filter).then_some(capacity.stored_reports),
+                (!settings.rule.rule.is_from_filter()).then_some(capacity.stored_reports),
             ),
-            systems: SystemTracks::new(capacity.system_tracks, settings.association.cell_m),
+            systems: SystemTracks::new(
+                capacity.system_tracks,
+                settings.association.cell_m,
+                !settings.rule.rule.is_from_filter(),
+            ),
             accuracies: Accuracies::new(sources),
             counts: Counts::new(sources),
             models: vec![SourceModel::default(); sources],
@@ -254,7 +258,7 @@ impl Engine {
         };
         let carried_m = self.systems.get(system).filter.place_at(report.time_of_measurement_ns);
         let apart = |axis: usize| report.position_m[axis] - carried_m[axis];
-        if apart(0).hypot(apart(1)) <= ADDRESS_REACH_M {
+        if apart(0) * apart(0) + apart(1) * apart(1) <= ADDRESS_REACH_M * ADDRESS_REACH_M {
             return identity;
         }
         self.counts.add(report.source, Counter::IdentityConflicts);
@@ -331,7 +335,7 @@ impl Engine {
             return Some(as_reported(report));
         }
         let has_height = report.has(sensor_track_bits::HEIGHT);
-        let (before, after) = (self.sensors.get(sensor).as_reported(), gaussian_of(report));
+        let (before, after) = (self.sensors.get(sensor).as_reported().unpacked(), gaussian_of(report));
         if looks {
             model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
         }

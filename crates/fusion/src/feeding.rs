@@ -6,7 +6,7 @@
 //! target's course, and taken off their measurements; so all of them go on improving the position, and when the first
 //! source falls silent the point stays where it was.
 
-use estimation::PackedGaussian;
+use estimation::{AxisNoise, Matrix3, PackedGaussian};
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::engine::Engine;
@@ -320,11 +320,17 @@ impl Engine {
         let entry = self.sensors.get(sensor);
         let source = entry.latest.source;
         let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
-        let state = self.motion.predicted(&entry.as_reported(), seconds);
+        let mut state = entry.as_reported();
+        let noise = self
+            .motion
+            .density_m2ps3
+            .map(|density| AxisNoise::white(density, seconds));
+        state.advance(seconds, noise);
+        let [xx, xy, xz, yy, yz, zz] = state.position_covariance();
         View {
             source,
             position_m: state.position_m(),
-            covariance_m2: state.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
+            covariance_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
             velocity_mps: state.velocity_mps(),
             has_height: entry.latest.has(sensor_track_bits::HEIGHT),
             place_m: self.place_of(source),

@@ -76,7 +76,11 @@ impl Filter {
     }
 
     /// [`Self::at`], as rules and messages know states.
+    #[inline]
     pub(crate) fn state_at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> State {
+        if time_ns == self.time_ns {
+            return self.state();
+        }
         State::of_estimate(time_ns, &self.at(time_ns, noise), self.has_height)
     }
 

@@ -1,13 +1,13 @@
 //! When a system track is weighed, and what is said of it.
 
 use messages::{
-    AXES, CONTRIBUTIONS_MAX, Contribution, Counter, NO_SOURCE, SensorTrack, StageTimes, SystemTrack, TrackState,
-    contribution_bits,
+    AXES, CONTRIBUTIONS_MAX, Contribution, Counter, Covariance, NO_SOURCE, SensorTrack, StageTimes, SystemTrack,
+    TrackState, contribution_bits,
 };
 
 use crate::engine::Engine;
 use crate::explanation::{Decision, DecisionKind, Sink};
-use crate::rules;
+use crate::rules::{self, Fuse, Method};
 use crate::settings::AccuracyBase;
 use crate::system_tracks::SystemSlot;
 use crate::weighing::{Weighed, Weigher};
@@ -33,7 +33,6 @@ impl Engine {
         Weigher {
             search: self.search(),
             accuracies: &self.accuracies,
-            point_spread_m2: self.point_spread_m2,
         }
     }
 
@@ -69,6 +68,10 @@ impl Engine {
 
     /// Lets the rule weigh what was gathered, and stores the state that comes out.
     fn fuse(&mut self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed, sink: &mut impl Sink) {
+        let usable = match self.settings.rule.rule.method {
+            Method::Filter => weighed.share_out() && self.take_over_filter(system, reference_ns),
+            Method::Candidates(rule) => self.fuse_candidates(rule, system, reference_ns, weighed, sink),
+        };
         let members = weighed.members().iter().map(|member| self.sensors.get(*member));
         let (alerts, on_ground) = members.fold((0, false), |(alerts, on_ground), member| {
             (alerts | member.alerts, on_ground | member.on_ground)
@@ -76,17 +79,43 @@ impl Engine {
         let entry = self.systems.get_mut(system);
         entry.alerts = alerts;
         entry.on_ground = on_ground;
-        let last = entry.memory.selected[0];
-        let fused = weighed.fuse(&self.settings, entry, reference_ns);
-        let unusable = fused.is_none();
-        entry.state = fused.unwrap_or_else(|| entry.state.at(reference_ns, self.settings.process_noise_m2ps3));
-        if unusable && entry.life == TrackState::Confirmed {
-            self.systems.set_life(system, TrackState::Coasted);
+        if !usable {
+            entry.state = entry.state.at(reference_ns, self.settings.process_noise_m2ps3);
+            if entry.life == TrackState::Confirmed {
+                self.systems.set_life(system, TrackState::Coasted);
+            }
         }
-        let chosen = self.systems.get(system).memory.selected[0];
-        if last != chosen && last != rules::NO_SOURCE && !self.settings.rule.rule.from_filter {
+    }
+
+    /// Makes the estimate of the target's filter its state.
+    fn take_over_filter(&mut self, system: SystemSlot, reference_ns: i64) -> bool {
+        let entry = self.systems.get_mut(system);
+        entry.state = entry.filter.state_at(reference_ns, &self.motion);
+        for axis in 0..2 {
+            entry.state.covariance.upper[Covariance::index(axis, axis)] += self.point_spread_m2;
+        }
+        true
+    }
+
+    /// Makes the target's state what `rule` makes of the contributions; `false` if it can use none of them.
+    fn fuse_candidates(
+        &mut self,
+        rule: Fuse,
+        system: SystemSlot,
+        reference_ns: i64,
+        weighed: &mut Weighed,
+        sink: &mut impl Sink,
+    ) -> bool {
+        let (entry, memory) = self.systems.get_with_memory(system);
+        let last = memory.selected[0];
+        let fused = weighed.fuse(rule, &self.settings, &entry.state, memory, reference_ns);
+        let (chosen, usable) = (memory.selected[0], fused.is_some());
+        if let Some(state) = fused {
+            entry.state = state;
+        }
+        if last != chosen && last != rules::NO_SOURCE {
             self.counts.add(chosen, Counter::HandOvers);
-            self.tell_hand_over(system, reference_ns, last, weighed, sink);
+            self.tell_hand_over(system, reference_ns, (last, chosen), weighed, sink);
         }
         for (share, candidate) in weighed.shares().iter().zip(weighed.candidates()) {
             if share.trace_unusable {
@@ -96,16 +125,23 @@ impl Engine {
                 self.counts.add(candidate.source, Counter::CovariancesRepaired);
             }
         }
+        usable
     }
 
-    fn tell_hand_over(&self, system: SystemSlot, time_ns: i64, last: u16, weighed: &Weighed, sink: &mut impl Sink) {
+    fn tell_hand_over(
+        &self,
+        system: SystemSlot,
+        time_ns: i64,
+        (last, chosen): (u16, u16),
+        weighed: &Weighed,
+        sink: &mut impl Sink,
+    ) {
         let accuracy = |source: u16| {
             let mut candidates = weighed.candidates().iter();
             candidates
                 .find(|candidate| candidate.source == source)
                 .map_or(f64::NAN, |candidate| candidate.lambda)
         };
-        let chosen = self.systems.get(system).memory.selected[0];
         sink.decision(&Decision {
             time_ns,
             kind: DecisionKind::HandOver,

@@ -1,6 +1,6 @@
 //! The live sensor tracks of all sources: latest report, history, and the system track each belongs to.
 
-use estimation::Gaussian;
+use estimation::PackedGaussian;
 use messages::{SensorTrack, TrackState, sensor_track_bits};
 use rustc_hash::FxHashMap;
 
@@ -135,13 +135,15 @@ impl Default for SensorEntry {
 
 impl SensorEntry {
     /// The latest report as the source gave it, nothing taken off.
-    pub(crate) fn as_reported(&self) -> Gaussian {
-        let mut state = crate::engine::gaussian_of(&self.latest);
-        for axis in 0..messages::AXES {
-            state.mean[axis] += self.shift_m[axis];
+    pub(crate) fn as_reported(&self) -> PackedGaussian {
+        let latest = &self.latest;
+        let mut state = PackedGaussian::new(latest.position_m, latest.velocity_mps, &latest.covariance);
+        for (component, shift) in state.mean.iter_mut().zip(self.shift_m) {
+            *component += shift;
         }
         if self.inflation != 1.0 {
-            state.covariance /= self.inflation;
+            let upper = &mut state.covariance.upper;
+            upper.iter_mut().for_each(|value| *value /= self.inflation);
         }
         state
     }

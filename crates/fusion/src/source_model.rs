@@ -28,6 +28,8 @@ const NOISE_SAMPLES_FIRST: u32 = 256;
 const NOISE_SAMPLE_EVERY: u32 = 64;
 /// Inflation below this is within what a consistent source shows by chance.
 const INFLATION_MIN: f64 = 1.3;
+/// Less than its logarithm.
+const LOG_INFLATION_MIN: f64 = 0.26;
 /// Largest inflation of a covariance.
 const INFLATION_MAX: f64 = 1000.0;
 /// Step of the logarithm of the inflation per report, and how much longer it may become where all reports say the same.
@@ -140,7 +142,8 @@ impl SourceModel {
 
     /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.
     pub(crate) fn inflation(&self) -> f64 {
-        if self.log_inflation == 0.0 {
+        // Asked at every report: what is surely too small needs no exponential.
+        if self.log_inflation < LOG_INFLATION_MIN {
             return 1.0;
         }
         let inflation = self.log_inflation.exp();

@@ -5,22 +5,20 @@
 //! gives each its share and the state they yield together. Rules that take the state from the target's filter need
 //! nothing of the contributions but their share in it.
 
-use messages::{CONTRIBUTIONS_MAX, Covariance, TrackState, sensor_track_bits};
+use messages::{CONTRIBUTIONS_MAX, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
 use crate::association_step::Search;
-use crate::rules::{self, Candidate, Memory, Share, Target};
+use crate::rules::{self, Candidate, Fuse, Memory, Method, Share, Target};
 use crate::sensor_tracks::{Role, SensorSlot};
 use crate::settings::{DropOut, Settings};
 use crate::state::State;
-use crate::system_tracks::{SystemEntry, SystemSlot};
+use crate::system_tracks::SystemSlot;
 
 /// What weighing needs to look at, borrowed from the engine.
 pub(crate) struct Weigher<'a> {
     pub(crate) search: Search<'a>,
     pub(crate) accuracies: &'a Accuracies,
-    /// Variance per axis of where a target's reference point lies on it, m²; 0 where no point is kept.
-    pub(crate) point_spread_m2: f64,
 }
 
 /// The contributions to one system track and what the rule makes of them; `len` entries of each array hold something.
@@ -31,8 +29,6 @@ pub(crate) struct Weighed {
     candidates: [Candidate; CONTRIBUTIONS_MAX],
     shares: [Share; CONTRIBUTIONS_MAX],
     len: usize,
-    /// The estimate of the target's filter at the reference time, where the rule takes it from there.
-    filtered: State,
 }
 
 impl Default for Weighed {
@@ -42,7 +38,6 @@ impl Default for Weighed {
             candidates: [Candidate::default(); CONTRIBUTIONS_MAX],
             shares: [Share::default(); CONTRIBUTIONS_MAX],
             len: 0,
-            filtered: State::default(),
         }
     }
 }
@@ -63,20 +58,35 @@ impl Weighed {
         &self.shares[..self.len]
     }
 
-    /// Lets the rule weigh the contributions that were gathered for `entry` at `reference_ns`; it remembers what it has done
-    /// in the entry's memory. `None` if it can use none of them.
-    pub(crate) fn fuse(&mut self, settings: &Settings, entry: &mut SystemEntry, reference_ns: i64) -> Option<State> {
+    /// Lets a rule weigh the contributions that were gathered at `reference_ns` for a target whose state so far is `last`.
+    /// `None` if it can use none of them.
+    pub(crate) fn fuse(
+        &mut self,
+        rule: Fuse,
+        settings: &Settings,
+        last: &State,
+        memory: &mut Memory,
+        reference_ns: i64,
+    ) -> Option<State> {
         if self.len == 0 {
             return None;
         }
         let target = Target {
             candidates: &self.candidates[..self.len],
             reference_ns,
-            filtered: settings.rule.rule.from_filter.then_some(&self.filtered),
-            last: &entry.state,
+            last,
             process_noise_m2ps3: settings.process_noise_m2ps3,
         };
-        rules::fuse(&settings.rule, &target, &mut entry.memory, &mut self.shares[..self.len])
+        rules::fuse(rule, &settings.rule, &target, memory, &mut self.shares[..self.len])
+    }
+
+    /// Gives each contribution its share in the target's filter. `false` if there is none.
+    pub(crate) fn share_out(&mut self) -> bool {
+        if self.len == 0 {
+            return false;
+        }
+        rules::share_out(&self.candidates[..self.len], &mut self.shares[..self.len]);
+        true
     }
 
     fn push(&mut self, member: SensorSlot, candidate: Candidate) {
@@ -94,16 +104,10 @@ impl Weighed {
 impl Weigher<'_> {
     /// Gathers the contributions to `system` at `reference_ns`.
     pub(crate) fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        let entry = self.search.systems.get(system);
         weighed.len = 0;
-        if self.search.settings.rule.rule.from_filter {
-            self.gather_shares(system, reference_ns, weighed);
-            weighed.filtered = entry.filter.state_at(reference_ns, self.search.motion);
-            for axis in 0..2 {
-                weighed.filtered.covariance.upper[Covariance::index(axis, axis)] += self.point_spread_m2;
-            }
-        } else {
-            self.gather_states(system, reference_ns, &entry.memory, weighed);
+        match self.search.settings.rule.rule.method {
+            Method::Filter => self.gather_shares(system, reference_ns, weighed),
+            Method::Candidates(_) => self.gather_states(system, reference_ns, weighed),
         }
     }
 
@@ -132,13 +136,13 @@ impl Weigher<'_> {
     }
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
-    fn gather_states(&self, system: SystemSlot, reference_ns: i64, memory: &Memory, weighed: &mut Weighed) {
+    fn gather_states(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let fresh = self.search.fresh_primaries(system, reference_ns);
         for member in fresh.take(CONTRIBUTIONS_MAX) {
             weighed.push(member, self.candidate(member, reference_ns));
         }
         if self.search.settings.rule.hand_over.drop_out == DropOut::Blend {
-            self.gather_stale(system, reference_ns, memory, weighed);
+            self.gather_stale(system, reference_ns, weighed);
         }
         let three_axes = weighed.candidates().iter().all(|candidate| candidate.state.has_height);
         for candidate in &mut weighed.candidates[..weighed.len] {
@@ -147,8 +151,8 @@ impl Weigher<'_> {
     }
 
     /// The last reports of sources that are being left, though they are no longer fresh (TI-15).
-    fn gather_stale(&self, system: SystemSlot, reference_ns: i64, memory: &Memory, weighed: &mut Weighed) {
-        let sensors = self.search.sensors;
+    fn gather_stale(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+        let (sensors, memory) = (self.search.sensors, self.search.systems.memory(system));
         for member in self.search.systems.members(sensors, system) {
             let entry = sensors.get(member);
             let source = entry.latest.source;
