@@ -373,29 +373,40 @@ impl Engine {
         }
     }
 
-    /// Looks, now and then, at what was learned of the sources as a whole.
+    /// Looks, now and then, at what was learned of the sources as a whole. What takes long is spread over the calls that
+    /// follow.
     fn tick(&mut self, now_ns: i64) {
         let due_ns = *self.next_tick_ns.get_or_insert(now_ns.saturating_add(TICK_NS));
-        if now_ns < due_ns {
-            return;
+        let due = now_ns >= due_ns;
+        if due {
+            self.next_tick_ns = Some(now_ns.saturating_add(TICK_NS));
+            self.sensors.begin_part();
+            if self.settings.registration.enabled {
+                self.registration.begin();
+            }
         }
-        self.next_tick_ns = Some(now_ns.saturating_add(TICK_NS));
-        if self.settings.registration.enabled {
-            let targets = self.systems.count_in_state(TrackState::Confirmed);
-            // What one source's points are away from the others', the others' are from its.
-            let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
-            let models = &self.models;
-            let known = |source: usize| models[source].knows_spread();
-            self.registration.tick(known, spread_m2, targets, self.sees_points);
+        if self.registration.is_solving() && self.registration.step() {
+            self.decide_on_errors();
         }
-        self.look_at_points();
-        self.look_at_motion();
+        if due {
+            self.look_at_points();
+            self.look_at_motion();
+        }
         self.drop_silent(now_ns.saturating_sub(self.settings.life.terminate_ns));
     }
 
-    /// Frees sensor tracks without report since `since_ns`, a part of the table at a time.
+    /// The errors of all sources have been estimated anew: which of them are significant?
+    fn decide_on_errors(&mut self) {
+        let targets = self.systems.count_in_state(TrackState::Confirmed);
+        // What one source's points are away from the others', the others' are from its.
+        let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
+        let known = |source: usize| self.models[source].knows_spread();
+        self.registration.decide(known, spread_m2, targets, self.sees_points);
+    }
+
+    /// Frees sensor tracks without report since `since_ns`, a few places of the table at a time.
     fn drop_silent(&mut self, since_ns: i64) {
-        for sensor in self.sensors.next_part() {
+        for sensor in self.sensors.next_places() {
             if self.sensors.is_silent(sensor, since_ns) {
                 self.drop_sensor_track(sensor);
             }

@@ -186,8 +186,10 @@ pub(crate) struct SensorTracks {
     entries: Vec<SensorEntry>,
     free: Vec<SensorSlot>,
     by_number: FxHashMap<(u16, u32), SensorSlot>,
-    /// Where the next look for sensor tracks that nobody hears of any more begins.
+    /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the table
+    /// ends.
     swept: usize,
+    part_end: usize,
     /// Whether the following are kept.
     looks_back: bool,
     pub(crate) histories: Histories,
@@ -205,6 +207,7 @@ impl SensorTracks {
             free: (0..capacity as SensorSlot).rev().collect(),
             by_number,
             swept: 0,
+            part_end: 0,
             looks_back: stored_reports.is_some(),
             histories: stored_reports.map_or(Histories::new(0, 0), |stored| Histories::new(capacity, stored + 1)),
             qualities: Qualities::new(stored_reports.map_or(0, |_| capacity)),
@@ -255,14 +258,23 @@ impl SensorTracks {
         self.free.push(slot);
     }
 
-    /// The next part of the table to be looked through for sensor tracks that nobody hears of any more: their sources need
-    /// not say that they have ended. Part by part, so that no look takes long.
-    pub(crate) fn next_part(&mut self) -> std::ops::Range<SensorSlot> {
+    /// From now on a further part of the table is to be looked through for sensor tracks that nobody hears of any more: their
+    /// sources need not say that they have ended.
+    pub(crate) fn begin_part(&mut self) {
         const PARTS: usize = 16;
-        let end = (self.swept + self.entries.len() / PARTS + 1).min(self.entries.len());
-        let part = self.swept as SensorSlot..end as SensorSlot;
-        self.swept = if end == self.entries.len() { 0 } else { end };
-        part
+        if self.swept == self.entries.len() {
+            self.swept = 0;
+        }
+        self.part_end = (self.swept + self.entries.len() / PARTS + 1).min(self.entries.len());
+    }
+
+    /// The next places of that part, few at a time: each costs a look far into memory, and no report shall wait for many.
+    pub(crate) fn next_places(&mut self) -> std::ops::Range<SensorSlot> {
+        const PLACES: usize = 16;
+        let end = (self.swept + PLACES).min(self.part_end);
+        let places = self.swept as SensorSlot..end as SensorSlot;
+        self.swept = end;
+        places
     }
 
     /// Whether `slot` is taken by a sensor track without report since `since_ns`.
