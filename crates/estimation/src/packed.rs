@@ -4,7 +4,7 @@
 //! repeats the other half; without it a state fits in four lines of the cache, and predicting, mixing and updating are a
 //! third of the work. The formulas are those of [`Gaussian`]; only where they leave their results differs.
 
-use messages::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
+use messages::{AXES, Covariance, STATE_LEN};
 
 use crate::gaussian::{packed, unpacked};
 use crate::{AxisNoise, Gaussian, Vector6};
@@ -32,21 +32,22 @@ pub struct PackedInnovation {
 
 /// Whether a message's covariance is positive definite. Components whose variance is 0 say nothing, and are left out.
 pub fn is_usable(covariance: &Covariance) -> bool {
-    let mut lower = [[0.0; STATE_LEN]; STATE_LEN];
-    for column in 0..STATE_LEN {
-        if covariance.upper[at(column, column)] == 0.0 {
+    // L·D·Lᵀ: what is left of each component once the ones before it are known. Without roots, and with one division per
+    // component.
+    let mut rest = covariance.upper;
+    for known in 0..STATE_LEN {
+        let variance = rest[at(known, known)];
+        if covariance.upper[at(known, known)] == 0.0 {
             continue;
         }
-        for row in column..STATE_LEN {
-            let known = lower[row].iter().zip(&lower[column]).take(column);
-            let value = covariance.upper[at(column, row)] - known.map(|(a, b)| a * b).sum::<f64>();
-            if row > column {
-                lower[row][column] = value / lower[column][column];
-            } else if value > 0.0 {
-                lower[row][row] = value.sqrt();
-            } else {
-                // Not a number, too.
-                return false;
+        if variance <= 0.0 || variance.is_nan() {
+            return false;
+        }
+        let inverse = 1.0 / variance;
+        for row in known + 1..STATE_LEN {
+            let slope = rest[at(known, row)] * inverse;
+            for column in row..STATE_LEN {
+                rest[at(row, column)] -= slope * rest[at(known, column)];
             }
         }
     }
@@ -124,44 +125,77 @@ impl PackedGaussian {
     /// Moved along its velocity for `duration_s` seconds, with `noise` per axis: as [`Gaussian::moved`].
     #[must_use]
     pub fn moved(&self, duration_s: f64, noise: [AxisNoise; AXES]) -> Self {
-        let t = duration_s;
         let mut moved = *self;
-        let (p, q) = (&self.covariance.upper, &mut moved.covariance.upper);
+        moved.advance(duration_s, noise);
+        moved
+    }
+
+    /// [`Self::moved`] in place.
+    pub fn advance(&mut self, duration_s: f64, noise: [AxisNoise; AXES]) {
+        let t = duration_s;
+        let p = &mut self.covariance.upper;
         for row in 0..AXES {
-            moved.mean[row] += t * self.mean[row + AXES];
+            self.mean[row] += t * self.mean[row + AXES];
             for column in row..AXES {
+                // Each element is read before it is written: a pair of axes touches no other pair's.
                 let velocity = p[at(row + AXES, column + AXES)];
                 let (cross, mirrored) = (p[at(row, column + AXES)], p[at(column, row + AXES)]);
-                q[at(row, column)] = p[at(row, column)] + t * (cross + mirrored) + t * t * velocity;
-                q[at(row, column + AXES)] = cross + t * velocity;
-                q[at(column, row + AXES)] = mirrored + t * velocity;
+                p[at(row, column)] = p[at(row, column)] + t * (cross + mirrored) + t * t * velocity;
+                p[at(row, column + AXES)] = cross + t * velocity;
+                p[at(column, row + AXES)] = mirrored + t * velocity;
             }
         }
         for (axis, noise) in noise.iter().enumerate() {
-            q[at(axis, axis)] += noise.position_m2;
-            q[at(axis, axis + AXES)] += noise.cross_m2ps;
-            q[at(axis + AXES, axis + AXES)] += noise.velocity_m2ps2;
+            p[at(axis, axis)] += noise.position_m2;
+            p[at(axis, axis + AXES)] += noise.cross_m2ps;
+            p[at(axis + AXES, axis + AXES)] += noise.velocity_m2ps2;
         }
-        moved
     }
 
     /// Mean and covariance of a mixture of two: `a` with probability `1 − weight_of_b`, else `b`.
     pub fn mixture(a: &Self, b: &Self, weight_of_b: f64) -> Self {
-        let (q, p) = (weight_of_b, 1.0 - weight_of_b);
         let mut mixture = *a;
-        let difference: [f64; STATE_LEN] = std::array::from_fn(|row| a.mean[row] - b.mean[row]);
-        mixture.mean = std::array::from_fn(|row| p * a.mean[row] + q * b.mean[row]);
-        let (upper, of_a, of_b) = (&mut mixture.covariance.upper, &a.covariance.upper, &b.covariance.upper);
-        for place in 0..COVARIANCE_LEN {
-            upper[place] = p * of_a[place] + q * of_b[place];
-        }
+        mixture.mix::<STATE_LEN>(a, b, weight_of_b);
+        mixture
+    }
+
+    /// Replaces `a` and `b` by two mixtures of them, in which `b` has the weights given.
+    #[allow(clippy::needless_range_loop)] // Iterators keep these loops from being unrolled.
+    pub fn exchange(a: &mut Self, b: &mut Self, weights_of_b: [f64; 2]) {
+        let difference = a.difference(b);
         for row in 0..STATE_LEN {
-            let spread = p * q * difference[row];
+            let of = (a.mean[row], b.mean[row]);
+            a.mean[row] = weighted(of, weights_of_b[0]);
+            b.mean[row] = weighted(of, weights_of_b[1]);
+            let spread = weights_of_b.map(|q| (1.0 - q) * q * difference[row]);
             for column in row..STATE_LEN {
-                upper[at(row, column)] += spread * difference[column];
+                let (p, q) = (
+                    &mut a.covariance.upper[at(row, column)],
+                    &mut b.covariance.upper[at(row, column)],
+                );
+                let of = (*p, *q);
+                *p = weighted(of, weights_of_b[0]) + spread[0] * difference[column];
+                *q = weighted(of, weights_of_b[1]) + spread[1] * difference[column];
             }
         }
-        mixture
+    }
+
+    /// Sets the first `N` components, and what is known of them, to the mixture of `a` and `b`; the others are left.
+    #[allow(clippy::needless_range_loop)] // As above.
+    pub fn mix<const N: usize>(&mut self, a: &Self, b: &Self, weight_of_b: f64) {
+        let difference = a.difference(b);
+        for row in 0..N {
+            self.mean[row] = weighted((a.mean[row], b.mean[row]), weight_of_b);
+            let spread = (1.0 - weight_of_b) * weight_of_b * difference[row];
+            for column in row..N {
+                let of = (a.covariance.upper[at(row, column)], b.covariance.upper[at(row, column)]);
+                self.covariance.upper[at(row, column)] = weighted(of, weight_of_b) + spread * difference[column];
+            }
+        }
+    }
+
+    fn difference(&self, other: &Self) -> [f64; STATE_LEN] {
+        std::array::from_fn(|row| self.mean[row] - other.mean[row])
     }
 
     /// Updates with a measured position of covariance `r` in the first `D` axes: as [`Gaussian::update_position`].
@@ -178,20 +212,22 @@ impl PackedGaussian {
         if !squared_distance.is_finite() {
             return None;
         }
-        let forward = |b| root.whitened(b);
-        let upper = &mut self.covariance.upper;
-        let rows: [[f64; AXES]; STATE_LEN] = [
-            forward([upper[at(0, 0)], upper[at(0, 1)], upper[at(0, 2)]]),
-            forward([upper[at(0, 1)], upper[at(1, 1)], upper[at(1, 2)]]),
-            forward([upper[at(0, 2)], upper[at(1, 2)], upper[at(2, 2)]]),
-            forward([upper[at(0, 3)], upper[at(1, 3)], upper[at(2, 3)]]),
-            forward([upper[at(0, 4)], upper[at(1, 4)], upper[at(2, 4)]]),
-            forward([upper[at(0, 5)], upper[at(1, 5)], upper[at(2, 5)]]),
+        // One whitened column of the position's rows per component, all of them axis by axis.
+        let p = &mut self.covariance.upper;
+        let mut whitened_rows = [
+            [p[0], p[1], p[2], p[3], p[4], p[5]],
+            [p[1], p[6], p[7], p[8], p[9], p[10]],
+            [p[2], p[7], p[11], p[12], p[13], p[14]],
         ];
+        let [x, y, z] = &mut whitened_rows;
+        for column in 0..STATE_LEN {
+            [x[column], y[column], z[column]] = root.whitened([x[column], y[column], z[column]]);
+        }
         for row in 0..STATE_LEN {
-            self.mean[row] += dot(&rows[row], &whitened);
+            let own = [x[row], y[row], z[row]];
+            self.mean[row] += dot(&own, &whitened);
             for column in row..STATE_LEN {
-                upper[at(row, column)] -= dot(&rows[row], &rows[column]);
+                p[at(row, column)] -= dot(&own, &[x[column], y[column], z[column]]);
             }
         }
         Some(PackedInnovation {
@@ -269,6 +305,12 @@ impl<const D: usize> Root<D> {
     fn determinant(&self) -> f64 {
         self.diagonal[0] * self.diagonal[1] * self.diagonal[2]
     }
+}
+
+/// `a` with weight `1 − weight_of_b`, and `b`.
+#[inline]
+fn weighted((a, b): (f64, f64), weight_of_b: f64) -> f64 {
+    (1.0 - weight_of_b) * a + weight_of_b * b
 }
 
 #[inline]

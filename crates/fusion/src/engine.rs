@@ -5,7 +5,7 @@
 //! `feeding` feeds the system filter and learns from it, `life` confirms, coasts and ends, `publishing` weighs and tells.
 
 use estimation::{Gaussian, NearlyConstantVelocity};
-use messages::{AXES, Counter, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
+use messages::{AXES, Counter, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
 use crate::association_step::Search;
@@ -80,8 +80,16 @@ impl Engine {
         let registration = &settings.registration;
         let tick_s = TICK_NS as f64 / NS_PER_S;
         Ok(Self {
-            sensors: SensorTracks::new(capacity.sensor_tracks, capacity.stored_reports),
-            systems: SystemTracks::new(capacity.system_tracks, settings.association.cell_m),
+            sensors: SensorTracks::new(
+                capacity.sensor_tracks,
+                // Rules that take their state from the filter do not look back.
+                (!settings.rule.rule.is_from_filter()).then_some(capacity.stored_reports),
+            ),
+            systems: SystemTracks::new(
+                capacity.system_tracks,
+                settings.association.cell_m,
+                !settings.rule.rule.is_from_filter(),
+            ),
             accuracies: Accuracies::new(sources),
             counts: Counts::new(sources),
             models: vec![SourceModel::default(); sources],
@@ -168,18 +176,21 @@ impl Engine {
             self.miss(report, sink);
             return;
         }
-        // From here on it is what the source would have said without its known errors.
-        let mut report = *report;
-        let Some(repaired) = self.repair(&mut report) else {
+        // Asked for early: the answer comes from afar, and until it is needed there is other work.
+        let known = self.sensors.find(report.source, report.track_number);
+        let repaired = if estimation::is_usable(&report.covariance) {
+            None
+        } else if let Some(repaired) = self.repaired(report) {
+            Some(repaired)
+        } else {
             self.counts.add(report.source, Counter::Invalid);
             return;
         };
-        self.sift_identity(&mut report);
-        let Some((sensor, measurement)) = self.store(&mut report, repaired) else {
+        let report = repaired.as_ref().unwrap_or(report);
+        let identity = self.believed_identity(report);
+        let Some((sensor, measurement)) = self.store(report, known, identity, repaired.is_some()) else {
             return;
         };
-        self.sensors.get_mut(sensor).repaired = repaired;
-        let report = &report;
         if report.state == TrackState::Terminated as u8 {
             self.counts.add(report.source, Counter::TracksEnded);
             self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
@@ -203,18 +214,16 @@ impl Engine {
         } else if system == before {
             self.contribute(sensor, report, measurement.as_ref(), sink);
         } else {
-            self.contribute(sensor, report, Some(&whole_report(report)), sink);
+            let whole = whole_report(&self.sensors.get(sensor).latest);
+            self.contribute(sensor, report, Some(&whole), sink);
         }
     }
 
     fn is_valid(&self, report: &SensorTrack) -> bool {
-        // Not a number and infinite times 0 is not 0: one sum finds any of them, without a branch for each.
-        let zeroed = |values: &[f64]| values.iter().map(|value| value * 0.0).sum::<f64>();
-        let sum = zeroed(&report.position_m) + zeroed(&report.velocity_mps) + zeroed(&report.covariance.upper);
-        let within = |values: &[f64], limit: f64| values.iter().all(|value| value.abs() <= limit);
+        // Not a number is within no limit. All are looked at, without a branch for each.
+        let within = |values: &[f64], limit: f64| values.iter().fold(true, |all, value| all & (value.abs() <= limit));
         usize::from(report.source) < self.settings.sources.len()
             && TrackState::from_code(report.state).is_some()
-            && sum == 0.0
             && within(&report.position_m, POSITION_MAX_M)
             && within(&report.velocity_mps, SPEED_MAX_MPS)
             && within(&report.covariance.upper, COVARIANCE_MAX)
@@ -222,11 +231,9 @@ impl Engine {
             && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
     }
 
-    /// Makes a covariance that is not positive definite usable; whether it had to. `None` if there is nothing to keep of it.
-    fn repair(&mut self, report: &mut SensorTrack) -> Option<bool> {
-        if estimation::is_usable(&report.covariance) {
-            return Some(false);
-        }
+    /// The report with its covariance, which is not positive definite, made usable. `None` if there is nothing to keep of it.
+    #[cold]
+    fn repaired(&mut self, report: &SensorTrack) -> Option<SensorTrack> {
         let mut full = estimation::unpacked(&report.covariance);
         for component in 0..STATE_LEN {
             if full[(component, component)] == 0.0 {
@@ -235,50 +242,44 @@ impl Engine {
                 full[(component, component)] = 1.0;
             }
         }
-        report.covariance = estimation::packed(&estimation::repaired(&full)?);
+        let covariance = estimation::packed(&estimation::repaired(&full)?);
         self.counts.add(report.source, Counter::CovariancesRepaired);
-        Some(true)
+        Some(SensorTrack { covariance, ..*report })
     }
 
     /// An address that belongs to a target far away is not believed: transponders are misread, and two can have the same.
-    fn sift_identity(&mut self, report: &mut SensorTrack) {
-        let Some(address) = report
-            .identity
-            .address()
-            .filter(|_| self.settings.association.use_identity)
-        else {
-            return;
+    fn believed_identity(&mut self, report: &SensorTrack) -> Identity {
+        let identity = report.identity;
+        let Some(address) = identity.address().filter(|_| self.settings.association.use_identity) else {
+            return identity;
         };
         let Some(system) = self.systems.with_address(address) else {
-            return;
+            return identity;
         };
-        let entry = self.systems.get(system);
-        let carried = entry.filter.at(report.time_of_measurement_ns, &self.motion);
-        let apart = |axis: usize| report.position_m[axis] - carried.mean[axis];
-        if apart(0).hypot(apart(1)) > ADDRESS_REACH_M {
-            report.identity = report.identity.without_address();
-            self.counts.add(report.source, Counter::IdentityConflicts);
+        let carried_m = self.systems.get(system).filter.place_at(report.time_of_measurement_ns);
+        let apart = |axis: usize| report.position_m[axis] - carried_m[axis];
+        if apart(0) * apart(0) + apart(1) * apart(1) <= ADDRESS_REACH_M * ADDRESS_REACH_M {
+            return identity;
         }
+        self.counts.add(report.source, Counter::IdentityConflicts);
+        identity.without_address()
     }
 
-    /// Stores the report in its sensor track's entry, a new one if need be (then not linked yet), with the source's known
-    /// errors removed from it. Also yields the measurement behind it.
-    fn store(&mut self, report: &mut SensorTrack, repaired: bool) -> Option<(SensorSlot, Option<Measurement>)> {
-        let earlier = self.earlier(report)?;
+    /// Stores the report in its sensor track's entry (`known`, or a new one, then not linked yet), as what the source would
+    /// have said without its known errors. Also yields the measurement behind it.
+    fn store(
+        &mut self,
+        report: &SensorTrack,
+        known: Option<SensorSlot>,
+        identity: Identity,
+        repaired: bool,
+    ) -> Option<(SensorSlot, Option<Measurement>)> {
+        let earlier = self.earlier(report, known)?;
         let measurement = self.measurement_behind(report, earlier, repaired);
         let index = usize::from(report.source);
         let (shift_m, inflation) = (self.shift_of(report), self.models[index].inflation());
-        for (position, shift) in report.position_m.iter_mut().zip(shift_m) {
-            *position -= shift;
-        }
-        if inflation != 1.0 {
-            report.covariance.upper.iter_mut().for_each(|value| *value *= inflation);
-        }
         let sensor = match earlier {
-            Some((sensor, _)) => {
-                self.sensors.update(sensor, report);
-                sensor
-            }
+            Some((sensor, _)) => sensor,
             None => {
                 let inserted = self.sensors.insert(report);
                 if inserted.is_none() {
@@ -288,15 +289,10 @@ impl Engine {
             }
         };
         let entry = self.sensors.get_mut(sensor);
-        entry.shift_m = shift_m;
-        entry.inflation = inflation;
-        entry.reports = entry.reports.saturating_add(1);
-        entry.misses = 0;
-        let period_ns = self.settings.sources[index].period_ns;
-        let confirmed = report.state == TrackState::Confirmed as u8;
-        self.sensors
-            .qualities
-            .push(sensor as usize, report.time_of_measurement_ns, period_ns, confirmed);
+        entry.take(report, shift_m, inflation);
+        entry.latest.identity = identity;
+        entry.repaired = repaired;
+        self.sensors.note(sensor, self.settings.sources[index].period_ns);
         Some((
             sensor,
             measurement.map(|measurement| measurement.corrected(shift_m, inflation)),
@@ -305,8 +301,8 @@ impl Engine {
 
     /// The entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there is no entry
     /// yet; `None` if the report is older.
-    fn earlier(&mut self, report: &SensorTrack) -> Option<Option<(SensorSlot, f64)>> {
-        let Some(sensor) = self.sensors.find(report.source, report.track_number) else {
+    fn earlier(&mut self, report: &SensorTrack, known: Option<SensorSlot>) -> Option<Option<(SensorSlot, f64)>> {
+        let Some(sensor) = known else {
             return Some(None);
         };
         let age_ns = report.time_of_measurement_ns - self.sensors.get(sensor).time_ns;
@@ -339,7 +335,7 @@ impl Engine {
             return Some(as_reported(report));
         }
         let has_height = report.has(sensor_track_bits::HEIGHT);
-        let (before, after) = (self.sensors.get(sensor).as_reported(), gaussian_of(report));
+        let (before, after) = (self.sensors.get(sensor).as_reported().unpacked(), gaussian_of(report));
         if looks {
             model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
         }
@@ -377,29 +373,40 @@ impl Engine {
         }
     }
 
-    /// Looks, now and then, at what was learned of the sources as a whole.
+    /// Looks, now and then, at what was learned of the sources as a whole. What takes long is spread over the calls that
+    /// follow.
     fn tick(&mut self, now_ns: i64) {
         let due_ns = *self.next_tick_ns.get_or_insert(now_ns.saturating_add(TICK_NS));
-        if now_ns < due_ns {
-            return;
+        let due = now_ns >= due_ns;
+        if due {
+            self.next_tick_ns = Some(now_ns.saturating_add(TICK_NS));
+            self.sensors.begin_part();
+            if self.settings.registration.enabled {
+                self.registration.begin();
+            }
         }
-        self.next_tick_ns = Some(now_ns.saturating_add(TICK_NS));
-        if self.settings.registration.enabled {
-            let targets = self.systems.count_in_state(TrackState::Confirmed);
-            // What one source's points are away from the others', the others' are from its.
-            let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
-            let models = &self.models;
-            let known = |source: usize| models[source].knows_spread();
-            self.registration.tick(known, spread_m2, targets, self.sees_points);
+        if self.registration.is_solving() && self.registration.step() {
+            self.decide_on_errors();
         }
-        self.look_at_points();
-        self.look_at_motion();
+        if due {
+            self.look_at_points();
+            self.look_at_motion();
+        }
         self.drop_silent(now_ns.saturating_sub(self.settings.life.terminate_ns));
     }
 
-    /// Frees sensor tracks without report since `since_ns`, a part of the table at a time.
+    /// The errors of all sources have been estimated anew: which of them are significant?
+    fn decide_on_errors(&mut self) {
+        let targets = self.systems.count_in_state(TrackState::Confirmed);
+        // What one source's points are away from the others', the others' are from its.
+        let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
+        let known = |source: usize| self.models[source].knows_spread();
+        self.registration.decide(known, spread_m2, targets, self.sees_points);
+    }
+
+    /// Frees sensor tracks without report since `since_ns`, a few places of the table at a time.
     fn drop_silent(&mut self, since_ns: i64) {
-        for sensor in self.sensors.next_part() {
+        for sensor in self.sensors.next_places() {
             if self.sensors.is_silent(sensor, since_ns) {
                 self.drop_sensor_track(sensor);
             }

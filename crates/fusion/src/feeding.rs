@@ -6,7 +6,7 @@
 //! target's course, and taken off their measurements; so all of them go on improving the position, and when the first
 //! source falls silent the point stays where it was.
 
-use estimation::PackedGaussian;
+use estimation::{AxisNoise, Matrix3, PackedGaussian};
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::engine::Engine;
@@ -33,7 +33,8 @@ const REGISTRATION_SETTLED: f64 = 500.0;
 const REGISTRATION_EVERY: u32 = 8;
 
 impl Engine {
-    /// Takes the contribution of a speaker whose report has just been stored. `measurement` is what it says that is new.
+    /// Takes the contribution of a speaker whose `report` has just been stored; what it said is taken from there, without its
+    /// source's known errors. `measurement` is what it says that is new.
     pub(crate) fn contribute(
         &mut self,
         sensor: SensorSlot,
@@ -45,7 +46,7 @@ impl Engine {
         if let Some(measurement) = measurement {
             self.feed(sensor, measurement, sink);
         }
-        self.keep_alive(system, report);
+        self.keep_alive(sensor, system, report);
         self.compare_sources(sensor);
         self.judge_existence(system, report, sink);
         self.refresh(system, report, sink);
@@ -84,7 +85,7 @@ impl Engine {
         while let Some(member) = at {
             let entry = self.sensors.get_mut(member);
             entry.share *= 1.0 - gain;
-            at = entry.next;
+            at = entry.next.get();
         }
         self.sensors.get_mut(sensor).share += gain;
     }
@@ -154,7 +155,7 @@ impl Engine {
         let (_, first_source) = self.systems.get(system).first_seen;
         self.search().fresh_primaries(system, now_ns).min_by_key(|member| {
             let entry = self.sensors.get(*member);
-            let source = entry.latest.source;
+            let source = entry.source;
             (source != first_source, entry.started_ns, source)
         })
     }
@@ -257,7 +258,7 @@ impl Engine {
     }
 
     /// The system track has a fresh report.
-    fn keep_alive(&mut self, system: SystemSlot, report: &SensorTrack) {
+    fn keep_alive(&mut self, sensor: SensorSlot, system: SystemSlot, report: &SensorTrack) {
         let fresh_until_ns = self.fresh_until(system);
         let entry = self.systems.get_mut(system);
         if entry.life == TrackState::Confirmed {
@@ -269,7 +270,7 @@ impl Engine {
         entry.absence = 0.0;
         let [x, y] = [entry.filter.estimate.mean[0], entry.filter.estimate.mean[1]];
         self.systems.grid.place(system, x, y);
-        self.systems.identify(system, &report.identity);
+        self.systems.identify(system, &self.sensors.get(sensor).latest.identity);
     }
 
     /// Compares the report with the latest one of another source: systematic errors show in the difference.
@@ -319,11 +320,17 @@ impl Engine {
         let entry = self.sensors.get(sensor);
         let source = entry.latest.source;
         let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
-        let state = self.motion.predicted(&entry.as_reported(), seconds);
+        let mut state = entry.as_reported();
+        let noise = self
+            .motion
+            .density_m2ps3
+            .map(|density| AxisNoise::white(density, seconds));
+        state.advance(seconds, noise);
+        let [xx, xy, xz, yy, yz, zz] = state.position_covariance();
         View {
             source,
             position_m: state.position_m(),
-            covariance_m2: state.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
+            covariance_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
             velocity_mps: state.velocity_mps(),
             has_height: entry.latest.has(sensor_track_bits::HEIGHT),
             place_m: self.place_of(source),

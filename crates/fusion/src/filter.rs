@@ -19,7 +19,7 @@
 //! the weighing down.
 
 use estimation::{AxisNoise, Gaussian, NearlyConstantVelocity, PackedGaussian, Symmetric3};
-use messages::{AXES, NS_PER_S};
+use messages::{AXES, NS_PER_S, STATE_LEN};
 
 use crate::measurement::Measurement;
 use crate::state::State;
@@ -76,7 +76,11 @@ impl Filter {
     }
 
     /// [`Self::at`], as rules and messages know states.
+    #[inline]
     pub(crate) fn state_at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> State {
+        if time_ns == self.time_ns {
+            return self.state();
+        }
         State::of_estimate(time_ns, &self.at(time_ns, noise), self.has_height)
     }
 
@@ -89,6 +93,12 @@ impl Filter {
         let factor = self.probability[0] * STEADY + self.probability[1];
         let seconds = ns as f64 / NS_PER_S;
         self.estimate.moved(seconds, noise_over(noise, factor, seconds))
+    }
+
+    /// The position of [`Self::at`], metres.
+    pub(crate) fn place_at(&self, time_ns: i64) -> [f64; AXES] {
+        let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
+        std::array::from_fn(|axis| self.estimate.mean[axis] + seconds * self.estimate.mean[axis + AXES])
     }
 
     /// [`Self::at`] with a full matrix.
@@ -105,19 +115,17 @@ impl Filter {
         trace(self) < trace(other)
     }
 
-    /// Brings the filter forward to `time_ns`; never back.
-    pub(crate) fn advance(&mut self, time_ns: i64, noise: &NearlyConstantVelocity) {
+    /// Brings the models forward to `time_ns`, never back; whether they have moved. The estimate stays behind.
+    fn advance_models(&mut self, time_ns: i64, noise: &NearlyConstantVelocity) -> bool {
         if time_ns <= self.time_ns {
-            return;
+            return false;
         }
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
         self.mix(seconds);
-        self.modes = [
-            self.modes[0].moved(seconds, noise_over(noise, STEADY, seconds)),
-            self.modes[1].moved(seconds, noise_over(noise, 1.0, seconds)),
-        ];
-        self.combine();
+        self.modes[0].advance(seconds, noise_over(noise, STEADY, seconds));
+        self.modes[1].advance(seconds, noise_over(noise, 1.0, seconds));
         self.time_ns = time_ns;
+        true
     }
 
     /// Targets may have begun or ended to manoeuvre in `seconds`.
@@ -128,16 +136,15 @@ impl Filter {
         // Probability of each model afterwards, by where it comes from.
         let steady = p * stay[0] + q * leave[1];
         let turn = p * leave[0] + q * stay[1];
-        let [a, b] = &self.modes;
-        self.modes = [
-            PackedGaussian::mixture(a, b, q * leave[1] / steady),
-            PackedGaussian::mixture(a, b, q * stay[1] / turn),
-        ];
+        let [a, b] = &mut self.modes;
+        PackedGaussian::exchange(a, b, [q * leave[1] / steady, q * stay[1] / turn]);
         self.probability = [steady, turn];
     }
 
-    fn combine(&mut self) {
-        self.estimate = PackedGaussian::mixture(&self.modes[0], &self.modes[1], self.probability[1]);
+    /// Makes the first `N` components of the estimate those of the models together.
+    fn combine<const N: usize>(&mut self) {
+        let [a, b] = &self.modes;
+        self.estimate.mix::<N>(a, b, self.probability[1]);
     }
 
     /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement older
@@ -149,7 +156,11 @@ impl Filter {
         noise: &NearlyConstantVelocity,
         use_it: bool,
     ) -> Option<Innovation> {
-        self.advance(time_ns, noise);
+        let mut behind = self.advance_models(time_ns, noise);
+        if behind {
+            // All that a measurement is compared with; the rest follows when it has been used.
+            self.combine::<AXES>();
+        }
         let late_s = (self.time_ns - time_ns) as f64 / NS_PER_S;
         let (mut z, mut r) = (measurement.position_m, measurement.covariance_m2);
         if late_s > 0.0 {
@@ -162,13 +173,20 @@ impl Filter {
             }
         }
         if measurement.has_height && !self.has_height {
+            if std::mem::take(&mut behind) {
+                self.combine::<STATE_LEN>();
+            }
             self.begin_height(z[2], r[5]);
         }
-        if measurement.has_height {
+        let innovation = if measurement.has_height {
             self.update::<AXES>(z, r, use_it)
         } else {
             self.update::<2>(z, r, use_it)
+        };
+        if behind && !(use_it && innovation.is_some()) {
+            self.combine::<STATE_LEN>();
         }
+        innovation
     }
 
     fn update<const D: usize>(&mut self, z: [f64; AXES], mut r: Symmetric3, use_it: bool) -> Option<Innovation> {
@@ -195,7 +213,7 @@ impl Filter {
         let turn = self.probability[1] * ratio / (self.probability[0] + self.probability[1] * ratio);
         let turn = turn.clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
         self.probability = [1.0 - turn, turn];
-        self.combine();
+        self.combine::<STATE_LEN>();
         let after = self.estimate.position_covariance();
         innovation.gain = (1.0 - (after[0] + after[3]) / (expected[0] + expected[3])).clamp(0.0, 1.0);
         Some(innovation)
@@ -208,7 +226,7 @@ impl Filter {
         for estimate in self.modes.iter_mut().chain([&mut self.estimate]) {
             for (component, value, variance) in [(2, height_m, variance_m2), (5, 0.0, VERTICAL_SPEED_M2PS2)] {
                 estimate.mean[component] = value;
-                for other in 0..messages::STATE_LEN {
+                for other in 0..STATE_LEN {
                     let (row, column) = (component.min(other), component.max(other));
                     estimate.covariance.set(row, column, 0.0);
                 }

@@ -44,7 +44,7 @@ impl Engine {
         let (mut sources, mut established, mut reports) = (0u64, 0u32, 0u32);
         for member in search.fresh_primaries(system, now_ns) {
             let entry = self.sensors.get(member);
-            sources |= 1 << entry.latest.source;
+            sources |= 1 << entry.source;
             established += u32::from(search.is_established(member));
             reports = reports.saturating_add(entry.reports);
         }

@@ -67,7 +67,7 @@ impl Engine {
         let entry = self.sensors.get_mut(sensor);
         entry.role = Role::Duplicate;
         entry.forget_target();
-        let (identity, seen) = (entry.latest.identity, (entry.started_ns, entry.latest.source));
+        let (identity, seen) = (entry.latest.identity, (entry.started_ns, entry.source));
         self.systems.identify(system, &identity);
         let first_seen = &mut self.systems.get_mut(system).first_seen;
         *first_seen = seen.min(*first_seen);
@@ -76,10 +76,8 @@ impl Engine {
     /// Whether the sensor track may stay where it is, and if not, where it goes.
     fn reconsider(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
         let system = self.sensors.get(sensor).system;
-        let mine = report
-            .identity
-            .address()
-            .filter(|_| self.settings.association.use_identity);
+        let identity = self.sensors.get(sensor).latest.identity;
+        let mine = identity.address().filter(|_| self.settings.association.use_identity);
         if let Some(mine) = mine {
             let theirs = self.systems.get(system).identity.address();
             if theirs.is_some_and(|theirs| theirs != mine) {
@@ -92,7 +90,7 @@ impl Engine {
                 self.move_to(sensor, other, f64::NAN, sink);
                 return;
             }
-            self.systems.identify(system, &report.identity);
+            self.systems.identify(system, &identity);
         }
         let now_ns = report.time_of_measurement_ns;
         if self.search().is_alone(sensor, now_ns) {
@@ -228,7 +226,7 @@ impl Engine {
             let role = self.sensors.get(member).role;
             self.systems.unlink(&mut self.sensors, member);
             self.join(member, into);
-            let source = self.sensors.get(member).latest.source;
+            let source = self.sensors.get(member).source;
             if role == Role::Primary && self.search().speaker(into, source, member, now_ns).is_none() {
                 self.sensors.get_mut(member).role = Role::Primary;
             }
@@ -263,7 +261,7 @@ impl Engine {
         while let Some(member) = at {
             let entry = self.sensors.get_mut(member);
             entry.point = Default::default();
-            at = entry.next;
+            at = entry.next.get();
         }
     }
 
@@ -280,7 +278,7 @@ impl Engine {
             if entry.source == source {
                 entry.role = Role::Duplicate;
             }
-            at = entry.next;
+            at = entry.next.get();
         }
         self.sensors.get_mut(sensor).role = Role::Primary;
     }

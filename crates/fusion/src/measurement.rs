@@ -45,10 +45,10 @@ impl Measurement {
 
 /// All that a report knows of the position: what a sensor track that has just joined contributes.
 pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
+    let p = |row, column| report.covariance.get(row, column);
     Measurement {
         position_m: report.position_m,
-        covariance_m2: [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]
-            .map(|(row, column)| report.covariance.get(row, column)),
+        covariance_m2: [p(0, 0), p(0, 1), p(0, 2), p(1, 1), p(1, 2), p(2, 2)],
         has_height: report.has(sensor_track_bits::HEIGHT),
     }
 }
@@ -56,12 +56,10 @@ pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
 /// The report in place of a measurement.
 pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
     let p = |row, column| report.covariance.get(row, column);
-    let filtered = (0..2).any(|axis| {
-        let velocity = axis + AXES;
-        p(axis, velocity) > FILTERED * (p(axis, axis) * p(velocity, velocity)).sqrt()
-    });
+    let filtered =
+        |cross: f64, position: f64, velocity: f64| cross > 0.0 && cross > FILTERED * (position * velocity).sqrt();
     let mut measurement = whole_report(report);
-    if filtered {
+    if filtered(p(0, 3), p(0, 0), p(3, 3)) || filtered(p(1, 4), p(1, 1), p(4, 4)) {
         measurement
             .covariance_m2
             .iter_mut()

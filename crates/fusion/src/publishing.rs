@@ -1,13 +1,13 @@
 //! When a system track is weighed, and what is said of it.
 
 use messages::{
-    AXES, CONTRIBUTIONS_MAX, Contribution, Counter, NO_SOURCE, SensorTrack, StageTimes, SystemTrack, TrackState,
-    contribution_bits, sensor_track_bits,
+    AXES, CONTRIBUTIONS_MAX, Contribution, Counter, Covariance, NO_SOURCE, SensorTrack, StageTimes, SystemTrack,
+    TrackState, contribution_bits,
 };
 
 use crate::engine::Engine;
 use crate::explanation::{Decision, DecisionKind, Sink};
-use crate::rules;
+use crate::rules::{self, Fuse, Method};
 use crate::settings::AccuracyBase;
 use crate::system_tracks::SystemSlot;
 use crate::weighing::{Weighed, Weigher};
@@ -23,7 +23,7 @@ impl Engine {
             && let Some(mut weighed) = self.weighed.take()
         {
             // A report teaches once, however often its system track is weighed.
-            self.weigher().weigh(system, reference_ns, &mut weighed);
+            self.weigher().gather(system, reference_ns, &mut weighed);
             self.learn(report.source, &weighed);
             self.weighed = Some(weighed);
         }
@@ -33,7 +33,6 @@ impl Engine {
         Weigher {
             search: self.search(),
             accuracies: &self.accuracies,
-            point_spread_m2: self.point_spread_m2,
         }
     }
 
@@ -56,24 +55,67 @@ impl Engine {
         let Some(mut weighed) = self.weighed.take() else {
             return;
         };
-        self.weigher().weigh(system, reference_ns, &mut weighed);
-        self.store_weighed(system, reference_ns, cause, &weighed, sink);
+        self.weigher().gather(system, reference_ns, &mut weighed);
+        if let Some(report) = cause
+            && self.learns(report.source)
+        {
+            self.learn(report.source, &weighed);
+        }
+        self.fuse(system, reference_ns, &mut weighed, sink);
         sink.track(&self.message(system, cause, Some(&weighed)));
         self.weighed = Some(weighed);
     }
 
-    fn store_weighed(
+    /// Lets the rule weigh what was gathered, and stores the state that comes out.
+    fn fuse(&mut self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed, sink: &mut impl Sink) {
+        let usable = match self.settings.rule.rule.method {
+            Method::Filter => weighed.share_out() && self.take_over_filter(system, reference_ns),
+            Method::Candidates(rule) => self.fuse_candidates(rule, system, reference_ns, weighed, sink),
+        };
+        let members = weighed.members().iter().map(|member| self.sensors.get(*member));
+        let (alerts, on_ground) = members.fold((0, false), |(alerts, on_ground), member| {
+            (alerts | member.alerts, on_ground | member.on_ground)
+        });
+        let entry = self.systems.get_mut(system);
+        entry.alerts = alerts;
+        entry.on_ground = on_ground;
+        if !usable {
+            entry.state = entry.state.at(reference_ns, self.settings.process_noise_m2ps3);
+            if entry.life == TrackState::Confirmed {
+                self.systems.set_life(system, TrackState::Coasted);
+            }
+        }
+    }
+
+    /// Makes the estimate of the target's filter its state.
+    fn take_over_filter(&mut self, system: SystemSlot, reference_ns: i64) -> bool {
+        let entry = self.systems.get_mut(system);
+        entry.state = entry.filter.state_at(reference_ns, &self.motion);
+        for axis in 0..2 {
+            entry.state.covariance.upper[Covariance::index(axis, axis)] += self.point_spread_m2;
+        }
+        true
+    }
+
+    /// Makes the target's state what `rule` makes of the contributions; `false` if it can use none of them.
+    fn fuse_candidates(
         &mut self,
+        rule: Fuse,
         system: SystemSlot,
         reference_ns: i64,
-        cause: Option<&SensorTrack>,
-        weighed: &Weighed,
+        weighed: &mut Weighed,
         sink: &mut impl Sink,
-    ) {
-        if let Some(report) = cause
-            && self.learns(report.source)
-        {
-            self.learn(report.source, weighed);
+    ) -> bool {
+        let (entry, memory) = self.systems.get_with_memory(system);
+        let last = memory.selected[0];
+        let fused = weighed.fuse(rule, &self.settings, &entry.state, memory, reference_ns);
+        let (chosen, usable) = (memory.selected[0], fused.is_some());
+        if let Some(state) = fused {
+            entry.state = state;
+        }
+        if last != chosen && last != rules::NO_SOURCE {
+            self.counts.add(chosen, Counter::HandOvers);
+            self.tell_hand_over(system, reference_ns, (last, chosen), weighed, sink);
         }
         for (share, candidate) in weighed.shares().iter().zip(weighed.candidates()) {
             if share.trace_unusable {
@@ -83,38 +125,23 @@ impl Engine {
                 self.counts.add(candidate.source, Counter::CovariancesRepaired);
             }
         }
-        let latest = || {
-            let members = weighed.members().iter();
-            members.map(|member| &self.sensors.get(*member).latest)
-        };
-        let alerts = latest().fold(0, |alerts, report| alerts | report.alerts);
-        let on_ground = latest().any(|report| report.has(sensor_track_bits::ON_GROUND));
-        let entry = self.systems.get_mut(system);
-        let (last, chosen) = (entry.memory.selected[0], weighed.memory.selected[0]);
-        entry.alerts = alerts;
-        entry.on_ground = on_ground;
-        entry.memory = weighed.memory;
-        entry.state = match weighed.state {
-            Some(state) => state,
-            None => entry.state.at(reference_ns, self.settings.process_noise_m2ps3),
-        };
-        if weighed.state.is_none() && entry.life == TrackState::Confirmed {
-            self.systems.set_life(system, TrackState::Coasted);
-        }
-        if last != chosen && last != rules::NO_SOURCE && !self.settings.rule.rule.from_filter {
-            self.counts.add(chosen, Counter::HandOvers);
-            self.tell_hand_over(system, reference_ns, last, weighed, sink);
-        }
+        usable
     }
 
-    fn tell_hand_over(&self, system: SystemSlot, time_ns: i64, last: u16, weighed: &Weighed, sink: &mut impl Sink) {
+    fn tell_hand_over(
+        &self,
+        system: SystemSlot,
+        time_ns: i64,
+        (last, chosen): (u16, u16),
+        weighed: &Weighed,
+        sink: &mut impl Sink,
+    ) {
         let accuracy = |source: u16| {
             let mut candidates = weighed.candidates().iter();
             candidates
                 .find(|candidate| candidate.source == source)
                 .map_or(f64::NAN, |candidate| candidate.lambda)
         };
-        let chosen = weighed.memory.selected[0];
         sink.decision(&Decision {
             time_ns,
             kind: DecisionKind::HandOver,
@@ -206,7 +233,7 @@ impl Engine {
         };
         let mut heaviest = 0.0;
         for (index, share) in shares.iter().enumerate() {
-            let latest = &self.sensors.get(members[index]).latest;
+            let member = self.sensors.get(members[index]);
             let weight = share.weight.iter().sum::<f64>() / AXES as f64;
             let fresh = if candidates[index].stale {
                 0
@@ -219,9 +246,9 @@ impl Engine {
                 0
             };
             message.contributions[index] = Contribution {
-                time_of_measurement_ns: latest.time_of_measurement_ns,
-                track_number: latest.track_number,
-                source: latest.source,
+                time_of_measurement_ns: member.time_ns,
+                track_number: member.track_number,
+                source: member.source,
                 flags: fresh | scored,
                 weight,
                 accuracy: if share.accuracy.is_finite() {
@@ -232,7 +259,7 @@ impl Engine {
             };
             if weight > heaviest {
                 heaviest = weight;
-                message.selected_source = latest.source;
+                message.selected_source = member.source;
             }
         }
         message

@@ -11,6 +11,10 @@
 //! sweeps of block Gauss–Seidel solve them for all sources together. Only differences can be seen: either a named
 //! reference source is taken as true, or the mean of all sources is.
 //!
+//! Sixty-four sources that all see the same targets make four thousand pairs, a millisecond's work, and no report shall
+//! wait that long. So a solution is worked out in steps of bounded work, and what is known of the sources changes when it is
+//! complete. For four sources one step is enough.
+//!
 //! The tracks' errors are correlated in time, and targets do not show the same point to all sources: both make the
 //! estimate less certain than the formula says. A sample counts for a quarter, and the spread of the detection points,
 //! divided by the number of targets, is added. An error is removed when it is significant, until it no longer is.
@@ -20,7 +24,7 @@
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
 use messages::AXES;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
 /// Number of systematic errors per source.
 pub const ERRORS: usize = 6;
@@ -34,6 +38,11 @@ const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
 const SAMPLE_WEIGHT: f64 = 0.25;
 /// Sweeps of Gauss–Seidel per tick.
 const SWEEPS: usize = 4;
+/// Work of one step of a solution, in visits to pairs: some ten microseconds. The source begun last is finished.
+const STEP_WORK: usize = 192;
+/// What factoring the equations of a source and solving them take, in such visits.
+const FACTOR_WORK: usize = 16;
+const SOLVE_WORK: usize = 4;
 /// Chi-square with two degrees of freedom beyond which a horizontal offset is removed, and below which it is no longer.
 const SIGNIFICANT_2: f64 = 13.8;
 const INSIGNIFICANT_2: f64 = 2.8;
@@ -118,9 +127,22 @@ pub struct SourceErrors {
 pub(crate) struct Registration {
     sources: Vec<SourceErrors>,
     pairs: Vec<Pair>,
+    /// With which sources each source was compared, as bits.
+    partners: Vec<u64>,
     reference: Option<u16>,
     /// What is left of the sums after one tick.
     keep: f64,
+    solution: Solution,
+}
+
+/// A solution that is being worked out.
+#[derive(Clone, Debug)]
+struct Solution {
+    /// Sweep and source that come next; `None` if nothing is being worked out.
+    next: Option<(usize, usize)>,
+    sources: Vec<SourceErrors>,
+    /// Factored normal equations of each source, from the first sweep on.
+    factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
 }
 
 impl Registration {
@@ -134,10 +156,16 @@ impl Registration {
             removed: [false; ERRORS],
         };
         Self {
-            sources: vec![unknown; sources],
             pairs: vec![EMPTY; sources * sources],
+            partners: vec![0; sources],
             reference,
             keep: (-tick_s / memory_s).exp(),
+            solution: Solution {
+                next: None,
+                sources: vec![unknown; sources],
+                factors: vec![None; sources],
+            },
+            sources: vec![unknown; sources],
         }
     }
 
@@ -233,51 +261,90 @@ impl Registration {
         pair.own += weighted * of_own;
         pair.cross += weighted * of_other;
         pair.right += weighted * difference;
+        self.partners[usize::from(own)] |= 1 << other;
         self.sources[usize::from(own)].samples += 1.0;
     }
 
-    /// Solves for all sources, once per tick. `known` says for which sources the spread is known, so that one can decide;
-    /// `spread_m2` is the variance of the detection points on the targets, `targets`
-    /// how many targets several sources see; `points` whether the detection points are known to lie far apart.
-    pub(crate) fn tick(&mut self, known: impl Fn(usize) -> bool, spread_m2: f64, targets: usize, points: bool) {
+    /// Begins to solve for all sources, once per tick; does nothing while that is still being done.
+    pub(crate) fn begin(&mut self) {
+        if self.is_solving() {
+            return;
+        }
+        let keep = self.keep.powf(1.0 / SWEEPS as f64);
+        for source in &mut self.sources {
+            for _ in 0..SWEEPS {
+                source.samples *= keep;
+            }
+        }
+        self.solution.sources.copy_from_slice(&self.sources);
+        self.solution.next = Some((0, 0));
+    }
+
+    /// Whether a solution has begun and not been completed.
+    pub(crate) fn is_solving(&self) -> bool {
+        self.solution.next.is_some()
+    }
+
+    /// Goes on with the solution; whether that has completed it. Then [`Self::decide`] is due.
+    pub(crate) fn step(&mut self) -> bool {
+        let Some((mut sweep, mut own)) = self.solution.next.take() else {
+            return false;
+        };
+        let mut work = 0;
+        while sweep < SWEEPS {
+            if work >= STEP_WORK {
+                self.solution.next = Some((sweep, own));
+                return false;
+            }
+            if sweep == 0 {
+                self.forget_and_factor(own);
+                work += FACTOR_WORK;
+            }
+            work += SOLVE_WORK + self.partners[own].count_ones() as usize;
+            self.solve(own);
+            own += 1;
+            if own == self.sources.len() {
+                self.fix_gauge();
+                (sweep, own) = (sweep + 1, 0);
+            }
+        }
+        for (known, solved) in self.sources.iter_mut().zip(&self.solution.sources) {
+            (known.errors, known.variances) = (solved.errors, solved.variances);
+        }
+        true
+    }
+
+    /// Lets the sums of one source fade by one tick, and factors the normal equations they make.
+    fn forget_and_factor(&mut self, own: usize) {
         let count = self.sources.len();
-        for pair in &mut self.pairs {
+        let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| PRIOR_SIGMA[row].powi(-2)));
+        for other in partners(self.partners[own]) {
+            let pair = &mut self.pairs[own * count + other];
             pair.own *= self.keep;
             pair.cross *= self.keep;
             pair.right *= self.keep;
+            normal += pair.own;
         }
-        for _ in 0..SWEEPS {
-            for own in 0..count {
-                self.solve(own);
-            }
-            self.fix_gauge();
+        let is_sought = self.reference != Some(own as u16) && self.sources[own].samples != 0.0;
+        let factor = if is_sought { normal.cholesky() } else { None };
+        if let Some(factor) = &factor {
+            self.solution.sources[own].variances = factor.inverse().diagonal();
         }
-        for own in 0..count {
-            if known(own) {
-                self.decide(own, spread_m2 / targets.max(1) as f64, points);
-            }
-        }
+        self.solution.factors[own] = factor;
     }
 
+    /// Solves for the errors of one source, those of the others given.
     fn solve(&mut self, own: usize) {
-        self.sources[own].samples *= self.keep.powf(1.0 / SWEEPS as f64);
-        if self.reference == Some(own as u16) || self.sources[own].samples == 0.0 {
-            return;
-        }
-        let count = self.sources.len();
-        let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| PRIOR_SIGMA[row].powi(-2)));
-        let mut right = Errors::zeros();
-        for other in 0..count {
-            let pair = &self.pairs[own * count + other];
-            normal += pair.own;
-            right += pair.right + pair.cross * self.sources[other].errors;
-        }
-        let Some(factor) = normal.cholesky() else {
+        let Some(factor) = &self.solution.factors[own] else {
             return;
         };
-        let known = &mut self.sources[own];
-        known.errors = factor.solve(&right);
-        known.variances = factor.inverse().diagonal();
+        let count = self.sources.len();
+        let mut right = Errors::zeros();
+        for other in partners(self.partners[own]) {
+            let pair = &self.pairs[own * count + other];
+            right += pair.right + pair.cross * self.solution.sources[other].errors;
+        }
+        self.solution.sources[own].errors = factor.solve(&right);
     }
 
     /// Without a reference the mean of all sources that are compared is taken as true.
@@ -285,28 +352,38 @@ impl Registration {
         if self.reference.is_some() {
             return;
         }
+        let sources = &mut self.solution.sources;
         let compared = |source: &&mut SourceErrors| source.samples > 0.0;
-        let count = self.sources.iter().filter(|source| source.samples > 0.0).count();
+        let count = sources.iter().filter(|source| source.samples > 0.0).count();
         if count == 0 {
             return;
         }
         let mut mean = Errors::zeros();
-        for source in &self.sources {
+        for source in sources.iter() {
             mean += source.errors / count as f64;
         }
         // Range and azimuth biases are seen absolutely, from different places.
         (mean[4], mean[5]) = (0.0, 0.0);
-        for source in self.sources.iter_mut().filter(compared) {
+        for source in sources.iter_mut().filter(compared) {
             source.errors -= mean;
         }
     }
 
-    /// Which errors are significant: the horizontal offset as one, the others each for itself. `spread_m2` is the variance
-    /// that the detection points add to a mean over all targets.
+    /// Decides which errors are significant, once a solution is complete. `known` says for which sources the spread is known,
+    /// so that one can decide; `spread_m2` is the variance of the detection points on the targets, `targets` how many
+    /// targets several sources see; `points` whether the detection points are known to lie far apart.
+    pub(crate) fn decide(&mut self, known: impl Fn(usize) -> bool, spread_m2: f64, targets: usize, points: bool) {
+        for own in (0..self.sources.len()).filter(|own| known(*own)) {
+            self.decide_for(own, spread_m2 / targets.max(1) as f64, points);
+        }
+    }
+
+    /// Which errors of a source are significant: the horizontal offset as one, the others each for itself. `spread_m2` is the
+    /// variance that the detection points add to a mean over all targets.
     ///
     /// Where detection points are far apart, one that lies ahead of the others looks like a clock that is fast: then time
     /// offsets are left alone.
-    fn decide(&mut self, own: usize, spread_m2: f64, points: bool) {
+    fn decide_for(&mut self, own: usize, spread_m2: f64, points: bool) {
         let known = &mut self.sources[own];
         let enough = known.samples >= SAMPLES_MIN;
         let squared = |row: usize, extra: f64| known.errors[row].powi(2) / (known.variances[row] + extra);
@@ -330,6 +407,15 @@ impl Registration {
             *removed = enough && value > limit;
         }
     }
+}
+
+/// The sources that `bits` names, in the order of their numbers.
+fn partners(mut bits: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let source = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (source < u64::BITS as usize).then_some(source)
+    })
 }
 
 #[cfg(test)]
@@ -377,7 +463,9 @@ mod tests {
                 };
                 registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16));
             }
-            registration.tick(|_| true, 0.0, 20, false);
+            registration.begin();
+            while !registration.step() {}
+            registration.decide(|_| true, 0.0, 20, false);
         }
         registration
     }
@@ -410,6 +498,32 @@ mod tests {
         assert!(registration.of(2).removed[3] && !registration.of(1).removed[3]);
         let shift = registration.shift(2, [0.0; 3], [100.0, 0.0, 0.0], None);
         assert!((shift[0] + 50.0).abs() < 5.0, "{shift:?}");
+    }
+
+    #[test]
+    fn many_sources_are_solved_for_in_steps_and_change_together() {
+        const SOURCES: u16 = 40;
+        let mut registration = Registration::new(usize::from(SOURCES), Some(0), 300.0, 1.0);
+        for index in 0..20_000u32 {
+            let (a, b) = ((index % 40) as u16, (index / 40 % 39) as u16);
+            let b = if b < a { b } else { b + 1 };
+            let heading = f64::from(index) * 0.7;
+            let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
+            let of = |source: u16| view(source, [3e3, 4e3, 5e3], velocity, [f64::from(source), 0.0], 0.0, index);
+            registration.learn(&of(a), &of(b));
+        }
+        registration.begin();
+        assert!(!registration.step() && registration.is_solving());
+        assert!((0..SOURCES).all(|source| registration.of(source).errors == Errors::zeros()));
+        for _ in 0..30 {
+            registration.begin();
+            while !registration.step() {}
+        }
+        assert!(!registration.is_solving() && !registration.step());
+        for source in 1..SOURCES {
+            let east_m = registration.of(source).errors[0];
+            assert!((east_m - f64::from(source)).abs() < 3.0, "{source}: {east_m}");
+        }
     }
 
     #[test]

@@ -194,8 +194,7 @@ impl Engine {
             self.join(sensor, system);
             let limit = self.settings.association.target_extent_m;
             self.decide(sensor, DecisionKind::Duplicate, metres, limit, sink);
-            self.counts
-                .add(self.sensors.get(sensor).latest.source, Counter::Duplicates);
+            self.counts.add(self.sensors.get(sensor).source, Counter::Duplicates);
             return;
         }
         self.start_system_track(sensor, sink);
@@ -208,13 +207,13 @@ impl Engine {
             system => self.systems.get(system).number,
         };
         sink.decision(&Decision {
-            time_ns: entry.latest.time_of_measurement_ns,
+            time_ns: entry.time_ns,
             kind,
             system_track: number,
             other_system_track: 0,
-            source: entry.latest.source,
+            source: entry.source,
             other_source: messages::NO_SOURCE,
-            sensor_track: entry.latest.track_number,
+            sensor_track: entry.track_number,
             value,
             limit,
         });

@@ -1,7 +1,7 @@
 //! The live sensor tracks of all sources: latest report, history, and the system track each belongs to.
 
-use estimation::Gaussian;
-use messages::SensorTrack;
+use estimation::PackedGaussian;
+use messages::{SensorTrack, TrackState, sensor_track_bits};
 use rustc_hash::FxHashMap;
 
 use crate::history::Histories;
@@ -22,6 +22,22 @@ pub(crate) enum Role {
     Duplicate,
 }
 
+/// The next sensor track of the same system track, if there is one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Link(SensorSlot);
+
+impl Link {
+    const NONE: Self = Self(SensorSlot::MAX);
+
+    pub(crate) fn to(slot: Option<SensorSlot>) -> Self {
+        slot.map_or(Self::NONE, Self)
+    }
+
+    pub(crate) fn get(self) -> Option<SensorSlot> {
+        (self != Self::NONE).then_some(self.0)
+    }
+}
+
 /// One live sensor track. What every report of its system track's other members looks at comes first, in one line of the
 /// cache.
 #[derive(Clone, Copy, Debug)]
@@ -38,11 +54,16 @@ pub(crate) struct SensorEntry {
     pub(crate) residuals: u32,
     /// System track it belongs to, or [`NO_SYSTEM`].
     pub(crate) system: u32,
-    /// Next sensor track of the same system track.
-    pub(crate) next: Option<SensorSlot>,
+    pub(crate) next: Link,
+    /// Its number at its source.
+    pub(crate) track_number: u32,
     /// Source of `latest`.
     pub(crate) source: u16,
     pub(crate) role: Role,
+    /// What `latest` wants noticed, and whether it says that the target is on the ground.
+    pub(crate) alerts: u8,
+    pub(crate) on_ground: bool,
+    /// The latest report, without its source's known errors.
     pub(crate) latest: SensorTrack,
     /// Whether the covariance of `latest` had to be repaired: then its source is not judged by it.
     pub(crate) repaired: bool,
@@ -85,11 +106,14 @@ impl Default for SensorEntry {
     fn default() -> Self {
         Self {
             time_ns: 0,
+            track_number: 0,
             source: 0,
+            alerts: 0,
+            on_ground: false,
             latest: SensorTrack::default(),
             role: Role::Duplicate,
             system: NO_SYSTEM,
-            next: None,
+            next: Link::NONE,
             repaired: false,
             misfits: 0,
             rival: None,
@@ -111,15 +135,37 @@ impl Default for SensorEntry {
 
 impl SensorEntry {
     /// The latest report as the source gave it, nothing taken off.
-    pub(crate) fn as_reported(&self) -> Gaussian {
-        let mut state = crate::engine::gaussian_of(&self.latest);
-        for axis in 0..messages::AXES {
-            state.mean[axis] += self.shift_m[axis];
+    pub(crate) fn as_reported(&self) -> PackedGaussian {
+        let latest = &self.latest;
+        let mut state = PackedGaussian::new(latest.position_m, latest.velocity_mps, &latest.covariance);
+        for (component, shift) in state.mean.iter_mut().zip(self.shift_m) {
+            *component += shift;
         }
         if self.inflation != 1.0 {
-            state.covariance /= self.inflation;
+            let upper = &mut state.covariance.upper;
+            upper.iter_mut().for_each(|value| *value /= self.inflation);
         }
         state
+    }
+
+    /// Takes the next report, of which the source's known errors are `shift_m`, and whose covariance claims too much by
+    /// the factor `inflation`.
+    pub(crate) fn take(&mut self, report: &SensorTrack, shift_m: [f64; messages::AXES], inflation: f64) {
+        self.latest = *report;
+        for (position, shift) in self.latest.position_m.iter_mut().zip(shift_m) {
+            *position -= shift;
+        }
+        if inflation != 1.0 {
+            let upper = &mut self.latest.covariance.upper;
+            upper.iter_mut().for_each(|value| *value *= inflation);
+        }
+        self.time_ns = report.time_of_measurement_ns;
+        self.alerts = report.alerts;
+        self.on_ground = report.has(sensor_track_bits::ON_GROUND);
+        self.shift_m = shift_m;
+        self.inflation = inflation;
+        self.reports = self.reports.saturating_add(1);
+        self.misses = 0;
     }
 
     /// It is about to belong to another system track: what it was to the last one says nothing.
@@ -140,14 +186,20 @@ pub(crate) struct SensorTracks {
     entries: Vec<SensorEntry>,
     free: Vec<SensorSlot>,
     by_number: FxHashMap<(u16, u32), SensorSlot>,
-    /// Where the next look for sensor tracks that nobody hears of any more begins.
+    /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the table
+    /// ends.
     swept: usize,
+    part_end: usize,
+    /// Whether the following are kept.
+    looks_back: bool,
     pub(crate) histories: Histories,
     pub(crate) qualities: Qualities,
 }
 
 impl SensorTracks {
-    pub(crate) fn new(capacity: usize, stored_reports: usize) -> Self {
+    /// With room for `capacity` sensor tracks. Of each as many as `stored_reports` earlier reports are kept, and which scans
+    /// confirmed it; nothing but the latest report if `None`.
+    pub(crate) fn new(capacity: usize, stored_reports: Option<usize>) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
         let by_number = FxHashMap::with_capacity_and_hasher(2 * capacity, rustc_hash::FxBuildHasher);
         Self {
@@ -155,8 +207,10 @@ impl SensorTracks {
             free: (0..capacity as SensorSlot).rev().collect(),
             by_number,
             swept: 0,
-            histories: Histories::new(capacity, stored_reports + 1),
-            qualities: Qualities::new(capacity),
+            part_end: 0,
+            looks_back: stored_reports.is_some(),
+            histories: stored_reports.map_or(Histories::new(0, 0), |stored| Histories::new(capacity, stored + 1)),
+            qualities: Qualities::new(stored_reports.map_or(0, |_| capacity)),
         }
     }
 
@@ -164,30 +218,35 @@ impl SensorTracks {
         self.by_number.get(&(source, number)).copied()
     }
 
-    /// A new entry for `report`, not yet linked to a system track; `None` if the table is full.
+    /// A new entry for the sensor track of `report`, which it has not taken yet, not linked to a system track; `None` if the
+    /// table is full.
     pub(crate) fn insert(&mut self, report: &SensorTrack) -> Option<SensorSlot> {
         let slot = self.free.pop()?;
         self.by_number.insert((report.source, report.track_number), slot);
-        self.histories.clear(slot as usize);
-        self.qualities.clear(slot as usize);
+        if self.looks_back {
+            self.histories.clear(slot as usize);
+            self.qualities.clear(slot as usize);
+        }
         self.entries[slot as usize] = SensorEntry {
-            time_ns: report.time_of_measurement_ns,
             source: report.source,
-            latest: *report,
+            track_number: report.track_number,
             live: true,
             started_ns: report.time_of_measurement_ns,
             ..SensorEntry::default()
         };
-        self.histories.push(slot as usize, report);
         Some(slot)
     }
 
-    /// Stores a further report of the sensor track in `slot`.
-    pub(crate) fn update(&mut self, slot: SensorSlot, report: &SensorTrack) {
-        let entry = &mut self.entries[slot as usize];
-        entry.latest = *report;
-        entry.time_ns = report.time_of_measurement_ns;
-        self.histories.push(slot as usize, report);
+    /// Notes the latest report of the sensor track in `slot`, for rules that look back. Its source reports every `period_ns`.
+    pub(crate) fn note(&mut self, slot: SensorSlot, period_ns: i64) {
+        if !self.looks_back {
+            return;
+        }
+        let latest = &self.entries[slot as usize].latest;
+        self.histories.push(slot as usize, latest);
+        let confirmed = latest.state == TrackState::Confirmed as u8;
+        self.qualities
+            .push(slot as usize, latest.time_of_measurement_ns, period_ns, confirmed);
     }
 
     /// Frees `slot`, which no system track may link to any more.
@@ -195,19 +254,27 @@ impl SensorTracks {
         let entry = &mut self.entries[slot as usize];
         entry.waits = false;
         entry.live = false;
-        let latest = &entry.latest;
-        self.by_number.remove(&(latest.source, latest.track_number));
+        self.by_number.remove(&(entry.source, entry.track_number));
         self.free.push(slot);
     }
 
-    /// The next part of the table to be looked through for sensor tracks that nobody hears of any more: their sources need
-    /// not say that they have ended. Part by part, so that no look takes long.
-    pub(crate) fn next_part(&mut self) -> std::ops::Range<SensorSlot> {
+    /// From now on a further part of the table is to be looked through for sensor tracks that nobody hears of any more: their
+    /// sources need not say that they have ended.
+    pub(crate) fn begin_part(&mut self) {
         const PARTS: usize = 16;
-        let end = (self.swept + self.entries.len() / PARTS + 1).min(self.entries.len());
-        let part = self.swept as SensorSlot..end as SensorSlot;
-        self.swept = if end == self.entries.len() { 0 } else { end };
-        part
+        if self.swept == self.entries.len() {
+            self.swept = 0;
+        }
+        self.part_end = (self.swept + self.entries.len() / PARTS + 1).min(self.entries.len());
+    }
+
+    /// The next places of that part, few at a time: each costs a look far into memory, and no report shall wait for many.
+    pub(crate) fn next_places(&mut self) -> std::ops::Range<SensorSlot> {
+        const PLACES: usize = 16;
+        let end = (self.swept + PLACES).min(self.part_end);
+        let places = self.swept as SensorSlot..end as SensorSlot;
+        self.swept = end;
+        places
     }
 
     /// Whether `slot` is taken by a sensor track without report since `since_ns`.

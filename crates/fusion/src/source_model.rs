@@ -28,6 +28,8 @@ const NOISE_SAMPLES_FIRST: u32 = 256;
 const NOISE_SAMPLE_EVERY: u32 = 64;
 /// Inflation below this is within what a consistent source shows by chance.
 const INFLATION_MIN: f64 = 1.3;
+/// Less than its logarithm.
+const LOG_INFLATION_MIN: f64 = 0.26;
 /// Largest inflation of a covariance.
 const INFLATION_MAX: f64 = 1000.0;
 /// Step of the logarithm of the inflation per report, and how much longer it may become where all reports say the same.
@@ -81,6 +83,8 @@ pub(crate) struct SourceModel {
     spread_noise_m2: Median,
     /// Variance of recovered measurements, m² per axis.
     measured_m2: Median,
+    /// What these yield: see [`SourceModel::spread_m2`].
+    spread_m2: f64,
     /// Probability that a scan sees a target that the source tracks.
     pub(crate) detection: f64,
 }
@@ -98,6 +102,7 @@ impl Default for SourceModel {
             spread_ratio: Median::default(),
             spread_noise_m2: Median::default(),
             measured_m2: Median::default(),
+            spread_m2: 0.0,
             detection: 0.9,
         }
     }
@@ -140,7 +145,8 @@ impl SourceModel {
 
     /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.
     pub(crate) fn inflation(&self) -> f64 {
-        if self.log_inflation == 0.0 {
+        // Asked at every report: what is surely too small needs no exponential.
+        if self.log_inflation < LOG_INFLATION_MIN {
             return 1.0;
         }
         let inflation = self.log_inflation.exp();
@@ -162,6 +168,7 @@ impl SourceModel {
         self.spread_ratio.add(squared_m2 / noise_m2);
         self.spread_noise_m2.add(0.5 * noise_m2);
         self.measured_m2.add(measured_m2);
+        self.spread_m2 = self.learned_spread_m2();
     }
 
     /// Whether enough targets were seen to know how far the detection points lie apart.
@@ -176,6 +183,10 @@ impl SourceModel {
 
     /// Variance per axis of where this source's detection points lie on targets, m².
     pub(crate) fn spread_m2(&self) -> f64 {
+        self.spread_m2
+    }
+
+    fn learned_spread_m2(&self) -> f64 {
         if !self.knows_spread() {
             return 0.0;
         }
@@ -191,7 +202,7 @@ impl SourceModel {
 
     /// Whether the detection points lie further apart than the source's measurement errors blur them.
     pub(crate) fn sees_points(&self, ratio: f64) -> bool {
-        self.spread_m2() > ratio * ratio * self.measured_m2.value()
+        self.spread_m2 > 0.0 && self.spread_m2 > ratio * ratio * self.measured_m2.value()
     }
 
     /// Learns whether a scan saw a target that the source tracks.

@@ -31,6 +31,7 @@ impl State {
         }
     }
 
+    #[inline]
     pub(crate) fn of_estimate(time_ns: i64, estimate: &PackedGaussian, has_height: bool) -> Self {
         Self {
             time_ns,

@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 
 use crate::filter::Filter;
 use crate::rules::Memory;
-use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot, SensorTracks};
+use crate::sensor_tracks::{Link, NO_SYSTEM, SensorSlot, SensorTracks};
 use crate::state::State;
 
 /// Place of a system track in its table.
@@ -44,7 +44,6 @@ pub(crate) struct SystemEntry {
     pub(crate) column: u32,
     /// First of its sensor tracks; the others are linked from there.
     pub(crate) members: Option<SensorSlot>,
-    pub(crate) memory: Memory,
     /// Reports so far, as far as confirmation counts them.
     pub(crate) reports: u32,
     /// Time of measurement of the latest report of any member, nanoseconds.
@@ -75,7 +74,6 @@ impl SystemEntry {
             coverage_due_ns: i64::MIN,
             column: 0,
             members: None,
-            memory: Memory::default(),
             reports: 0,
             last_report_ns: filter.time_ns,
             fresh_until_ns,
@@ -91,6 +89,8 @@ impl SystemEntry {
 #[derive(Debug)]
 pub(crate) struct SystemTracks {
     entries: Vec<SystemEntry>,
+    /// What the rule remembers of each; empty if it remembers nothing.
+    memories: Vec<Memory>,
     free: Vec<SystemSlot>,
     pub(crate) grid: Grid,
     by_address: FxHashMap<u32, SystemSlot>,
@@ -102,11 +102,13 @@ pub(crate) struct SystemTracks {
 }
 
 impl SystemTracks {
-    pub(crate) fn new(capacity: usize, cell_m: f64) -> Self {
+    /// With room for `capacity` system tracks, and, if the rule `remembers`, for what it remembers of them.
+    pub(crate) fn new(capacity: usize, cell_m: f64, remembers: bool) -> Self {
         let nowhere = PackedGaussian::new([0.0; 3], [0.0; 3], &Covariance::default());
         let empty = SystemEntry::new(0, TrackState::Terminated, Filter::new(0, nowhere, false), i64::MIN);
         Self {
             entries: vec![empty; capacity],
+            memories: vec![Memory::default(); if remembers { capacity } else { 0 }],
             free: (0..capacity as SystemSlot).rev().collect(),
             grid: Grid::new(cell_m, capacity),
             by_address: FxHashMap::with_capacity_and_hasher(2 * capacity, rustc_hash::FxBuildHasher),
@@ -122,6 +124,9 @@ impl SystemTracks {
         let number = self.next_number;
         self.next_number = self.next_number.checked_add(1).unwrap_or(1);
         self.entries[slot as usize] = SystemEntry::new(number, TrackState::Tentative, filter, deadline_ns);
+        if let Some(memory) = self.memories.get_mut(slot as usize) {
+            *memory = Memory::default();
+        }
         self.in_state[TrackState::Tentative as usize] += 1;
         self.deadlines.push(Reverse((deadline_ns, number, slot)));
         Some(slot)
@@ -133,6 +138,16 @@ impl SystemTracks {
 
     pub(crate) fn get_mut(&mut self, slot: SystemSlot) -> &mut SystemEntry {
         &mut self.entries[slot as usize]
+    }
+
+    /// What the rule, one that remembers, remembers of a system track.
+    pub(crate) fn memory(&self, slot: SystemSlot) -> &Memory {
+        &self.memories[slot as usize]
+    }
+
+    /// Both parts of an entry, where the rule remembers.
+    pub(crate) fn get_with_memory(&mut self, slot: SystemSlot) -> (&mut SystemEntry, &mut Memory) {
+        (&mut self.entries[slot as usize], &mut self.memories[slot as usize])
     }
 
     pub(crate) fn set_life(&mut self, slot: SystemSlot, life: TrackState) {
@@ -214,25 +229,26 @@ impl SystemTracks {
         let first = &mut self.entries[system as usize].members;
         let entry = sensors.get_mut(sensor);
         entry.system = system;
-        entry.next = first.replace(sensor);
+        entry.next = Link::to(first.replace(sensor));
     }
 
     /// Takes a sensor track out of its system track.
     pub(crate) fn unlink(&mut self, sensors: &mut SensorTracks, sensor: SensorSlot) {
-        let SensorEntry { system, next, .. } = *sensors.get(sensor);
+        let entry = sensors.get(sensor);
+        let (system, next) = (entry.system, entry.next);
         sensors.get_mut(sensor).system = NO_SYSTEM;
         let mut at = self.entries[system as usize].members;
         if at == Some(sensor) {
-            self.entries[system as usize].members = next;
+            self.entries[system as usize].members = next.get();
             return;
         }
         while let Some(slot) = at {
             let entry = sensors.get_mut(slot);
-            if entry.next == Some(sensor) {
+            if entry.next == Link::to(Some(sensor)) {
                 entry.next = next;
                 return;
             }
-            at = entry.next;
+            at = entry.next.get();
         }
     }
 
@@ -256,7 +272,7 @@ impl Iterator for Members<'_> {
 
     fn next(&mut self) -> Option<SensorSlot> {
         let slot = self.at?;
-        self.at = self.sensors.get(slot).next;
+        self.at = self.sensors.get(slot).next.get();
         Some(slot)
     }
 }

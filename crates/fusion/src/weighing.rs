@@ -2,15 +2,16 @@
 //!
 //! Each source that speaks for a system track contributes its latest report, brought to the reference time. What is
 //! known of it besides (its accuracy value, age, quality index …) goes with it to the rule as a [`Candidate`]; the rule
-//! gives each its share and the state they yield together. Nothing is changed here: the engine stores what comes out.
+//! gives each its share and the state they yield together. Rules that take the state from the target's filter need
+//! nothing of the contributions but their share in it.
 
-use messages::{CONTRIBUTIONS_MAX, Covariance, TrackState, sensor_track_bits};
+use messages::{CONTRIBUTIONS_MAX, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
 use crate::association_step::Search;
-use crate::rules::{self, Candidate, Memory, Share, Target};
+use crate::rules::{self, Candidate, Fuse, Memory, Method, Share, Target};
 use crate::sensor_tracks::{Role, SensorSlot};
-use crate::settings::DropOut;
+use crate::settings::{DropOut, Settings};
 use crate::state::State;
 use crate::system_tracks::SystemSlot;
 
@@ -18,22 +19,16 @@ use crate::system_tracks::SystemSlot;
 pub(crate) struct Weigher<'a> {
     pub(crate) search: Search<'a>,
     pub(crate) accuracies: &'a Accuracies,
-    /// Variance per axis of where a target's reference point lies on it, m²; 0 where no point is kept.
-    pub(crate) point_spread_m2: f64,
 }
 
-/// What the rule has made of one system track; `len` entries of each array hold something. Large, and so kept and filled
-/// anew for each system track.
+/// The contributions to one system track and what the rule makes of them; `len` entries of each array hold something.
+/// Large, and so kept and filled anew for each system track.
 #[derive(Debug)]
 pub(crate) struct Weighed {
     members: [SensorSlot; CONTRIBUTIONS_MAX],
     candidates: [Candidate; CONTRIBUTIONS_MAX],
     shares: [Share; CONTRIBUTIONS_MAX],
     len: usize,
-    /// The fused state at the reference time; `None` if the rule can use none of the contributions.
-    pub(crate) state: Option<State>,
-    /// What the rule will remember of the target.
-    pub(crate) memory: Memory,
 }
 
 impl Default for Weighed {
@@ -43,8 +38,6 @@ impl Default for Weighed {
             candidates: [Candidate::default(); CONTRIBUTIONS_MAX],
             shares: [Share::default(); CONTRIBUTIONS_MAX],
             len: 0,
-            state: None,
-            memory: Memory::default(),
         }
     }
 }
@@ -65,6 +58,37 @@ impl Weighed {
         &self.shares[..self.len]
     }
 
+    /// Lets a rule weigh the contributions that were gathered at `reference_ns` for a target whose state so far is `last`.
+    /// `None` if it can use none of them.
+    pub(crate) fn fuse(
+        &mut self,
+        rule: Fuse,
+        settings: &Settings,
+        last: &State,
+        memory: &mut Memory,
+        reference_ns: i64,
+    ) -> Option<State> {
+        if self.len == 0 {
+            return None;
+        }
+        let target = Target {
+            candidates: &self.candidates[..self.len],
+            reference_ns,
+            last,
+            process_noise_m2ps3: settings.process_noise_m2ps3,
+        };
+        rules::fuse(rule, &settings.rule, &target, memory, &mut self.shares[..self.len])
+    }
+
+    /// Gives each contribution its share in the target's filter. `false` if there is none.
+    pub(crate) fn share_out(&mut self) -> bool {
+        if self.len == 0 {
+            return false;
+        }
+        rules::share_out(&self.candidates[..self.len], &mut self.shares[..self.len]);
+        true
+    }
+
     fn push(&mut self, member: SensorSlot, candidate: Candidate) {
         let place = self
             .candidates()
@@ -78,36 +102,13 @@ impl Weighed {
 }
 
 impl Weigher<'_> {
-    /// Weighs the contributions to `system` at `reference_ns`.
-    pub(crate) fn weigh(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        let entry = self.search.systems.get(system);
-        let settings = self.search.settings;
+    /// Gathers the contributions to `system` at `reference_ns`.
+    pub(crate) fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         weighed.len = 0;
-        weighed.state = None;
-        weighed.memory = entry.memory;
-        let mut filtered = None;
-        if settings.rule.rule.from_filter {
-            self.gather_shares(system, reference_ns, weighed);
-            let mut state = entry.filter.state_at(reference_ns, self.search.motion);
-            for axis in 0..2 {
-                state.covariance.upper[Covariance::index(axis, axis)] += self.point_spread_m2;
-            }
-            filtered = Some(state);
-        } else {
-            self.gather(system, reference_ns, weighed);
+        match self.search.settings.rule.rule.method {
+            Method::Filter => self.gather_shares(system, reference_ns, weighed),
+            Method::Candidates(_) => self.gather_states(system, reference_ns, weighed),
         }
-        if weighed.len == 0 {
-            return;
-        }
-        let target = Target {
-            candidates: &weighed.candidates[..weighed.len],
-            reference_ns,
-            filtered,
-            last: entry.state,
-            process_noise_m2ps3: settings.process_noise_m2ps3,
-        };
-        let shares = &mut weighed.shares[..weighed.len];
-        weighed.state = rules::fuse(&settings.rule, &target, &mut weighed.memory, shares);
     }
 
     /// The contributions to `system` in the order of their sources, with nothing but their share in the filter.
@@ -135,7 +136,7 @@ impl Weigher<'_> {
     }
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
-    fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+    fn gather_states(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let fresh = self.search.fresh_primaries(system, reference_ns);
         for member in fresh.take(CONTRIBUTIONS_MAX) {
             weighed.push(member, self.candidate(member, reference_ns));
@@ -151,11 +152,11 @@ impl Weigher<'_> {
 
     /// The last reports of sources that are being left, though they are no longer fresh (TI-15).
     fn gather_stale(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        let sensors = self.search.sensors;
+        let (sensors, memory) = (self.search.sensors, self.search.systems.memory(system));
         for member in self.search.systems.members(sensors, system) {
             let entry = sensors.get(member);
             let source = entry.latest.source;
-            let wanted = entry.role == Role::Primary && weighed.memory.holds(source);
+            let wanted = entry.role == Role::Primary && memory.holds(source);
             let known = weighed.candidates().iter().any(|candidate| candidate.source == source);
             if wanted && !known && weighed.len < CONTRIBUTIONS_MAX {
                 let candidate = Candidate {

@@ -8,7 +8,7 @@
 //! Nothing in it is a threshold on a position or a speed: whether points are kept is decided by how far the detection
 //! points lie apart, compared with the sources' own measurement errors.
 
-use super::{RuleEntry, system_filter};
+use super::{Method, RuleEntry};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
     name: "auto",
@@ -16,6 +16,5 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "as system-filter; differences that persist are systematic errors or detection points, not noise",
     claims_consistency: true,
     keeps_points: true,
-    from_filter: true,
-    fuse: system_filter::fuse,
+    method: Method::Filter,
 };

@@ -15,7 +15,7 @@ use messages::NS_PER_S;
 use nalgebra::{Matrix2, SMatrix};
 
 use super::matrices::{self, Combination};
-use super::{Memory, RuleEntry, Share, Target};
+use super::{Memory, Method, RuleEntry, Share, Target};
 use crate::settings::{Intersection, RuleSettings};
 use crate::state::State;
 
@@ -24,9 +24,8 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, weighed by covariances and the cross-covariances that common process noise explains",
     assumption: "errors of different sources are correlated by the target's manoeuvres, as in steady filters, and no more",
     keeps_points: false,
-    from_filter: false,
     claims_consistency: true,
-    fuse,
+    method: Method::Candidates(fuse),
 };
 
 /// What the model needs beside the inputs.

@@ -8,7 +8,7 @@
 //! With hysteresis (TI-18) the present source is kept until another's lambda is below h times its own, and for a minimum
 //! number of refreshes.
 
-use super::{Candidate, Memory, NO_SOURCE, RuleEntry, Share, Target};
+use super::{Candidate, Memory, Method, NO_SOURCE, RuleEntry, Share, Target};
 use crate::settings::{Residual, RuleSettings, Tie};
 use crate::state::{State, combine};
 
@@ -17,9 +17,8 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "the source with the smallest accuracy value lambda = alpha·V gets weight 1",
     assumption: "none: one source at a time, so correlation between sources does not matter",
     keeps_points: false,
-    from_filter: false,
     claims_consistency: false,
-    fuse,
+    method: Method::Candidates(fuse),
 };
 
 fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
@@ -135,7 +134,7 @@ mod tests {
     fn selected(settings: &RuleSettings, candidates: &[Candidate], memory: &mut Memory) -> [u16; 3] {
         let target = testing::target(candidates);
         let mut shares = vec![Share::default(); candidates.len()];
-        rules::fuse(settings, &target, memory, &mut shares).expect("there is a source");
+        rules::fuse(fuse, settings, &target, memory, &mut shares).expect("there is a source");
         memory.selected
     }
 

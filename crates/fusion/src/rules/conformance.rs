@@ -182,6 +182,9 @@ proptest! {
             },
             ..RuleSettings::default()
         };
+        let Method::Candidates(rule) = find("best-source").unwrap().method else {
+            unreachable!("it takes its states from nowhere else");
+        };
         let mut memory = Memory::default();
         let mut last: Option<State> = None;
         let spread = |axis: usize| {
@@ -200,7 +203,7 @@ proptest! {
                 candidate.lambda = candidate.lambda_over(true);
             }
             let mut shares = [Share::default(); 3];
-            let state = fuse(&settings, &target(&candidates), &mut memory, &mut shares).unwrap();
+            let state = fuse(rule, &settings, &target(&candidates), &mut memory, &mut shares).unwrap();
             for axis in 0..3 {
                 let sum: f64 = shares.iter().map(|share| share.weight[axis]).sum();
                 prop_assert!((sum - 1.0).abs() < 1e-9);

@@ -7,7 +7,7 @@
 use estimation::{Criterion, Estimate, INPUTS_MAX, intersection_weights, weighted_information};
 
 use super::matrices::{self, Combination};
-use super::{Memory, RuleEntry, Share, Target};
+use super::{Memory, Method, RuleEntry, Share, Target};
 use crate::settings::{Intersection, RuleSettings};
 use crate::state::State;
 
@@ -16,9 +16,8 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, weighed so that the covariance holds whatever their correlation and is as small as that allows",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
-    from_filter: false,
     claims_consistency: false,
-    fuse,
+    method: Method::Candidates(fuse),
 };
 
 impl Combination for Intersection {
@@ -42,7 +41,7 @@ mod tests {
     use messages::Covariance;
 
     use super::*;
-    use crate::rules::{Candidate, fuse, testing};
+    use crate::rules::{self, Candidate, testing};
 
     #[test]
     fn trace_and_determinant_want_different_weights() {
@@ -63,7 +62,7 @@ mod tests {
             };
             let mut shares = [Share::default(); 2];
             let target = testing::target(&candidates);
-            let state = fuse(&settings, &target, &mut Memory::default(), &mut shares).unwrap();
+            let state = rules::fuse(fuse, &settings, &target, &mut Memory::default(), &mut shares).unwrap();
             state.horizontal_trace_m2()
         };
         let (by_trace, by_determinant) = (trace_m2(Intersection::Trace), trace_m2(Intersection::Determinant));

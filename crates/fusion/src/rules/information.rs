@@ -6,7 +6,7 @@
 use estimation::{Estimate, information_sum};
 
 use super::matrices::{self, Combination};
-use super::{Memory, RuleEntry, Share, Target};
+use super::{Memory, Method, RuleEntry, Share, Target};
 use crate::settings::RuleSettings;
 use crate::state::State;
 
@@ -15,9 +15,8 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, weighed by their inverse covariances",
     assumption: "errors of different sources are independent; where they are not, the covariance is too small",
     keeps_points: false,
-    from_filter: false,
     claims_consistency: false,
-    fuse,
+    method: Method::Candidates(fuse),
 };
 
 struct Sum;

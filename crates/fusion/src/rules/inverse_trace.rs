@@ -2,7 +2,7 @@
 //!
 //! Traces are taken over east and north for all sources, so that none wins because it has no height.
 
-use super::{Memory, RuleEntry, Share, Target};
+use super::{Memory, Method, RuleEntry, Share, Target};
 use crate::settings::RuleSettings;
 use crate::state::{State, combine};
 
@@ -11,9 +11,8 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, each with a weight proportional to 1/trace of its covariance",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
-    from_filter: false,
     claims_consistency: false,
-    fuse,
+    method: Method::Candidates(fuse),
 };
 
 fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {

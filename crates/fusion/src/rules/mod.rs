@@ -42,15 +42,32 @@ pub struct RuleEntry {
     pub claims_consistency: bool,
     /// Whether one point of each target is kept where the sources see different ones.
     pub keeps_points: bool,
-    /// Whether it takes its state from the target's filter: then of the candidates nothing but source and share is filled
-    /// in, and choosing another source is no hand-over.
-    pub from_filter: bool,
-    /// Fills the weights of one share per candidate and returns the state at the candidates' common time.
-    ///
-    /// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of
-    /// the candidates: then the system track coasts. Call it through [`fuse`].
-    pub fuse: fn(&RuleSettings, &Target<'_>, &mut Memory, &mut [Share]) -> Option<State>,
+    /// Where its states come from.
+    pub method: Method,
 }
+
+impl RuleEntry {
+    /// Whether it takes its states from the targets' filters.
+    pub(crate) fn is_from_filter(&self) -> bool {
+        matches!(self.method, Method::Filter)
+    }
+}
+
+/// Where the states of a rule come from.
+#[derive(Clone, Copy, Debug)]
+pub enum Method {
+    /// The state is the estimate of the target's filter, and a source's share is what it contributed to that. Nothing is
+    /// remembered of a target, and of the candidates nothing but source and share is filled in.
+    Filter,
+    /// State and shares are made from the candidates.
+    Candidates(Fuse),
+}
+
+/// Fills the weights of one share per candidate and returns the state at the candidates' common time.
+///
+/// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of the
+/// candidates: then the system track coasts. Call it through [`fuse`].
+pub type Fuse = fn(&RuleSettings, &Target<'_>, &mut Memory, &mut [Share]) -> Option<State>;
 
 /// Every rule there is.
 pub static REGISTRY: &[RuleEntry] = &[
@@ -83,16 +100,31 @@ pub fn code(rule: &RuleEntry) -> u8 {
         .unwrap_or_default() as u8
 }
 
-/// Lets the configured rule weigh `target`. `shares` holds one share per candidate, of which there is at least one; their
-/// accuracy values are filled in for every rule (TI-9).
-pub fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
+/// Lets a rule weigh `target`. `shares` holds one share per candidate, of which there is at least one; their accuracy
+/// values are filled in for every rule (TI-9).
+pub fn fuse(
+    rule: Fuse,
+    settings: &RuleSettings,
+    target: &Target<'_>,
+    memory: &mut Memory,
+    shares: &mut [Share],
+) -> Option<State> {
     for (share, candidate) in shares.iter_mut().zip(target.candidates) {
         *share = Share {
             accuracy: candidate.lambda,
             ..Share::default()
         };
     }
-    (settings.rule.fuse)(settings, target, memory, shares)
+    rule(settings, target, memory, shares)
+}
+
+/// Fills one share per candidate with what it contributed to the estimate of the target's filter.
+pub(crate) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
+    shares.fill(Share {
+        accuracy: f64::INFINITY,
+        ..Share::default()
+    });
+    system_filter::share_out(candidates, shares);
 }
 
 /// One target, as a rule sees it.
@@ -102,10 +134,8 @@ pub struct Target<'a> {
     pub candidates: &'a [Candidate],
     /// The reference time, UTC, nanoseconds.
     pub reference_ns: i64,
-    /// The estimate of the target's filter at the reference time; for rules that take it from there.
-    pub filtered: Option<State>,
     /// The system track's state so far, at its own time.
-    pub last: State,
+    pub last: &'a State,
     /// Spectral density of the white-noise acceleration of targets, m²/s³.
     pub process_noise_m2ps3: f64,
 }
@@ -197,7 +227,7 @@ pub struct Share {
     pub repaired: bool,
 }
 
-/// What a rule remembers of one target between refreshes (TI-12).
+/// What a rule that works on candidates remembers of one target between refreshes (TI-12).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory {
     /// Source chosen last time, per axis; [`NO_SOURCE`] where the rule chooses none.
@@ -226,31 +256,42 @@ impl Default for Memory {
 pub(crate) mod testing {
     //! Rules called by hand.
 
+    use std::sync::LazyLock;
+
     use super::*;
 
+    /// A target without past.
     pub(crate) fn target(candidates: &[Candidate]) -> Target<'_> {
-        // What a filter that has heard of all of them equally often might say.
-        let even = Share {
-            weight: [1.0 / candidates.len() as f64; 3],
-            ..Share::default()
-        };
+        static NOWHERE: LazyLock<State> = LazyLock::new(State::default);
         Target {
             candidates,
             reference_ns: 0,
-            filtered: Some(crate::state::combine(candidates, &vec![even; candidates.len()])),
-            last: State::default(),
+            last: &NOWHERE,
             process_noise_m2ps3: 1.0,
         }
     }
 
-    /// What `rule` with default options and no memory makes of `candidates`.
+    /// What `rule` with default options and no memory makes of `candidates`. A filter is taken to have heard of all of them
+    /// equally often.
     pub(crate) fn fused_of(rule: &'static RuleEntry, candidates: &[Candidate]) -> (Option<State>, Vec<Share>) {
         let settings = RuleSettings {
             rule,
             ..RuleSettings::default()
         };
         let mut shares = vec![Share::default(); candidates.len()];
-        let state = fuse(&settings, &target(candidates), &mut Memory::default(), &mut shares);
+        let state = match rule.method {
+            Method::Candidates(rule) => fuse(
+                rule,
+                &settings,
+                &target(candidates),
+                &mut Memory::default(),
+                &mut shares,
+            ),
+            Method::Filter => {
+                share_out(candidates, &mut shares);
+                Some(crate::state::combine(candidates, &shares))
+            }
+        };
         (state, shares)
     }
 

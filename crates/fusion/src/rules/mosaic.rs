@@ -5,7 +5,7 @@
 
 use messages::TrackState;
 
-use super::{Candidate, Memory, RuleEntry, Share, Target};
+use super::{Candidate, Memory, Method, RuleEntry, Share, Target};
 use crate::history::moved;
 use crate::settings::RuleSettings;
 use crate::state::{State, combine};
@@ -15,13 +15,12 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "the confirmed source that comes first in the list of the target's cell",
     assumption: "none: one source at a time, so correlation between sources does not matter",
     keeps_points: false,
-    from_filter: false,
     claims_consistency: false,
-    fuse,
+    method: Method::Candidates(fuse),
 };
 
 fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
-    let last = &target.last;
+    let last = target.last;
     let place_m = moved(last.position_m, last.velocity_mps, target.reference_ns - last.time_ns);
     let list = settings.mosaic.list_at(place_m);
     let rank = |candidate: &Candidate| match list {
@@ -44,22 +43,22 @@ fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, share
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rules::fuse;
+    use crate::rules;
     use crate::settings::{MosaicCell, MosaicSettings};
 
     fn selected(settings: &RuleSettings, candidates: &[Candidate], place_m: [f64; 3]) -> Option<u16> {
         let target = Target {
             candidates,
             reference_ns: 0,
-            filtered: None,
-            last: State {
+            last: &State {
                 position_m: place_m,
                 ..State::default()
             },
             process_noise_m2ps3: 1.0,
         };
         let mut memory = Memory::default();
-        fuse(
+        rules::fuse(
+            fuse,
             settings,
             &target,
             &mut memory,

@@ -5,7 +5,7 @@
 
 use messages::TrackState;
 
-use super::{Memory, RuleEntry, Share, Target};
+use super::{Memory, Method, RuleEntry, Share, Target};
 use crate::settings::RuleSettings;
 use crate::state::{State, combine};
 
@@ -14,9 +14,8 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, each with a weight proportional to its track's confirmed scans among the last N",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
-    from_filter: false,
     claims_consistency: false,
-    fuse,
+    method: Method::Candidates(fuse),
 };
 
 fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {

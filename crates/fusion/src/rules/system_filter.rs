@@ -8,9 +8,7 @@
 //! Shares are what each source contributed to the present estimate: a measurement with gain g takes g of everything and
 //! leaves 1 − g to those before it.
 
-use super::{Memory, RuleEntry, Share, Target};
-use crate::settings::RuleSettings;
-use crate::state::State;
+use super::{Candidate, Method, RuleEntry, Share};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
     name: "system-filter",
@@ -18,27 +16,19 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "measurement errors are independent between sources and in time, once the sources' filters are undone",
     claims_consistency: true,
     keeps_points: false,
-    from_filter: true,
-    fuse,
+    method: Method::Filter,
 };
 
-pub(super) fn fuse(_: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
-    let total: f64 = target.candidates.iter().map(|candidate| candidate.filter_share).sum();
-    let even = 1.0 / target.candidates.len() as f64;
-    let mut heaviest: Option<(f64, u16)> = None;
-    for (share, candidate) in shares.iter_mut().zip(target.candidates) {
+/// Fills the weights of one share per candidate, of which there is at least one.
+pub(super) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
+    let total: f64 = candidates.iter().map(|candidate| candidate.filter_share).sum();
+    let even = 1.0 / candidates.len() as f64;
+    for (share, candidate) in shares.iter_mut().zip(candidates) {
         let weight = if total > 0.0 {
             (candidate.filter_share / total).min(1.0)
         } else {
             even
         };
         share.weight = [weight; 3];
-        if heaviest.is_none_or(|(most, _)| weight > most) {
-            heaviest = Some((weight, candidate.source));
-        }
     }
-    if let Some((_, source)) = heaviest {
-        memory.selected = [source; 3];
-    }
-    target.filtered
 }
