@@ -226,7 +226,7 @@ typedef struct KosekiHealth {
     uint32_t restarts; /* Restarts of the process so far, as its launcher counts them. */
     uint32_t reserved; /* Reserved, 0. */
     uint8_t name[32]; /* Name of the process, UTF-8, padded with zeros. */
-    uint8_t note[56]; /* What is wrong, in a few words; empty if nothing is. UTF-8, padded with zeros. */
+    uint8_t note[56]; /* What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros. */
     uint64_t counters[64]; /* Values of the counters, indexed by `Counter`. */
     KosekiRegistration registration; /* Systematic errors of the source, where fusion speaks of one. */
 } KosekiHealth;

@@ -291,7 +291,7 @@ class Health(ctypes.Structure):
         ("restarts", ctypes.c_uint32),  # Restarts of the process so far, as its launcher counts them.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
         ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
-        ("note", ctypes.c_uint8 * 56),  # What is wrong, in a few words; empty if nothing is. UTF-8, padded with zeros.
+        ("note", ctypes.c_uint8 * 56),  # What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros.
         ("counters", ctypes.c_uint64 * 64),  # Values of the counters, indexed by `Counter`.
         ("registration", Registration),  # Systematic errors of the source, where fusion speaks of one.
     ]

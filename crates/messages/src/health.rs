@@ -35,7 +35,7 @@ sample! {
         reserved: u32,
         /// Name of the process, UTF-8, padded with zeros.
         name: [u8; 32],
-        /// What is wrong, in a few words; empty if nothing is. UTF-8, padded with zeros.
+        /// What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros.
         note: [u8; 56],
         /// Values of the counters, indexed by `Counter`.
         counters: [u64; 64],
@@ -70,7 +70,7 @@ impl Health {
         text(&self.name)
     }
 
-    /// What is wrong, or an empty string.
+    /// What is wrong, or an empty string; where an adapter speaks of one of its sources, the source's name.
     pub fn note(&self) -> &str {
         text(&self.note)
     }
@@ -281,4 +281,5 @@ counters! {
     HeightAssumed = "height_assumed", "Reports without height whose slant range was turned into a place by an assumed one.";
     TracesUnusable = "traces_unusable", "Times a covariance trace was asked for and missing or no trace; the configured weights held.";
     CovariancesRepaired = "covariances_repaired", "Times a covariance was not positive definite, and was repaired or left out.";
+    StagesLate = "stages_late", "Stages of reports that took longer than their configured deadline, as the monitor has seen it.";
 }

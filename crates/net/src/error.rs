@@ -58,7 +58,7 @@ impl NetError {
 
 fn remedy(reason: &io::Error) -> &'static str {
     match reason.kind() {
-        io::ErrorKind::AddrInUse => "; end the process that holds it (`ss -lunp` names it), or take another port",
+        io::ErrorKind::AddrInUse => "; end the process that holds it (`ss -ltunp` names it), or take another port",
         io::ErrorKind::AddrNotAvailable => "; take an address of one of this machine's interfaces (`ip address`)",
         io::ErrorKind::PermissionDenied => "; take a port above 1023, or grant CAP_NET_BIND_SERVICE",
         io::ErrorKind::NetworkUnreachable => "; name an interface, or give the machine a route to it (`ip route`)",

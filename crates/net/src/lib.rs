@@ -8,7 +8,8 @@
 //! - [`UdpReceiver`]: datagrams to an address of this machine or to a group, each with the kernel's time stamp, and a
 //!   count of those that the kernel had to drop;
 //! - [`UdpSender`]: datagrams to an address or a group;
-//! - [`TcpLines`]: lines of a server, connected to again whenever the connection is lost.
+//! - [`TcpLines`]: lines of a server, connected to again whenever the connection is lost;
+//! - [`PageServer`]: one page of text for whoever asks, which is how metrics are collected.
 //!
 //! What comes from a network is never believed to be small, whole, friendly or punctual. Every call does a bounded amount
 //! of work and waits no longer than it was told, every buffer is allocated when the socket is opened, and whatever is
@@ -25,6 +26,7 @@ mod batch;
 mod error;
 mod interface;
 mod lines;
+mod page;
 mod receiver;
 mod sender;
 mod senders;
@@ -34,6 +36,7 @@ mod wait;
 pub use error::NetError;
 pub use interface::Interface;
 pub use lines::{LinesCounters, LinesSettings, TcpLines};
+pub use page::PageServer;
 pub use receiver::{BATCH_MAX, Datagram, ReceiverCounters, ReceiverSettings, UdpReceiver};
 pub use sender::{SenderCounters, SenderSettings, UdpSender};
 pub use senders::AllowedSenders;

@@ -8,6 +8,7 @@
 //! - [`Stages`] records the stages of each system track that arrives (PL-8, PL-9);
 //! - [`IntervalLog`] writes them, interval by interval, in the standard HdrHistogram log format;
 //! - [`write_percentiles`] writes one distribution in the standard percentile format;
+//! - [`Buckets`] is what a collector of metrics stores of one;
 //! - [`Summary`] is what a table or a JSON file says of one;
 //! - [`table`] sets figures out for people.
 //!
@@ -15,6 +16,8 @@
 
 #![forbid(unsafe_code)]
 
+mod buckets;
+mod deadlines;
 mod interval_log;
 mod percentiles;
 mod stage;
@@ -22,8 +25,13 @@ mod stages;
 mod summary;
 pub mod table;
 
+pub use buckets::{BUCKET_BOUNDS_NS, Buckets};
+pub use deadlines::Deadlines;
 pub use interval_log::IntervalLog;
 pub use percentiles::write_percentiles;
-pub use stage::Stage;
-pub use stages::{Irregularities, OTHER_SOURCES, SOURCES_MAX, Span, Stages, VALUE_MAX_NS};
+pub use stage::{JourneyEnd, Stage};
+pub use stages::{Irregularities, Journey, OTHER_SOURCES, SOURCES_MAX, Span, Stages, VALUE_MAX_NS};
 pub use summary::Summary;
+
+/// A distribution of latencies, nanoseconds.
+pub type Histogram = hdrhistogram::Histogram<u64>;

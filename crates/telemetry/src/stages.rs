@@ -4,12 +4,17 @@
 //! sources and into the totals. So recording costs six increments, whatever is to be shown later.
 //!
 //! A stamp that is missing, or lies before its predecessor, or more than ten minutes after it, is no latency: it is
-//! counted, per stage, and not recorded. (The age of recorded data is years, for example.)
+//! counted, per stage, and not recorded. (The age of recorded data is years, for example.) One that is longer than the
+//! stage's deadline is recorded, and counted as a miss.
+//!
+//! Recording allocates nothing once every source has been heard from and a histogram holds values as long as those that
+//! come: a histogram grows with the first value beyond its end.
 
 use hdrhistogram::Histogram;
 use messages::{NO_SOURCE, SystemTrack};
 
-use crate::stage::Stage;
+use crate::deadlines::Deadlines;
+use crate::stage::{JourneyEnd, Stage};
 use crate::summary::Summary;
 
 /// Longest latency that is recorded, nanoseconds: ten minutes.
@@ -39,10 +44,31 @@ pub struct Irregularities {
     pub too_long: u64,
 }
 
+/// What is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Journey {
+    /// The first so many sources that report get histograms of their own.
+    pub sources_max: usize,
+    /// Where the journey ends.
+    pub end: JourneyEnd,
+    /// How long its stages may take.
+    pub deadlines: Deadlines,
+}
+
+impl Default for Journey {
+    fn default() -> Self {
+        Self {
+            sources_max: SOURCES_MAX,
+            end: JourneyEnd::Received,
+            deadlines: Deadlines::default(),
+        }
+    }
+}
+
 /// See the module's documentation.
 #[derive(Clone, Debug)]
 pub struct Stages {
-    sources_max: usize,
+    journey: Journey,
     /// In the order of their numbers.
     sources: Vec<Source>,
     all: [Closed; 6],
@@ -56,6 +82,8 @@ struct Source {
     number: u16,
     /// The interval that is not closed yet.
     current: [Histogram<u64>; 6],
+    /// Deadlines missed in it.
+    current_misses: [u64; 6],
     closed: [Closed; 6],
 }
 
@@ -63,6 +91,8 @@ struct Source {
 struct Closed {
     interval: Histogram<u64>,
     total: Histogram<u64>,
+    interval_misses: u64,
+    total_misses: u64,
 }
 
 impl Closed {
@@ -70,7 +100,15 @@ impl Closed {
         Self {
             interval: empty(),
             total: empty(),
+            interval_misses: 0,
+            total_misses: 0,
         }
+    }
+
+    /// Adds the interval to the total.
+    fn add_up(&mut self) {
+        add(&mut self.total, &self.interval);
+        self.total_misses += self.interval_misses;
     }
 }
 
@@ -85,16 +123,16 @@ fn add(to: &mut Histogram<u64>, from: &Histogram<u64>) {
 
 impl Default for Stages {
     fn default() -> Self {
-        Self::new(SOURCES_MAX)
+        Self::new(Journey::default())
     }
 }
 
 impl Stages {
-    /// Nothing recorded yet; the first `sources_max` sources that report get histograms of their own.
-    pub fn new(sources_max: usize) -> Self {
+    /// Nothing recorded yet.
+    pub fn new(journey: Journey) -> Self {
         Self {
-            sources_max,
-            sources: Vec::with_capacity(sources_max + 1),
+            journey,
+            sources: Vec::with_capacity(journey.sources_max + 1),
             all: std::array::from_fn(|_| Closed::new()),
             irregularities: Default::default(),
             recorded: 0,
@@ -113,8 +151,13 @@ impl Stages {
         }
         self.recorded += 1;
         let place = self.place_for(track.trigger_source);
+        let source = &mut self.sources[place];
+        let ended = self.journey.end.of(track, received_ns, received_utc_ns);
         for (index, stage) in Stage::ALL.into_iter().enumerate() {
-            let (begun_ns, ended_ns) = stage.stamps(track, received_ns, received_utc_ns);
+            if !stage.is_measured(self.journey.end) {
+                continue;
+            }
+            let (begun_ns, ended_ns) = stage.stamps(track, ended);
             let irregularities = &mut self.irregularities[index];
             if begun_ns <= 0 || ended_ns <= 0 {
                 irregularities.missing += 1;
@@ -123,9 +166,12 @@ impl Stages {
             } else if (ended_ns - begun_ns) as u64 > VALUE_MAX_NS {
                 irregularities.too_long += 1;
             } else {
-                self.sources[place].current[index]
-                    .record((ended_ns - begun_ns) as u64)
+                let took_ns = (ended_ns - begun_ns) as u64;
+                source.current[index]
+                    .record(took_ns)
                     .expect("the histogram grows as needed");
+                let deadline_ns = self.journey.deadlines.get(stage);
+                source.current_misses[index] += u64::from(deadline_ns.is_some_and(|deadline_ns| took_ns > deadline_ns));
             }
         }
     }
@@ -135,18 +181,20 @@ impl Stages {
     pub fn close_interval(&mut self) {
         for all in &mut self.all {
             all.interval.reset();
+            all.interval_misses = 0;
         }
         for source in &mut self.sources {
             for (index, closed) in source.closed.iter_mut().enumerate() {
                 std::mem::swap(&mut closed.interval, &mut source.current[index]);
                 source.current[index].reset();
-                add(&mut closed.total, &closed.interval);
-                add(&mut self.all[index].interval, &closed.interval);
+                closed.interval_misses = std::mem::take(&mut source.current_misses[index]);
+                closed.add_up();
+                let all = &mut self.all[index];
+                add(&mut all.interval, &closed.interval);
+                all.interval_misses += closed.interval_misses;
             }
         }
-        for all in &mut self.all {
-            add(&mut all.total, &all.interval);
-        }
+        self.all.iter_mut().for_each(Closed::add_up);
     }
 
     /// Numbers of the sources that have histograms, in rising order.
@@ -154,8 +202,30 @@ impl Stages {
         self.sources.iter().map(|source| source.number)
     }
 
-    /// Latencies of one stage in nanoseconds, of one source or (`None`) of all. `None` if the source has not reported.
+    /// What is measured.
+    pub fn journey(&self) -> &Journey {
+        &self.journey
+    }
+
+    /// Latencies of one stage in nanoseconds, of one source or (`None`) of all. `None` if the source has not reported, or
+    /// the stage is not measured.
     pub fn histogram(&self, stage: Stage, source: Option<u16>, span: Span) -> Option<&Histogram<u64>> {
+        let closed = self.closed(stage, source)?;
+        Some(match span {
+            Span::Interval => &closed.interval,
+            Span::Total => &closed.total,
+        })
+    }
+
+    /// How often one stage took longer than its deadline, with reports of one source or (`None`) of all.
+    pub fn deadline_misses(&self, stage: Stage, source: Option<u16>, span: Span) -> u64 {
+        self.closed(stage, source).map_or(0, |closed| match span {
+            Span::Interval => closed.interval_misses,
+            Span::Total => closed.total_misses,
+        })
+    }
+
+    fn closed(&self, stage: Stage, source: Option<u16>) -> Option<&Closed> {
         let closed = match source {
             None => &self.all,
             Some(number) => {
@@ -163,11 +233,7 @@ impl Stages {
                 &self.sources[place.ok()?].closed
             }
         };
-        let closed = &closed[stage as usize];
-        Some(match span {
-            Span::Interval => &closed.interval,
-            Span::Total => &closed.total,
-        })
+        stage.is_measured(self.journey.end).then_some(&closed[stage as usize])
     }
 
     /// Figures of one stage, of one source or (`None`) of all; all 0 if there is nothing.
@@ -195,7 +261,7 @@ impl Stages {
         let find = |sources: &[Source], number: u16| sources.binary_search_by_key(&number, |source| source.number);
         match find(&self.sources, number) {
             Ok(place) => place,
-            Err(place) if self.sources.len() < self.sources_max => self.insert(place, number),
+            Err(place) if self.sources.len() < self.journey.sources_max => self.insert(place, number),
             Err(_) => match find(&self.sources, OTHER_SOURCES) {
                 Ok(place) => place,
                 Err(place) => self.insert(place, OTHER_SOURCES),
@@ -207,6 +273,7 @@ impl Stages {
         let source = Source {
             number,
             current: std::array::from_fn(|_| empty()),
+            current_misses: [0; 6],
             closed: std::array::from_fn(|_| Closed::new()),
         };
         self.sources.insert(place, source);
@@ -326,6 +393,62 @@ mod tests {
     }
 
     #[test]
+    fn a_subscriber_that_looks_now_and_then_does_not_measure_its_own_pause() {
+        let mut stages = Stages::new(Journey {
+            end: JourneyEnd::Published,
+            ..Journey::default()
+        });
+        // Fused 40 ns before it was received, had the subscriber not paused for 5 ms.
+        stages.record(&track(1, 10), RECEIVED_NS + 5_000_000, UTC_NS + 5_000_000);
+        let mut unfused = track(1, 10);
+        unfused.stages.fused_ns = 0;
+        stages.record(&unfused, RECEIVED_NS, UTC_NS);
+        stages.close_interval();
+        let max = |stage| stages.summary(stage, Some(1), Span::Total).max_ns;
+        assert_eq!((max(Stage::TakenToFused), max(Stage::EndToEnd)), (30, 60));
+        assert_eq!(max(Stage::Age), 1000 - 40);
+        assert!(stages.histogram(Stage::FusedToReceived, None, Span::Total).is_none());
+        assert_eq!(
+            stages.irregularities(Stage::FusedToReceived),
+            Irregularities::default(),
+            "not even counted"
+        );
+        assert_eq!(stages.irregularities(Stage::EndToEnd).missing, 1);
+        assert_eq!(stages.irregularities(Stage::Age).missing, 1);
+    }
+
+    #[test]
+    fn what_takes_longer_than_its_deadline_is_counted_by_stage_source_and_span() {
+        let deadlines = Deadlines::default()
+            .with(Stage::TakenToFused, Some(30))
+            .with(Stage::EndToEnd, Some(150));
+        let mut stages = Stages::new(Journey {
+            deadlines,
+            ..Journey::default()
+        });
+        // In fusion: 30 (just in time), 33, 60 and 300; end to end: 100, 110, 200 and 1000.
+        for (source, unit_ns) in [(1, 10), (2, 11), (2, 20)] {
+            stages.record(&track(source, unit_ns), RECEIVED_NS, UTC_NS);
+        }
+        stages.close_interval();
+        stages.record(&track(1, 100), RECEIVED_NS, UTC_NS);
+        stages.close_interval();
+        let misses = |stage, source, span| stages.deadline_misses(stage, source, span);
+        assert_eq!(misses(Stage::TakenToFused, None, Span::Total), 3);
+        assert_eq!(misses(Stage::TakenToFused, None, Span::Interval), 1);
+        assert_eq!(misses(Stage::TakenToFused, Some(1), Span::Total), 1);
+        assert_eq!(misses(Stage::TakenToFused, Some(2), Span::Total), 2);
+        assert_eq!(misses(Stage::TakenToFused, Some(2), Span::Interval), 0);
+        assert_eq!(misses(Stage::EndToEnd, None, Span::Total), 2);
+        assert_eq!(
+            misses(Stage::PublishToTaken, None, Span::Total),
+            0,
+            "nobody set a deadline"
+        );
+        assert_eq!(misses(Stage::EndToEnd, Some(9), Span::Total), 0, "no such source");
+    }
+
+    #[test]
     fn states_without_a_report_are_counted() {
         let mut stages = Stages::default();
         stages.record(&track(NO_SOURCE, 10), RECEIVED_NS, UTC_NS);
@@ -336,7 +459,10 @@ mod tests {
 
     #[test]
     fn sources_beyond_the_maximum_are_recorded_together() {
-        let mut stages = Stages::new(2);
+        let mut stages = Stages::new(Journey {
+            sources_max: 2,
+            ..Journey::default()
+        });
         for source in [3, 1, 4, 1, 5, 9, 2, 6] {
             stages.record(&track(source, 10), RECEIVED_NS, UTC_NS);
         }

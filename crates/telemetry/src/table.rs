@@ -60,13 +60,21 @@ impl fmt::Display for Table {
     }
 }
 
-/// The latency table: one line per name (a stage, a source, …) with the figures of its summary.
-pub fn latencies<N: Into<String>>(heading: &str, rows: impl IntoIterator<Item = (N, Summary)>) -> Table {
+/// The latency table: one line per name (a stage, a source, …) with the figures of its summary, or dashes where there is
+/// `None`, because it is not measured.
+pub fn latencies<N: Into<String>, S: Into<Option<Summary>>>(
+    heading: &str,
+    rows: impl IntoIterator<Item = (N, S)>,
+) -> Table {
     let figures = ["count", "p50", "p90", "p99", "p99.9", "max", "mean"];
     let mut columns = vec![(heading, Align::Left)];
     columns.extend(figures.map(|figure| (figure, Align::Right)));
     let mut table = Table::new(&columns);
     for (name, summary) in rows {
+        let Some(summary) = summary.into() else {
+            table.row([name.into()].into_iter().chain(figures.map(|_| "-".to_owned())));
+            continue;
+        };
         let mut cells = vec![name.into(), count(summary.count)];
         if summary.count > 0 {
             let percentiles = [
@@ -170,15 +178,17 @@ mod tests {
             mean_ns: 1_043.7,
         };
         let rows = [
-            ("transport in", summary),
-            ("fusion", Summary { count: 7, ..summary }),
-            ("age of data", Summary::default()),
+            ("transport in", Some(summary)),
+            ("fusion", Some(Summary { count: 7, ..summary })),
+            ("transport out", None),
+            ("age of data", Some(Summary::default())),
         ];
         let expected = "\
-stage           count     p50      p90      p99   p99.9      max     mean
-transport in  123,456  812 ns  1.50 µs  23.4 µs  456 µs  7.89 ms  1.04 µs
-fusion              7  812 ns  1.50 µs  23.4 µs  456 µs  7.89 ms  1.04 µs
-age of data         0
+stage            count     p50      p90      p99   p99.9      max     mean
+transport in   123,456  812 ns  1.50 µs  23.4 µs  456 µs  7.89 ms  1.04 µs
+fusion               7  812 ns  1.50 µs  23.4 µs  456 µs  7.89 ms  1.04 µs
+transport out        -       -        -        -       -        -        -
+age of data          0
 ";
         assert_eq!(latencies("stage", rows).to_string(), expected);
     }

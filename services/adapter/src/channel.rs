@@ -14,6 +14,7 @@ const GATHERED_MAX: usize = 4096;
 #[derive(Debug)]
 pub(crate) struct Channel {
     source: u16,
+    name: String,
     converter: Converter,
     publisher: Publisher<SharedMemory, SensorTrack>,
     gathered: Vec<SensorTrack>,
@@ -25,6 +26,7 @@ impl Channel {
         let topic = messages::sensor_tracks(&source.name);
         Ok(Self {
             source: source.number,
+            name: source.name.clone(),
             converter: Converter::new(source.model, process.first_day_ns()),
             publisher: process.bus.publisher(&topic, process.incarnation)?,
             gathered: Vec::with_capacity(GATHERED_MAX),
@@ -82,6 +84,8 @@ impl Channel {
             source: self.source,
             progress_ns: self.newest_ns,
             counters: *self.converter.counters(),
+            // Readers without the configuration, such as `koseki top`, know sources by their numbers only.
+            note: self.name.clone(),
             ..HealthEntry::default()
         };
         for (counter, decoded) in entry.counters.iter_mut().zip(decoded) {

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use bus::WaitMode;
 use runtime::Config;
-use runtime::config::{Input, Order, Source};
+use runtime::config::{Input, Monitor, MonitorWait, Order, Source};
+use telemetry::Stage;
+use telemetry::table::duration;
 
 use crate::args::{self, Check};
 use crate::recordings::{self, Depth, Found};
@@ -48,7 +50,14 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
     );
     let (monitor, seconds) = (&config.monitor, config.monitor.interval_ns as f64 / NS as f64);
     let files = if monitor.files { "with files" } else { "without files" };
-    row("monitor", format!("a table every {seconds} s, {files}"));
+    row(
+        "monitor",
+        format!("a table every {seconds} s, {files}; {}", watching(monitor)),
+    );
+    row("", format!("late is what takes longer than: {}", deadlines(monitor)));
+    if let Some(address) = monitor.metrics {
+        row("", format!("metrics for Prometheus at http://{address}/metrics"));
+    }
     let recorder = if config.recorder { "on" } else { "off" };
     row("recorder", recorder.to_owned());
     let free = free_bytes.map_or_else(String::new, |free| format!("; {} are free", size(free)));
@@ -101,6 +110,25 @@ fn wait(mode: WaitMode) -> &'static str {
     }
 }
 
+fn watching(monitor: &Monitor) -> String {
+    match monitor.wait {
+        MonitorWait::Event => "woken for each slice of system tracks".to_owned(),
+        MonitorWait::Poll { pause } => format!(
+            "looks every {} ms, so transport out is not measured",
+            pause.as_secs_f64() * 1e3
+        ),
+    }
+}
+
+fn deadlines(monitor: &Monitor) -> String {
+    let of = |stage: Stage| Some((stage, monitor.deadlines.get(stage)?));
+    let words = Stage::ALL
+        .into_iter()
+        .filter_map(of)
+        .map(|(stage, deadline_ns)| format!("{} {}", stage.label(), duration(deadline_ns as f64)));
+    words.collect::<Vec<_>>().join(", ")
+}
+
 fn place(config: &Config) -> String {
     let place = config.fusion.placement;
     let mut words = vec![match place.core {
@@ -149,6 +177,31 @@ mod tests {
             text.contains("2000 system tracks") && text.contains("3.0 GB are free"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn the_summary_says_how_the_monitor_watches() {
+        let path = Path::new(BUILT_IN_DEMO);
+        let summary = |overrides: &[&str]| {
+            let overrides: Vec<String> = overrides.iter().map(|each| (*each).to_owned()).collect();
+            summary(path, &Config::read(path, &overrides).unwrap(), &[], None)
+        };
+        let text = summary(&[]);
+        assert!(text.contains("woken for each slice"), "{text}");
+        assert!(
+            text.contains("late is what takes longer than: fusion 1.00 ms\n"),
+            "{text}"
+        );
+        assert!(!text.contains("metrics"), "{text}");
+        let text = summary(&[
+            "fusion.wait=spin",
+            "monitor.poll_ms=2.5",
+            "monitor.deadline_us.end_to_end=500",
+            "monitor.prometheus=\"127.0.0.1:9464\"",
+        ]);
+        assert!(text.contains("looks every 2.5 ms"), "{text}");
+        assert!(text.contains("fusion 1.00 ms, end to end 500 µs\n"), "{text}");
+        assert!(text.contains("at http://127.0.0.1:9464/metrics\n"), "{text}");
     }
 
     #[test]

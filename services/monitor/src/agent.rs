@@ -3,10 +3,12 @@
 use std::time::Duration;
 
 use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
-use messages::{Counter, Health, SystemTrack};
+use messages::{Health, SystemTrack};
+use runtime::config::MonitorWait;
 use runtime::{Agent, Config, HealthEntry, Now, Options, Turn};
 
 use crate::files::Files;
+use crate::metrics::Metrics;
 use crate::screen::Screen;
 use crate::survey::Survey;
 
@@ -28,13 +30,54 @@ pub struct MonitorAgent<S: Transport> {
     survey: Survey,
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
-    waiter: Waiter<S>,
+    waiting: Waiting<S>,
     clock: Clock,
     screen: Screen,
     files: Option<Files>,
+    /// Served, or why that cannot be.
+    metrics: Option<Result<Metrics, String>>,
     /// When the interval at hand began.
     begun: Now,
     interval_ns: i64,
+}
+
+/// How it waits for system tracks.
+enum Waiting<S: Transport> {
+    /// Until it is notified.
+    Event(Waiter<S>),
+    /// For a while, whatever comes. It has no listener, so no publisher ever has to wake it.
+    Poll(Duration),
+}
+
+impl<S: Transport> Waiting<S> {
+    fn new(wait: MonitorWait, bus: &Bus<S>) -> anyhow::Result<Self> {
+        match wait {
+            MonitorWait::Event => {
+                let mut waiter = bus.waiter(WaitMode::Event);
+                waiter.watch(bus, &messages::system_tracks())?;
+                Ok(Self::Event(waiter))
+            }
+            MonitorWait::Poll { pause } => Ok(Self::Poll(pause)),
+        }
+    }
+
+    fn wait(&mut self, at_most: Duration, states: &Subscriber<S, SystemTrack>) -> anyhow::Result<()> {
+        match self {
+            Self::Event(waiter) => {
+                waiter.wait(at_most, || states.has_slices())?;
+            }
+            Self::Poll(_) => std::thread::sleep(self.at_most(at_most)),
+        }
+        Ok(())
+    }
+
+    /// How long to sleep when nothing is due for `sleep`.
+    fn at_most(&self, sleep: Duration) -> Duration {
+        match self {
+            Self::Event(_) => sleep,
+            Self::Poll(pause) => sleep.min(*pause),
+        }
+    }
 }
 
 impl<S: Transport> MonitorAgent<S> {
@@ -54,8 +97,7 @@ impl<S: Transport> MonitorAgent<S> {
         screen: Screen,
     ) -> anyhow::Result<Self> {
         let topic = messages::system_tracks();
-        let mut waiter = bus.waiter(WaitMode::Event);
-        waiter.watch(bus, &topic)?;
+        let waiting = Waiting::new(config.monitor.wait, bus)?;
         let now_ns = || clock().mono_ns as u64;
         let (states, health) = (
             bus.subscriber(&topic, now_ns)?,
@@ -67,17 +109,29 @@ impl<S: Transport> MonitorAgent<S> {
             other => options.out.join(other),
         };
         let files = || Files::create(&folder, begun.utc_ns);
+        let survey = Survey::new(config, options, name, begun)?;
+        let serve = |address| {
+            let begin = survey.snapshot(begun, states.counts());
+            Metrics::serve(address, begin).map_err(|error| format!("{error:#}"))
+        };
         Ok(Self {
-            survey: Survey::new(config, options, name, begun)?,
+            metrics: config.monitor.metrics.map(serve),
+            survey,
             states,
             health,
-            waiter,
+            waiting,
             clock,
             screen,
             files: config.monitor.files.then(files).transpose()?,
             begun,
             interval_ns: config.monitor.interval_ns,
         })
+    }
+
+    /// Where metrics are served, or why they cannot be; `None` if they shall not.
+    pub fn metrics(&self) -> Option<Result<String, &str>> {
+        let metrics = self.metrics.as_ref()?;
+        Some(metrics.as_ref().map(Metrics::url).map_err(String::as_str))
     }
 
     /// Takes what has arrived; whether more may be waiting.
@@ -110,8 +164,21 @@ impl<S: Transport> MonitorAgent<S> {
             let name = |number| survey.source_name(number);
             files.log_interval(survey.stages(), self.begun.utc_ns, length_ns, name);
         }
+        if let Some(Ok(metrics)) = &self.metrics {
+            metrics.hand_over(self.survey.snapshot(now, self.states.counts()));
+        }
         self.begun = now;
         length_ns
+    }
+
+    /// What is wrong; empty if nothing is.
+    fn note(&self) -> String {
+        let of_files = self.files.as_ref().map(Files::note).filter(|note| !note.is_empty());
+        let of_metrics = || match &self.metrics {
+            Some(Err(refusal)) => Some(refusal.clone()),
+            _ => None,
+        };
+        of_files.or_else(of_metrics).unwrap_or_default()
     }
 
     /// Those who end together with the monitor may need a moment more than it does.
@@ -143,26 +210,28 @@ impl<S: Transport> Agent for MonitorAgent<S> {
         let until_interval_ns = self.begun.mono_ns + self.interval_ns - now.mono_ns;
         let until_due_ns = self.survey.due_utc_ns().saturating_sub(now.utc_ns);
         let sleep_ns = until_interval_ns.min(until_due_ns).clamp(0, SLEEP_MAX_NS);
-        Ok(Turn::Idle(Duration::from_nanos(sleep_ns as u64)))
+        Ok(Turn::Idle(self.waiting.at_most(Duration::from_nanos(sleep_ns as u64))))
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
-        let states = &self.states;
-        self.waiter.wait(at_most, || states.has_slices())?;
-        Ok(())
+        self.waiting.wait(at_most, &self.states)
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
-        let counts = self.states.counts();
-        let mut whole = HealthEntry {
-            note: self.files.as_ref().map_or_else(String::new, Files::note),
+        entries.push(HealthEntry {
+            note: self.note(),
+            counters: *self.survey.own_counters(self.states.counts()).values(),
             ..HealthEntry::default()
-        };
-        whole.set(Counter::Taken, counts.taken);
-        whole.set(Counter::Lost, counts.lost);
-        whole.set(Counter::SchemaMismatch, counts.schema_mismatch);
-        whole.set(Counter::Invalid, self.survey.health_ignored());
-        entries.push(whole);
+        });
+        entries.extend(
+            self.survey
+                .own_counters_by_source()
+                .map(|(source, counters)| HealthEntry {
+                    source,
+                    counters: *counters.values(),
+                    ..HealthEntry::default()
+                }),
+        );
     }
 
     fn close(&mut self, now: Now) -> anyhow::Result<()> {
@@ -170,7 +239,8 @@ impl<S: Transport> Agent for MonitorAgent<S> {
         self.close_interval((self.clock)());
         let report = self.survey.report(now, self.states.counts());
         self.screen.end(&report);
-        let finish = |files: Files| files.finish(self.survey.stages(), &report);
+        let survey = &self.survey;
+        let finish = |files: Files| files.finish(survey.stages(), &report, |number| survey.source_name(number));
         taken.and(self.files.take().map_or(Ok(()), finish))
     }
 }

@@ -1,10 +1,10 @@
 //! The counters of one process or source, and what they add up to.
 
-use messages::{COUNTERS_MAX, Counter};
+use messages::{COUNTERS_MAX, Counter, ProcessKind};
 use serde::{Serialize, Serializer};
 
 /// Counters that show how many there are now, not how many there have been.
-const LEVELS: [Counter; 3] = [Counter::LiveTracks, Counter::TentativeTracks, Counter::CoastedTracks];
+pub(crate) const LEVELS: [Counter; 3] = [Counter::LiveTracks, Counter::TentativeTracks, Counter::CoastedTracks];
 
 /// Why an adapter did not pass a report on.
 pub(crate) const REJECTIONS: [Counter; 12] = [
@@ -23,7 +23,8 @@ pub(crate) const REJECTIONS: [Counter; 12] = [
 ];
 
 /// What else an adapter says of records that it did not, or not wholly, turn into reports.
-pub(crate) const ADAPTER_REMARKS: [Counter; 5] = [
+pub(crate) const ADAPTER_REMARKS: [Counter; 6] = [
+    Counter::TracksEnded,
     Counter::ServiceMessages,
     Counter::BlocksRefused,
     Counter::BytesRefused,
@@ -32,13 +33,125 @@ pub(crate) const ADAPTER_REMARKS: [Counter; 5] = [
 ];
 
 /// Reports that fusion took, but did not use.
-pub(crate) const FUSION_REFUSALS: [Counter; 6] = [
+pub(crate) const FUSION_REFUSALS: [Counter; 7] = [
     Counter::Duplicates,
+    Counter::Extrapolated,
     Counter::OutOfOrder,
     Counter::Invalid,
     Counter::SchemaMismatch,
     Counter::QueueFull,
     Counter::TableFull,
+];
+
+/// What else fusion says of the reports of a source: it used them.
+pub(crate) const FUSION_REMARKS: [Counter; 3] = [
+    Counter::IdentityConflicts,
+    Counter::TracesUnusable,
+    Counter::CovariancesRepaired,
+];
+
+/// What is worth knowing of a process as a whole, and said nowhere else.
+pub(crate) const PROCESS_REMARKS: [Counter; 4] = [
+    Counter::OrdersObeyed,
+    Counter::OrdersRefused,
+    Counter::WaitedForConsumers,
+    Counter::RowsWritten,
+];
+
+/// What a process of this kind counts, levels apart: of these, metrics show a 0 too, because what is not there has no
+/// rate when it begins.
+pub(crate) fn counted_by(kind: ProcessKind) -> &'static [Counter] {
+    use Counter::*;
+    match kind {
+        ProcessKind::Adapter => &[
+            Records,
+            ServiceMessages,
+            BytesRefused,
+            BlocksRefused,
+            Published,
+            Reports,
+            RejectedFieldMonitor,
+            RejectedTestTarget,
+            RejectedNoPosition,
+            RejectedNoTrackNumber,
+            RejectedPosition,
+            RejectedHeight,
+            RejectedSpeed,
+            RejectedJump,
+            RejectedTime,
+            RejectedLate,
+            RejectedQuality,
+            RejectedSource,
+            TracksEnded,
+            RefusedTracks,
+            WaitedForConsumers,
+            HeightAssumed,
+            Datagrams,
+            DatagramsRefused,
+            DatagramsUnusable,
+            KernelDrops,
+            Connections,
+        ],
+        ProcessKind::Fusion => &[
+            Taken,
+            Lost,
+            OutOfOrder,
+            Invalid,
+            SchemaMismatch,
+            QueueFull,
+            TableFull,
+            Published,
+            TracksStarted,
+            TracksConfirmed,
+            TracksTerminated,
+            TracksMerged,
+            ContributionsSplit,
+            Duplicates,
+            Extrapolated,
+            IdentityConflicts,
+            HandOvers,
+            DeadlineMisses,
+            OrdersObeyed,
+            OrdersRefused,
+            TracesUnusable,
+            CovariancesRepaired,
+        ],
+        ProcessKind::Monitor => &[
+            Taken,
+            Lost,
+            OutOfOrder,
+            Invalid,
+            SchemaMismatch,
+            DeadlineMisses,
+            StagesLate,
+        ],
+        ProcessKind::Recorder => &[Taken, Lost, SchemaMismatch, RowsWritten],
+        ProcessKind::Gateway | ProcessKind::Simulator => {
+            &[Taken, Lost, SchemaMismatch, RecordsSent, DatagramsSent, SendFailures]
+        }
+        ProcessKind::Launcher => &[],
+    }
+}
+
+/// What is counted of processes only, not of their sources.
+pub(crate) const OF_PROCESSES: [Counter; 17] = [
+    Counter::TracksStarted,
+    Counter::TracksConfirmed,
+    Counter::TracksTerminated,
+    Counter::TracksMerged,
+    Counter::ContributionsSplit,
+    Counter::HandOvers,
+    Counter::OrdersObeyed,
+    Counter::OrdersRefused,
+    Counter::RowsWritten,
+    Counter::Datagrams,
+    Counter::DatagramsRefused,
+    Counter::DatagramsUnusable,
+    Counter::KernelDrops,
+    Counter::Connections,
+    Counter::RecordsSent,
+    Counter::DatagramsSent,
+    Counter::SendFailures,
 ];
 
 /// What crosses a process's socket; if none of it does, it has none.
@@ -77,6 +190,16 @@ impl Counters {
         self.0[counter as usize]
     }
 
+    /// Sets one counter.
+    pub(crate) fn set(&mut self, counter: Counter, value: u64) {
+        self.0[counter as usize] = value;
+    }
+
+    /// All values, indexed by [`Counter`].
+    pub fn values(&self) -> &[u64; COUNTERS_MAX] {
+        &self.0
+    }
+
     /// The sum of several counters.
     pub fn sum(&self, counters: &[Counter]) -> u64 {
         counters.iter().map(|counter| self.get(*counter)).sum()
@@ -96,7 +219,7 @@ impl Counters {
 
     #[cfg(test)]
     pub(crate) fn with(mut self, counter: Counter, value: u64) -> Self {
-        self.0[counter as usize] = value;
+        self.set(counter, value);
         self
     }
 }
@@ -135,6 +258,48 @@ mod tests {
             );
             let listed = REJECTIONS.contains(counter) || ADAPTER_REMARKS.contains(counter);
             assert!(listed || !counter.label().starts_with("rejected_"), "{counter:?}");
+        }
+    }
+
+    #[test]
+    fn every_counter_is_counted_by_somebody_and_shown_somewhere() {
+        // What the report shows by name, in a table or a sentence of its own.
+        let by_name = [
+            Counter::Records,
+            Counter::Reports,
+            Counter::Published,
+            Counter::Taken,
+            Counter::Lost,
+            Counter::TracksStarted,
+            Counter::TracksConfirmed,
+            Counter::TracksTerminated,
+            Counter::TracksMerged,
+            Counter::ContributionsSplit,
+            Counter::HandOvers,
+            Counter::DeadlineMisses,
+            Counter::StagesLate,
+            Counter::RecordsSent,
+        ];
+        let lists: [&[Counter]; 9] = [
+            &by_name,
+            &LEVELS,
+            &REJECTIONS,
+            &ADAPTER_REMARKS,
+            &FUSION_REFUSALS,
+            &FUSION_REMARKS,
+            &PROCESS_REMARKS,
+            &TRAFFIC,
+            &NETWORK_TROUBLE,
+        ];
+        for counter in Counter::ALL {
+            assert!(
+                lists.iter().any(|list| list.contains(counter)),
+                "{counter:?} is not shown"
+            );
+            let counted = messages::PROCESS_KINDS
+                .iter()
+                .any(|kind| counted_by(*kind).contains(counter));
+            assert!(counted != LEVELS.contains(counter), "{counter:?}");
         }
     }
 

@@ -1,8 +1,8 @@
 //! The monitor's files, in one folder:
 //!
 //! - `latency.hlog`: every interval's latencies, per stage and source, in the standard HdrHistogram log format;
-//! - `latency_<stage>.hgrm`: at the end, the distribution of each stage, in microseconds, as HdrHistogram's plotter
-//!   reads it;
+//! - `latency_<stage>.hgrm` and `latency_<stage>_<source>.hgrm`: at the end, the distribution of each stage, of all
+//!   sources together and of each that has reported, in microseconds, as HdrHistogram's plotter reads it;
 //! - `report.json`: at the end, the report.
 //!
 //! A log that cannot be written any more (a full disk) is given up; watching goes on, and the error is told at the end.
@@ -12,7 +12,7 @@ use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use telemetry::{IntervalLog, Span, Stage, Stages, write_percentiles};
+use telemetry::{Histogram, IntervalLog, Span, Stage, Stages, write_percentiles};
 
 use crate::report::Report;
 
@@ -69,12 +69,23 @@ impl Files {
     ///
     /// # Errors
     /// If that fails, or the log had to be given up.
-    pub(crate) fn finish(self, stages: &Stages, report: &Report) -> anyhow::Result<()> {
+    pub(crate) fn finish<N: AsRef<str>>(
+        self,
+        stages: &Stages,
+        report: &Report,
+        source_name: impl Fn(u16) -> N,
+    ) -> anyhow::Result<()> {
         for stage in Stage::ALL {
+            let key = stage.key();
             if let Some(histogram) = stages.histogram(stage, None, Span::Total) {
-                self.write(&format!("latency_{}.hgrm", stage.key()), |out| {
-                    write_percentiles(out, histogram, NS_PER_US)
-                })?;
+                self.write_distribution(&format!("latency_{key}.hgrm"), histogram)?;
+            }
+            for source in stages.sources() {
+                let histogram = stages.histogram(stage, Some(source), Span::Total);
+                if let Some(histogram) = histogram.filter(|histogram| !histogram.is_empty()) {
+                    let name = source_name(source);
+                    self.write_distribution(&format!("latency_{key}_{}.hgrm", name.as_ref()), histogram)?;
+                }
             }
         }
         self.write("report.json", |out| {
@@ -82,6 +93,10 @@ impl Files {
             writeln!(out)
         })?;
         self.log.map(drop)
+    }
+
+    fn write_distribution(&self, name: &str, histogram: &Histogram) -> anyhow::Result<()> {
+        self.write(name, |out| write_percentiles(out, histogram, NS_PER_US))
     }
 
     fn write(&self, name: &str, fill: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> anyhow::Result<()> {

@@ -149,6 +149,14 @@ impl HealthBook {
         said.map_or_else(Counters::default, |said| said.counters())
     }
 
+    /// What each process counts of each thing it speaks of: kind, name, source (or [`NO_SOURCE`]), counters.
+    pub(crate) fn counted(&self) -> impl Iterator<Item = (ProcessKind, String, u16, Counters)> + '_ {
+        self.speakers.iter().map(|((kind, _, source), speaker)| {
+            let latest = Latest(speaker);
+            (*kind, speaker.latest.name().to_owned(), *source, latest.counters())
+        })
+    }
+
     /// What fusion has learned of the systematic errors of a source.
     pub(crate) fn registration(&self, source: u16) -> Registration {
         let kind = ProcessKind::Fusion;

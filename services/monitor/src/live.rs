@@ -1,13 +1,17 @@
 //! What is shown while the deployment runs: a table on a terminal, one line per interval elsewhere.
 
 use telemetry::table::{self, Align, Table};
-use telemetry::{Stage, Summary};
+use telemetry::{Span, Stage, Stages, Summary};
 
 use crate::report::{Picture, Process, State};
 use crate::text::{date_time, elapsed, several, time_of_day};
 
 /// Most sources in the table: it has to fit on a screen.
 const SOURCES_SHOWN_MAX: usize = 16;
+
+/// Why a stage has no figures.
+pub(crate) const NOT_MEASURED: &str = "transport out is not measured: the monitor polls, to leave fusion in peace, so end to end and age end where\n\
+     fusion has published; `koseki bench` or a monitor with wait = \"event\" measures it\n";
 
 /// What is known at the end of an interval.
 #[derive(Clone, Debug)]
@@ -29,13 +33,41 @@ pub struct Live {
     /// Length of the interval, nanoseconds.
     pub interval_ns: i64,
     /// Latencies of the interval; `None` if there are none to speak of.
-    pub stages: Option<Vec<(Stage, Summary)>>,
+    pub stages: Option<Vec<LiveStage>>,
     /// Restarts of all processes.
     pub restarts: u64,
     /// How the processes are.
     pub processes: Vec<Process>,
     /// System-track states that the monitor itself missed.
     pub monitor_missed: u64,
+}
+
+/// One stage in the live table.
+#[derive(Clone, Copy, Debug)]
+pub struct LiveStage {
+    /// Which.
+    pub stage: Stage,
+    /// Its latencies in the interval; `None` if it is not measured.
+    pub summary: Option<Summary>,
+    /// How often it took longer than its deadline in the interval; `None` if it has none.
+    pub late: Option<u64>,
+}
+
+impl LiveStage {
+    /// Of all sources together, in the interval that was closed last.
+    pub(crate) fn of_interval(stages: &Stages, stage: Stage) -> Self {
+        let journey = stages.journey();
+        Self {
+            stage,
+            summary: stage
+                .is_measured(journey.end)
+                .then(|| stages.summary(stage, None, Span::Interval)),
+            late: journey
+                .deadlines
+                .get(stage)
+                .map(|_| stages.deadline_misses(stage, None, Span::Interval)),
+        }
+    }
 }
 
 /// One source in the live table.
@@ -187,22 +219,34 @@ impl Live {
             ("p90", Align::Right),
             ("p99", Align::Right),
             ("max", Align::Right),
+            ("late", Align::Right),
         ]);
-        for (stage, summary) in stages {
+        for LiveStage { stage, summary, late } in stages {
             if *stage == Stage::Age && !self.shows_age() {
                 continue;
             }
-            let figures = [summary.p50_ns, summary.p90_ns, summary.p99_ns, summary.max_ns];
-            let figures = figures.map(|value| median((summary.count > 0).then_some(value)));
-            rows.row([stage.label().to_owned()].into_iter().chain(figures));
+            let summary = summary.filter(|summary| summary.count > 0);
+            let figure = |of: fn(&Summary) -> u64| median(summary.as_ref().map(of));
+            rows.row([
+                stage.label().to_owned(),
+                figure(|summary| summary.p50_ns),
+                figure(|summary| summary.p90_ns),
+                figure(|summary| summary.p99_ns),
+                figure(|summary| summary.max_ns),
+                late.map_or_else(|| "-".to_owned(), table::count),
+            ]);
         }
-        rows.to_string()
+        let mut text = rows.to_string();
+        if stages.iter().any(|stage| stage.summary.is_none()) {
+            text.push_str(NOT_MEASURED);
+        }
+        text
     }
 
     fn end_to_end(&self) -> Option<Summary> {
         let stages = self.stages.as_ref()?;
-        let found = stages.iter().find(|(stage, _)| *stage == Stage::EndToEnd);
-        found.map(|(_, summary)| *summary)
+        let found = stages.iter().find(|stage| stage.stage == Stage::EndToEnd);
+        found.and_then(|stage| stage.summary)
     }
 
     fn process_lines(&self) -> String {
@@ -276,6 +320,16 @@ mod tests {
         }
     }
 
+    fn stages(summary: Option<Summary>) -> Vec<LiveStage> {
+        let late = |stage| (stage == Stage::TakenToFused).then_some(17);
+        let stage = |stage| LiveStage {
+            stage,
+            summary,
+            late: late(stage),
+        };
+        Stage::ALL.map(stage).to_vec()
+    }
+
     fn live() -> Live {
         let summary = Summary {
             count: 200,
@@ -305,7 +359,7 @@ mod tests {
                 ..Picture::default()
             },
             interval_ns: 1_000_200_000,
-            stages: Some(Stage::ALL.map(|stage| (stage, summary)).to_vec()),
+            stages: Some(stages(Some(summary))),
             restarts: 1,
             processes: vec![
                 process(ProcessKind::Adapter, "radar-west", running, 0),
@@ -327,6 +381,14 @@ mod tests {
     #[test]
     fn table_of_a_live_deployment() {
         golden::assert("live_table.txt", &live().table());
+    }
+
+    #[test]
+    fn table_of_a_monitor_that_polls() {
+        let mut live = live();
+        let stages = live.stages.as_mut().unwrap();
+        stages[Stage::FusedToReceived as usize].summary = None;
+        golden::assert("live_table_poll.txt", &live.table());
     }
 
     #[test]
@@ -364,11 +426,14 @@ mod tests {
     #[test]
     fn a_silent_interval_has_dashes_and_many_sources_are_cut() {
         let mut live = live();
-        live.stages = Some(Stage::ALL.map(|stage| (stage, Summary::default())).to_vec());
+        live.stages = Some(stages(Some(Summary::default())));
         live.sources = vec![source("radar", 1); SOURCES_SHOWN_MAX + 1];
         let table = live.table();
         assert!(table.contains("and 1 further source\n"), "{table}");
-        assert!(table.contains("end to end             -    -    -    -\n"), "{table}");
+        assert!(
+            table.contains("end to end             -    -    -    -     -\n"),
+            "{table}"
+        );
         assert!(!live.line().contains("end to end"));
     }
 }

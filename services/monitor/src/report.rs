@@ -9,7 +9,7 @@ use std::fmt;
 use messages::{LifeState, ProcessKind, Registration, registration_bits};
 use scenario::AccuracyReport;
 use serde::{Serialize, Serializer};
-use telemetry::{Irregularities, Stage, Summary};
+use telemetry::{Irregularities, Span, Stage, Stages, Summary};
 
 use crate::counters::Counters;
 use crate::verdict::Verdict;
@@ -44,15 +44,19 @@ pub struct Report {
     pub processes: Vec<Process>,
     /// What fusion counted altogether.
     pub fusion: Counters,
+    /// What each other process counted of itself as a whole: recorder, gateways, simulator, adapters.
+    pub others: Vec<ProcessCounters>,
+    /// What the monitor itself counted of the system tracks it read.
+    pub monitor: Counters,
     /// What processes that have a socket counted at it.
-    pub network: Vec<NetworkReport>,
+    pub network: Vec<ProcessCounters>,
     /// Health messages that could not be understood.
     pub health_ignored: u64,
 }
 
-/// What a process counted at its socket, and of itself as a whole.
+/// What a process counted of itself as a whole.
 #[derive(Clone, Debug, Serialize)]
-pub struct NetworkReport {
+pub struct ProcessCounters {
     /// The process, as it is called in text.
     pub process: String,
     /// Its counters.
@@ -90,6 +94,10 @@ pub struct RunSettings {
     pub interval_s: f64,
     /// Time that a report may take through fusion, microseconds.
     pub deadline_us: f64,
+    /// How the monitor waited: "event", or "poll" if it looked now and then.
+    pub monitor_wait: &'static str,
+    /// Time between two looks of a monitor that polls, milliseconds.
+    pub monitor_poll_ms: Option<f64>,
 }
 
 /// One source.
@@ -110,7 +118,17 @@ pub struct SourceReport {
     pub registration: Registration,
     /// Latencies of its reports, by stage.
     #[serde(serialize_with = "by_key")]
-    pub stages: Vec<(Stage, Summary)>,
+    pub stages: Vec<(Stage, SourceStageReport)>,
+}
+
+/// Latencies of one stage of one source's reports.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct SourceStageReport {
+    /// The latencies.
+    #[serde(flatten)]
+    pub summary: Summary,
+    /// How often the stage took longer than its deadline.
+    pub deadline_misses: u64,
 }
 
 /// How [`Registration`] is written: its members, with words for the bits.
@@ -158,21 +176,37 @@ pub struct StageReport {
     pub negative: u64,
     /// Reports whose stage took more than ten minutes.
     pub too_long: u64,
+    /// Whether the stage was measured: a monitor that polls cannot measure what comes after fusion.
+    pub measured: bool,
+    /// How long the stage may take, microseconds, if anybody said.
+    pub deadline_us: Option<f64>,
+    /// How often it took longer, among the states that the monitor saw.
+    pub deadline_misses: u64,
 }
 
 impl StageReport {
-    pub(crate) fn new(summary: Summary, irregularities: Irregularities) -> Self {
+    /// Of all sources together, since the beginning.
+    pub(crate) fn new(stages: &Stages, stage: Stage) -> Self {
         let Irregularities {
             missing,
             negative,
             too_long,
-        } = irregularities;
+        } = stages.irregularities(stage);
+        let journey = stages.journey();
         Self {
-            summary,
+            summary: stages.summary(stage, None, Span::Total),
             missing,
             negative,
             too_long,
+            measured: stage.is_measured(journey.end),
+            deadline_us: journey.deadlines.get(stage).map(|deadline_ns| deadline_ns as f64 / 1e3),
+            deadline_misses: stages.deadline_misses(stage, None, Span::Total),
         }
+    }
+
+    /// The latencies, if they were measured.
+    pub(crate) fn latencies(&self) -> Option<Summary> {
+        self.measured.then_some(self.summary)
     }
 }
 

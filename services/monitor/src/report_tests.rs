@@ -1,4 +1,3 @@
-use crate::report::NetworkReport;
 use std::collections::BTreeMap;
 
 use messages::{LifeState, ProcessKind, Registration, registration_bits};
@@ -6,7 +5,11 @@ use messages::{LifeState, ProcessKind, Registration, registration_bits};
 use super::*;
 use crate::counters::Counters;
 use crate::golden;
-use crate::report::{Hop, Losses, Picture, Restarts, SourceReport, StageReport, State};
+use telemetry::Summary;
+
+use crate::report::{
+    Hop, Losses, Picture, ProcessCounters, Restarts, SourceReport, SourceStageReport, StageReport, State,
+};
 use crate::verdict::Verdict;
 
 const SUMMARY: Summary = Summary {
@@ -33,8 +36,16 @@ fn source(number: u16, name: &str, published: u64) -> SourceReport {
             .with(Counter::Duplicates, 11),
         recorder: Counters::default(),
         registration: Registration::default(),
-        stages: Stage::ALL.map(|stage| (stage, SUMMARY)).to_vec(),
+        stages: source_stages(SUMMARY, 0),
     }
+}
+
+fn source_stages(summary: Summary, deadline_misses: u64) -> Vec<(Stage, SourceStageReport)> {
+    let report = SourceStageReport {
+        summary,
+        deadline_misses,
+    };
+    Stage::ALL.map(|stage| (stage, report)).to_vec()
 }
 
 fn process(kind: ProcessKind, name: &str) -> Process {
@@ -65,10 +76,12 @@ fn registered() -> Registration {
 }
 
 /// A demonstration that went well.
-fn good() -> Report {
+pub(crate) fn good() -> Report {
     let stage = |stage| {
         let report = StageReport {
             summary: SUMMARY,
+            measured: true,
+            deadline_us: (stage == Stage::TakenToFused).then_some(1000.0),
             ..StageReport::default()
         };
         (stage, report)
@@ -89,6 +102,8 @@ fn good() -> Report {
             targets: Some(80),
             interval_s: 1.0,
             deadline_us: 1000.0,
+            monitor_wait: "event",
+            monitor_poll_ms: None,
         },
         begun_utc_ns: 1_700_000_000_000_000_000,
         duration_s: 20.04,
@@ -147,7 +162,9 @@ fn good() -> Report {
         fusion: Counters::default()
             .with(Counter::Taken, 21_579)
             .with(Counter::Published, 21_000),
-        network: vec![NetworkReport {
+        others: Vec::new(),
+        monitor: Counters::default().with(Counter::Taken, 21_000),
+        network: vec![ProcessCounters {
             process: "adapter ads-b".to_owned(),
             counters: Counters::default().with(Counter::Datagrams, 4_321),
         }],
@@ -197,16 +214,51 @@ fn bad() -> Report {
     judged(report)
 }
 
+/// Watched by a monitor that polls, with deadlines that are missed, and with everything counted that can be.
+fn polled() -> Report {
+    let mut report = good();
+    report.settings.wait = "hybrid";
+    (report.settings.monitor_wait, report.settings.monitor_poll_ms) = ("poll", Some(5.0));
+    for (stage, figures) in &mut report.stages {
+        match stage {
+            Stage::FusedToReceived => *figures = StageReport::default(),
+            Stage::TakenToFused => figures.deadline_misses = 3,
+            Stage::EndToEnd => (figures.deadline_us, figures.deadline_misses) = (Some(400.0), 2_200),
+            _ => {}
+        }
+    }
+    report.sources[1].stages = source_stages(SUMMARY, 3);
+    report.fusion = report
+        .fusion
+        .with(Counter::DeadlineMisses, 4)
+        .with(Counter::OrdersObeyed, 1);
+    let fusion = report.sources[0].fusion;
+    report.sources[0].fusion = fusion
+        .with(Counter::Extrapolated, 8)
+        .with(Counter::QueueFull, 6)
+        .with(Counter::OutOfOrder, 5)
+        .with(Counter::CovariancesRepaired, 2);
+    report.sources[1].recorder = Counters::default().with(Counter::SchemaMismatch, 1);
+    report.others = vec![ProcessCounters {
+        process: "recorder".to_owned(),
+        counters: Counters::default().with(Counter::RowsWritten, 12_345),
+    }];
+    report.monitor = report.monitor.with(Counter::OutOfOrder, 9);
+    judged(report)
+}
+
 /// Nothing ever happened.
 fn empty() -> Report {
     let mut report = good();
     for source in &mut report.sources {
         (source.adapter, source.fusion) = (Counters::default(), Counters::default());
-        source.stages = Stage::ALL.map(|stage| (stage, Summary::default())).to_vec();
+        source.stages = source_stages(Summary::default(), 0);
     }
     report.losses.hops.clear();
     report.network[0].counters = Counters::default();
-    report.stages = Stage::ALL.map(|stage| (stage, StageReport::default())).to_vec();
+    for (_, figures) in &mut report.stages {
+        figures.summary = Summary::default();
+    }
     (report.picture, report.fusion) = (Picture::default(), Counters::default());
     report.accuracy = Some(scenario::Accuracy::default().report());
     for process in &mut report.processes {
@@ -223,6 +275,11 @@ fn a_good_run() {
 #[test]
 fn a_bad_run() {
     golden::assert("report_bad.txt", &bad().text());
+}
+
+#[test]
+fn a_run_watched_by_polling() {
+    golden::assert("report_poll.txt", &polled().text());
 }
 
 #[test]
@@ -291,6 +348,14 @@ fn every_report_has_every_member() {
         ".stages.ingest_to_publish.count",
         ".stages.fused_to_received.p999_ns",
         ".stages.age.max_ns",
+        ".stages.fused_to_received.measured",
+        ".stages.end_to_end.deadline_us",
+        ".stages.end_to_end.deadline_misses",
+        ".sources.0.stages.taken_to_fused.deadline_misses",
+        ".sources.0.fusion.queue_full",
+        ".sources.0.fusion.out_of_order",
+        ".settings.monitor_wait",
+        ".monitor.lost",
         ".losses.reports_lost",
         ".losses.hops.0.unread",
         ".restarts.total",

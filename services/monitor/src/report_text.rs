@@ -5,11 +5,14 @@
 
 use messages::Counter;
 use scenario::AccuracyReport;
+use telemetry::Stage;
 use telemetry::table::{self, Align, Table, count};
-use telemetry::{Stage, Summary};
 
-use crate::counters::{ADAPTER_REMARKS, FUSION_REFUSALS, NETWORK_TROUBLE, REJECTIONS};
-use crate::report::{Process, Report, RunSettings};
+use crate::counters::{
+    ADAPTER_REMARKS, Counters, FUSION_REFUSALS, FUSION_REMARKS, NETWORK_TROUBLE, PROCESS_REMARKS, REJECTIONS,
+};
+use crate::live::NOT_MEASURED;
+use crate::report::{Process, Report, RunSettings, SourceReport, StageReport};
 use crate::text::{date_time, percent, several, wrapped};
 use crate::truth_watch::WARM_UP_NS;
 
@@ -21,13 +24,11 @@ impl Report {
     pub fn text(&self) -> String {
         let mut sections = vec![self.heading()];
         sections.extend((!self.network.is_empty()).then(|| self.network_traffic()));
-        sections.extend([
-            self.reports(),
-            self.not_used(),
-            self.arrivals(),
-            self.latencies(),
-            self.system_tracks(),
-        ]);
+        sections.extend([self.reports(), self.not_used()]);
+        sections.extend(self.also_counted());
+        sections.extend([self.arrivals(), self.latencies()]);
+        sections.extend(self.deadlines());
+        sections.push(self.system_tracks());
         sections.extend(self.registration());
         sections.extend(self.accuracy.as_ref().map(accuracy));
         sections.push(self.process_table());
@@ -58,6 +59,9 @@ impl Report {
             "fusion",
             format!("rule {}; {order}; wait mode {}", settings.rule, settings.wait),
         );
+        if let Some(poll_ms) = settings.monitor_poll_ms {
+            line("monitor", format!("looks every {poll_ms} ms; fusion does not wake it"));
+        }
         if let Some(reached) = self.recording_reached_utc_ns {
             line("reached", format!("{} UTC in the recording", date_time(reached)));
         }
@@ -141,6 +145,33 @@ impl Report {
         }
     }
 
+    /// What else was counted, if anything: nothing that a process says is kept back.
+    fn also_counted(&self) -> Option<String> {
+        let mut rows = Table::new(&[
+            ("of", Align::Left),
+            ("by", Align::Left),
+            ("count", Align::Right),
+            ("what", Align::Left),
+        ]);
+        let mut some = false;
+        let mut list = |of: &str, by: &str, counters: &Counters, which: &[Counter]| {
+            for counter in which.iter().filter(|counter| counters.get(**counter) > 0) {
+                some = true;
+                rows.row([of, by, &count(counters.get(*counter)), counter.sentence()]);
+            }
+        };
+        for source in &self.sources {
+            list(&source.name, "fusion", &source.fusion, &FUSION_REMARKS);
+            list(&source.name, "recorder", &source.recorder, &FUSION_REFUSALS);
+        }
+        list("all", "fusion", &self.fusion, &PROCESS_REMARKS);
+        for process in &self.others {
+            list("all", &process.process, &process.counters, &PROCESS_REMARKS);
+        }
+        list("system tracks", "monitor", &self.monitor, &FUSION_REFUSALS);
+        some.then(|| format!("ALSO COUNTED\n{rows}"))
+    }
+
     fn arrivals(&self) -> String {
         let mut rows = Table::new(&[
             ("from", Align::Left),
@@ -197,13 +228,10 @@ impl Report {
         let recorded = self.settings.recorded_sources > 0;
         let shown = |stage: Stage| stage != Stage::Age || !recorded;
         let stages = self.stages.iter().filter(|(stage, _)| shown(*stage));
-        let stages = stages.map(|(stage, figures)| (stage.label(), figures.summary));
-        let end_to_end = |source: &crate::SourceReport| -> (String, Summary) {
+        let stages = stages.map(|(stage, figures)| (stage.label(), figures.latencies()));
+        let end_to_end = |source: &SourceReport| {
             let found = source.stages.iter().find(|(stage, _)| *stage == Stage::EndToEnd);
-            (
-                source.name.clone(),
-                found.map_or_else(Summary::default, |(_, summary)| *summary),
-            )
+            (source.name.clone(), found.map(|(_, figures)| figures.summary))
         };
         let mut text = format!(
             "LATENCY of every state that a report caused: half took no longer than p50, 99 % no longer than p99\n\
@@ -215,15 +243,23 @@ impl Report {
             "adapter: from a report's last byte to its hand-over to shared memory; transport in: until fusion took it;\n\
              fusion: until the system track was handed over; transport out: until this subscriber had it.\n",
         );
+        if self.polls() {
+            text.push_str(NOT_MEASURED);
+        }
         if !recorded {
-            text.push_str(
-                "age of data: from the measurement to this subscriber; it holds the sensor's own delay and turn.\n",
-            );
+            let end = if self.polls() {
+                "that hand-over"
+            } else {
+                "this subscriber"
+            };
+            text.push_str(&format!(
+                "age of data: from the measurement to {end}; it holds the sensor's own delay and turn.\n"
+            ));
         }
         if self.settings.order == "time" {
             text.push_str("fusion holds the time that a report waits for the slowest source, to be merged by time.\n");
         }
-        let odd = |(_, figures): &(Stage, crate::report::StageReport)| figures.negative + figures.missing;
+        let odd = |(_, figures): &(Stage, StageReport)| figures.negative + figures.missing;
         let odd: u64 = self
             .stages
             .iter()
@@ -239,11 +275,61 @@ impl Report {
         text
     }
 
+    /// How often stages took longer than they may, where latencies were measured.
+    fn deadlines(&self) -> Option<String> {
+        if !self.settings.latencies_measured {
+            return None;
+        }
+        let mut rows = Table::new(&[
+            ("stage", Align::Left),
+            ("may take", Align::Right),
+            ("of", Align::Left),
+            ("states", Align::Right),
+            ("late", Align::Right),
+            ("share", Align::Right),
+        ]);
+        let row = |rows: &mut Table, first: [String; 3], states: u64, late: u64| {
+            let share = if states == 0 {
+                "-".to_owned()
+            } else {
+                percent(late as f64 / states as f64)
+            };
+            rows.row(first.into_iter().chain([count(states), count(late), share]));
+        };
+        for (stage, figures) in self.stages.iter().filter(|(_, figures)| figures.measured) {
+            let Some(deadline_us) = figures.deadline_us else {
+                continue;
+            };
+            let may_take = table::duration(deadline_us * 1e3);
+            let first = [stage.label().to_owned(), may_take, "all".to_owned()];
+            row(&mut rows, first, figures.summary.count, figures.deadline_misses);
+            for source in &self.sources {
+                let of_stage = source.stages.iter().find(|(of_source, _)| of_source == stage);
+                let Some((_, figures)) = of_stage.filter(|(_, figures)| figures.deadline_misses > 0) else {
+                    continue;
+                };
+                let first = [String::new(), String::new(), source.name.clone()];
+                row(&mut rows, first, figures.summary.count, figures.deadline_misses);
+            }
+        }
+        let own = self.fusion.get(Counter::DeadlineMisses);
+        Some(format!(
+            "DEADLINES, among the states that the monitor saw\n{rows}By its own count, fusion was late with {} of {}.\n",
+            several(own, "state"),
+            count(self.fusion.get(Counter::Published))
+        ))
+    }
+
+    /// Whether the monitor looked now and then.
+    fn polls(&self) -> bool {
+        self.settings.monitor_poll_ms.is_some()
+    }
+
     /// Systematic errors, if sources were compared at all.
     fn registration(&self) -> Option<String> {
         let width = self.sources.iter().map(|source| source.name.chars().count()).max()?;
         let compared = self.sources.iter().any(|source| source.registration.comparisons > 0.0);
-        let line = |source: &crate::SourceReport| format!("{:<width$}  {}\n", source.name, source.registration);
+        let line = |source: &SourceReport| format!("{:<width$}  {}\n", source.name, source.registration);
         let lines: String = self.sources.iter().map(line).collect();
         compared
             .then(|| format!("REGISTRATION: how far the sources' reports lie off, as fusion has estimated it\n{lines}"))
@@ -372,4 +458,4 @@ fn accuracy(accuracy: &AccuracyReport) -> String {
 
 #[cfg(test)]
 #[path = "report_tests.rs"]
-mod tests;
+pub(crate) mod tests;

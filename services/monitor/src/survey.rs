@@ -6,20 +6,20 @@ use std::collections::BTreeMap;
 
 use bus::{SubscriberCounts, WaitMode};
 use messages::{BatchHeader, Counter, Health, NO_SOURCE, ProcessKind, SystemTrack};
-use runtime::config::{Config, Input, Order};
+use runtime::config::{Config, Input, MonitorWait, Order};
 use runtime::{Now, Options, Speed};
-use telemetry::{Span, Stage, Stages};
+use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage, Stages};
 
+use crate::counters::{Counters, REJECTIONS, TRAFFIC};
+use crate::exposition::{Counted, Snapshot, StageSample};
 use crate::health_book::HealthBook;
-use crate::live::{Live, LiveSource};
+use crate::live::{Live, LiveSource, LiveStage};
 use crate::report::{
-    Hop, Losses, NetworkReport, Picture, Process, Report, Restarts, RunSettings, SourceReport, StageReport, State,
-    title,
+    Hop, Losses, Picture, Process, ProcessCounters, Report, Restarts, RunSettings, SourceReport, SourceStageReport,
+    StageReport, State, title,
 };
 use crate::truth_watch::TruthWatch;
 use crate::verdict::Verdict;
-
-use crate::counters::{REJECTIONS, TRAFFIC};
 
 /// See the module's documentation.
 #[derive(Debug)]
@@ -70,7 +70,7 @@ impl Survey {
             expected: expected(config, name),
             has_recorder: config.recorder,
             begun,
-            stages: Stages::default(),
+            stages: Stages::new(journey(config)),
             book: HealthBook::new(sources.len()),
             truth: TruthWatch::new(config, options, begun.utc_ns)?,
             live_max: 0,
@@ -122,11 +122,6 @@ impl Survey {
         found.map_or("others", |source| &source.name)
     }
 
-    /// Health messages that could not be understood.
-    pub(crate) fn health_ignored(&self) -> u64 {
-        self.book.ignored()
-    }
-
     /// Whether those whose last words the final report waits for have said them, or will not.
     pub(crate) fn others_have_ended(&self, now: Now) -> bool {
         let watching = [ProcessKind::Monitor, ProcessKind::Launcher];
@@ -146,7 +141,7 @@ impl Survey {
         let numbers = 0..self.sources.len();
         let sources: Vec<LiveSource> = numbers.map(|index| self.live_source(index)).collect();
         let processes = self.processes(now);
-        let summary = |stage| (stage, self.stages.summary(stage, None, Span::Interval));
+        let stage = |stage| LiveStage::of_interval(&self.stages, stage);
         Live {
             deployment: self.settings.deployment.clone(),
             elapsed_ns: now.mono_ns - self.begun.mono_ns,
@@ -155,10 +150,7 @@ impl Survey {
             recording_ns: self.recording_reached_ns(),
             picture: self.picture(),
             interval_ns,
-            stages: self
-                .settings
-                .latencies_measured
-                .then(|| Stage::ALL.map(summary).to_vec()),
+            stages: self.settings.latencies_measured.then(|| Stage::ALL.map(stage).to_vec()),
             restarts: restarts(&processes).total,
             sources,
             processes,
@@ -204,10 +196,7 @@ impl Survey {
     pub(crate) fn report(&self, now: Now, own: SubscriberCounts) -> Report {
         let sources: Vec<SourceReport> = self.sources.iter().map(|source| self.source_report(source)).collect();
         let processes = self.processes(now);
-        let stage = |stage| {
-            let summary = self.stages.summary(stage, None, Span::Total);
-            (stage, StageReport::new(summary, self.stages.irregularities(stage)))
-        };
+        let stage = |stage| (stage, StageReport::new(&self.stages, stage));
         let mut report = Report {
             settings: self.settings.clone(),
             begun_utc_ns: self.begun.utc_ns,
@@ -222,6 +211,8 @@ impl Survey {
             restarts: restarts(&processes),
             processes,
             fusion: self.book.service(ProcessKind::Fusion, NO_SOURCE),
+            others: self.others(),
+            monitor: self.own_counters(own),
             network: self.network(),
             health_ignored: self.book.ignored(),
         };
@@ -229,9 +220,57 @@ impl Survey {
         report
     }
 
+    /// What there is to tell a collector of metrics.
+    pub(crate) fn snapshot(&self, now: Now, own: SubscriberCounts) -> Snapshot {
+        let journey = self.stages.journey();
+        let measured = || Stage::ALL.into_iter().filter(|stage| stage.is_measured(journey.end));
+        let of_source = |stage, number| {
+            let histogram = self.stages.histogram(stage, Some(number), Span::Total)?;
+            let late = || self.stages.deadline_misses(stage, Some(number), Span::Total);
+            Some(StageSample {
+                stage,
+                source: self.source_name(number).to_owned(),
+                buckets: Buckets::from(histogram),
+                late: journey.deadlines.get(stage).map(|_| late()),
+            })
+        };
+        let of_stage = |stage| self.stages.sources().filter_map(move |number| of_source(stage, number));
+        let source = |number| match number {
+            NO_SOURCE => String::new(),
+            number => self.source_name(number).to_owned(),
+        };
+        let counted = self.book.counted().map(|(kind, process, number, counters)| Counted {
+            kind,
+            process,
+            source: source(number),
+            counters,
+        });
+        Snapshot {
+            settings: self.settings.clone(),
+            stages: measured().flat_map(of_stage).collect(),
+            deadlines: measured()
+                .filter_map(|stage| Some((stage, journey.deadlines.get(stage)?)))
+                .collect(),
+            irregularities: measured()
+                .map(|stage| (stage, self.stages.irregularities(stage)))
+                .collect(),
+            counted: counted.collect(),
+            picture: self.picture(),
+            processes: self.processes(now),
+            monitor_missed: own.lost,
+            health_ignored: self.book.ignored(),
+        }
+    }
+
     fn source_report(&self, source: &Watched) -> SourceReport {
         let number = source.number;
-        let summary = |stage| (stage, self.stages.summary(stage, Some(number), Span::Total));
+        let of_stage = |stage| {
+            let report = SourceStageReport {
+                summary: self.stages.summary(stage, Some(number), Span::Total),
+                deadline_misses: self.stages.deadline_misses(stage, Some(number), Span::Total),
+            };
+            (stage, report)
+        };
         SourceReport {
             number,
             name: source.name.clone(),
@@ -239,7 +278,7 @@ impl Survey {
             fusion: self.book.service(ProcessKind::Fusion, number),
             recorder: self.book.service(ProcessKind::Recorder, number),
             registration: self.book.registration(number),
-            stages: Stage::ALL.map(summary).to_vec(),
+            stages: Stage::ALL.map(of_stage).to_vec(),
         }
     }
 
@@ -305,18 +344,65 @@ impl Survey {
         self.book.processes(&self.expected, now.mono_ns)
     }
 
-    /// What processes with a socket say of it.
-    fn network(&self) -> Vec<NetworkReport> {
-        let with_socket = [ProcessKind::Adapter, ProcessKind::Simulator, ProcessKind::Gateway];
-        let expected = self.expected.iter().filter(|(kind, _)| with_socket.contains(kind));
-        let said = expected.filter_map(|(kind, name)| {
+    /// What the monitor has counted at the system tracks.
+    pub(crate) fn own_counters(&self, own: SubscriberCounts) -> Counters {
+        let mut counters = Counters::default();
+        counters.set(Counter::Taken, own.taken);
+        counters.set(Counter::Lost, own.lost);
+        counters.set(Counter::OutOfOrder, own.out_of_order);
+        counters.set(Counter::SchemaMismatch, own.schema_mismatch);
+        counters.set(Counter::Invalid, self.book.ignored());
+        self.count_late(None, &mut counters);
+        counters
+    }
+
+    /// The same, source by source: which deadlines their reports have missed.
+    pub(crate) fn own_counters_by_source(&self) -> impl Iterator<Item = (u16, Counters)> + '_ {
+        let numbers = self.stages.sources().filter(|number| *number != NO_SOURCE);
+        numbers.map(|number| {
+            let mut counters = Counters::default();
+            self.count_late(Some(number), &mut counters);
+            (number, counters)
+        })
+    }
+
+    fn count_late(&self, source: Option<u16>, counters: &mut Counters) {
+        let misses = |stage| self.stages.deadline_misses(stage, source, Span::Total);
+        counters.set(Counter::DeadlineMisses, misses(Stage::TakenToFused));
+        counters.set(Counter::StagesLate, Stage::ALL.map(misses).iter().sum());
+    }
+
+    /// What processes but fusion and the monitor say of themselves as a whole.
+    fn others(&self) -> Vec<ProcessCounters> {
+        let apart = [ProcessKind::Fusion, ProcessKind::Monitor];
+        let others = self.expected.iter().filter(|(kind, _)| !apart.contains(kind));
+        let said = others.filter_map(|(kind, name)| {
             let counters = self.book.whole(*kind, name)?.counters();
-            Some(NetworkReport {
+            Some(ProcessCounters {
                 process: title(*kind, name),
                 counters,
             })
         });
-        said.filter(|report| report.counters.sum(&TRAFFIC) > 0).collect()
+        said.collect()
+    }
+
+    /// What processes with a socket say of it.
+    fn network(&self) -> Vec<ProcessCounters> {
+        let mut said = self.others();
+        said.retain(|report| report.counters.sum(&TRAFFIC) > 0);
+        said
+    }
+}
+
+/// What is measured, and how far.
+fn journey(config: &Config) -> Journey {
+    Journey {
+        end: match config.monitor.wait {
+            MonitorWait::Event => JourneyEnd::Received,
+            MonitorWait::Poll { .. } => JourneyEnd::Published,
+        },
+        deadlines: config.monitor.deadlines,
+        ..Journey::default()
     }
 }
 
@@ -383,5 +469,13 @@ fn run_settings(config: &Config, options: &Options) -> RunSettings {
             .map(|world| world.targets),
         interval_s: config.monitor.interval_ns as f64 / 1e9,
         deadline_us: config.fusion.deadline_ns as f64 / 1e3,
+        monitor_wait: match config.monitor.wait {
+            MonitorWait::Event => "event",
+            MonitorWait::Poll { .. } => "poll",
+        },
+        monitor_poll_ms: match config.monitor.wait {
+            MonitorWait::Event => None,
+            MonitorWait::Poll { pause } => Some(pause.as_secs_f64() * 1e3),
+        },
     }
 }

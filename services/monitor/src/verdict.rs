@@ -166,8 +166,29 @@ fn about_fusion(report: &Report, concerns: &mut Vec<String>) {
             table::duration(report.settings.deadline_us * 1e3)
         ));
     }
+    if measured {
+        about_stages(report, concerns);
+    }
     if taken(report) > 0 && report.picture.ever_confirmed == 0 {
         concerns.push("no system track was confirmed".to_owned());
+    }
+}
+
+/// Deadlines of stages other than fusion's own, which counts its misses itself.
+fn about_stages(report: &Report, concerns: &mut Vec<String>) {
+    for (stage, figures) in report.stages.iter().filter(|(stage, _)| *stage != Stage::TakenToFused) {
+        let (count, misses) = (figures.summary.count, figures.deadline_misses);
+        let Some(deadline_us) = figures.deadline_us else {
+            continue;
+        };
+        if misses as f64 > DEADLINE_MISS_SHARE_MAX * count as f64 {
+            concerns.push(format!(
+                "{} of the states missed a deadline: {} took longer than {}",
+                percent(misses as f64 / count.max(1) as f64),
+                stage.label(),
+                table::duration(deadline_us * 1e3)
+            ));
+        }
     }
 }
 
@@ -202,7 +223,12 @@ fn praise(report: &Report) -> String {
     let end_to_end = report.stages.iter().find(|(stage, _)| *stage == Stage::EndToEnd);
     if let Some((_, figures)) = end_to_end.filter(|(_, figures)| figures.summary.count > 0) {
         let median = table::duration(figures.summary.p50_ns as f64);
-        sentence.push_str(&format!("; half of the states reached a subscriber within {median}"));
+        let reached = if report.settings.monitor_poll_ms.is_some() {
+            "were published"
+        } else {
+            "reached a subscriber"
+        };
+        sentence.push_str(&format!("; half of the states {reached} within {median}"));
     }
     sentence.push('.');
     sentence

@@ -1,191 +1,21 @@
 //! The monitor as an agent, turn by turn, over the in-process transport and with a clock that the test sets.
 
-use std::cell::Cell;
+mod watched;
+
 use std::io::Write;
 use std::path::Path;
 use std::rc::Rc;
-use std::sync::{Arc, Mutex};
 
-use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
-use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind, StageTimes, SystemTrack, TrackState};
+use bus::{Bus, InProcess, WaitMode, Waiter};
+use hdrhistogram::Histogram;
+use hdrhistogram::serialization::Deserializer;
+use hdrhistogram::serialization::interval_log::{IntervalLogIterator, LogEntry};
+use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind};
 use monitor::{MonitorAgent, Screen};
 use runtime::config::BUILT_IN_DEMO;
-use runtime::{Agent, Config, HealthEntry, Now, Options, Speed, Turn};
+use runtime::{Agent, Config, Options, Speed, Turn};
 use serde_json::Value;
-
-const S: i64 = 1_000_000_000;
-const UTC_NS: i64 = 1_700_000_000 * S;
-
-/// Where the monitor's text goes.
-#[derive(Clone, Default)]
-struct Paper(Arc<Mutex<Vec<u8>>>);
-
-impl Write for Paper {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.lock().unwrap().write(bytes)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-/// A monitor, and the processes that it watches.
-struct Bench {
-    monitor: MonitorAgent<InProcess>,
-    clock: Rc<Cell<Now>>,
-    paper: Paper,
-    bus: Bus<InProcess>,
-    tracks: Publisher<InProcess, SystemTrack>,
-    health: Publisher<InProcess, Health>,
-    folder: tempfile::TempDir,
-    _held: [Held; 2],
-}
-
-impl Bench {
-    /// Of the demonstration, changed by `overrides`.
-    fn new(overrides: &[&str]) -> Self {
-        Self::with(overrides, Speed::Factor(1.0), Path::new(BUILT_IN_DEMO))
-    }
-
-    fn with(overrides: &[&str], speed: Speed, config: &Path) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let overrides: Vec<String> = overrides.iter().map(|each| (*each).to_owned()).collect();
-        let config = Config::read(config, &overrides).unwrap();
-        let root = Root::in_base(folder.path(), "test").unwrap();
-        let bus: Bus<InProcess> = Bus::open(&root, "test").unwrap();
-        let held = [
-            bus.hold(&messages::system_tracks()).unwrap(),
-            bus.hold(&messages::health()).unwrap(),
-        ];
-        let options = Options {
-            overrides: Vec::new(),
-            instance: "test".to_owned(),
-            data: folder.path().into(),
-            out: folder.path().join("out"),
-            speed,
-            seed: 1,
-            scenario_start_ns: UTC_NS,
-            launcher: None,
-        };
-        let clock = Rc::new(Cell::new(Now {
-            mono_ns: 100 * S,
-            utc_ns: UTC_NS,
-        }));
-        let (paper, reading) = (Paper::default(), Rc::clone(&clock));
-        let screen = Screen::new(Box::new(paper.clone()), false);
-        let reads = Box::new(move || reading.get());
-        let monitor = MonitorAgent::new(&config, &options, "monitor", &bus, reads, screen).unwrap();
-        Self {
-            monitor,
-            clock,
-            paper,
-            tracks: bus.publisher(&messages::system_tracks(), 100 * S as u64).unwrap(),
-            health: bus.publisher(&messages::health(), 100 * S as u64).unwrap(),
-            bus,
-            folder,
-            _held: held,
-        }
-    }
-
-    fn pass(&self, ns: i64) {
-        let now = self.clock.get();
-        self.clock.set(Now {
-            mono_ns: now.mono_ns + ns,
-            utc_ns: now.utc_ns + ns,
-        });
-    }
-
-    fn turn(&mut self) -> Turn {
-        self.monitor.turn(self.clock.get()).unwrap()
-    }
-
-    fn mark(&self) -> Mark {
-        Mark {
-            progress_ns: i64::MIN,
-            sent_ns: self.clock.get().mono_ns,
-            end: false,
-        }
-    }
-
-    /// One process says how it is.
-    fn say(&mut self, kind: ProcessKind, name: &str, source: u16, counters: &[(Counter, u64)]) {
-        self.say_as(100 * S as u64, kind, name, source, counters);
-    }
-
-    fn say_as(&mut self, incarnation: u64, kind: ProcessKind, name: &str, source: u16, counters: &[(Counter, u64)]) {
-        let mut health = Health {
-            said_ns: self.clock.get().mono_ns,
-            incarnation,
-            source,
-            kind: kind as u8,
-            life: LifeState::Finished as u8,
-            ..Health::default()
-        };
-        for (counter, value) in counters {
-            health.counters[*counter as usize] = *value;
-        }
-        self.send_health(health.with_name(name));
-    }
-
-    fn send_health(&mut self, health: Health) {
-        self.health.send(self.mark(), 1, |_, _| health).unwrap();
-    }
-
-    /// Fusion publishes `count` states that reports of `source` caused. Every stage took `unit_ns`.
-    fn fuse(&mut self, source: u16, count: usize, unit_ns: i64) {
-        let now = self.clock.get();
-        let state = |index: usize, sequence: u64| SystemTrack {
-            sequence,
-            trigger_source: source,
-            track_number: index as u32 + 1,
-            state: TrackState::Confirmed as u8,
-            reference_time_ns: now.utc_ns,
-            time_of_measurement_ns: now.utc_ns - 100 * unit_ns,
-            stages: StageTimes {
-                ingested_ns: now.mono_ns - 4 * unit_ns,
-                published_ns: now.mono_ns - 3 * unit_ns,
-                taken_ns: now.mono_ns - 2 * unit_ns,
-                fused_ns: now.mono_ns - unit_ns,
-            },
-            ..SystemTrack::default()
-        };
-        self.tracks.send(self.mark(), count, state).unwrap();
-    }
-
-    fn close(&mut self) -> String {
-        self.monitor.close(self.clock.get()).unwrap();
-        self.text()
-    }
-
-    fn text(&self) -> String {
-        String::from_utf8(self.paper.0.lock().unwrap().clone()).unwrap()
-    }
-
-    /// The report's last sentence, without its line breaks.
-    fn verdict(&self) -> String {
-        let sentence = self.report()["verdict"]["sentence"].as_str().unwrap().to_owned();
-        let text: Vec<&str> = sentence.split(' ').collect();
-        let shown = self.text();
-        let shown: Vec<&str> = shown.split_whitespace().collect();
-        assert!(shown.ends_with(&text), "the text ends with the verdict");
-        sentence
-    }
-
-    fn out(&self, name: &str) -> String {
-        std::fs::read_to_string(self.folder.path().join("out").join(name)).unwrap()
-    }
-
-    fn report(&self) -> Value {
-        serde_json::from_str(&self.out("report.json")).unwrap()
-    }
-
-    fn own_health(&self) -> HealthEntry {
-        let mut entries = Vec::new();
-        self.monitor.health(&mut entries);
-        entries.remove(0)
-    }
-}
+use watched::{Bench, RECORDED, S, UTC_NS};
 
 #[test]
 fn stages_are_those_of_the_messages() {
@@ -506,22 +336,207 @@ fn readers_that_have_gone_do_not_end_it() {
     second.close(bench.clock.get()).unwrap();
 }
 
-const RECORDED: &str = r#"name = "recorded"
-[frame]
-latitude_deg = 41.3
-longitude_deg = 2.1
-[time]
-order = "time"
-date = "2016-05-10"
-[[source]]
-name = "radar"
-period_s = 1.0
-[source.recorded]
-file = "radar.ast"
-editions = { "10" = "1.1" }
-[fusion.capacity]
-system_tracks = 10
-sensor_tracks = 100
-[monitor]
-files = true
-"#;
+/// How many listeners still find a place on the topic of system tracks.
+fn free_listeners(bus: &Bus<InProcess>) -> usize {
+    let topic = messages::system_tracks();
+    let mut waiters: Vec<Waiter<InProcess>> = Vec::new();
+    loop {
+        let mut waiter = bus.waiter(WaitMode::Event);
+        if waiter.watch(bus, &topic).is_err() {
+            return waiters.len();
+        }
+        waiters.push(waiter);
+    }
+}
+
+#[test]
+fn a_monitor_that_polls_is_no_listener_of_fusion() {
+    let places = messages::system_tracks().capacity.subscribers;
+    assert_eq!(free_listeners(&Bench::new(&["monitor.wait=event"]).bus), places - 1);
+    assert_eq!(free_listeners(&Bench::new(&["monitor.wait=poll"]).bus), places);
+    assert_eq!(
+        free_listeners(&Bench::new(&["fusion.wait=hybrid"]).bus),
+        places,
+        "the default where fusion spins"
+    );
+}
+
+#[test]
+fn a_monitor_that_polls_sleeps_between_its_looks_though_much_has_come() {
+    let mut bench = Bench::new(&["monitor.wait=poll", "monitor.poll_ms=2.5"]);
+    bench.fuse(0, 100, 1_000);
+    let Turn::Idle(at_most) = bench.turn() else {
+        panic!("all has been taken")
+    };
+    assert_eq!(at_most.as_micros(), 2_500);
+    // What has come meanwhile does not end the pause: asked for a pause of nothing, it takes nothing.
+    bench.fuse(0, 100, 1_000);
+    bench.monitor.wait(std::time::Duration::ZERO).unwrap();
+    assert_eq!(bench.own_health().counters[Counter::Taken as usize], 100);
+}
+
+#[test]
+fn the_pause_of_a_monitor_that_polls_is_not_measured() {
+    let mut bench = Bench::new(&["monitor.wait=poll", "monitor.files=true"]);
+    bench.fuse(0, 10, 1_000);
+    bench.pass(4_000_000);
+    bench.turn();
+    let text = bench.close();
+    let report = bench.report();
+    let near = |stage: &str, expected_ns: u64| {
+        let value = report["stages"][stage]["p50_ns"].as_u64().unwrap();
+        assert!(value.abs_diff(expected_ns) * 1000 <= expected_ns, "{stage} {value}");
+    };
+    near("taken_to_fused", 1_000);
+    near("end_to_end", 3_000);
+    near("age", 99_000);
+    let transport_out = &report["stages"]["fused_to_received"];
+    assert_eq!(
+        (&transport_out["measured"], &transport_out["count"]),
+        (&false.into(), &0.into())
+    );
+    assert_eq!(report["settings"]["monitor_wait"], "poll");
+    assert_eq!(report["settings"]["monitor_poll_ms"], 5.0);
+    assert!(
+        text.contains("transport out is not measured: the monitor polls"),
+        "{text}"
+    );
+    assert!(!bench.out("latency.hlog").contains("fused_to_received"));
+    assert!(!bench.folder.path().join("out/latency_fused_to_received.hgrm").exists());
+}
+
+#[test]
+fn missed_deadlines_are_counted_by_stage_and_source() {
+    let mut bench = Bench::new(&[
+        "monitor.files=true",
+        "fusion.deadline_us=10",
+        "monitor.deadline_us.end_to_end=30",
+        "monitor.deadline_us.age=5000",
+    ]);
+    bench.fuse(0, 20, 1_000);
+    bench.fuse(3, 10, 9_000);
+    bench.fuse(3, 5, 11_000);
+    bench.turn();
+    bench.pass(S);
+    bench.turn();
+    let own = bench.own_health();
+    assert_eq!(own.counters[Counter::DeadlineMisses as usize], 5);
+    assert_eq!(own.counters[Counter::StagesLate as usize], 5 + 15);
+    bench.close();
+    let report = bench.report();
+    let stage = |stage: &str| &report["stages"][stage];
+    assert_eq!(
+        (
+            &stage("taken_to_fused")["deadline_us"],
+            &stage("taken_to_fused")["deadline_misses"]
+        ),
+        (&10.0.into(), &5.into())
+    );
+    assert_eq!(
+        (
+            &stage("end_to_end")["deadline_us"],
+            &stage("end_to_end")["deadline_misses"]
+        ),
+        (&30.0.into(), &15.into())
+    );
+    assert_eq!(
+        (
+            &stage("age")["deadline_misses"],
+            &stage("publish_to_taken")["deadline_us"]
+        ),
+        (&0.into(), &Value::Null)
+    );
+    let of_source = |source: usize| &report["sources"][source]["stages"]["end_to_end"]["deadline_misses"];
+    assert_eq!((of_source(0), of_source(3)), (&0.into(), &15.into()));
+    let verdict = bench.verdict();
+    assert!(
+        verdict.contains("42.9 % of the states missed a deadline: end to end took longer than 30.0 µs"),
+        "{verdict}"
+    );
+}
+
+#[test]
+fn what_each_source_missed_is_said_in_health_messages() {
+    let mut bench = Bench::new(&["fusion.deadline_us=10"]);
+    bench.fuse(3, 7, 20_000);
+    bench.turn();
+    bench.pass(S);
+    bench.turn();
+    let mut entries = Vec::new();
+    bench.monitor.health(&mut entries);
+    let of_source = entries.iter().find(|entry| entry.source == 3).unwrap();
+    assert_eq!(of_source.counters[Counter::DeadlineMisses as usize], 7);
+    assert_eq!(entries.len(), 2);
+}
+
+/// The histogram of all intervals of one tag in a log.
+fn logged(log: &str, tag: &str) -> Histogram<u64> {
+    use base64::Engine as _;
+    let mut sum = Histogram::new(3).unwrap();
+    for entry in IntervalLogIterator::new(log.as_bytes()) {
+        if let LogEntry::Interval(line) = entry.unwrap()
+            && line.tag().unwrap().as_str() == tag
+        {
+            let encoded = line.encoded_histogram();
+            let bytes = base64::engine::general_purpose::STANDARD.decode(encoded).unwrap();
+            let interval: Histogram<u64> = Deserializer::new().deserialize(&mut bytes.as_slice()).unwrap();
+            sum.add(interval).unwrap();
+        }
+    }
+    sum
+}
+
+#[test]
+fn files_hold_every_stage_and_source_and_agree_with_the_report() {
+    let mut bench = Bench::new(&["monitor.files=true"]);
+    for unit_ns in 1..=50 {
+        bench.fuse(0, 2, 1_000 * unit_ns);
+        bench.fuse(3, 3, 7_000 * unit_ns);
+        bench.pass(100_000_000);
+        bench.turn();
+    }
+    bench.close();
+    let (log, report) = (bench.out("latency.hlog"), bench.report());
+    let stages = [
+        "ingest_to_publish",
+        "publish_to_taken",
+        "taken_to_fused",
+        "fused_to_received",
+        "end_to_end",
+        "age",
+    ];
+    for stage in stages {
+        let of_source = |index: usize| report["sources"][index]["stages"][stage].clone();
+        for (tag, file, figures) in [
+            (
+                stage.to_owned(),
+                format!("latency_{stage}.hgrm"),
+                report["stages"][stage].clone(),
+            ),
+            (
+                format!("{stage}/radar-west"),
+                format!("latency_{stage}_radar-west.hgrm"),
+                of_source(0),
+            ),
+            (
+                format!("{stage}/ads-b"),
+                format!("latency_{stage}_ads-b.hgrm"),
+                of_source(3),
+            ),
+        ] {
+            let histogram = logged(&log, &tag);
+            assert_eq!(figures["count"], histogram.len(), "{tag}");
+            assert_eq!(figures["p99_ns"], histogram.value_at_quantile(0.99), "{tag}");
+            assert_eq!(figures["max_ns"], histogram.max(), "{tag}");
+            let text = bench.out(&file);
+            let last = text.lines().rfind(|line| line.contains(" 1.000000000000 ")).unwrap();
+            let words: Vec<f64> = last.split_whitespace().map(|word| word.parse().unwrap()).collect();
+            assert_eq!(words[0], (histogram.max() as f64).round() / 1e3, "{file}, microseconds");
+            assert_eq!(words[2], histogram.len() as f64, "{file}");
+        }
+    }
+    assert!(
+        !bench.folder.path().join("out/latency_age_radar-east.hgrm").exists(),
+        "it did not report"
+    );
+}

@@ -11,13 +11,14 @@ use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
 use fusion::settings as engine;
 use messages::NS_PER_S;
 
+use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
 use super::check_rule::check_rule;
 use super::locate::line_of;
 use super::raw::{
     AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawPlace, RawRecorded, RawSource,
 };
-use super::{Config, ConfigError, Fusion, Input, Monitor, Order, Recorded, RecordedFormat, Source};
+use super::{Config, ConfigError, Fusion, Input, Order, Recorded, RecordedFormat, Source};
 use crate::cores::{self, Placement};
 
 /// What is wrong with the value at a key.
@@ -124,12 +125,10 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
             "\"time\" is for recorded inputs; simulated sensors and receivers are live: use \"arrival\"",
         ));
     }
+    let fusion = check_fusion(&raw.fusion, weighing)?;
     Ok(Config {
-        fusion: check_fusion(&raw.fusion, weighing)?,
-        monitor: Monitor {
-            interval_ns: nanoseconds(within("monitor.interval_s", raw.monitor.interval_s, 0.1, 3600.0)?),
-            files: raw.monitor.files,
-        },
+        monitor: check_monitor(&raw.monitor, &fusion)?,
+        fusion,
         name: raw.name,
         path: path.to_owned(),
         frame,

@@ -4,6 +4,7 @@
 //! each is refused with file, line, key, value and what would be right, before anything is started.
 
 mod check;
+mod check_monitor;
 mod check_network;
 mod check_rule;
 mod locate;
@@ -12,7 +13,9 @@ mod offline;
 mod raw;
 
 use std::fmt;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use bus::WaitMode;
 use formats::outgoing::Technology;
@@ -20,6 +23,7 @@ use formats::reports::SourceModel;
 use frames::SystemFrame;
 use fusion::settings as engine;
 use serde::Deserialize;
+use telemetry::Deadlines;
 
 use crate::cores::Placement;
 use raw::RawConfig;
@@ -176,6 +180,24 @@ pub struct Monitor {
     pub interval_ns: i64,
     /// Whether it writes its files (histogram log, percentiles, JSON).
     pub files: bool,
+    /// How it waits for system tracks.
+    pub wait: MonitorWait,
+    /// How long each stage may take; fusion's own stage always has a deadline.
+    pub deadlines: Deadlines,
+    /// Where it serves metrics for Prometheus, if it does.
+    pub metrics: Option<SocketAddr>,
+}
+
+/// How the monitor waits for system tracks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MonitorWait {
+    /// It is woken for each slice: exact, at the price of a system call of fusion's per slice.
+    Event,
+    /// It looks now and then, which costs fusion nothing: what comes after fusion is not measured.
+    Poll {
+        /// Time between two looks.
+        pause: Duration,
+    },
 }
 
 /// A configuration that cannot be used.

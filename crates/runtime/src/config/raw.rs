@@ -553,6 +553,13 @@ pub(crate) enum RawTie {
 pub(crate) struct RawMonitor {
     pub(crate) interval_s: f64,
     pub(crate) files: bool,
+    /// Absent: what disturbs fusion least, see `check_monitor`.
+    pub(crate) wait: Option<RawMonitorWait>,
+    pub(crate) poll_ms: f64,
+    pub(crate) deadline_us: RawDeadlines,
+    /// Address and port; absent: no metrics.
+    pub(crate) prometheus: Option<String>,
+    pub(crate) prometheus_public: bool,
 }
 
 impl Default for RawMonitor {
@@ -560,8 +567,32 @@ impl Default for RawMonitor {
         Self {
             interval_s: 1.0,
             files: true,
+            wait: None,
+            poll_ms: 5.0,
+            deadline_us: RawDeadlines::default(),
+            prometheus: None,
+            prometheus_public: false,
         }
     }
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum RawMonitorWait {
+    Event,
+    Poll,
+}
+
+/// Keys as in the monitor's report; absent: that of fusion for its own stage, none for the others.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawDeadlines {
+    pub(crate) ingest_to_publish: Option<f64>,
+    pub(crate) publish_to_taken: Option<f64>,
+    pub(crate) taken_to_fused: Option<f64>,
+    pub(crate) fused_to_received: Option<f64>,
+    pub(crate) end_to_end: Option<f64>,
+    pub(crate) age: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,0 +1,307 @@
+//! What is known, as metrics in the OpenMetrics text format, which Prometheus collects.
+//!
+//! Latencies are histograms, not summaries: quantiles that each process has worked out for itself cannot be combined over
+//! sources, instances or longer stretches of time, counts in common buckets can (`histogram_quantile` does it).
+//!
+//! All begin with `koseki_`. Every counter of `messages::Counter` is a family of its own, so that its sentence is its help
+//! text; the label `source` is empty where a process speaks of itself as a whole, and what it says then includes its
+//! sources.
+
+use std::fmt;
+
+use messages::{Counter, LifeState, ProcessKind};
+use prometheus_client::collector::Collector;
+use prometheus_client::encoding::text::encode;
+use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, NoLabelSet};
+use prometheus_client::metrics::MetricType;
+use prometheus_client::registry::{Registry, Unit};
+use telemetry::{BUCKET_BOUNDS_NS, Buckets, Irregularities, Stage};
+
+use crate::counters::{Counters, LEVELS, OF_PROCESSES, counted_by};
+use crate::report::{Picture, Process, RunSettings, State};
+
+/// Of what is served.
+pub(crate) const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+
+const NS_PER_S: f64 = 1e9;
+
+/// What is known at the end of an interval.
+#[derive(Clone, Debug)]
+pub(crate) struct Snapshot {
+    pub(crate) settings: RunSettings,
+    pub(crate) stages: Vec<StageSample>,
+    pub(crate) deadlines: Vec<(Stage, u64)>,
+    pub(crate) irregularities: Vec<(Stage, Irregularities)>,
+    pub(crate) counted: Vec<Counted>,
+    pub(crate) picture: Picture,
+    pub(crate) processes: Vec<Process>,
+    pub(crate) monitor_missed: u64,
+    pub(crate) health_ignored: u64,
+}
+
+/// Latencies of one stage of one source's reports.
+#[derive(Clone, Debug)]
+pub(crate) struct StageSample {
+    pub(crate) stage: Stage,
+    pub(crate) source: String,
+    pub(crate) buckets: Buckets,
+    /// How often the stage took longer than its deadline, if it has one.
+    pub(crate) late: Option<u64>,
+}
+
+/// What one process counted, of a source or, where that is empty, altogether.
+#[derive(Clone, Debug)]
+pub(crate) struct Counted {
+    pub(crate) kind: ProcessKind,
+    pub(crate) process: String,
+    pub(crate) source: String,
+    pub(crate) counters: Counters,
+}
+
+impl Snapshot {
+    /// The text.
+    pub(crate) fn text(self) -> String {
+        let mut registry = Registry::with_prefix("koseki");
+        registry.register_collector(Box::new(self));
+        let mut text = String::new();
+        // Writing to a string fails only if an encoder does, and none of these can.
+        let _ = encode(&mut text, &registry);
+        text
+    }
+}
+
+impl Collector for Snapshot {
+    fn encode(&self, encoder: DescriptorEncoder<'_>) -> fmt::Result {
+        let mut families = Families(encoder);
+        self.deployment(&mut families)?;
+        self.latencies(&mut families)?;
+        self.late(&mut families)?;
+        self.counters(&mut families)?;
+        self.tracks(&mut families)?;
+        self.processes(&mut families)?;
+        families.counter(
+            "monitor_missed_states",
+            "System-track states that only the monitor missed: its figures rest on fewer",
+            self.monitor_missed,
+        )?;
+        families.counter(
+            "health_ignored",
+            "Health messages that could not be understood",
+            self.health_ignored,
+        )
+    }
+}
+
+impl Snapshot {
+    fn deployment(&self, families: &mut Families<'_>) -> fmt::Result {
+        let settings = &self.settings;
+        let labels = [
+            ("deployment", settings.deployment.as_str()),
+            ("run_as", &settings.instance),
+            ("rule", &settings.rule),
+            ("order", settings.order),
+            ("wait", settings.wait),
+            ("monitor_wait", settings.monitor_wait),
+        ];
+        families.gauges("deployment", "What is run, in its labels", None, [(labels, 1.0)])
+    }
+
+    fn latencies(&self, families: &mut Families<'_>) -> fmt::Result {
+        let help = "Time that a stage took, of states that a report of the source caused; age: since the measurement";
+        let unit = Unit::Seconds;
+        let mut family = families
+            .0
+            .encode_descriptor("stage_latency", help, Some(&unit), MetricType::Histogram)?;
+        let bounds_s = BUCKET_BOUNDS_NS.iter().map(|bound_ns| *bound_ns as f64 / NS_PER_S);
+        let bounds_s: Vec<f64> = bounds_s.chain([f64::INFINITY]).collect();
+        for sample in &self.stages {
+            let counts = sample.buckets.counts;
+            let buckets: Vec<(f64, u64)> = bounds_s.iter().copied().zip(counts).collect();
+            let labels = [("stage", sample.stage.key()), ("source", &sample.source)];
+            family.encode_family(&labels)?.encode_histogram::<NoLabelSet>(
+                sample.buckets.sum_ns / NS_PER_S,
+                counts.iter().sum(),
+                &buckets,
+                None,
+            )?;
+        }
+        Ok(())
+    }
+
+    fn late(&self, families: &mut Families<'_>) -> fmt::Result {
+        let deadlines = self.deadlines.iter();
+        families.gauges(
+            "stage_deadline",
+            "How long a stage may take",
+            Some(Unit::Seconds),
+            deadlines.map(|(stage, deadline_ns)| ([("stage", stage.key())], *deadline_ns as f64 / NS_PER_S)),
+        )?;
+        let late = self.stages.iter().filter_map(|sample| {
+            let labels = [("stage", sample.stage.key()), ("source", sample.source.as_str())];
+            Some((labels, sample.late?))
+        });
+        families.counters("stage_late", "Times a stage took longer than its deadline", late)?;
+        let irregular = self.irregularities.iter().flat_map(|(stage, counts)| {
+            let reasons = [
+                ("missing", counts.missing),
+                ("negative", counts.negative),
+                ("too_long", counts.too_long),
+            ];
+            reasons.map(|(reason, count)| ([("stage", stage.key()), ("reason", reason)], count))
+        });
+        let help = "Stamps that are no latency: missing, before their predecessors, or more than ten minutes after";
+        families.counters("stage_stamps_unusable", help, irregular)
+    }
+
+    fn counters(&self, families: &mut Families<'_>) -> fmt::Result {
+        for counter in Counter::ALL.iter().filter(|counter| !LEVELS.contains(counter)) {
+            let samples = self.counted.iter().filter_map(|counted| {
+                let value = counted.counters.get(*counter);
+                let labels = [
+                    ("kind", counted.kind.word()),
+                    ("process", counted.process.as_str()),
+                    ("source", counted.source.as_str()),
+                ];
+                let expected = counted_by(counted.kind).contains(counter)
+                    && (counted.source.is_empty() || !OF_PROCESSES.contains(counter));
+                (value > 0 || expected).then_some((labels, value))
+            });
+            families.counters(counter.label(), counter.sentence(), samples)?;
+        }
+        Ok(())
+    }
+
+    fn tracks(&self, families: &mut Families<'_>) -> fmt::Result {
+        let picture = &self.picture;
+        let states = [
+            ("confirmed", picture.confirmed),
+            ("coasted", picture.coasted),
+            ("tentative", picture.tentative),
+        ];
+        families.gauges(
+            "system_tracks",
+            "System tracks now, by state",
+            None,
+            states.map(|(state, count)| ([("state", state)], count as f64)),
+        )
+    }
+
+    fn processes(&self, families: &mut Families<'_>) -> fmt::Result {
+        let labels = |process: &'_ Process| {
+            [
+                ("kind", process.kind.word().to_owned()),
+                ("process", process.name.clone()),
+            ]
+        };
+        let is_up = |state| matches!(state, State::Life(LifeState::Starting | LifeState::Running));
+        families.gauges(
+            "process_up",
+            "1 while a process runs and is heard from",
+            None,
+            self.processes
+                .iter()
+                .map(|process| (labels(process), f64::from(u8::from(is_up(process.state))))),
+        )?;
+        families.counters(
+            "process_restarts",
+            "Times a process was started again",
+            self.processes
+                .iter()
+                .map(|process| (labels(process), u64::from(process.restarts))),
+        )
+    }
+}
+
+/// Writes whole families.
+struct Families<'a>(DescriptorEncoder<'a>);
+
+impl Families<'_> {
+    fn counters<L: EncodeLabelSet>(
+        &mut self,
+        name: &str,
+        help: &str,
+        samples: impl IntoIterator<Item = (L, u64)>,
+    ) -> fmt::Result {
+        let mut family = self.0.encode_descriptor(name, help, None, MetricType::Counter)?;
+        for (labels, value) in samples {
+            family
+                .encode_family(&labels)?
+                .encode_counter::<NoLabelSet, u64, f64>(&value, None)?;
+        }
+        Ok(())
+    }
+
+    fn counter(&mut self, name: &str, help: &str, value: u64) -> fmt::Result {
+        let mut family = self.0.encode_descriptor(name, help, None, MetricType::Counter)?;
+        family.encode_counter::<NoLabelSet, u64, f64>(&value, None)
+    }
+
+    fn gauges<L: EncodeLabelSet>(
+        &mut self,
+        name: &str,
+        help: &str,
+        unit: Option<Unit>,
+        samples: impl IntoIterator<Item = (L, f64)>,
+    ) -> fmt::Result {
+        let mut family = self.0.encode_descriptor(name, help, unit.as_ref(), MetricType::Gauge)?;
+        for (labels, value) in samples {
+            family.encode_family(&labels)?.encode_gauge(&value)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::golden;
+    use crate::report_text::tests::good;
+
+    fn counted(kind: ProcessKind, process: &str, source: &str, counters: Counters) -> Counted {
+        Counted {
+            kind,
+            process: process.to_owned(),
+            source: source.to_owned(),
+            counters,
+        }
+    }
+
+    #[test]
+    fn the_text_is_as_the_format_has_it() {
+        let report = good();
+        let mut buckets = Buckets::default();
+        (buckets.counts[4], buckets.counts[6], buckets.sum_ns) = (19_000, 1_000, 1e9);
+        let sample = |stage, source: &str, late| StageSample {
+            stage,
+            source: source.to_owned(),
+            buckets,
+            late,
+        };
+        let snapshot = Snapshot {
+            settings: report.settings,
+            stages: vec![
+                sample(Stage::TakenToFused, "radar \"west\"", Some(3)),
+                sample(Stage::EndToEnd, "ads-b", None),
+            ],
+            deadlines: vec![(Stage::TakenToFused, 1_000_000)],
+            irregularities: vec![(
+                Stage::Age,
+                Irregularities {
+                    missing: 1,
+                    negative: 2,
+                    too_long: 3,
+                },
+            )],
+            counted: vec![
+                counted(ProcessKind::Adapter, "ads-b", "ads-b", report.sources[1].adapter),
+                counted(ProcessKind::Fusion, "fusion", "", report.fusion),
+                counted(ProcessKind::Fusion, "fusion", "ads-b", report.sources[1].fusion),
+            ],
+            picture: report.picture,
+            processes: report.processes,
+            monitor_missed: 4,
+            health_ignored: 5,
+        };
+        golden::assert("metrics.txt", &snapshot.text());
+    }
+}

@@ -1,0 +1,223 @@
+//! A monitor over the in-process transport, with a clock that the test sets, and the processes that it watches.
+
+// Each test file uses its part of it.
+#![allow(dead_code)]
+
+use std::cell::Cell;
+use std::io::Write;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::{Arc, Mutex};
+
+use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
+use messages::{Counter, Health, LifeState, ProcessKind, StageTimes, SystemTrack, TrackState};
+use monitor::{MonitorAgent, Screen};
+use runtime::config::BUILT_IN_DEMO;
+use runtime::{Agent, Config, HealthEntry, Now, Options, Speed, Turn};
+use serde_json::Value;
+
+pub(crate) const S: i64 = 1_000_000_000;
+pub(crate) const UTC_NS: i64 = 1_700_000_000 * S;
+
+/// Where the monitor's text goes.
+#[derive(Clone, Default)]
+pub(crate) struct Paper(Arc<Mutex<Vec<u8>>>);
+
+impl Write for Paper {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap().write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A monitor, and the processes that it watches.
+pub(crate) struct Bench {
+    pub(crate) monitor: MonitorAgent<InProcess>,
+    pub(crate) clock: Rc<Cell<Now>>,
+    pub(crate) paper: Paper,
+    pub(crate) bus: Bus<InProcess>,
+    tracks: Publisher<InProcess, SystemTrack>,
+    health: Publisher<InProcess, Health>,
+    pub(crate) folder: tempfile::TempDir,
+    _held: [Held; 2],
+}
+
+impl Bench {
+    /// Of the demonstration, changed by `overrides`.
+    pub(crate) fn new(overrides: &[&str]) -> Self {
+        Self::with(overrides, Speed::Factor(1.0), Path::new(BUILT_IN_DEMO))
+    }
+
+    pub(crate) fn with(overrides: &[&str], speed: Speed, config: &Path) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let overrides: Vec<String> = overrides.iter().map(|each| (*each).to_owned()).collect();
+        let config = Config::read(config, &overrides).unwrap();
+        let root = Root::in_base(folder.path(), "test").unwrap();
+        let bus: Bus<InProcess> = Bus::open(&root, "test").unwrap();
+        let held = [
+            bus.hold(&messages::system_tracks()).unwrap(),
+            bus.hold(&messages::health()).unwrap(),
+        ];
+        let options = Options {
+            overrides: Vec::new(),
+            instance: "test".to_owned(),
+            data: folder.path().into(),
+            out: folder.path().join("out"),
+            speed,
+            seed: 1,
+            scenario_start_ns: UTC_NS,
+            launcher: None,
+        };
+        let clock = Rc::new(Cell::new(Now {
+            mono_ns: 100 * S,
+            utc_ns: UTC_NS,
+        }));
+        let (paper, reading) = (Paper::default(), Rc::clone(&clock));
+        let screen = Screen::new(Box::new(paper.clone()), false);
+        let reads = Box::new(move || reading.get());
+        let monitor = MonitorAgent::new(&config, &options, "monitor", &bus, reads, screen).unwrap();
+        Self {
+            monitor,
+            clock,
+            paper,
+            tracks: bus.publisher(&messages::system_tracks(), 100 * S as u64).unwrap(),
+            health: bus.publisher(&messages::health(), 100 * S as u64).unwrap(),
+            bus,
+            folder,
+            _held: held,
+        }
+    }
+
+    pub(crate) fn pass(&self, ns: i64) {
+        let now = self.clock.get();
+        self.clock.set(Now {
+            mono_ns: now.mono_ns + ns,
+            utc_ns: now.utc_ns + ns,
+        });
+    }
+
+    pub(crate) fn turn(&mut self) -> Turn {
+        self.monitor.turn(self.clock.get()).unwrap()
+    }
+
+    /// A turn at `now`; its outcome does not matter.
+    pub(crate) fn monitor_turn(&mut self, now: Now) {
+        let _ = self.monitor.turn(now).unwrap();
+    }
+
+    pub(crate) fn mark(&self) -> Mark {
+        Mark {
+            progress_ns: i64::MIN,
+            sent_ns: self.clock.get().mono_ns,
+            end: false,
+        }
+    }
+
+    /// One process says how it is.
+    pub(crate) fn say(&mut self, kind: ProcessKind, name: &str, source: u16, counters: &[(Counter, u64)]) {
+        self.say_as(100 * S as u64, kind, name, source, counters);
+    }
+
+    pub(crate) fn say_as(
+        &mut self,
+        incarnation: u64,
+        kind: ProcessKind,
+        name: &str,
+        source: u16,
+        counters: &[(Counter, u64)],
+    ) {
+        let mut health = Health {
+            said_ns: self.clock.get().mono_ns,
+            incarnation,
+            source,
+            kind: kind as u8,
+            life: LifeState::Finished as u8,
+            ..Health::default()
+        };
+        for (counter, value) in counters {
+            health.counters[*counter as usize] = *value;
+        }
+        self.send_health(health.with_name(name));
+    }
+
+    pub(crate) fn send_health(&mut self, health: Health) {
+        self.health.send(self.mark(), 1, |_, _| health).unwrap();
+    }
+
+    /// Fusion publishes `count` states that reports of `source` caused. Every stage took `unit_ns`.
+    pub(crate) fn fuse(&mut self, source: u16, count: usize, unit_ns: i64) {
+        let now = self.clock.get();
+        let state = |index: usize, sequence: u64| SystemTrack {
+            sequence,
+            trigger_source: source,
+            track_number: index as u32 + 1,
+            state: TrackState::Confirmed as u8,
+            reference_time_ns: now.utc_ns,
+            time_of_measurement_ns: now.utc_ns - 100 * unit_ns,
+            stages: StageTimes {
+                ingested_ns: now.mono_ns - 4 * unit_ns,
+                published_ns: now.mono_ns - 3 * unit_ns,
+                taken_ns: now.mono_ns - 2 * unit_ns,
+                fused_ns: now.mono_ns - unit_ns,
+            },
+            ..SystemTrack::default()
+        };
+        self.tracks.send(self.mark(), count, state).unwrap();
+    }
+
+    pub(crate) fn close(&mut self) -> String {
+        self.monitor.close(self.clock.get()).unwrap();
+        self.text()
+    }
+
+    pub(crate) fn text(&self) -> String {
+        String::from_utf8(self.paper.0.lock().unwrap().clone()).unwrap()
+    }
+
+    /// The report's last sentence, without its line breaks.
+    pub(crate) fn verdict(&self) -> String {
+        let sentence = self.report()["verdict"]["sentence"].as_str().unwrap().to_owned();
+        let text: Vec<&str> = sentence.split(' ').collect();
+        let shown = self.text();
+        let shown: Vec<&str> = shown.split_whitespace().collect();
+        assert!(shown.ends_with(&text), "the text ends with the verdict");
+        sentence
+    }
+
+    pub(crate) fn out(&self, name: &str) -> String {
+        std::fs::read_to_string(self.folder.path().join("out").join(name)).unwrap()
+    }
+
+    pub(crate) fn report(&self) -> Value {
+        serde_json::from_str(&self.out("report.json")).unwrap()
+    }
+
+    pub(crate) fn own_health(&self) -> HealthEntry {
+        let mut entries = Vec::new();
+        self.monitor.health(&mut entries);
+        entries.remove(0)
+    }
+}
+
+pub(crate) const RECORDED: &str = r#"name = "recorded"
+[frame]
+latitude_deg = 41.3
+longitude_deg = 2.1
+[time]
+order = "time"
+date = "2016-05-10"
+[[source]]
+name = "radar"
+period_s = 1.0
+[source.recorded]
+file = "radar.ast"
+editions = { "10" = "1.1" }
+[fusion.capacity]
+system_tracks = 10
+sensor_tracks = 100
+[monitor]
+files = true
+"#;
