@@ -1,12 +1,14 @@
 //! The live sensor tracks of all sources: latest report, history, and the system track each belongs to.
 
+use std::collections::HashMap;
+
 use estimation::PackedGaussian;
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
-use rustc_hash::FxHashMap;
 
 use crate::history::Histories;
 use crate::measurement::Correction;
 use crate::quality::Qualities;
+use crate::track_numbers::TrackNumbers;
 
 /// Place of a sensor track in its table.
 pub(crate) type SensorSlot = u32;
@@ -185,7 +187,7 @@ impl SensorEntry {
 pub(crate) struct SensorTracks {
     entries: Vec<SensorEntry>,
     free: Vec<SensorSlot>,
-    by_number: FxHashMap<(u16, u32), SensorSlot>,
+    by_number: HashMap<(u16, u32), SensorSlot, TrackNumbers>,
     /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the table
     /// ends.
     swept: usize,
@@ -201,7 +203,7 @@ impl SensorTracks {
     /// confirmed it; nothing but the latest report if `None`.
     pub(crate) fn new(capacity: usize, stored_reports: Option<usize>) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
-        let by_number = FxHashMap::with_capacity_and_hasher(2 * capacity, rustc_hash::FxBuildHasher);
+        let by_number = HashMap::with_capacity_and_hasher(2 * capacity, TrackNumbers::new(2 * capacity));
         Self {
             entries: vec![SensorEntry::default(); capacity],
             free: (0..capacity as SensorSlot).rev().collect(),
