@@ -5,14 +5,14 @@
 //! `feeding` feeds the system filter and learns from it, `life` confirms, coasts and ends, `publishing` weighs and tells.
 
 use estimation::{Gaussian, NearlyConstantVelocity};
-use messages::{AXES, Counter, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Counter, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
 use crate::association_step::Search;
 use crate::counts::Counts;
 use crate::existence::Coverage;
 use crate::explanation::Sink;
-use crate::measurement::{Measurement, as_reported, recovered_measurement, whole_report};
+use crate::measurement::{Correction, Measurement, as_reported, recovered_measurement, whole_report};
 use crate::registration::{Registration, SourceErrors};
 use crate::scan::Scans;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
@@ -188,9 +188,22 @@ impl Engine {
         };
         let report = repaired.as_ref().unwrap_or(report);
         let identity = self.believed_identity(report);
-        let Some((sensor, measurement)) = self.store(report, known, identity, repaired.is_some()) else {
+        let Some(earlier) = self.earlier(report, known) else {
             return;
         };
+        let mut measurement = self.measurement_behind(report, earlier, repaired.is_some());
+        let correction = self.correction_of(report);
+        if let Some(measurement) = &mut measurement {
+            measurement.correct(&correction);
+        }
+        let Some(sensor) = self.place_of_sensor_track(report, earlier) else {
+            return;
+        };
+        let entry = self.sensors.get_mut(sensor);
+        entry.take(report, identity, &correction);
+        entry.repaired = repaired.is_some();
+        let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
+        self.sensors.note(sensor, period_ns);
         if report.state == TrackState::Terminated as u8 {
             self.counts.add(report.source, Counter::TracksEnded);
             self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
@@ -265,38 +278,20 @@ impl Engine {
         identity.without_address()
     }
 
-    /// Stores the report in its sensor track's entry (`known`, or a new one, then not linked yet), as what the source would
-    /// have said without its known errors. Also yields the measurement behind it.
-    fn store(
+    /// The entry of the report's sensor track: the one it has, or a new one, then not linked yet. `None` if the table is full.
+    fn place_of_sensor_track(
         &mut self,
         report: &SensorTrack,
-        known: Option<SensorSlot>,
-        identity: Identity,
-        repaired: bool,
-    ) -> Option<(SensorSlot, Option<Measurement>)> {
-        let earlier = self.earlier(report, known)?;
-        let measurement = self.measurement_behind(report, earlier, repaired);
-        let index = usize::from(report.source);
-        let (shift_m, inflation) = (self.shift_of(report), self.models[index].inflation());
-        let sensor = match earlier {
-            Some((sensor, _)) => sensor,
-            None => {
-                let inserted = self.sensors.insert(report);
-                if inserted.is_none() {
-                    self.counts.add(report.source, Counter::TableFull);
-                }
-                inserted?
-            }
-        };
-        let entry = self.sensors.get_mut(sensor);
-        entry.take(report, shift_m, inflation);
-        entry.latest.identity = identity;
-        entry.repaired = repaired;
-        self.sensors.note(sensor, self.settings.sources[index].period_ns);
-        Some((
-            sensor,
-            measurement.map(|measurement| measurement.corrected(shift_m, inflation)),
-        ))
+        earlier: Option<(SensorSlot, f64)>,
+    ) -> Option<SensorSlot> {
+        if let Some((sensor, _)) = earlier {
+            return Some(sensor);
+        }
+        let inserted = self.sensors.insert(report);
+        if inserted.is_none() {
+            self.counts.add(report.source, Counter::TableFull);
+        }
+        inserted
     }
 
     /// The entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there is no entry
@@ -345,14 +340,17 @@ impl Engine {
         }
     }
 
-    /// By how much the known errors of its source have moved a report, metres.
-    fn shift_of(&self, report: &SensorTrack) -> [f64; AXES] {
-        self.registration.shift(
-            report.source,
-            report.position_m,
-            report.velocity_mps,
-            self.place_of(report.source),
-        )
+    /// What is known to be wrong with a report.
+    fn correction_of(&self, report: &SensorTrack) -> Correction {
+        Correction {
+            shift_m: self.registration.shift(
+                report.source,
+                report.position_m,
+                report.velocity_mps,
+                self.place_of(report.source),
+            ),
+            inflation: self.models[usize::from(report.source)].inflation(),
+        }
     }
 
     /// Where a source that measures range and azimuth stands.

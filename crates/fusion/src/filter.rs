@@ -172,13 +172,13 @@ impl Filter {
                 *r += spread * late_s * late_s;
             }
         }
-        if measurement.has_height && !self.has_height {
+        if measurement.axes == AXES && !self.has_height {
             if std::mem::take(&mut behind) {
                 self.combine::<STATE_LEN>();
             }
             self.begin_height(z[2], r[5]);
         }
-        let innovation = if measurement.has_height {
+        let innovation = if measurement.axes == AXES {
             self.update::<AXES>(z, r, use_it)
         } else {
             self.update::<2>(z, r, use_it)

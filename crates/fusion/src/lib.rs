@@ -37,6 +37,7 @@ pub mod settings;
 mod source_model;
 mod state;
 mod system_tracks;
+mod track_numbers;
 mod weighing;
 
 pub use counts::Counts;

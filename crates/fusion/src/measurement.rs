@@ -15,26 +15,42 @@ const FILTERED: f64 = 0.2;
 /// Difference of the regression of velocity on position that rounding explains.
 const SLOPE_TOLERANCE: f64 = 0.1;
 
+/// What is known to be wrong with a report.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Correction {
+    /// By how much its source's known errors have moved it, metres.
+    pub(crate) shift_m: [f64; AXES],
+    /// By how much its covariance claims too much.
+    pub(crate) inflation: f64,
+}
+
+impl Correction {
+    pub(crate) const NONE: Self = Self {
+        shift_m: [0.0; AXES],
+        inflation: 1.0,
+    };
+}
+
 /// A measured position.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measurement {
     /// East, north, up, metres.
     pub(crate) position_m: [f64; AXES],
     pub(crate) covariance_m2: Symmetric3,
-    /// Whether height was observed; else the third axis says nothing.
-    pub(crate) has_height: bool,
+    /// How many axes were measured: all, or 2 if height was not observed; then the third says nothing.
+    pub(crate) axes: usize,
 }
 
 impl Measurement {
-    /// Without the known errors of its source, and with as much uncertainty as it should have claimed.
-    pub(crate) fn corrected(mut self, shift_m: [f64; AXES], inflation: f64) -> Self {
-        for (position, shift) in self.position_m.iter_mut().zip(shift_m) {
+    /// Takes off the known errors of its source, and gives it as much uncertainty as it should have claimed.
+    pub(crate) fn correct(&mut self, correction: &Correction) {
+        for (position, shift) in self.position_m.iter_mut().zip(correction.shift_m) {
             *position -= shift;
         }
-        if inflation != 1.0 {
-            self.covariance_m2.iter_mut().for_each(|value| *value *= inflation);
+        if correction.inflation != 1.0 {
+            let values = self.covariance_m2.iter_mut();
+            values.for_each(|value| *value *= correction.inflation);
         }
-        self
     }
 
     /// Variance per horizontal axis, m².
@@ -49,7 +65,7 @@ pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
     Measurement {
         position_m: report.position_m,
         covariance_m2: [p(0, 0), p(0, 1), p(0, 2), p(1, 1), p(1, 2), p(2, 2)],
-        has_height: report.has(sensor_track_bits::HEIGHT),
+        axes: if report.has(sensor_track_bits::HEIGHT) { AXES } else { 2 },
     }
 }
 
@@ -78,7 +94,7 @@ pub(crate) fn recovered_measurement(
         return Some(as_reported(report));
     }
     let mut measurement = whole_report(report);
-    if measurement.has_height
+    if measurement.axes == AXES
         && let Some(Recovered {
             position_m,
             covariance_m2,
@@ -93,7 +109,7 @@ pub(crate) fn recovered_measurement(
         position_m,
         covariance_m2,
     } = recovered::<2>(predicted, updated)?;
-    measurement.has_height = false;
+    measurement.axes = 2;
     measurement.position_m[..2].copy_from_slice(position_m.as_slice());
     let r = covariance_m2;
     measurement.covariance_m2 = [r[(0, 0)], r[(0, 1)], 0.0, r[(1, 1)], 0.0, 0.0];

@@ -1,11 +1,14 @@
 //! The live sensor tracks of all sources: latest report, history, and the system track each belongs to.
 
+use std::collections::HashMap;
+
 use estimation::PackedGaussian;
-use messages::{SensorTrack, TrackState, sensor_track_bits};
-use rustc_hash::FxHashMap;
+use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::history::Histories;
+use crate::measurement::Correction;
 use crate::quality::Qualities;
+use crate::track_numbers::TrackNumbers;
 
 /// Place of a sensor track in its table.
 pub(crate) type SensorSlot = u32;
@@ -75,10 +78,8 @@ pub(crate) struct SensorEntry {
     live: bool,
     /// Whether it waits for the end of its scan.
     pub(crate) waits: bool,
-    /// By how much the source's known errors have been taken off `latest`, metres.
-    pub(crate) shift_m: [f64; 3],
-    /// By how much the covariance of `latest` was inflated.
-    pub(crate) inflation: f64,
+    /// What was done to `latest`.
+    correction: Correction,
     /// Reports so far.
     pub(crate) reports: u32,
     /// Scans in a row without a report.
@@ -119,8 +120,7 @@ impl Default for SensorEntry {
             rival: None,
             live: false,
             waits: false,
-            shift_m: [0.0; 3],
-            inflation: 1.0,
+            correction: Correction::NONE,
             reports: 0,
             misses: 0,
             started_ns: 0,
@@ -138,23 +138,26 @@ impl SensorEntry {
     pub(crate) fn as_reported(&self) -> PackedGaussian {
         let latest = &self.latest;
         let mut state = PackedGaussian::new(latest.position_m, latest.velocity_mps, &latest.covariance);
-        for (component, shift) in state.mean.iter_mut().zip(self.shift_m) {
+        for (component, shift) in state.mean.iter_mut().zip(self.correction.shift_m) {
             *component += shift;
         }
-        if self.inflation != 1.0 {
+        let inflation = self.correction.inflation;
+        if inflation != 1.0 {
             let upper = &mut state.covariance.upper;
-            upper.iter_mut().for_each(|value| *value /= self.inflation);
+            upper.iter_mut().for_each(|value| *value /= inflation);
         }
         state
     }
 
-    /// Takes the next report, of which the source's known errors are `shift_m`, and whose covariance claims too much by
-    /// the factor `inflation`.
-    pub(crate) fn take(&mut self, report: &SensorTrack, shift_m: [f64; messages::AXES], inflation: f64) {
-        self.latest = *report;
-        for (position, shift) in self.latest.position_m.iter_mut().zip(shift_m) {
-            *position -= shift;
-        }
+    /// Takes the next report, of which `identity` is believed, as what the source would have said without its known errors.
+    pub(crate) fn take(&mut self, report: &SensorTrack, identity: Identity, correction: &Correction) {
+        let Correction { shift_m, inflation } = *correction;
+        // Written in one go: to read back what has just been written so far away would take as long as the way there.
+        self.latest = SensorTrack {
+            identity,
+            position_m: std::array::from_fn(|axis| report.position_m[axis] - shift_m[axis]),
+            ..*report
+        };
         if inflation != 1.0 {
             let upper = &mut self.latest.covariance.upper;
             upper.iter_mut().for_each(|value| *value *= inflation);
@@ -162,8 +165,7 @@ impl SensorEntry {
         self.time_ns = report.time_of_measurement_ns;
         self.alerts = report.alerts;
         self.on_ground = report.has(sensor_track_bits::ON_GROUND);
-        self.shift_m = shift_m;
-        self.inflation = inflation;
+        self.correction = *correction;
         self.reports = self.reports.saturating_add(1);
         self.misses = 0;
     }
@@ -185,7 +187,7 @@ impl SensorEntry {
 pub(crate) struct SensorTracks {
     entries: Vec<SensorEntry>,
     free: Vec<SensorSlot>,
-    by_number: FxHashMap<(u16, u32), SensorSlot>,
+    by_number: HashMap<(u16, u32), SensorSlot, TrackNumbers>,
     /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the table
     /// ends.
     swept: usize,
@@ -201,7 +203,7 @@ impl SensorTracks {
     /// confirmed it; nothing but the latest report if `None`.
     pub(crate) fn new(capacity: usize, stored_reports: Option<usize>) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
-        let by_number = FxHashMap::with_capacity_and_hasher(2 * capacity, rustc_hash::FxBuildHasher);
+        let by_number = HashMap::with_capacity_and_hasher(2 * capacity, TrackNumbers::new(2 * capacity));
         Self {
             entries: vec![SensorEntry::default(); capacity],
             free: (0..capacity as SensorSlot).rev().collect(),

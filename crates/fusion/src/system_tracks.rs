@@ -1,17 +1,17 @@
 //! The system tracks: state, members, and the two ways to find one (place and address).
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashMap};
 
 use association::Grid;
 use estimation::PackedGaussian;
 use messages::{Covariance, Identity, NO_SOURCE, TrackState};
-use rustc_hash::FxHashMap;
 
 use crate::filter::Filter;
 use crate::rules::Memory;
 use crate::sensor_tracks::{Link, NO_SYSTEM, SensorSlot, SensorTracks};
 use crate::state::State;
+use crate::track_numbers::TrackNumbers;
 
 /// Place of a system track in its table.
 pub(crate) type SystemSlot = u32;
@@ -93,7 +93,7 @@ pub(crate) struct SystemTracks {
     memories: Vec<Memory>,
     free: Vec<SystemSlot>,
     pub(crate) grid: Grid,
-    by_address: FxHashMap<u32, SystemSlot>,
+    by_address: HashMap<u32, SystemSlot, TrackNumbers>,
     /// When each entry must be looked at next, earliest first. Every entry in use has exactly one deadline here; one
     /// that has become too early is put back when it comes up, so that a report costs no change to the heap.
     deadlines: BinaryHeap<Reverse<(i64, u32, SystemSlot)>>,
@@ -111,7 +111,7 @@ impl SystemTracks {
             memories: vec![Memory::default(); if remembers { capacity } else { 0 }],
             free: (0..capacity as SystemSlot).rev().collect(),
             grid: Grid::new(cell_m, capacity),
-            by_address: FxHashMap::with_capacity_and_hasher(2 * capacity, rustc_hash::FxBuildHasher),
+            by_address: HashMap::with_capacity_and_hasher(2 * capacity, TrackNumbers::new(2 * capacity)),
             deadlines: BinaryHeap::with_capacity(capacity),
             next_number: 1,
             in_state: [0; TrackState::ALL.len()],

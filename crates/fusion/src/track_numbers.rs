@@ -1,0 +1,96 @@
+//! How the tables of track numbers, and of addresses, are hashed.
+//!
+//! A hash that scatters is right for keys of which nothing is known. Track numbers are known: a source counts them up and
+//! reports them in much the same order every time, and scattered over a table of megabytes each look-up would go to
+//! another corner of memory. So numbers of one source that follow each other lie next to each other, and the sources lie
+//! as far apart as the table allows (bit-reversed, so that this holds for however many there are). Only numbers far apart
+//! are scattered, by blocks: a source may number by multiples of anything.
+//!
+//! Limit: numbers chosen with bad intent can make look-ups slow, as with any hash without a secret.
+
+use std::hash::{BuildHasher, Hasher};
+
+/// Numbers of one block lie next to each other.
+const BLOCK_BITS: u32 = 16;
+/// The bits by which the table tells neighbours apart without looking at them: the uppermost.
+const TAG_SHIFT: u32 = 57;
+
+/// Makes hashes of (source, track number), or of an address, for a table of a certain size.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrackNumbers {
+    places: u64,
+}
+
+impl TrackNumbers {
+    /// For a table with room for `capacity` numbers.
+    pub(crate) fn new(capacity: usize) -> Self {
+        Self {
+            // As many as the table makes of it: it keeps an eighth empty.
+            places: (capacity as u64 * 8 / 7).next_power_of_two(),
+        }
+    }
+}
+
+impl BuildHasher for TrackNumbers {
+    type Hasher = Place;
+
+    fn build_hasher(&self) -> Place {
+        Place {
+            places: self.places,
+            place: 0,
+        }
+    }
+}
+
+/// Where in the table a number belongs.
+#[derive(Debug)]
+pub(crate) struct Place {
+    places: u64,
+    place: u64,
+}
+
+impl Hasher for Place {
+    fn write_u16(&mut self, source: u16) {
+        self.place += (u64::from(source.reverse_bits()) * self.places) >> u16::BITS;
+    }
+
+    fn write_u32(&mut self, number: u32) {
+        let block = u64::from(number >> BLOCK_BITS).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> u32::BITS;
+        self.place += block + u64::from(number & ((1 << BLOCK_BITS) - 1));
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.place = self.place.wrapping_mul(0x0100_0000_01b3) ^ u64::from(*byte);
+        }
+    }
+
+    fn finish(&self) -> u64 {
+        self.place ^ (self.place << TAG_SHIFT)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_lie_side_by_side_sources_apart_and_multiples_scattered() {
+        let numbers = TrackNumbers::new(50_000);
+        let place = |source: u16, number: u32| numbers.hash_one((source, number)) & 0xffff;
+        assert_eq!(place(0, 5), place(0, 4) + 1);
+        assert_ne!(
+            numbers.hash_one((0u16, 5u32)) >> TAG_SHIFT,
+            numbers.hash_one((0u16, 4u32)) >> TAG_SHIFT
+        );
+        for (source, quarter) in [(0, 0), (1, 2), (2, 1), (3, 3)] {
+            assert_eq!(place(source, 0), quarter << 14);
+        }
+        for step in [1 << 8, 1 << 16, 1 << 20] {
+            let mut taken: Vec<_> = (0..1000).map(|index| place(0, index * step)).collect();
+            taken.sort_unstable();
+            taken.dedup();
+            assert!(taken.len() > 900, "{step}: {}", taken.len());
+        }
+    }
+}
