@@ -56,6 +56,7 @@ fn process(kind: ProcessKind, name: &str) -> Process {
         restarts: 0,
         last_end: String::new(),
         note: String::new(),
+        pid: None,
     }
 }
 

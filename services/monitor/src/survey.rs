@@ -239,11 +239,11 @@ impl Survey {
             NO_SOURCE => String::new(),
             number => self.source_name(number).to_owned(),
         };
-        let counted = self.book.counted().map(|(kind, process, number, counters)| Counted {
+        let counted = self.book.all_said().map(|(kind, number, said)| Counted {
             kind,
-            process,
+            process: said.name().to_owned(),
             source: source(number),
-            counters,
+            counters: said.counters(),
         });
         Snapshot {
             settings: self.settings.clone(),
@@ -319,20 +319,7 @@ impl Survey {
     }
 
     fn picture(&self) -> Picture {
-        let counters = self.book.service(ProcessKind::Fusion, NO_SOURCE);
-        let (live, coasted) = (counters.get(Counter::LiveTracks), counters.get(Counter::CoastedTracks));
-        Picture {
-            confirmed: live.saturating_sub(coasted),
-            coasted,
-            tentative: counters.get(Counter::TentativeTracks),
-            live_max: self.live_max,
-            started: counters.get(Counter::TracksStarted),
-            ever_confirmed: counters.get(Counter::TracksConfirmed),
-            ended: counters.get(Counter::TracksTerminated),
-            merged: counters.get(Counter::TracksMerged),
-            split: counters.get(Counter::ContributionsSplit),
-            hand_overs: counters.get(Counter::HandOvers),
-        }
+        Picture::of(&self.book.service(ProcessKind::Fusion, NO_SOURCE), self.live_max)
     }
 
     fn recording_reached_ns(&self) -> Option<i64> {

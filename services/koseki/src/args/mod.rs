@@ -15,7 +15,7 @@ use files::{COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, SCORE_EXAMPLES, SI
 pub(crate) use files::{
     ChosenEdition, Compare, Decode, Fuse, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
 };
-use values::{seconds, speed};
+use values::{interval, seconds, speed};
 
 /// Where recordings are looked for if nobody says otherwise.
 const DATA_DEFAULT: &str = "../shared/data";
@@ -39,6 +39,7 @@ Examples:
   koseki check config/barcelona.toml            is this configuration sound, and are its recordings there?
   koseki up config/barcelona.toml --speed max   the recorded airport, as fast as this machine can
   koseki status                                 what runs, in another terminal
+  koseki top                                    how it runs: rates, losses, latencies, live
   koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
   koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into one picture
 
@@ -59,6 +60,9 @@ pub(crate) enum Command {
     /// Show what runs on this machine
     #[command(after_help = STATUS_EXAMPLES)]
     Status(Status),
+    /// Look on at a running deployment: rates, losses, latencies, counters, processes
+    #[command(after_help = TOP_EXAMPLES)]
+    Top(Top),
     /// Tell a running deployment which condition (weather) holds from now on
     #[command(after_help = CONDITION_EXAMPLES)]
     Condition(Condition),
@@ -183,6 +187,34 @@ pub(crate) struct Status {
     /// Show only this instance
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: Option<String>,
+}
+
+const TOP_EXAMPLES: &str = "\
+Examples:
+  koseki top                          the one deployment that runs, in the terminal
+  koseki top --instance demo --interval 0.5
+  koseki top --once | grep rejected   all tables, once
+  koseki top > top.log                one line per interval
+
+Keys: q, Esc or Ctrl-C ends; Tab, arrows and 1 to 4 turn pages; up and down select a source, whose stages are shown below;
+i changes between the last interval and the total since the start of `koseki top`; p pauses.
+
+It looks on without disturbing: nobody waits for it or has to wake it. So it cannot tell how long a state takes from fusion
+to a subscriber; end to end is taken to where fusion has published. `koseki bench`, or a monitor with wait = \"event\",
+measures the rest.";
+
+/// `koseki top`.
+#[derive(Debug, Args)]
+pub(crate) struct Top {
+    /// Name of the instance [default: the one that runs]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) instance: Option<String>,
+    /// Time between two tables
+    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = interval)]
+    pub(crate) interval: Duration,
+    /// Print all tables after one interval, and end
+    #[arg(long)]
+    pub(crate) once: bool,
 }
 
 const CONDITION_EXAMPLES: &str = "\
