@@ -31,6 +31,8 @@ pub struct Report {
     pub sources: Vec<SourceReport>,
     /// Whether every sample arrived.
     pub losses: Losses,
+    /// What is to be known of the latencies, if there is anything: that of a stage which is not measured.
+    pub latency_remark: Option<String>,
     /// Latencies of all sources together, by stage.
     #[serde(serialize_with = "by_key")]
     pub stages: Vec<(Stage, StageReport)>,

@@ -126,6 +126,7 @@ pub(crate) fn good() -> Report {
             ],
             ..Losses::default()
         },
+        latency_remark: None,
         stages: Stage::ALL.map(stage).to_vec(),
         picture: Picture {
             confirmed: 78,

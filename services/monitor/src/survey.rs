@@ -13,7 +13,7 @@ use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage, Stages};
 use crate::counters::{Counters, REJECTIONS, TRAFFIC};
 use crate::exposition::{Counted, Snapshot, StageSample};
 use crate::health_book::HealthBook;
-use crate::live::{Live, LiveSource, LiveStage};
+use crate::live::{Live, LiveSource, LiveStage, NOT_MEASURED};
 use crate::report::{
     Hop, Losses, Picture, Process, ProcessCounters, Report, Restarts, RunSettings, SourceReport, SourceStageReport,
     StageReport, State, title,
@@ -136,6 +136,11 @@ impl Survey {
         self.stages.close_interval();
     }
 
+    /// Does a part of that; `false`: it was the last.
+    pub(crate) fn close_next_source(&mut self) -> bool {
+        self.stages.close_next_source()
+    }
+
     /// What there is to show of the interval that was closed last, which took `interval_ns`.
     pub(crate) fn live(&mut self, now: Now, interval_ns: i64, own: SubscriberCounts) -> Live {
         let numbers = 0..self.sources.len();
@@ -205,6 +210,10 @@ impl Survey {
             verdict: Verdict::default(),
             losses: self.losses(&sources, own, &processes),
             sources,
+            latency_remark: self
+                .settings
+                .monitor_poll_ms
+                .map(|_| NOT_MEASURED.trim().replace('\n', " ")),
             stages: Stage::ALL.map(stage).to_vec(),
             picture: self.picture(),
             accuracy: self.truth.as_ref().map(TruthWatch::report),

@@ -88,7 +88,7 @@ pub(crate) enum Command {
     #[command(after_help = SERVE_EXAMPLES)]
     Fusion(Serve),
     /// Run the monitor in a deployment that is up: latencies, losses, counters
-    #[command(after_help = SERVE_EXAMPLES)]
+    #[command(after_help = MONITOR_EXAMPLES)]
     Monitor(Serve),
     /// Run the recorder in a deployment that is up: tracks as CSV files
     #[command(after_help = SERVE_EXAMPLES)]
@@ -243,6 +243,19 @@ Examples:
 `koseki up` starts all of these by itself. Run one by hand to look on with a second monitor, or to replace a process
 while trying something; give the same configuration, --instance, --set, --data and --speed as to `koseki up`, which must
 be running: it creates the shared memory.";
+
+const MONITOR_EXAMPLES: &str = "\
+Examples:
+  koseki monitor --config config/barcelona.toml --name second-monitor
+  koseki monitor --config config/barcelona.toml --name exact --set monitor.wait=event --set monitor.files=false
+
+`koseki up` starts one by itself. Give the same configuration, --instance, --set, --data and --speed as to `koseki up`,
+which must be running.
+
+[monitor] wait in the configuration says how it waits. \"event\": it is woken for each slice, for which fusion pays some ten
+microseconds. \"poll\" (the default where fusion spins): it looks every poll_ms and costs fusion nothing; transport out is
+not measured then (shown as -), and end to end is taken to where fusion has published. `koseki bench`, or a monitor with
+wait = \"event\", measures it. prometheus = \"127.0.0.1:9464\" serves metrics at http://127.0.0.1:9464/metrics.";
 
 /// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `simulator`.
 #[derive(Debug, Args)]
