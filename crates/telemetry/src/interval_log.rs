@@ -61,15 +61,35 @@ impl<W: Write> IntervalLog<W> {
         length_ns: u64,
         source_name: impl Fn(u16) -> N,
     ) -> io::Result<()> {
+        self.write_part(stages, None, begin_utc_ns, length_ns, &source_name)?;
+        stages
+            .sources()
+            .try_for_each(|source| self.write_part(stages, Some(source), begin_utc_ns, length_ns, &source_name))
+    }
+
+    /// The part of [`IntervalLog::write_interval`] that is of one source or (`None`) of all together: compressing takes its
+    /// time, and with many sources there may be something more urgent to do in between.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_part<N: AsRef<str>>(
+        &mut self,
+        stages: &Stages,
+        source: Option<u16>,
+        begin_utc_ns: i64,
+        length_ns: u64,
+        source_name: impl Fn(u16) -> N,
+    ) -> io::Result<()> {
         let begin = Duration::from_nanos((begin_utc_ns - self.start_utc_ns).max(0) as u64);
         let length = Duration::from_nanos(length_ns);
         for stage in Stage::ALL {
-            if let Some(histogram) = stages.histogram(stage, None, Span::Interval) {
-                self.write_line(stage.key(), histogram, begin, length)?;
-            }
-            for source in stages.sources() {
-                let histogram = stages.histogram(stage, Some(source), Span::Interval);
-                if let Some(histogram) = histogram.filter(|histogram| !histogram.is_empty()) {
+            let Some(histogram) = stages.histogram(stage, source, Span::Interval) else {
+                continue;
+            };
+            match source {
+                None => self.write_line(stage.key(), histogram, begin, length)?,
+                Some(_) if histogram.is_empty() => {}
+                Some(source) => {
                     let tag = format!("{}/{}", stage.key(), fit_for_tag(source_name(source).as_ref()));
                     self.write_line(&tag, histogram, begin, length)?;
                 }

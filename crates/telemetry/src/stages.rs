@@ -75,6 +75,8 @@ pub struct Stages {
     irregularities: [Irregularities; 6],
     recorded: u64,
     untriggered: u64,
+    /// Numbers below this have had their intervals closed; 0 while no interval is being closed.
+    next_to_close: u32,
 }
 
 #[derive(Clone, Debug)]
@@ -85,6 +87,20 @@ struct Source {
     /// Deadlines missed in it.
     current_misses: [u64; 6],
     closed: [Closed; 6],
+}
+
+impl Source {
+    /// Ends the interval at hand, and adds it to that of `all` sources.
+    fn close_interval(&mut self, all: &mut [Closed; 6]) {
+        for (index, closed) in self.closed.iter_mut().enumerate() {
+            std::mem::swap(&mut closed.interval, &mut self.current[index]);
+            self.current[index].reset();
+            closed.interval_misses = std::mem::take(&mut self.current_misses[index]);
+            closed.add_up();
+            add(&mut all[index].interval, &closed.interval);
+            all[index].interval_misses += closed.interval_misses;
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -137,6 +153,7 @@ impl Stages {
             irregularities: Default::default(),
             recorded: 0,
             untriggered: 0,
+            next_to_close: 0,
         }
     }
 
@@ -179,22 +196,32 @@ impl Stages {
     /// Ends the interval at hand and begins the next: what was recorded since the last call becomes
     /// [`Span::Interval`] and is added to [`Span::Total`].
     pub fn close_interval(&mut self) {
-        for all in &mut self.all {
-            all.interval.reset();
-            all.interval_misses = 0;
-        }
-        for source in &mut self.sources {
-            for (index, closed) in source.closed.iter_mut().enumerate() {
-                std::mem::swap(&mut closed.interval, &mut source.current[index]);
-                source.current[index].reset();
-                closed.interval_misses = std::mem::take(&mut source.current_misses[index]);
-                closed.add_up();
-                let all = &mut self.all[index];
-                add(&mut all.interval, &closed.interval);
-                all.interval_misses += closed.interval_misses;
+        while self.close_next_source() {}
+    }
+
+    /// Does a part of [`Stages::close_interval`]: ends the interval of one source, in some tenths of a millisecond, so that
+    /// whoever has many sources can record in between. What is recorded of a source after its part belongs to its next
+    /// interval. `false`: that was all, and only now are the figures of all sources together complete.
+    pub fn close_next_source(&mut self) -> bool {
+        if self.next_to_close == 0 {
+            for all in &mut self.all {
+                all.interval.reset();
+                all.interval_misses = 0;
             }
         }
+        // By number, not by place: a new source may have come in between.
+        let end = self.sources.last().map_or(0, |source| u32::from(source.number) + 1);
+        let waiting = |source: &&mut Source| u32::from(source.number) >= self.next_to_close;
+        if let Some(source) = self.sources.iter_mut().find(waiting) {
+            self.next_to_close = u32::from(source.number) + 1;
+            source.close_interval(&mut self.all);
+        }
+        if self.next_to_close < end {
+            return true;
+        }
+        self.next_to_close = 0;
         self.all.iter_mut().for_each(Closed::add_up);
+        false
     }
 
     /// Numbers of the sources that have histograms, in rising order.
@@ -361,6 +388,36 @@ mod tests {
         stages.close_interval();
         assert_eq!(count(&stages, None, Span::Interval), 0);
         assert_eq!(count(&stages, None, Span::Total), 3);
+    }
+
+    #[test]
+    fn recording_goes_on_while_an_interval_is_closed_source_by_source() {
+        let mut stages = Stages::default();
+        let count = |stages: &Stages, source, span| stages.summary(Stage::EndToEnd, source, span).count;
+        for source in [2, 5, 9] {
+            stages.record(&track(source, 10), RECEIVED_NS, UTC_NS);
+        }
+        let mut parts = 1;
+        while stages.close_next_source() {
+            parts += 1;
+            // Of one that is closed, of one that is not, and of one that nobody knew.
+            for source in [2, 9, 7] {
+                stages.record(&track(source, 10), RECEIVED_NS, UTC_NS);
+            }
+        }
+        assert_eq!(parts, 4, "the new one too");
+        let intervals = [2, 5, 7, 9].map(|source| count(&stages, Some(source), Span::Interval));
+        assert_eq!(intervals, [1, 1, 2, 4]);
+        assert_eq!(count(&stages, None, Span::Interval), 8);
+        stages.close_interval();
+        assert_eq!(
+            count(&stages, None, Span::Total),
+            12,
+            "nothing is lost or counted twice"
+        );
+        assert_eq!(stages.recorded(), 12);
+        let mut nothing = Stages::default();
+        assert!(!nothing.close_next_source());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
-//! that answer questions ([`check`], [`status`]), give orders ([`condition`]) or work on files ([`decode`], [`simulate`], [`fuse`],
+//! that answer questions ([`check`], [`status`], [`top`]), give orders ([`condition`]) or work on files ([`decode`], [`simulate`], [`fuse`],
 //! [`compare`], [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
@@ -22,6 +22,7 @@ mod recordings;
 mod score;
 mod simulate;
 mod status;
+mod top;
 
 use std::io::Write as _;
 use std::path::Path;
@@ -83,6 +84,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         }
         Command::Check(check) => check::run(&check),
         Command::Status(status) => status::run(status.instance.as_deref()),
+        Command::Top(top) => top::run(&top),
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),
         Command::Compare(compare) => compare::run(&compare),

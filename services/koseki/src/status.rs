@@ -70,7 +70,7 @@ fn describe(instance: &Instance) -> anyhow::Result<String> {
 
 /// Joining an instance at the very moment in which its launcher clears it brings its folder back. Nobody else would
 /// remove it before the next start.
-fn clear_if_ended(root: &Root) -> Result<(), BusError> {
+pub(crate) fn clear_if_ended(root: &Root) -> Result<(), BusError> {
     if root.holder()?.is_none()
         && root.path().exists()
         && let Ok(claim) = root.claim()

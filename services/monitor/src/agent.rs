@@ -156,19 +156,35 @@ impl<S: Transport> MonitorAgent<S> {
     }
 
     /// Ends the interval at hand; returns how long it was, nanoseconds.
-    fn close_interval(&mut self, now: Now) -> i64 {
+    ///
+    /// With many sources this takes longer than the queue of system tracks can hold what comes, so it is done in parts, and
+    /// what has come is taken in between.
+    fn close_interval(&mut self, now: Now) -> anyhow::Result<i64> {
+        while self.survey.close_next_source() {
+            self.take()?;
+        }
+        self.log_interval(now)
+    }
+
+    /// Writes the interval that was closed down, and begins the next; returns how long it was, nanoseconds.
+    fn log_interval(&mut self, now: Now) -> anyhow::Result<i64> {
         let length_ns = now.mono_ns - self.begun.mono_ns;
-        self.survey.close_interval();
-        if let Some(files) = &mut self.files {
-            let survey = &self.survey;
-            let name = |number| survey.source_name(number);
-            files.log_interval(survey.stages(), self.begun.utc_ns, length_ns, name);
+        if self.files.is_some() {
+            let sources: Vec<u16> = self.survey.stages().sources().collect();
+            for source in [None].into_iter().chain(sources.into_iter().map(Some)) {
+                if let Some(files) = &mut self.files {
+                    let survey = &self.survey;
+                    let name = |number| survey.source_name(number);
+                    files.log_interval(survey.stages(), source, self.begun.utc_ns, length_ns, name);
+                }
+                self.take()?;
+            }
         }
         if let Some(Ok(metrics)) = &self.metrics {
             metrics.hand_over(self.survey.snapshot(now, self.states.counts()));
         }
         self.begun = now;
-        length_ns
+        Ok(length_ns)
     }
 
     /// What is wrong; empty if nothing is.
@@ -200,7 +216,7 @@ impl<S: Transport> Agent for MonitorAgent<S> {
         self.survey.pass(now);
         let more = self.take()?;
         if now.mono_ns - self.begun.mono_ns >= self.interval_ns {
-            let length_ns = self.close_interval(now);
+            let length_ns = self.close_interval(now)?;
             let live = self.survey.live(now, length_ns, self.states.counts());
             self.screen.show(&live);
         }
@@ -236,7 +252,9 @@ impl<S: Transport> Agent for MonitorAgent<S> {
 
     fn close(&mut self, now: Now) -> anyhow::Result<()> {
         let taken = self.wait_for_last_words();
-        self.close_interval((self.clock)());
+        // In one go: what came now would not be in the report.
+        self.survey.close_interval();
+        let taken = taken.and(self.log_interval((self.clock)()).map(drop));
         let report = self.survey.report(now, self.states.counts());
         self.screen.end(&report);
         let survey = &self.survey;

@@ -42,17 +42,19 @@ impl Files {
         })
     }
 
-    /// Logs the interval that was closed last. What is logged reaches the disk now: the process may be killed.
+    /// Logs the interval that was closed last, of one source or (`None`) of all together. What is logged reaches the disk
+    /// now: the process may be killed.
     pub(crate) fn log_interval<N: AsRef<str>>(
         &mut self,
         stages: &Stages,
+        source: Option<u16>,
         begin_utc_ns: i64,
         length_ns: i64,
         source_name: impl Fn(u16) -> N,
     ) {
         let Ok(log) = &mut self.log else { return };
         let written = log
-            .write_interval(stages, begin_utc_ns, length_ns.max(0) as u64, source_name)
+            .write_part(stages, source, begin_utc_ns, length_ns.max(0) as u64, source_name)
             .and_then(|()| log.flush());
         if let Err(error) = written {
             self.log = Err(anyhow::Error::new(error).context("writing latency.hlog"));

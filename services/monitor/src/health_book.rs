@@ -44,6 +44,9 @@ struct Speaker {
 struct Child {
     life: LifeState,
     restarts: u32,
+    process_id: u32,
+    /// Its source, if it is an adapter of one.
+    source: u16,
     /// The latest message with a note: how the process ended when it should not have.
     last_end: Health,
 }
@@ -85,9 +88,12 @@ impl HealthBook {
         let child = self.children.entry(health.name).or_insert(Child {
             life,
             restarts: 0,
+            process_id: 0,
+            source: NO_SOURCE,
             last_end: *health,
         });
         child.life = life;
+        (child.process_id, child.source) = (health.process_id, health.source);
         child.restarts = child.restarts.max(health.restarts);
         // Kept when it ends well at last: why it was restarted remains worth knowing.
         if !health.note().is_empty() {
@@ -149,11 +155,51 @@ impl HealthBook {
         said.map_or_else(Counters::default, |said| said.counters())
     }
 
-    /// What each process counts of each thing it speaks of: kind, name, source (or [`NO_SOURCE`]), counters.
-    pub(crate) fn counted(&self) -> impl Iterator<Item = (ProcessKind, String, u16, Counters)> + '_ {
-        self.speakers.iter().map(|((kind, _, source), speaker)| {
-            let latest = Latest(speaker);
-            (*kind, speaker.latest.name().to_owned(), *source, latest.counters())
+    /// All that was said last: by whom, and of which source (or [`NO_SOURCE`]).
+    pub(crate) fn all_said(&self) -> impl Iterator<Item = (ProcessKind, u16, Latest<'_>)> + '_ {
+        let speakers = self.speakers.iter();
+        speakers.map(|((kind, _, source), speaker)| (*kind, *source, Latest(speaker)))
+    }
+
+    /// What a source is called by those who know: its adapter, or the launcher of an adapter that has one source. For
+    /// readers without the configuration.
+    pub(crate) fn source_name(&self, source: u16) -> Option<&str> {
+        let adapters = self.all_said().filter(|(kind, ..)| *kind == ProcessKind::Adapter);
+        let by_adapter = adapters
+            .filter(|(_, of, said)| *of == source && !said.0.latest.note().is_empty())
+            .map(|(.., said)| said.0.latest.note())
+            .next();
+        let mut children = self.children.values();
+        by_adapter.or_else(|| {
+            children
+                .find(|child| child.source == source)
+                .map(|child| child.last_end.name())
+        })
+    }
+
+    /// What the adapter of a source counts of it, whatever its name is.
+    pub(crate) fn adapter_of(&self, source: u16) -> Counters {
+        let of_source = self
+            .all_said()
+            .find(|(kind, of, _)| *kind == ProcessKind::Adapter && *of == source);
+        match of_source {
+            Some((.., said)) => said.counters(),
+            None => self
+                .source_name(source)
+                .map_or_else(Counters::default, |name| self.adapter(name, NO_SOURCE)),
+        }
+    }
+
+    /// Children of the launcher that have not said a word: name, process number, restarts, state and last end.
+    pub(crate) fn silent_children(&self) -> impl Iterator<Item = SilentChild<'_>> + '_ {
+        let has_spoken = |name: &HealthName| self.speakers.keys().any(|(_, speaker, _)| speaker == name);
+        let silent = self.children.iter().filter(move |(name, _)| !has_spoken(name));
+        silent.map(|(_, child)| SilentChild {
+            name: child.last_end.name(),
+            pid: Some(child.process_id).filter(|pid| *pid != 0),
+            life: child.life,
+            restarts: child.restarts,
+            last_end: child.last_end.note(),
         })
     }
 
@@ -200,8 +246,23 @@ impl HealthBook {
             restarts: seen.max(child.map_or(0, |child| child.restarts)),
             last_end: child.map_or_else(String::new, |child| child.last_end.note().to_owned()),
             note: latest.map_or_else(String::new, |health| health.note().to_owned()),
+            pid: child
+                .map(|child| child.process_id)
+                .or(latest.map(|health| health.process_id))
+                .filter(|pid| *pid != 0),
         }
     }
+}
+
+/// What the launcher says of a child that says nothing itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SilentChild<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) pid: Option<u32>,
+    pub(crate) life: LifeState,
+    pub(crate) restarts: u32,
+    /// How it ended when it should not have; else empty.
+    pub(crate) last_end: &'a str,
 }
 
 fn state(latest: Option<&Health>, child: Option<&Child>, now_ns: i64) -> State {
@@ -218,7 +279,12 @@ fn state(latest: Option<&Health>, child: Option<&Child>, now_ns: i64) -> State {
 /// What was said last, with the counters of earlier incarnations added.
 pub(crate) struct Latest<'a>(&'a Speaker);
 
-impl Latest<'_> {
+impl<'a> Latest<'a> {
+    /// Who said it.
+    pub(crate) fn name(&self) -> &'a str {
+        self.0.latest.name()
+    }
+
     pub(crate) fn counters(&self) -> Counters {
         self.0.earlier.followed_by(&self.0.latest.counters.into())
     }
@@ -342,6 +408,54 @@ mod tests {
             book.hear(&health(ProcessKind::Adapter, &format!("a{number}"), 1, S));
         }
         assert_eq!((book.processes(&[], S).len(), book.ignored()), (SPEAKERS_MAX, 5));
+    }
+
+    #[test]
+    fn sources_are_named_by_their_adapters_or_by_the_launcher() {
+        let mut book = HealthBook::new(9);
+        let of_child = |name: &str, source| Health {
+            source,
+            process_id: 77,
+            ..health(ProcessKind::Launcher, name, 1, S)
+        };
+        book.hear(&of_child("radar", 0));
+        book.hear(&of_child("antenna", NO_SOURCE));
+        let said = Health {
+            source: 3,
+            ..health(ProcessKind::Adapter, "antenna", 1, S)
+        };
+        book.hear(&counting(said.with_note("ads-b"), 8));
+        book.hear(&counting(health(ProcessKind::Adapter, "radar", 1, S), 5));
+        assert_eq!(
+            (book.source_name(0), book.source_name(3)),
+            (Some("radar"), Some("ads-b"))
+        );
+        assert_eq!(book.source_name(4), None);
+        let taken = |source| book.adapter_of(source).get(Counter::Taken);
+        assert_eq!((taken(0), taken(3), taken(4)), (5, 8, 0));
+    }
+
+    #[test]
+    fn children_that_never_spoke_are_known_from_the_launcher() {
+        let mut book = HealthBook::new(9);
+        let of_child = Health {
+            process_id: 77,
+            restarts: 4,
+            ..health(ProcessKind::Launcher, "radar", 1, S)
+        };
+        book.hear(&of_child.with_note("was killed by SIGKILL"));
+        let silent: Vec<SilentChild<'_>> = book.silent_children().collect();
+        let expected = SilentChild {
+            name: "radar",
+            pid: Some(77),
+            life: LifeState::Running,
+            restarts: 4,
+            last_end: "was killed by SIGKILL",
+        };
+        assert_eq!(silent, [expected]);
+        book.hear(&health(ProcessKind::Adapter, "radar", 1, S));
+        assert_eq!(book.silent_children().count(), 0);
+        assert_eq!(only(&book, S).pid, Some(77));
     }
 
     #[test]

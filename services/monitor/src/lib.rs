@@ -12,6 +12,7 @@
 //! | `truth_watch` | compares the picture with the truth, where the world is simulated |
 //! | `live`, `report_text`, `verdict` | turn a summary into text: pure functions |
 //! | `screen`, `files` | where text and files go |
+//! | [`top`] | `koseki top`: the same, for whoever looks on from another terminal |
 //! | `exposition`, `metrics` | the same for Prometheus, served on a thread of its own |
 //!
 //! # How loss is proved
@@ -56,6 +57,7 @@ mod report_text;
 mod screen;
 mod survey;
 mod text;
+pub mod top;
 mod truth_watch;
 mod verdict;
 

@@ -3,7 +3,7 @@
 use telemetry::table::{self, Align, Table};
 use telemetry::{Span, Stage, Stages, Summary};
 
-use crate::report::{Picture, Process, State};
+use crate::report::{Picture, Process};
 use crate::text::{date_time, elapsed, several, time_of_day};
 
 /// Most sources in the table: it has to fit on a screen.
@@ -283,10 +283,7 @@ fn median(value: Option<u64>) -> String {
 
 /// Whether a person should look at it.
 fn is_troubled(process: &Process) -> bool {
-    match process.state {
-        State::NotHeard | State::Silent { .. } => true,
-        State::Life(life) => life == messages::LifeState::Failed,
-    }
+    process.state.is_troubled()
 }
 
 #[cfg(test)]
@@ -295,6 +292,7 @@ mod tests {
 
     use super::*;
     use crate::golden;
+    use crate::report::State;
 
     fn source(name: &str, taken: u64) -> LiveSource {
         LiveSource {
@@ -317,6 +315,7 @@ mod tests {
             restarts,
             last_end: String::new(),
             note: String::new(),
+            pid: None,
         }
     }
 

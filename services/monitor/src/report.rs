@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use messages::{LifeState, ProcessKind, Registration, registration_bits};
+use messages::{Counter, LifeState, ProcessKind, Registration, registration_bits};
 use scenario::AccuracyReport;
 use serde::{Serialize, Serializer};
 use telemetry::{Irregularities, Span, Stage, Stages, Summary};
@@ -31,6 +31,8 @@ pub struct Report {
     pub sources: Vec<SourceReport>,
     /// Whether every sample arrived.
     pub losses: Losses,
+    /// What is to be known of the latencies, if there is anything: that of a stage which is not measured.
+    pub latency_remark: Option<String>,
     /// Latencies of all sources together, by stage.
     #[serde(serialize_with = "by_key")]
     pub stages: Vec<(Stage, StageReport)>,
@@ -282,6 +284,25 @@ pub struct Picture {
     pub hand_overs: u64,
 }
 
+impl Picture {
+    /// What fusion's counters say of it; `live_max` is the most that were confirmed or coasted so far.
+    pub(crate) fn of(fusion: &Counters, live_max: u64) -> Self {
+        let (live, coasted) = (fusion.get(Counter::LiveTracks), fusion.get(Counter::CoastedTracks));
+        Self {
+            confirmed: live.saturating_sub(coasted),
+            coasted,
+            tentative: fusion.get(Counter::TentativeTracks),
+            live_max,
+            started: fusion.get(Counter::TracksStarted),
+            ever_confirmed: fusion.get(Counter::TracksConfirmed),
+            ended: fusion.get(Counter::TracksTerminated),
+            merged: fusion.get(Counter::TracksMerged),
+            split: fusion.get(Counter::ContributionsSplit),
+            hand_overs: fusion.get(Counter::HandOvers),
+        }
+    }
+}
+
 /// How often processes were started again.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Restarts {
@@ -307,6 +328,8 @@ pub struct Process {
     pub last_end: String,
     /// What it has to say.
     pub note: String,
+    /// Its number in the operating system, while it has one.
+    pub pid: Option<u32>,
 }
 
 impl Process {
@@ -337,6 +360,16 @@ pub enum State {
     },
     /// As it says itself, or its launcher of it.
     Life(LifeState),
+}
+
+impl State {
+    /// Whether a person should look at it.
+    pub(crate) fn is_troubled(self) -> bool {
+        match self {
+            Self::NotHeard | Self::Silent { .. } => true,
+            Self::Life(life) => life == LifeState::Failed,
+        }
+    }
 }
 
 impl fmt::Display for State {

@@ -56,6 +56,7 @@ fn process(kind: ProcessKind, name: &str) -> Process {
         restarts: 0,
         last_end: String::new(),
         note: String::new(),
+        pid: None,
     }
 }
 
@@ -125,6 +126,7 @@ pub(crate) fn good() -> Report {
             ],
             ..Losses::default()
         },
+        latency_remark: None,
         stages: Stage::ALL.map(stage).to_vec(),
         picture: Picture {
             confirmed: 78,

@@ -13,7 +13,7 @@ use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage, Stages};
 use crate::counters::{Counters, REJECTIONS, TRAFFIC};
 use crate::exposition::{Counted, Snapshot, StageSample};
 use crate::health_book::HealthBook;
-use crate::live::{Live, LiveSource, LiveStage};
+use crate::live::{Live, LiveSource, LiveStage, NOT_MEASURED};
 use crate::report::{
     Hop, Losses, Picture, Process, ProcessCounters, Report, Restarts, RunSettings, SourceReport, SourceStageReport,
     StageReport, State, title,
@@ -136,6 +136,11 @@ impl Survey {
         self.stages.close_interval();
     }
 
+    /// Does a part of that; `false`: it was the last.
+    pub(crate) fn close_next_source(&mut self) -> bool {
+        self.stages.close_next_source()
+    }
+
     /// What there is to show of the interval that was closed last, which took `interval_ns`.
     pub(crate) fn live(&mut self, now: Now, interval_ns: i64, own: SubscriberCounts) -> Live {
         let numbers = 0..self.sources.len();
@@ -205,6 +210,10 @@ impl Survey {
             verdict: Verdict::default(),
             losses: self.losses(&sources, own, &processes),
             sources,
+            latency_remark: self
+                .settings
+                .monitor_poll_ms
+                .map(|_| NOT_MEASURED.trim().replace('\n', " ")),
             stages: Stage::ALL.map(stage).to_vec(),
             picture: self.picture(),
             accuracy: self.truth.as_ref().map(TruthWatch::report),
@@ -239,11 +248,11 @@ impl Survey {
             NO_SOURCE => String::new(),
             number => self.source_name(number).to_owned(),
         };
-        let counted = self.book.counted().map(|(kind, process, number, counters)| Counted {
+        let counted = self.book.all_said().map(|(kind, number, said)| Counted {
             kind,
-            process,
+            process: said.name().to_owned(),
             source: source(number),
-            counters,
+            counters: said.counters(),
         });
         Snapshot {
             settings: self.settings.clone(),
@@ -319,20 +328,7 @@ impl Survey {
     }
 
     fn picture(&self) -> Picture {
-        let counters = self.book.service(ProcessKind::Fusion, NO_SOURCE);
-        let (live, coasted) = (counters.get(Counter::LiveTracks), counters.get(Counter::CoastedTracks));
-        Picture {
-            confirmed: live.saturating_sub(coasted),
-            coasted,
-            tentative: counters.get(Counter::TentativeTracks),
-            live_max: self.live_max,
-            started: counters.get(Counter::TracksStarted),
-            ever_confirmed: counters.get(Counter::TracksConfirmed),
-            ended: counters.get(Counter::TracksTerminated),
-            merged: counters.get(Counter::TracksMerged),
-            split: counters.get(Counter::ContributionsSplit),
-            hand_overs: counters.get(Counter::HandOvers),
-        }
+        Picture::of(&self.book.service(ProcessKind::Fusion, NO_SOURCE), self.live_max)
     }
 
     fn recording_reached_ns(&self) -> Option<i64> {

@@ -396,6 +396,8 @@ fn the_pause_of_a_monitor_that_polls_is_not_measured() {
         (&false.into(), &0.into())
     );
     assert_eq!(report["settings"]["monitor_wait"], "poll");
+    let remark = report["latency_remark"].as_str().unwrap();
+    assert!(remark.starts_with("transport out is not measured"), "{remark}");
     assert_eq!(report["settings"]["monitor_poll_ms"], 5.0);
     assert!(
         text.contains("transport out is not measured: the monitor polls"),

@@ -15,7 +15,7 @@ use files::{COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, SCORE_EXAMPLES, SI
 pub(crate) use files::{
     ChosenEdition, Compare, Decode, Fuse, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
 };
-use values::{seconds, speed};
+use values::{interval, seconds, speed};
 
 /// Where recordings are looked for if nobody says otherwise.
 const DATA_DEFAULT: &str = "../shared/data";
@@ -39,6 +39,7 @@ Examples:
   koseki check config/barcelona.toml            is this configuration sound, and are its recordings there?
   koseki up config/barcelona.toml --speed max   the recorded airport, as fast as this machine can
   koseki status                                 what runs, in another terminal
+  koseki top                                    how it runs: rates, losses, latencies, live
   koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
   koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into one picture
 
@@ -59,6 +60,9 @@ pub(crate) enum Command {
     /// Show what runs on this machine
     #[command(after_help = STATUS_EXAMPLES)]
     Status(Status),
+    /// Look on at a running deployment: rates, losses, latencies, counters, processes
+    #[command(after_help = TOP_EXAMPLES)]
+    Top(Top),
     /// Tell a running deployment which condition (weather) holds from now on
     #[command(after_help = CONDITION_EXAMPLES)]
     Condition(Condition),
@@ -84,7 +88,7 @@ pub(crate) enum Command {
     #[command(after_help = SERVE_EXAMPLES)]
     Fusion(Serve),
     /// Run the monitor in a deployment that is up: latencies, losses, counters
-    #[command(after_help = SERVE_EXAMPLES)]
+    #[command(after_help = MONITOR_EXAMPLES)]
     Monitor(Serve),
     /// Run the recorder in a deployment that is up: tracks as CSV files
     #[command(after_help = SERVE_EXAMPLES)]
@@ -185,6 +189,34 @@ pub(crate) struct Status {
     pub(crate) instance: Option<String>,
 }
 
+const TOP_EXAMPLES: &str = "\
+Examples:
+  koseki top                          the one deployment that runs, in the terminal
+  koseki top --instance demo --interval 0.5
+  koseki top --once | grep rejected   all tables, once
+  koseki top > top.log                one line per interval
+
+Keys: q, Esc or Ctrl-C ends; Tab, arrows and 1 to 4 turn pages; up and down select a source, whose stages are shown below;
+i changes between the last interval and the total since the start of `koseki top`; p pauses.
+
+It looks on without disturbing: nobody waits for it or has to wake it. So it cannot tell how long a state takes from fusion
+to a subscriber; end to end is taken to where fusion has published. `koseki bench`, or a monitor with wait = \"event\",
+measures the rest.";
+
+/// `koseki top`.
+#[derive(Debug, Args)]
+pub(crate) struct Top {
+    /// Name of the instance [default: the one that runs]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) instance: Option<String>,
+    /// Time between two tables
+    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = interval)]
+    pub(crate) interval: Duration,
+    /// Print all tables after one interval, and end
+    #[arg(long)]
+    pub(crate) once: bool,
+}
+
 const CONDITION_EXAMPLES: &str = "\
 Examples:
   koseki condition rain --instance barcelona
@@ -211,6 +243,19 @@ Examples:
 `koseki up` starts all of these by itself. Run one by hand to look on with a second monitor, or to replace a process
 while trying something; give the same configuration, --instance, --set, --data and --speed as to `koseki up`, which must
 be running: it creates the shared memory.";
+
+const MONITOR_EXAMPLES: &str = "\
+Examples:
+  koseki monitor --config config/barcelona.toml --name second-monitor
+  koseki monitor --config config/barcelona.toml --name exact --set monitor.wait=event --set monitor.files=false
+
+`koseki up` starts one by itself. Give the same configuration, --instance, --set, --data and --speed as to `koseki up`,
+which must be running.
+
+[monitor] wait in the configuration says how it waits. \"event\": it is woken for each slice, for which fusion pays some ten
+microseconds. \"poll\" (the default where fusion spins): it looks every poll_ms and costs fusion nothing; transport out is
+not measured then (shown as -), and end to end is taken to where fusion has published. `koseki bench`, or a monitor with
+wait = \"event\", measures it. prometheus = \"127.0.0.1:9464\" serves metrics at http://127.0.0.1:9464/metrics.";
 
 /// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `simulator`.
 #[derive(Debug, Args)]

@@ -88,6 +88,14 @@ pub(super) fn refresh(text: &str) -> Result<Duration, String> {
     Err("it must lie between 0.001 and 3600".to_owned())
 }
 
+pub(super) fn interval(text: &str) -> Result<Duration, String> {
+    let time = seconds(text)?;
+    if (Duration::from_millis(100)..=Duration::from_secs(3600)).contains(&time) {
+        return Ok(time);
+    }
+    Err("it must lie between 0.1 and 3600".to_owned())
+}
+
 pub(super) fn speed(text: &str) -> Result<Speed, String> {
     if text == "max" {
         return Ok(Speed::Max);

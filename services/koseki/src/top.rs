@@ -1,0 +1,42 @@
+//! `koseki top`: which deployment is meant. How it is looked at is the monitor's business ([`monitor::top`]).
+
+use bus::{Instance, Root};
+use monitor::top::{Settings, run as look_on};
+
+use crate::args::{Top, Usage};
+use crate::status::clear_if_ended;
+
+/// Looks on at the instance that is named, or at the only one that runs.
+///
+/// # Errors
+/// If none runs, several do and none is named, or looking on fails.
+pub(crate) fn run(top: &Top) -> anyhow::Result<()> {
+    let root = match &top.instance {
+        Some(name) => Root::new(name).map_err(|error| Usage(error.to_string()))?,
+        None => the_only_one(&Root::list(Root::default_base())?)?,
+    };
+    let looked = look_on(
+        &root,
+        Settings {
+            interval: top.interval,
+            once: top.once,
+        },
+    );
+    clear_if_ended(&root)?;
+    looked
+}
+
+fn the_only_one(instances: &[Instance]) -> anyhow::Result<Root> {
+    let running: Vec<&Instance> = instances.iter().filter(|instance| instance.runs).collect();
+    match running[..] {
+        [only] => Ok(only.root.clone()),
+        [] => anyhow::bail!("nothing runs; start a deployment with `koseki up` or `koseki demo`"),
+        _ => {
+            let names: Vec<&str> = running.iter().map(|instance| instance.root.instance()).collect();
+            let names = names.join(", ");
+            anyhow::bail!(Usage(format!(
+                "several instances run; name one with --instance: {names}"
+            )))
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Joins a deployment as a reader, and notices its end.
+//!
+//! A deployment ends in one of two ways. Its launcher says so, and waits two seconds for readers to leave before it removes
+//! the shared memory; or the launcher was killed, and nobody holds the instance any more.
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+use bus::{Bus, BusError, Root, SharedMemory, Subscriber, Transport};
+use messages::{Health, SystemTrack};
+use runtime::Now;
+
+use super::overview::Overview;
+use super::watch::Watch;
+
+/// Name under which it joins.
+const OWN_NAME: &str = "top";
+/// Slices taken in one look: as many as can wait.
+const SLICES_PER_LOOK: usize = 256;
+
+/// See the module's documentation.
+pub(super) struct Attached<S: Transport> {
+    states: Subscriber<S, SystemTrack>,
+    health: Subscriber<S, Health>,
+    _bus: Bus<S>,
+    watch: Watch,
+    clock: fn() -> Now,
+    /// When the interval at hand began.
+    begun: Now,
+    interval_ns: i64,
+    root: Root,
+}
+
+/// What a look came to.
+#[derive(Debug)]
+pub(super) enum Look {
+    /// Nothing is to be shown yet.
+    Nothing,
+    /// An interval is over.
+    Interval(Box<Overview>),
+    /// The deployment has ended.
+    Ended,
+}
+
+impl Attached<SharedMemory> {
+    /// Joins the deployment that runs under `root`.
+    ///
+    /// # Errors
+    /// If it does not run, or is just being started or stopped.
+    pub(super) fn join(root: &Root, interval: Duration, clock: fn() -> Now) -> anyhow::Result<Self> {
+        let joined = Bus::open(root, OWN_NAME).and_then(|bus| Self::new(root, bus, interval, clock));
+        joined.map_err(|error| match error {
+            BusError::NotRunning { .. } | BusError::NoSuchTopic { .. } => anyhow::anyhow!(
+                "instance {} does not run, or is just being started or stopped; `koseki status` shows what runs",
+                root.instance()
+            ),
+            error => error.into(),
+        })
+    }
+
+    /// Takes what has come, and closes the interval if it is over.
+    ///
+    /// # Errors
+    /// If shared memory fails although the deployment runs.
+    pub(super) fn look(&mut self, now: Now) -> anyhow::Result<Look> {
+        match self.look_at(now) {
+            Ok(Look::Interval(overview)) if self.is_held()? => Ok(Look::Interval(overview)),
+            Ok(Look::Interval(_)) => Ok(Look::Ended),
+            Err(_) if !self.is_held()? => Ok(Look::Ended),
+            look => Ok(look?),
+        }
+    }
+
+    /// Whether anybody runs the instance.
+    fn is_held(&self) -> anyhow::Result<bool> {
+        let holder = self.root.holder();
+        Ok(holder.context("looking whether the instance runs")?.is_some())
+    }
+}
+
+impl<S: Transport> Attached<S> {
+    /// Joins over `bus`.
+    ///
+    /// # Errors
+    /// If a topic cannot be opened.
+    pub(super) fn new(root: &Root, bus: Bus<S>, interval: Duration, clock: fn() -> Now) -> Result<Self, BusError> {
+        let now_ns = || clock().mono_ns as u64;
+        let begun = clock();
+        Ok(Self {
+            states: bus.subscriber(&messages::system_tracks(), now_ns)?,
+            health: bus.subscriber(&messages::health(), now_ns)?,
+            _bus: bus,
+            watch: Watch::new(root.instance(), begun),
+            clock,
+            begun,
+            interval_ns: interval.as_nanos() as i64,
+            root: root.clone(),
+        })
+    }
+
+    /// Name of the instance.
+    pub(super) fn instance(&self) -> &str {
+        self.root.instance()
+    }
+
+    /// As [`Attached::look`], without asking whether somebody runs the instance.
+    pub(super) fn look_at(&mut self, now: Now) -> Result<Look, BusError> {
+        let (watch, clock) = (&mut self.watch, self.clock);
+        self.states
+            .take(SLICES_PER_LOOK, |_, tracks| watch.receive(tracks, clock()))?;
+        self.health.take(SLICES_PER_LOOK, |_, said| {
+            said.iter().for_each(|health| watch.hear(health))
+        })?;
+        if self.watch.has_ended() {
+            return Ok(Look::Ended);
+        }
+        let length_ns = now.mono_ns - self.begun.mono_ns;
+        if length_ns < self.interval_ns {
+            return Ok(Look::Nothing);
+        }
+        self.begun = now;
+        let overview = self.watch.close_interval(now, length_ns, self.states.counts());
+        Ok(Look::Interval(Box::new(overview)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bus::{InProcess, Mark};
+    use messages::{LifeState, ProcessKind};
+
+    use super::*;
+
+    const BEGUN: Now = Now {
+        mono_ns: 100_000_000_000,
+        utc_ns: 1_700_000_000_000_000_000,
+    };
+
+    fn after(ms: i64) -> Now {
+        Now {
+            mono_ns: BEGUN.mono_ns + ms * 1_000_000,
+            utc_ns: BEGUN.utc_ns + ms * 1_000_000,
+        }
+    }
+
+    #[test]
+    fn intervals_are_shown_until_the_launcher_says_that_all_has_ended() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = Root::in_base(folder.path(), "test").unwrap();
+        let bus: Bus<InProcess> = Bus::open(&root, "launcher").unwrap();
+        let _held = [
+            bus.hold(&messages::system_tracks()).unwrap(),
+            bus.hold(&messages::health()).unwrap(),
+        ];
+        let mut health = bus.publisher(&messages::health(), 200).unwrap();
+        let mut tracks = bus.publisher(&messages::system_tracks(), 200).unwrap();
+        let own: Bus<InProcess> = Bus::open(&root, OWN_NAME).unwrap();
+        let mut attached = Attached::new(&root, own, Duration::from_millis(500), || BEGUN).unwrap();
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: 0,
+            end: false,
+        };
+        let mut say = |life: LifeState| {
+            let health_of_launcher = Health {
+                kind: ProcessKind::Launcher as u8,
+                life: life as u8,
+                ..Health::default()
+            };
+            let launcher = health_of_launcher.with_name("launcher");
+            health.send(mark, 1, |_, _| launcher).unwrap();
+        };
+        say(LifeState::Running);
+        tracks.send(mark, 100, |_, _| SystemTrack::default()).unwrap();
+        assert!(matches!(attached.look_at(after(499)).unwrap(), Look::Nothing));
+        let Look::Interval(overview) = attached.look_at(after(500)).unwrap() else {
+            panic!("the interval is over")
+        };
+        assert_eq!(
+            (overview.instance.as_str(), overview.interval_ns),
+            ("test", 500_000_000)
+        );
+        assert_eq!((overview.processes.len(), overview.missed), (1, 0));
+        assert!(matches!(attached.look_at(after(501)).unwrap(), Look::Nothing));
+        say(LifeState::Finished);
+        assert!(matches!(attached.look_at(after(502)).unwrap(), Look::Ended));
+    }
+}

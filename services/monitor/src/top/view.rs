@@ -1,0 +1,124 @@
+//! What the keys have chosen to see.
+
+use telemetry::Span;
+
+/// A page of the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Page {
+    /// Sources, and the stages of the one that is selected.
+    Sources,
+    /// Every stage of every source.
+    Stages,
+    /// Everything that was counted.
+    Counters,
+    /// How the processes are.
+    Processes,
+}
+
+impl Page {
+    /// In the order of their keys.
+    pub(crate) const ALL: [Self; 4] = [Self::Sources, Self::Stages, Self::Counters, Self::Processes];
+
+    /// What it is called.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Sources => "sources",
+            Self::Stages => "stages",
+            Self::Counters => "counters",
+            Self::Processes => "processes",
+        }
+    }
+}
+
+/// A key that means something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Key {
+    Quit,
+    NextPage,
+    PreviousPage,
+    Page(Page),
+    /// So many rows further down, or up.
+    Move(isize),
+    Span,
+    Pause,
+}
+
+/// See the module's documentation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View {
+    pub(crate) page: Page,
+    pub(crate) span: Span,
+    /// Whether new overviews are kept back.
+    pub(crate) paused: bool,
+    /// The selected row of each page.
+    selected: [usize; 4],
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            page: Page::Sources,
+            span: Span::Interval,
+            paused: false,
+            selected: [0; 4],
+        }
+    }
+}
+
+impl View {
+    /// The selected row of the page, of `rows` that there are.
+    pub(crate) fn selected(&self, rows: usize) -> usize {
+        self.selected[self.page as usize].min(rows.saturating_sub(1))
+    }
+
+    /// Does what a key says, on a page of `rows` rows. `false`: it was the last.
+    pub(crate) fn press(&mut self, key: Key, rows: usize) -> bool {
+        let pages = Page::ALL.len();
+        match key {
+            Key::Quit => return false,
+            Key::NextPage => self.page = Page::ALL[(self.page as usize + 1) % pages],
+            Key::PreviousPage => self.page = Page::ALL[(self.page as usize + pages - 1) % pages],
+            Key::Page(page) => self.page = page,
+            Key::Move(by) => {
+                let moved = self.selected(rows).saturating_add_signed(by);
+                self.selected[self.page as usize] = moved.min(rows.saturating_sub(1));
+            }
+            Key::Span => {
+                self.span = match self.span {
+                    Span::Interval => Span::Total,
+                    Span::Total => Span::Interval,
+                }
+            }
+            Key::Pause => self.paused = !self.paused,
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_turn_pages_move_and_end() {
+        let mut view = View::default();
+        for key in [Key::NextPage, Key::NextPage, Key::Move(2), Key::Move(100)] {
+            assert!(view.press(key, 5));
+        }
+        assert_eq!((view.page, view.selected(5)), (Page::Counters, 4));
+        assert_eq!(view.selected(2), 1, "there are fewer rows now");
+        view.press(Key::Move(-100), 5);
+        assert_eq!(view.selected(5), 0);
+        view.press(Key::Move(1), 0);
+        assert_eq!(view.selected(0), 0);
+        view.press(Key::Page(Page::Sources), 5);
+        view.press(Key::PreviousPage, 5);
+        assert_eq!(view.page, Page::Processes);
+        view.press(Key::NextPage, 5);
+        assert_eq!(view.page, Page::Sources);
+        view.press(Key::Span, 5);
+        view.press(Key::Pause, 5);
+        assert_eq!((view.span, view.paused), (Span::Total, true));
+        assert!(!view.press(Key::Quit, 5));
+    }
+}
