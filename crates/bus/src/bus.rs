@@ -83,6 +83,10 @@ impl<S: Transport> Bus<S> {
         self
     }
 
+    pub(crate) fn node(&self) -> &Node<S> {
+        &self.node
+    }
+
     /// The instance.
     pub fn root(&self) -> &Root {
         &self.root

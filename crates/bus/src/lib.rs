@@ -57,6 +57,7 @@
 //! Architecture invariant: no other crate names iceoryx2, no stamp on any sample is read from a clock here, and no
 //! function here prints.
 
+mod bare;
 mod bus;
 mod error;
 mod publisher;
@@ -67,6 +68,7 @@ mod subscriber;
 mod transport;
 mod waiter;
 
+pub use bare::{BareReceiver, BareSender, BareSettings};
 pub use bus::{Bus, DeadProcesses, Held};
 pub use error::{BusError, Role};
 pub use publisher::{Mark, Publisher, PublisherCounts};

@@ -9,6 +9,7 @@ pub mod clock;
 pub mod config;
 pub mod cores;
 pub mod flow;
+pub mod ground;
 pub mod housekeeping;
 pub mod service;
 pub mod signals;

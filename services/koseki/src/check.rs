@@ -80,6 +80,7 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
             format!("simulated; observes a world of {targets} targets")
         }
         (Input::Live(live), _) => format!("live, behind receiver {}", live.receiver),
+        (Input::External, _) => "external, published by a process of its own".to_owned(),
         (Input::Recorded(recorded), None) => recorded.file.display().to_string(),
         (Input::Recorded(recorded), Some(found)) => {
             let editions: Vec<String> = recorded.asterix.tables.iter().map(ToString::to_string).collect();

@@ -5,7 +5,7 @@
 //! dies, and a general service manager does not know that dead processes leave places and memory in shared memory that
 //! their successors need. The launcher does four things, in this order:
 //!
-//! 1. **It prepares the ground** (`ground`): claims the instance, so that nobody else runs it; removes what a killed run
+//! 1. **It prepares the ground** (`runtime::ground`): claims the instance, so that nobody else runs it; removes what a killed run
 //!    left; makes sure that the shared memory is large enough; creates every topic, and keeps them in existence.
 //! 2. **It starts the processes** (`part`, `child`): the monitor and the recorder first, so that they miss nothing, with
 //!    them fusion and the gateways; when these say that they run, the adapters, and the simulator last. All are children of the same executable.
@@ -29,7 +29,6 @@ mod backoff;
 mod board;
 mod child;
 mod end;
-mod ground;
 mod part;
 mod supervisor;
 mod wake;
@@ -38,10 +37,10 @@ use std::io::Write as _;
 use std::time::Duration;
 
 use anyhow::Context as _;
+use runtime::ground::{self, Ground};
 use runtime::signals::Stop;
 use runtime::{Config, Options};
 
-pub use ground::needed_bytes;
 pub use supervisor::ChildRefused;
 
 /// How a deployment is to be run.
@@ -63,10 +62,16 @@ pub struct Orders {
 pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
-    let ground = ground::Ground::prepare(config, &orders.options.instance, &stop)?;
+    let processes = part::parts(config).len();
+    let ground = Ground::prepare(config, &orders.options.instance, processes, &stop, say)?;
     // The supervisor's ports must be gone before the ground can be cleared.
     let result = supervisor::Supervisor::new(config, orders, &ground, stop, wake).and_then(supervisor::Supervisor::run);
     result.and(ground.clear())
+}
+
+/// Most bytes that a deployment takes in shared memory.
+pub fn needed_bytes(config: &Config) -> u64 {
+    ground::needed_bytes(config, part::parts(config).len())
 }
 
 /// One line about one event. Standard error may be closed; that is no reason to end a deployment.

@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use messages::ProcessKind;
+use runtime::ground::Ground;
 use runtime::signals::Stop;
 use runtime::{Config, Now};
 
 use crate::backoff::FAILURES_MAX;
 use crate::board::Board;
 use crate::child::{Child, Sequel};
-use crate::ground::Ground;
 use crate::part::{START_ORDER, STOP_ORDER, parts};
 use crate::wake::Wake;
 use crate::{Orders, say};

@@ -119,10 +119,11 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
     let gateways = check_gateways(&raw.gateways, &sources)?;
     let first_day_ns = first_day(&raw, &sources)?;
     let scenario = check_scenario(&raw, &sources)?;
-    if !receivers.is_empty() && raw.time.order == Order::Time {
+    let external = sources.iter().any(|source| matches!(source.input, Input::External));
+    if (external || !receivers.is_empty()) && raw.time.order == Order::Time {
         return Err(problem(
             "time.order",
-            "\"time\" is for recorded inputs; simulated sensors and receivers are live: use \"arrival\"",
+            "\"time\" is for recorded inputs; simulated, external and received sources are live: use \"arrival\"",
         ));
     }
     let fusion = check_fusion(&raw.fusion, weighing)?;
@@ -169,10 +170,11 @@ fn check_source(
         360.0,
     )?;
     let mut origin = place(&key("place"), sensor_place)?;
-    let (input, adapter) = match (&raw.recorded, &raw.live, &raw.simulated) {
-        (Some(recorded), None, None) => (Input::Recorded(check_recorded(index, recorded)?), raw.name.clone()),
-        (None, Some(live), None) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
-        (None, None, Some(simulated)) => {
+    let (input, adapter) = match (&raw.recorded, &raw.live, &raw.simulated, &raw.external) {
+        (Some(recorded), None, None, None) => (Input::Recorded(check_recorded(index, recorded)?), raw.name.clone()),
+        (None, Some(live), None, None) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
+        (None, None, None, Some(_)) => (Input::External, raw.name.clone()),
+        (None, None, Some(simulated), None) => {
             simulated
                 .validate()
                 .map_err(|error| simulated_problem(&key("simulated"), &error))?;
@@ -186,7 +188,7 @@ fn check_source(
         }
         _ => {
             let what = format!(
-                "\"{}\" needs exactly one of [source.recorded], [source.live] and [source.simulated]",
+                "\"{}\" needs exactly one of [source.recorded], [source.live], [source.simulated] and [source.external]",
                 raw.name
             );
             return Err(problem(key("name"), what));
@@ -296,6 +298,7 @@ fn check_sac_sic(index: usize, raw: &RawSource) -> Checked<Option<(u8, u8)>> {
     let (part, sac, sic) = match (&raw.recorded, &raw.live) {
         (Some(recorded), _) => ("recorded", recorded.sac, recorded.sic),
         (None, Some(live)) => ("live", live.sac, live.sic),
+        (None, None) if raw.external.is_some() => return Ok(None),
         (None, None) => return Ok(Some(simulated_sac_sic(index as u16))),
     };
     match (sac, sic) {

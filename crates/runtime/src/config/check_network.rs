@@ -356,6 +356,7 @@ pub(super) fn technology(raw: Option<RawTechnology>, input: &Input, network: &Ne
         Input::Live(live) => of_categories(&live.asterix),
         Input::Recorded(recorded) if recorded.format == RecordedFormat::Sbs => Technology::AdsB,
         Input::Recorded(recorded) => of_categories(&recorded.asterix),
+        Input::External => Technology::Other,
     }
 }
 

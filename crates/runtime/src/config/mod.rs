@@ -104,6 +104,8 @@ pub enum Input {
     Simulated(Simulated),
     /// A sensor behind a receiver.
     Live(Live),
+    /// A process that is no part of the deployment publishes the source's topic.
+    External,
 }
 
 /// A simulated input.
@@ -292,10 +294,14 @@ impl Config {
         self.gateways.iter().find(|gateway| gateway.name == name)
     }
 
-    /// The names of the adapter processes, in the order of their first sources.
+    /// The names of the adapter processes, in the order of their first sources. External sources have none.
     pub fn adapters(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
-        for source in &self.sources {
+        for source in self
+            .sources
+            .iter()
+            .filter(|source| !matches!(source.input, Input::External))
+        {
             if !names.contains(&source.adapter.as_str()) {
                 names.push(&source.adapter);
             }

@@ -70,6 +70,7 @@ pub(crate) struct RawSource {
     pub(crate) recorded: Option<RawRecorded>,
     pub(crate) live: Option<RawLive>,
     pub(crate) simulated: Option<scenario::SensorSettings>,
+    pub(crate) external: Option<RawExternal>,
     #[serde(default)]
     pub(crate) limits: RawLimits,
     #[serde(default)]
@@ -161,6 +162,11 @@ pub(crate) struct RawLive {
     #[serde(default)]
     pub(crate) positions: formats::reports::PositionForm,
 }
+
+/// Nothing has to be said of a process that publishes the source by itself.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawExternal {}
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

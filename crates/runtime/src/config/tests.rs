@@ -237,6 +237,21 @@ fn sensors_behind_one_socket_share_an_adapter() {
 }
 
 #[test]
+fn an_external_source_has_a_topic_and_no_adapter() {
+    let text = "name = \"site\"\n[frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n\
+                [[source]]\nname = \"radar\"\n[source.external]\n";
+    let parsed = |text: &str| Config::parse(Path::new("site.toml"), text, &[]);
+    let config = parsed(text).unwrap();
+    assert!(matches!(config.sources[0].input, Input::External));
+    assert_eq!(config.adapters(), [""; 0]);
+    assert!(!config.is_recorded() && !config.is_simulated());
+    let ordered = format!("{text}[time]\norder = \"time\"\n");
+    assert!(parsed(&ordered).unwrap_err().to_string().contains("time.order"));
+    let both = format!("{text}[source.simulated]\nkind = \"radar\"\n");
+    assert!(parsed(&both).is_err());
+}
+
+#[test]
 fn mistakes_in_networks_are_named_with_line_value_and_remedy() {
     let cases = [
         (

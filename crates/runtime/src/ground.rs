@@ -1,16 +1,17 @@
 //! What must be there before the first process starts, and gone after the last one has ended.
+//!
+//! Whoever starts the processes of a deployment (the launcher; the bench for its own) claims the instance, makes sure
+//! that the shared memory is large enough, and holds every topic as long as they run.
 
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use bus::{Bus, BusError, Claim, Held, Payload, Root, SharedMemory};
 use messages::Topic;
-use runtime::Config;
-use runtime::signals::Stop;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-use crate::part::parts;
-use crate::say;
+use crate::config::Config;
+use crate::signals::Stop;
 
 /// How long the processes of a launcher that was killed may take to notice, before this start is refused.
 const ORPHAN_PATIENCE: Duration = Duration::from_secs(5);
@@ -28,22 +29,30 @@ const PROGRESS_PUBLISHERS: usize = 4;
 
 /// A claimed instance with all its topics.
 #[derive(Debug)]
-pub(crate) struct Ground {
+pub struct Ground {
     // In the order in which they must go.
     _held: Vec<Held>,
     bus: Bus<SharedMemory>,
     claim: Claim,
+    say: fn(&str),
 }
 
 impl Ground {
-    /// Claims the instance and creates every topic of the deployment.
+    /// Claims the instance and creates every topic of the deployment, which is going to have so many `processes`.
+    /// `say` is told, one line each, what was found and is waited for.
     ///
     /// # Errors
     /// If it runs already, is still used, or the machine has not enough memory or rights.
-    pub(crate) fn prepare(config: &Config, instance: &str, stop: &Stop) -> anyhow::Result<Self> {
+    pub fn prepare(
+        config: &Config,
+        instance: &str,
+        processes: usize,
+        stop: &Stop,
+        say: fn(&str),
+    ) -> anyhow::Result<Self> {
         raise_file_limit();
         let root = Root::new(instance)?;
-        let claim = claim(&root, stop)?;
+        let claim = claim(&root, stop, say)?;
         let wiped = claim.wiped();
         if wiped.files > 0 {
             say(&format!(
@@ -52,22 +61,23 @@ impl Ground {
                 wiped.bytes as f64 / 1e6
             ));
         }
-        bus::check_space(needed_bytes(config))?;
+        bus::check_space(needed_bytes(config, processes))?;
         let bus = Bus::open(&root, "launcher")?;
         let mut hold = Hold {
             bus: &bus,
             held: Vec::new(),
         };
-        each_topic(config, &mut hold)?;
+        each_topic(config, processes, &mut hold)?;
         Ok(Self {
             _held: hold.held,
             bus,
             claim,
+            say,
         })
     }
 
-    /// The launcher's own connection.
-    pub(crate) fn bus(&self) -> &Bus<SharedMemory> {
+    /// The connection of whoever prepared it.
+    pub fn bus(&self) -> &Bus<SharedMemory> {
         &self.bus
     }
 
@@ -75,8 +85,8 @@ impl Ground {
     ///
     /// # Errors
     /// If files cannot be removed.
-    pub(crate) fn clear(self) -> anyhow::Result<()> {
-        let Self { _held, bus, claim } = self;
+    pub fn clear(self) -> anyhow::Result<()> {
+        let Self { _held, bus, claim, say } = self;
         drop(_held);
         drop(bus);
         let root = claim.root();
@@ -99,11 +109,11 @@ impl Ground {
     }
 }
 
-/// Most bytes that a deployment takes in shared memory.
-pub fn needed_bytes(config: &Config) -> u64 {
+/// Most bytes that a deployment of so many `processes` takes in shared memory.
+pub fn needed_bytes(config: &Config, processes: usize) -> u64 {
     let mut need = Need(0);
     // Adding up cannot fail.
-    let _ = each_topic(config, &mut need);
+    let _ = each_topic(config, processes, &mut need);
     need.0
 }
 
@@ -113,12 +123,12 @@ trait Visit {
 }
 
 /// Every topic of a deployment, with the number of publishers that it can have at a time.
-fn each_topic(config: &Config, visit: &mut impl Visit) -> Result<(), BusError> {
+fn each_topic(config: &Config, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
     for source in &config.sources {
         visit.visit(&messages::sensor_tracks(&source.name), ONE_AND_ITS_SUCCESSOR)?;
     }
     visit.visit(&messages::system_tracks(), ONE_AND_ITS_SUCCESSOR)?;
-    visit.visit(&messages::health(), parts(config).len() + FURTHER_HEALTH)?;
+    visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;
     visit.visit(&messages::control(), ONE_AND_ITS_SUCCESSOR)
 }
@@ -145,7 +155,7 @@ impl Visit for Hold<'_> {
 }
 
 /// Claims the instance. Processes that an earlier, killed launcher had started are given time to end.
-fn claim(root: &Root, stop: &Stop) -> anyhow::Result<Claim> {
+fn claim(root: &Root, stop: &Stop, say: fn(&str)) -> anyhow::Result<Claim> {
     let start = Instant::now();
     let mut said = false;
     loop {
