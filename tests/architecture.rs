@@ -26,6 +26,7 @@ const ORDER: &[&str] = &[
     "gateway",
     "simulator",
     "launcher",
+    "bench-service",
     "koseki",
 ];
 
@@ -38,6 +39,7 @@ const SERVICES: &[&str] = &[
     "gateway",
     "simulator",
     "launcher",
+    "bench-service",
 ];
 
 /// Crates that may know the outside world; all others are pure.
@@ -52,6 +54,7 @@ const OUTSIDE: &[&str] = &[
     "gateway",
     "simulator",
     "launcher",
+    "bench-service",
     "koseki",
 ];
 

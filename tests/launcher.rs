@@ -182,6 +182,7 @@ fn every_command_has_help_with_examples() {
         "up",
         "check",
         "status",
+        "bench",
         "adapter",
         "fusion",
         "monitor",

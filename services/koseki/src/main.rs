@@ -2,8 +2,8 @@
 //!
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
-//! that answer questions ([`check`], [`status`], [`top`]), give orders ([`condition`]) or work on files ([`decode`], [`simulate`], [`fuse`],
-//! [`compare`], [`score`]).
+//! that answer questions ([`check`], [`status`], [`top`]), measure ([`bench`]), give orders ([`condition`]) or work on
+//! files ([`decode`], [`simulate`], [`fuse`], [`compare`], [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running; the latter two after one line on standard error (FM).
@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod bench;
 mod check;
 mod compare;
 mod condition;
@@ -91,6 +92,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Fuse(fuse) => fuse::run(&fuse),
         Command::Simulate(simulate) => simulate::run(&simulate),
         Command::Score(score) => score::run(&score),
+        Command::Bench(what) => bench::run(what),
+        Command::BenchRelay(relay) => bench_service::relay::run(&relay.options()),
         Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, adapter::run),
         Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, fusion_service::run),
         Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, monitor::run),
@@ -168,6 +171,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
         || error.is::<RecordingError>()
         || error.is::<Usage>()
         || error.is::<files::InputError>()
+        || error.is::<bench_service::Refused>()
         || error.is::<launcher::ChildRefused>();
     if refused { CODE_REFUSED } else { CODE_FAILED }
 }

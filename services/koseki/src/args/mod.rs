@@ -1,5 +1,6 @@
 //! The command line: every command and option, what they mean when they are left out, and their help.
 
+mod bench;
 mod files;
 mod values;
 
@@ -11,6 +12,8 @@ use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use runtime::config::Config;
 use runtime::{ConfigError, Now, Options, Speed};
 
+use bench::BENCH_EXAMPLES;
+pub(crate) use bench::{Bench, BenchRelay};
 use files::{COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES};
 pub(crate) use files::{
     ChosenEdition, Compare, Decode, Fuse, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
@@ -41,6 +44,7 @@ Examples:
   koseki status                                 what runs, in another terminal
   koseki top                                    how it runs: rates, losses, latencies, live
   koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
+  koseki bench latency --rate 20000             what a report takes through fusion, and what of it is the machine's
   koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into one picture
 
 Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
@@ -81,6 +85,12 @@ pub(crate) enum Command {
     /// Score tracks or fixes against a known truth
     #[command(after_help = SCORE_EXAMPLES)]
     Score(Score),
+    /// Measure latency and throughput of the real processes, against a bare relay on the same machine
+    #[command(after_help = BENCH_EXAMPLES, subcommand)]
+    Bench(Bench),
+    /// The bare relay that `koseki bench` measures against
+    #[command(hide = true)]
+    BenchRelay(BenchRelay),
     /// Run the adapter of one source or receiver in a deployment that is up
     #[command(after_help = SERVE_EXAMPLES)]
     Adapter(Serve),
@@ -341,9 +351,18 @@ pub(crate) fn out_folder(given: Option<PathBuf>, instance: &str) -> PathBuf {
 pub(crate) fn usage_line(error: &clap::Error) -> String {
     if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         let command = Cli::command();
-        let commands: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+        let first = std::env::args().nth(1).unwrap_or_default();
+        let within = command
+            .find_subcommand(&first)
+            .filter(|command| command.has_subcommands());
+        let shown = within
+            .unwrap_or(&command)
+            .get_subcommands()
+            .filter(|command| !command.is_hide_set());
+        let commands: Vec<&str> = shown.map(clap::Command::get_name).collect();
+        let name = within.map_or_else(String::new, |command| format!(" {}", command.get_name()));
         return format!(
-            "a command is missing; there are {} (see `koseki --help`)",
+            "a command is missing; there are {} (see `koseki{name} --help`)",
             commands.join(", ")
         );
     }

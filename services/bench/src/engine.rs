@@ -1,0 +1,115 @@
+//! `koseki bench engine`: what one report costs in the engine, without any bus.
+
+use hdrhistogram::Histogram;
+use runtime::signals::Stop;
+use telemetry::table::{Align, Table, count, duration};
+
+use crate::engine_time::{self, EngineTimes};
+use crate::figures::{Figures, median};
+use crate::latency::stamps;
+use crate::machine::Machine;
+use crate::outputs::Outputs;
+use crate::progress::say;
+use crate::recorder::histogram;
+use crate::report::Report;
+use crate::settings::Settings;
+use crate::text;
+
+/// Measures; the rate of `settings` only tells how far apart in time the reports are. Returns what is to be shown.
+///
+/// # Errors
+/// If the settings cannot work, or a file cannot be written.
+pub fn run(settings: &Settings, outputs: &Outputs) -> anyhow::Result<String> {
+    settings.check_without_cores()?;
+    outputs.check()?;
+    let stop = Stop::on_signals()?;
+    let mut machine = Machine::read();
+    let notes = text::notes(settings, &machine);
+    for note in &notes {
+        say(note);
+    }
+    let watch = || {
+        anyhow::ensure!(!stop.requested(), "stopped before the end; no figures are shown");
+        Ok(())
+    };
+    let mut runs: Vec<EngineTimes> = Vec::new();
+    let mut single: Histogram<u64> = histogram();
+    for number in 1..=settings.runs {
+        let (times, each) = engine_time::measure(settings, settings.rates_per_s[0], settings.seconds, watch)?;
+        say(&format!(
+            "run {number} of {}: {} per update",
+            settings.runs,
+            duration(times.ns_per_update)
+        ));
+        single.add(&each).expect("the same bounds");
+        runs.push(times);
+    }
+    machine.ended();
+    let all = together(&runs);
+    let report = Report {
+        command: "engine".to_owned(),
+        machine,
+        settings: Some(settings.clone()),
+        engine_ns_per_update: all.ns_per_update,
+        stamps: stamps(all.reading_ns),
+        engine: all,
+        notes,
+        ..Report::default()
+    };
+    outputs.write(&report, &[], Some(&single))?;
+    Ok(shown(&report, &runs))
+}
+
+/// Medians over the runs.
+fn together(runs: &[EngineTimes]) -> EngineTimes {
+    let middle = |of: fn(&EngineTimes) -> f64| median(&runs.iter().map(of).collect::<Vec<_>>());
+    let first = runs.first().cloned().unwrap_or_default();
+    EngineTimes {
+        ns_per_update: middle(|run| run.ns_per_update),
+        ns_per_update_range: [
+            runs.iter().map(|run| run.ns_per_update).fold(f64::INFINITY, f64::min),
+            runs.iter().map(|run| run.ns_per_update).fold(0.0, f64::max),
+        ],
+        single: Figures::median(&runs.iter().map(|run| run.single).collect::<Vec<_>>()),
+        report_ns: middle(|run| run.report_ns),
+        chunks: runs.iter().map(|run| run.chunks).sum(),
+        ..first
+    }
+}
+
+fn shown(report: &Report, runs: &[EngineTimes]) -> String {
+    let mut text = text::heading(report);
+    let mut columns = vec![
+        ("update of the engine", Align::Left),
+        ("median of means of 1,000", Align::Right),
+    ];
+    columns.extend(Figures::NAMES.map(|name| (name, Align::Right)));
+    columns.push(("odd", Align::Right));
+    let mut table = Table::new(&columns);
+    let mut row = |name: String, times: &EngineTimes| {
+        let mut cells = vec![name, duration(times.ns_per_update)];
+        cells.extend(times.single.values().map(|value| duration(value as f64)));
+        cells.push(count(times.single.lost));
+        table.row(cells);
+    };
+    for (number, run) in runs.iter().enumerate() {
+        row(format!("run {}", number + 1), run);
+    }
+    row("median over runs".to_owned(), &report.engine);
+    let engine = &report.engine;
+    text.push_str(&format!(
+        "\n{table}Percentiles are of single updates, less {} for reading the clock; means are less {} for building the report.\n\
+         odd: updates that did not yield exactly one confirmed state. Warm-up: {} reports in {:.1} s{}.\n",
+        duration(engine.reading_ns as f64),
+        duration(engine.report_ns),
+        count(engine.warm_up.reports),
+        engine.warm_up.seconds,
+        if engine.warm_up.settled {
+            ""
+        } else {
+            ", after which some were still odd"
+        }
+    ));
+    text.push_str(&text::footnotes(report));
+    text
+}

@@ -1,0 +1,237 @@
+//! What one report costs in the engine alone: the same reports, no bus, no other process.
+//!
+//! Two passes, because reading the clock costs about as much as what is to be measured is uncertain. In the first, a
+//! thousand updates are timed as one, and the median of these means is the *time per update*: no single reading counts
+//! for much. In the second, each update is timed, for its tail; the cost of a reading is taken off. Both include nothing
+//! but the engine: what it takes to build the reports is measured apart, and taken off the first.
+//!
+//! Limits: the engine runs at full speed here, and finds its tables in caches that, at a slow rate in a process of its
+//! own, others have used meanwhile.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use fusion::Engine;
+use messages::{SystemTrack, TrackState};
+use runtime::cores::Placement;
+use runtime::{Config, Now};
+use serde::{Deserialize, Serialize};
+
+use crate::drive::{Clock as _, MachineClock};
+use crate::figures::{Figures, median, range};
+use crate::jitter::reading_ns;
+use crate::measure::WarmUp;
+use crate::pinned;
+use crate::recorder::histogram;
+use crate::settings::Settings;
+use crate::site::config_text;
+use crate::traffic::Traffic;
+
+/// Updates that are timed as one.
+const CHUNK: u64 = 1000;
+/// Rounds of warm-up at least and at most.
+const WARM_UP_ROUNDS: std::ops::Range<u32> = 5..40;
+/// A thread of real-time priority rests so often, and so long, nanoseconds.
+const REST_EVERY_NS: i64 = 40_000_000;
+const REST_NS: i64 = 4_000_000;
+
+/// See the module's documentation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EngineTimes {
+    /// Median of the means over a thousand updates, nanoseconds.
+    pub ns_per_update: f64,
+    /// Smallest and largest of these means.
+    pub ns_per_update_range: [f64; 2],
+    /// Single updates, less the cost of a clock reading; `lost` counts updates that did not yield one state.
+    pub single: Figures,
+    /// What a clock reading costs, nanoseconds.
+    pub reading_ns: u64,
+    /// What building a report costs, nanoseconds.
+    pub report_ns: f64,
+    /// What is in no figure.
+    pub warm_up: WarmUp,
+    /// Means of a thousand updates.
+    pub chunks: usize,
+}
+
+/// Measures it at `place`; `stop` is asked whether to go on.
+pub(crate) fn measure(
+    settings: &Settings,
+    rate_per_s: f64,
+    seconds: f64,
+    watch: impl FnMut() -> anyhow::Result<()>,
+) -> anyhow::Result<(EngineTimes, hdrhistogram::Histogram<u64>)> {
+    let place = Placement {
+        core: Some(settings.fusion_core),
+        ..settings.bench_place()
+    };
+    let config = Config::parse(Path::new("bench.toml"), &config_text(settings, rate_per_s), &[])?;
+    pinned::run(place, watch, |abort| {
+        let mut run = Run::new(&config, settings, rate_per_s)?;
+        let warm_up = run.warm_up();
+        let clock = MachineClock;
+        let reading_ns = reading_ns(&clock);
+        let report_ns = run.report_ns();
+        let ended = || {
+            anyhow::ensure!(!abort.load(Ordering::Relaxed), "ended early");
+            Ok(())
+        };
+
+        let mut chunks = Vec::new();
+        let half_ns = (seconds * 0.5e9) as i64;
+        let mut rest = Rest::new(settings.realtime_priority.is_some());
+        let end_ns = clock.now_ns() + half_ns;
+        while chunks.is_empty() || clock.now_ns() < end_ns {
+            let start_ns = clock.now_ns();
+            for _ in 0..CHUNK {
+                run.update();
+            }
+            let mean = (clock.now_ns() - start_ns) as f64 / CHUNK as f64;
+            chunks.push((mean - report_ns).max(0.0));
+            rest.now_and_then();
+            ended()?;
+        }
+
+        let mut single = histogram();
+        let odd_before = run.odd;
+        let end_ns = clock.now_ns() + half_ns;
+        while single.is_empty() || clock.now_ns() < end_ns {
+            for _ in 0..CHUNK {
+                let report = run.next_report();
+                let start_ns = clock.now_ns();
+                run.take(&report);
+                let took_ns = clock.now_ns() - start_ns;
+                single.saturating_record((took_ns - reading_ns as i64).max(1) as u64);
+            }
+            rest.now_and_then();
+            ended()?;
+        }
+        let (low, high) = range(&chunks);
+        let times = EngineTimes {
+            ns_per_update: median(&chunks),
+            ns_per_update_range: [low, high],
+            single: Figures::of(&single, run.odd - odd_before),
+            reading_ns,
+            report_ns,
+            warm_up,
+            chunks: chunks.len(),
+        };
+        Ok((times, single))
+    })
+}
+
+struct Run {
+    engine: Engine,
+    traffic: Traffic,
+    interval_ns: f64,
+    start_ns: i64,
+    next: u64,
+    batch: u64,
+    /// Reports that did not yield exactly one confirmed state.
+    odd: u64,
+}
+
+impl Run {
+    fn new(config: &Config, settings: &Settings, rate_per_s: f64) -> anyhow::Result<Self> {
+        let now = Now::read();
+        Ok(Self {
+            engine: Engine::new(config.fusion.settings.clone())?,
+            traffic: Traffic::new(
+                settings.targets,
+                settings.sources,
+                settings.batch,
+                now.mono_ns,
+                now.utc_ns - now.mono_ns,
+            ),
+            interval_ns: 1e9 / rate_per_s,
+            start_ns: now.mono_ns,
+            next: 0,
+            batch: settings.batch as u64,
+            odd: 0,
+        })
+    }
+
+    fn report_at(&self, number: u64) -> messages::SensorTrack {
+        let (batch, index) = (number / self.batch, number % self.batch);
+        // All reports of a batch are due at once; their times must differ from round to round only.
+        let due_ns = self.start_ns + (batch as f64 * self.batch as f64 * self.interval_ns) as i64;
+        self.traffic
+            .report(self.traffic.source(batch), batch, index as usize, due_ns)
+    }
+
+    fn next_report(&mut self) -> messages::SensorTrack {
+        let report = self.report_at(self.next);
+        self.next += 1;
+        report
+    }
+
+    fn take(&mut self, report: &messages::SensorTrack) {
+        let (mut states, mut unconfirmed) = (0u64, 0u64);
+        self.engine.take(report, &mut |track: &SystemTrack| {
+            states += 1;
+            unconfirmed += u64::from(track.state != TrackState::Confirmed as u8);
+            black_box(track);
+        });
+        self.odd += u64::from(states != 1 || unconfirmed != 0);
+    }
+
+    fn update(&mut self) {
+        let report = self.next_report();
+        self.take(&report);
+    }
+
+    fn warm_up(&mut self) -> WarmUp {
+        let start_ns = MachineClock.now_ns();
+        let mut settled = false;
+        for round in 0..WARM_UP_ROUNDS.end {
+            let odd = self.odd;
+            for _ in 0..self.traffic.round() * self.batch {
+                self.update();
+            }
+            settled = self.odd == odd;
+            if settled && round >= WARM_UP_ROUNDS.start {
+                break;
+            }
+        }
+        WarmUp {
+            reports: self.next,
+            seconds: (MachineClock.now_ns() - start_ns) as f64 * 1e-9,
+            settled,
+        }
+    }
+
+    /// What building a report costs, nanoseconds.
+    fn report_ns(&self) -> f64 {
+        let means = (0..51).map(|_| {
+            let start_ns = MachineClock.now_ns();
+            for number in 0..CHUNK {
+                black_box(self.report_at(self.next + number));
+            }
+            (MachineClock.now_ns() - start_ns) as f64 / CHUNK as f64
+        });
+        median(&means.collect::<Vec<_>>())
+    }
+}
+
+/// Lets others have the core now and then, where nobody could take it.
+struct Rest {
+    needed: bool,
+    last_ns: i64,
+}
+
+impl Rest {
+    fn new(needed: bool) -> Self {
+        Self {
+            needed,
+            last_ns: MachineClock.now_ns(),
+        }
+    }
+
+    fn now_and_then(&mut self) {
+        if self.needed && MachineClock.now_ns() - self.last_ns > REST_EVERY_NS {
+            MachineClock.sleep(REST_NS);
+            self.last_ns = MachineClock.now_ns();
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The two things that are measured: the fusion process, and a bare relay in its place.
+
+use std::time::Duration;
+
+use bus::{BareReceiver, BareSender, BareSettings, Bus, Mark, Publisher, SharedMemory, Subscriber, WaitMode, Waiter};
+use messages::{SensorTrack, SystemTrack};
+use runtime::clock::mono_ns;
+
+use crate::drive::{Receiver, Sender, Sent};
+use crate::settings::Settings;
+
+/// The relay's services.
+pub(crate) const RELAY_IN: &str = "bench/relay/in";
+pub(crate) const RELAY_OUT: &str = "bench/relay/out";
+/// Slices that wait before the oldest is dropped: as many as with the real topics.
+const RELAY_DEPTH: usize = 256;
+
+/// Name of source number `number`.
+pub(crate) fn source_name(number: u16) -> String {
+    format!("source-{number}")
+}
+
+/// What both ends of the relay's services agree upon.
+pub(crate) fn relay_settings(slice_len: usize, events: bool) -> BareSettings {
+    BareSettings {
+        depth: RELAY_DEPTH,
+        slice_len,
+        events,
+    }
+}
+
+/// The topics of all sources.
+#[derive(Debug)]
+pub(crate) struct ToFusion(Vec<Publisher<SharedMemory, SensorTrack>>);
+
+impl ToFusion {
+    pub(crate) fn open(bus: &Bus<SharedMemory>, settings: &Settings) -> anyhow::Result<Self> {
+        let incarnation = mono_ns() as u64;
+        let open = |number| bus.publisher(&messages::sensor_tracks(&source_name(number)), incarnation);
+        let publishers: Result<_, _> = (0..settings.sources).map(open).collect();
+        Ok(Self(publishers?))
+    }
+}
+
+impl Sender for ToFusion {
+    fn send(
+        &mut self,
+        source: u16,
+        mark: Sent,
+        count: usize,
+        mut fill: impl FnMut(usize) -> SensorTrack,
+    ) -> anyhow::Result<()> {
+        let mark = Mark {
+            progress_ns: mark.progress_ns,
+            sent_ns: mark.now_ns,
+            end: false,
+        };
+        self.0[usize::from(source)].send(mark, count, |index, sequence| {
+            let mut report = fill(index);
+            report.sequence = sequence;
+            report
+        })?;
+        Ok(())
+    }
+}
+
+/// The system tracks.
+#[derive(Debug)]
+pub(crate) struct FromFusion {
+    subscriber: Subscriber<SharedMemory, SystemTrack>,
+    waiter: Waiter<SharedMemory>,
+}
+
+impl FromFusion {
+    pub(crate) fn open(bus: &Bus<SharedMemory>, wait: WaitMode) -> anyhow::Result<Self> {
+        let topic = messages::system_tracks();
+        let mut waiter = bus.waiter(wait);
+        waiter.watch(bus, &topic)?;
+        Ok(Self {
+            subscriber: bus.subscriber(&topic, || mono_ns() as u64)?,
+            waiter,
+        })
+    }
+}
+
+impl Receiver for FromFusion {
+    fn receive(&mut self, visit: impl FnOnce(&[SystemTrack])) -> anyhow::Result<bool> {
+        let mut visit = Some(visit);
+        let taken = self.subscriber.take(1, |_, tracks| {
+            if let Some(visit) = visit.take() {
+                visit(tracks);
+            }
+        })?;
+        Ok(taken > 0)
+    }
+
+    fn lost(&self) -> u64 {
+        self.subscriber.counts().lost
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        self.waiter.wait(at_most, || self.subscriber.has_slices())?;
+        Ok(())
+    }
+}
+
+/// The way to the relay: one for all sources.
+#[derive(Debug)]
+pub(crate) struct ToRelay(BareSender<SensorTrack>);
+
+impl ToRelay {
+    pub(crate) fn open(bus: &Bus<SharedMemory>, settings: BareSettings) -> anyhow::Result<Self> {
+        Ok(Self(BareSender::open(bus, RELAY_IN, settings)?))
+    }
+}
+
+impl Sender for ToRelay {
+    fn send(&mut self, _: u16, _: Sent, count: usize, fill: impl FnMut(usize) -> SensorTrack) -> anyhow::Result<()> {
+        Ok(self.0.send(count, fill)?)
+    }
+}
+
+/// The way back from the relay.
+#[derive(Debug)]
+pub(crate) struct FromRelay(BareReceiver<SystemTrack>);
+
+impl FromRelay {
+    pub(crate) fn open(bus: &Bus<SharedMemory>, settings: BareSettings) -> anyhow::Result<Self> {
+        Ok(Self(BareReceiver::open(bus, RELAY_OUT, settings)?))
+    }
+}
+
+impl Receiver for FromRelay {
+    fn receive(&mut self, visit: impl FnOnce(&[SystemTrack])) -> anyhow::Result<bool> {
+        Ok(self.0.receive(visit)?)
+    }
+
+    /// Nothing is numbered here; what is lost shows as unanswered.
+    fn lost(&self) -> u64 {
+        0
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        Ok(self.0.wait(at_most)?)
+    }
+}

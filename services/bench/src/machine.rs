@@ -1,0 +1,70 @@
+//! On what it was measured.
+
+use std::fs;
+
+use serde::{Deserialize, Serialize};
+
+/// What a figure must not be read without.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    /// The processor's name.
+    pub processor: String,
+    /// Cores that this process may use.
+    pub cores: Vec<usize>,
+    /// Kernel release.
+    pub kernel: String,
+    /// Whether it is a virtual machine: other guests then take part in every tail.
+    pub virtual_machine: bool,
+    /// Clock that stamps come from.
+    pub clock_source: String,
+    /// Of each period of 1 s, microseconds that real-time threads may have; -1: all.
+    pub realtime_runtime_us: i64,
+    /// Average number of runnable processes in the last minute, before the measurement.
+    pub load_before: f64,
+    /// The same after it.
+    pub load_after: f64,
+    /// Whether this executable was built with optimisation.
+    pub optimised: bool,
+    /// Version of Koseki.
+    pub version: String,
+}
+
+impl Machine {
+    /// This one, now.
+    pub fn read() -> Self {
+        let text = |path: &str| fs::read_to_string(path).unwrap_or_default().trim().to_owned();
+        let processors = text("/proc/cpuinfo");
+        let line = |key: &str| {
+            let mut lines = processors.lines().filter(|line| line.starts_with(key));
+            lines
+                .next()
+                .and_then(|line| line.split_once(':'))
+                .map(|(_, value)| value.trim().to_owned())
+        };
+        Self {
+            processor: line("model name").unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
+            cores: runtime::cores::available(),
+            kernel: text("/proc/sys/kernel/osrelease"),
+            virtual_machine: line("flags").is_some_and(|flags| flags.split(' ').any(|flag| flag == "hypervisor")),
+            clock_source: text("/sys/devices/system/clocksource/clocksource0/current_clocksource"),
+            realtime_runtime_us: text("/proc/sys/kernel/sched_rt_runtime_us").parse().unwrap_or(0),
+            load_before: load(),
+            load_after: load(),
+            optimised: !cfg!(debug_assertions),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        }
+    }
+
+    /// Notes the load at the end.
+    pub(crate) fn ended(&mut self) {
+        self.load_after = load();
+    }
+}
+
+fn load() -> f64 {
+    let text = fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    text.split_whitespace()
+        .next()
+        .and_then(|load| load.parse().ok())
+        .unwrap_or(0.0)
+}

@@ -1,0 +1,313 @@
+//! One measurement: a fresh process under test, warmed up, then the load.
+//!
+//! Nothing of the warm-up is in the figures. It lasts until a whole round over all targets and sources has been answered
+//! by exactly one confirmed state for each report: then every target has its system track, every page is touched and
+//! every table filled. A short stretch at the measured rate follows, so that caches know the pace.
+
+use std::ffi::OsString;
+use std::sync::Arc;
+
+use anyhow::Context as _;
+use bus::{Bus, SharedMemory};
+use messages::{Counter, NO_SOURCE};
+use runtime::Now;
+use serde::{Deserialize, Serialize};
+
+use crate::drive::{Clock as _, Driven, Load, MachineClock};
+use crate::exchange::{Exchange, OneThread, TwoThreads};
+use crate::jitter::Jitter;
+use crate::link::{FromFusion, FromRelay, ToFusion, ToRelay, relay_settings};
+use crate::memory::Memory;
+use crate::pace::Pace;
+use crate::pinned;
+use crate::recorder::{Received, Recorder};
+use crate::settings::{Settings, Wait};
+use crate::site::{Fusion, Site};
+use crate::subscribers::Subscribers;
+use crate::traffic::Traffic;
+
+/// Rounds of warm-up at most.
+const WARM_UP_ROUNDS_MAX: u32 = 40;
+/// Rate and slice length of the warm-up; slow enough that nothing is lost.
+const WARM_UP_RATE: f64 = 60_000.0;
+const WARM_UP_BATCH: usize = 16;
+/// Duration of the last part of the warm-up, at the measured rate, seconds.
+const LAST_WARM_UP_S: f64 = 0.3;
+/// From now until the first batch of a load is due, nanoseconds.
+const LEAD_NS: i64 = 2_000_000;
+
+/// What one measurement drives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    /// Reports per second.
+    pub(crate) rate_per_s: f64,
+    /// Seconds at that rate.
+    pub(crate) seconds: f64,
+    /// Whether every stage is recorded.
+    pub(crate) detailed: bool,
+}
+
+/// What came of it.
+#[derive(Debug)]
+pub(crate) struct Measured {
+    pub(crate) recorder: Recorder,
+    pub(crate) driven: Driven,
+    pub(crate) warm_up: WarmUp,
+    /// Of the process under test, before and after.
+    pub(crate) memory: [Memory; 2],
+    /// Reports sent to the process in its whole life.
+    pub(crate) sent_ever: u64,
+    /// What fusion counted in its whole life; nothing of a relay.
+    pub(crate) fusion: Option<FusionCounts>,
+}
+
+/// How the warm-up went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WarmUp {
+    /// Reports sent that are in no figure.
+    pub reports: u64,
+    /// How long it took, seconds.
+    pub seconds: f64,
+    /// Whether every report of its last round was answered by exactly one confirmed state.
+    pub settled: bool,
+}
+
+/// What fusion itself counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FusionCounts {
+    /// Reports taken.
+    pub taken: u64,
+    /// Reports missing from the sequence numbers.
+    pub lost: u64,
+    /// System tracks published.
+    pub published: u64,
+    /// System tracks that the bench's own reader missed.
+    pub lost_by_reader: u64,
+}
+
+impl Measured {
+    /// Reports sent in the measured time.
+    pub(crate) fn sent(&self, batch: usize) -> u64 {
+        self.driven.batches * batch as u64
+    }
+
+    /// Of these, reports that nothing came back of.
+    pub(crate) fn unanswered(&self) -> u64 {
+        self.recorder.unanswered(self.driven.batches)
+    }
+
+    pub(crate) fn received(&self) -> Received {
+        self.recorder.counts()
+    }
+}
+
+/// Measures the relay.
+pub(crate) fn relay(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Result<Measured> {
+    let mut arguments: Vec<OsString> = vec!["bench-relay".into()];
+    let mut option = |name: &str, value: String| arguments.extend([name.into(), value.into()]);
+    option("--wait", settings.wait.word().to_owned());
+    option("--core", settings.fusion_core.to_string());
+    let slice_len = settings.batch.max(WARM_UP_BATCH);
+    option("--slice", slice_len.to_string());
+    if let Some(priority) = settings.realtime_priority {
+        option("--realtime-priority", priority.to_string());
+    }
+    let pace = Pace::new(0, plan.rate_per_s / settings.batch as f64, rests(settings));
+    if let Some((idle_ns, sleep_ns)) = pace.idle_rest_ns() {
+        option("--rest-after-ns", idle_ns.to_string());
+        option("--rest-ns", sleep_ns.to_string());
+    }
+    if settings.lock_memory {
+        arguments.push("--lock-memory".into());
+    }
+    let mut running = site.start("the relay", arguments)?;
+    let pid = running.pid();
+    let bare = relay_settings(slice_len, settings.wait != Wait::Spin);
+    let root = site.root();
+    pinned::run(
+        settings.bench_place(),
+        || running.check(),
+        |abort| {
+            let bus = Bus::<SharedMemory>::open(root, "bench")?;
+            let sender = ToRelay::open(&bus, bare)?;
+            let mut exchange: Box<dyn Exchange> = match settings.wait {
+                Wait::Event => {
+                    let root = root.clone();
+                    let receiver = move || FromRelay::open(&Bus::open(&root, "bench-reader")?, bare);
+                    Box::new(TwoThreads::new(sender, receiver, Arc::clone(abort))?)
+                }
+                Wait::Spin | Wait::Hybrid => {
+                    let receiver = FromRelay::open(&bus, relay_settings(slice_len, false))?;
+                    Box::new(OneThread {
+                        sender,
+                        receiver,
+                        abort: Arc::clone(abort),
+                    })
+                }
+            };
+            // The floor is one queue for all sources: a flood in it would say nothing of the pipeline.
+            carry_out(exchange.as_mut(), settings, plan, pid, false)
+        },
+    )
+}
+
+/// Measures fusion.
+pub(crate) fn pipeline(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Result<Measured> {
+    let fusion = site.start_fusion(settings, plan.rate_per_s)?;
+    let _subscribers = Subscribers::start(site, settings.subscribers, true)?;
+    running_pipeline(site, fusion, settings, plan)
+}
+
+/// Measures a fusion that runs already, and ends it.
+pub(crate) fn running_pipeline(
+    site: &Site,
+    mut fusion: Fusion<'_>,
+    settings: &Settings,
+    plan: Plan,
+) -> anyhow::Result<Measured> {
+    let (pid, root) = (fusion.pid(), site.root());
+    let mut measured = pinned::run(
+        settings.bench_place(),
+        || fusion.check(),
+        |abort| {
+            let bus = Bus::<SharedMemory>::open(root, "bench")?;
+            let sender = ToFusion::open(&bus, settings)?;
+            let mut exchange: Box<dyn Exchange> = match settings.wait {
+                Wait::Event => {
+                    let root = root.clone();
+                    let receiver = move || FromFusion::open(&Bus::open(&root, "bench-reader")?, Wait::Event.mode());
+                    Box::new(TwoThreads::new(sender, receiver, Arc::clone(abort))?)
+                }
+                Wait::Spin | Wait::Hybrid => Box::new(OneThread {
+                    sender,
+                    receiver: FromFusion::open(&bus, Wait::Spin.mode())?,
+                    abort: Arc::clone(abort),
+                }),
+            };
+            carry_out(exchange.as_mut(), settings, plan, pid, true)
+        },
+    )?;
+    let whole = fusion.counters_after(MachineClock.now_ns())?;
+    debug_assert_eq!(whole.source, NO_SOURCE);
+    measured.fusion = Some(FusionCounts {
+        taken: whole.counter(Counter::Taken),
+        lost: whole.counter(Counter::Lost),
+        published: whole.counter(Counter::Published),
+        lost_by_reader: measured.received().missed,
+    });
+    Ok(measured)
+}
+
+/// Reads the clock on the bench's core, with nothing under test.
+pub(crate) fn jitter(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Result<Jitter> {
+    let rests = rests(settings);
+    let watch = || match site.stop_requested() {
+        true => anyhow::bail!("stopped before the end; no figures are shown"),
+        false => Ok(()),
+    };
+    let rate = plan.rate_per_s / settings.batch as f64;
+    pinned::run(settings.bench_place(), watch, |_| {
+        Ok(Jitter::measure(&MachineClock, plan.seconds, rate, rests))
+    })
+}
+
+/// Whether a thread of the bench must rest now and then.
+fn rests(settings: &Settings) -> bool {
+    settings.realtime_priority.is_some()
+}
+
+fn carry_out(
+    exchange: &mut dyn Exchange,
+    settings: &Settings,
+    plan: Plan,
+    pid: u32,
+    with_flood: bool,
+) -> anyhow::Result<Measured> {
+    let now = Now::read();
+    let utc_offset_ns = now.utc_ns - now.mono_ns;
+    let mut traffic = Traffic::new(
+        settings.targets,
+        settings.sources,
+        WARM_UP_BATCH.min(settings.targets as usize).max(settings.batch),
+        now.mono_ns,
+        utc_offset_ns,
+    );
+    let warm_up = warm_up(exchange, settings, plan, &mut traffic)?;
+    let before = Memory::of(pid).context("reading the memory of the process under test")?;
+    let (load, recorder) = load(&traffic, settings, plan, plan.seconds, with_flood);
+    let (driven, recorder) = exchange.run(&load, recorder)?;
+    let after = Memory::of(pid).context("reading the memory of the process under test")?;
+    let sent = (driven.batches + driven.flood_batches) * settings.batch as u64;
+    Ok(Measured {
+        recorder,
+        driven,
+        warm_up,
+        memory: [before, after],
+        sent_ever: warm_up.reports + sent,
+        fusion: None,
+    })
+}
+
+fn warm_up(
+    exchange: &mut dyn Exchange,
+    settings: &Settings,
+    plan: Plan,
+    traffic: &mut Traffic,
+) -> anyhow::Result<WarmUp> {
+    let clock = MachineClock;
+    let start_ns = clock.now_ns();
+    let mut warm_up = WarmUp::default();
+    for _ in 0..WARM_UP_ROUNDS_MAX {
+        let batches = traffic.round();
+        let batch = traffic.batch();
+        let pace = Pace::new(clock.now_ns() + LEAD_NS, WARM_UP_RATE / batch as f64, rests(settings));
+        let load = Load {
+            traffic,
+            pace,
+            batches,
+            rests: rests(settings),
+            flood: None,
+        };
+        let (driven, recorder) = exchange.run(&load, Recorder::new(pace, batches, batch, false))?;
+        warm_up.reports += driven.batches * batch as u64;
+        let odd = recorder.unanswered(batches) + recorder.beyond_one() + recorder.counts().unconfirmed;
+        warm_up.settled = odd == 0;
+        if warm_up.settled {
+            break;
+        }
+    }
+    traffic.set_batch(settings.batch);
+    let (load, recorder) = load(traffic, settings, plan, LAST_WARM_UP_S.min(plan.seconds), false);
+    let (driven, _) = exchange.run(&load, recorder)?;
+    warm_up.reports += driven.batches * settings.batch as u64;
+    warm_up.seconds = (clock.now_ns() - start_ns) as f64 * 1e-9;
+    Ok(warm_up)
+}
+
+fn load<'a>(
+    traffic: &'a Traffic,
+    settings: &Settings,
+    plan: Plan,
+    seconds: f64,
+    with_flood: bool,
+) -> (Load<'a>, Recorder) {
+    let rate = plan.rate_per_s / settings.batch as f64;
+    let batches = ((seconds * rate).round() as u64).max(1);
+    // Room for what comes back is made before the first report is due.
+    let mut recorder = Recorder::new(Pace::new(0, rate, false), batches, settings.batch, plan.detailed);
+    let pace = Pace::new(MachineClock.now_ns() + LEAD_NS, rate, rests(settings));
+    recorder.set_pace(pace);
+    let flood = settings.flood.filter(|_| with_flood).map(|flood| {
+        let own_rate = rate / f64::from(settings.sources);
+        let further = (own_rate * (flood.factor - 1.0)).max(1e-3);
+        (flood.source, Pace::new(pace.due_ns(0), further, rests(settings)))
+    });
+    let load = Load {
+        traffic,
+        pace,
+        batches,
+        rests: rests(settings),
+        flood,
+    };
+    (load, recorder.with_flooding(flood.map(|(source, _)| source)))
+}

@@ -1,0 +1,58 @@
+//! How much memory a process has, and how often it had to fetch a page.
+
+use std::fs;
+
+use anyhow::Context as _;
+use serde::{Deserialize, Serialize};
+
+/// Of one process at one moment. A steady state takes no further page and has no page faults.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Pages in physical memory.
+    pub resident_pages: u64,
+    /// Page faults so far that needed no disk.
+    pub minor_faults: u64,
+    /// Page faults so far that did.
+    pub major_faults: u64,
+}
+
+impl Memory {
+    /// Of the process `pid` now.
+    pub(crate) fn of(pid: u32) -> anyhow::Result<Self> {
+        let statm = fs::read_to_string(format!("/proc/{pid}/statm"))?;
+        let stat = fs::read_to_string(format!("/proc/{pid}/stat"))?;
+        Self::parse(&statm, &stat).with_context(|| format!("/proc/{pid}: unknown form"))
+    }
+
+    fn parse(statm: &str, stat: &str) -> Option<Self> {
+        let resident_pages = statm.split_whitespace().nth(1)?.parse().ok()?;
+        // The name in parentheses may contain anything; the state follows it.
+        let rest = &stat[stat.rfind(')')? + 1..];
+        let mut fields = rest.split_whitespace().skip(7);
+        let minor_faults = fields.next()?.parse().ok()?;
+        let major_faults = fields.nth(1)?.parse().ok()?;
+        Some(Self {
+            resident_pages,
+            minor_faults,
+            major_faults,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn read_as_the_kernel_writes_it() {
+        let stat = "17 (a ) b) S 1 17 17 0 -1 4194304 1234 5 6 7 8 9 0 0 20 0 1 0 100 1000 300 184\n";
+        let memory = Memory::parse("5000 300 200 1 0 90 0\n", stat).unwrap();
+        assert_eq!(
+            (memory.resident_pages, memory.minor_faults, memory.major_faults),
+            (300, 1234, 6)
+        );
+        let own = Memory::of(std::process::id()).unwrap();
+        assert!(own.resident_pages > 0 && own.minor_faults > 0);
+        assert_eq!(Memory::parse("", ""), None);
+    }
+}

@@ -1,0 +1,142 @@
+//! One picture: latency against percentile, of floor, pipeline and the machine itself.
+//!
+//! The axis of percentiles has as much room for 99 to 99.9 % as for 90 to 99 %, because what matters is in the tail.
+
+use std::path::Path;
+
+use anyhow::anyhow;
+use hdrhistogram::Histogram;
+use plotters::prelude::*;
+use telemetry::table::{count, duration};
+
+use crate::latency::Distributions;
+
+const SIZE: (u32, u32) = (960, 600);
+/// Values per curve: more than anyone sees.
+const STEPS: u32 = 10;
+
+/// Writes it as SVG.
+///
+/// # Errors
+/// If the file cannot be written.
+pub(crate) fn write(path: &Path, of: &Distributions) -> anyhow::Result<()> {
+    let curves = [
+        ("machine alone", &of.jitter.lateness, RGBColor(140, 140, 140)),
+        ("bare relay", &of.floor, RGBColor(31, 119, 180)),
+        ("pipeline", &of.pipeline, RGBColor(214, 39, 40)),
+    ];
+    draw(path, of.rate_per_s, &curves).map_err(|error| anyhow!("--picture {}: {error}", path.display()))
+}
+
+fn draw(
+    path: &Path,
+    rate: f64,
+    curves: &[(&str, &Histogram<u64>, RGBColor)],
+) -> Result<(), Box<dyn std::error::Error>> {
+    let root = SVGBackend::new(path, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let all = || {
+        curves
+            .iter()
+            .map(|(_, histogram, _)| *histogram)
+            .filter(|histogram| !histogram.is_empty())
+    };
+    let low_us = all()
+        .map(|histogram| histogram.min().max(10) as f64 * 1e-3)
+        .fold(f64::INFINITY, f64::min);
+    let high_us = all().map(|histogram| histogram.max() as f64 * 1e-3).fold(1.0, f64::max);
+    let last = all()
+        .map(|histogram| nines(1.0 - 1.0 / histogram.len().max(2) as f64))
+        .fold(1.0, f64::max);
+    let title = format!("Latency from the intended time, {} reports/s", count(rate as u64));
+    let mut chart = ChartBuilder::on(&root)
+        .caption(title, ("sans-serif", 20))
+        .margin(16)
+        .x_label_area_size(48)
+        .y_label_area_size(80)
+        .build_cartesian_2d(0.0..last, (low_us.min(high_us) * 0.8..high_us * 1.25).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc("percentile")
+        .y_desc("latency")
+        .x_labels(last.ceil() as usize + 1)
+        .x_label_formatter(&|nines| percentile(*nines))
+        .y_label_formatter(&|us| duration(*us * 1e3))
+        .light_line_style(RGBColor(235, 235, 235))
+        .draw()?;
+    for (name, histogram, colour) in curves {
+        let colour = *colour;
+        chart
+            .draw_series(LineSeries::new(points(histogram), colour.stroke_width(2)))?
+            .label(*name)
+            .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], colour.stroke_width(2)));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.8))
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
+    root.present()?;
+    Ok(())
+}
+
+/// A histogram as (nines, microseconds).
+fn points(histogram: &Histogram<u64>) -> Vec<(f64, f64)> {
+    let end = nines(1.0 - 1.0 / histogram.len().max(2) as f64);
+    let steps = histogram.iter_quantiles(STEPS);
+    let point = |quantile: f64, value: u64| (nines(quantile).min(end), value.max(1) as f64 * 1e-3);
+    steps
+        .map(|step| point(step.quantile_iterated_to(), step.value_iterated_to()))
+        .collect()
+}
+
+/// How many nines a quantile has: 0.9 has one, 0.99 two.
+fn nines(quantile: f64) -> f64 {
+    -(1.0 - quantile).max(1e-12).log10()
+}
+
+/// `99.9%` for three nines.
+fn percentile(nines: f64) -> String {
+    let decimals = (nines.round() as usize).saturating_sub(2);
+    format!("{:.decimals$}%", 100.0 * (1.0 - 10f64.powf(-nines)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recorder::histogram;
+
+    #[test]
+    fn the_axis_counts_nines() {
+        assert!((nines(0.99) - 2.0).abs() < 1e-9 && nines(0.0) == 0.0);
+        let labels = [0.0, 1.0, 2.0, 3.0, 4.0].map(percentile);
+        assert_eq!(labels, ["0%", "90%", "99%", "99.9%", "99.99%"]);
+    }
+
+    #[test]
+    fn a_picture_has_a_line_for_each_curve() {
+        let mut of = Distributions::new(1000.0);
+        for value in 1..=10_000u64 {
+            of.floor.saturating_record(value);
+            of.pipeline.saturating_record(10 * value);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.svg");
+        write(&path, &of).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        for word in [
+            "<svg",
+            "bare relay",
+            "pipeline",
+            "machine alone",
+            "99.9%",
+            "1,000 reports/s",
+        ] {
+            assert!(text.contains(word), "{word}");
+        }
+        // Nothing recorded at all is no reason to fail.
+        assert!(histogram().is_empty());
+        write(&path, &Distributions::new(1.0)).unwrap();
+    }
+}

@@ -1,0 +1,153 @@
+//! What came back: latencies from the intended times, and which reports were answered how often.
+
+use hdrhistogram::Histogram;
+use messages::{NO_SOURCE, SystemTrack};
+use telemetry::Stage;
+
+use crate::pace::Pace;
+
+/// Longest latency that is told from longer ones, nanoseconds.
+const LONGEST_NS: u64 = 100_000_000_000;
+
+/// Stages that are recorded: all whose stamps are of one clock.
+pub(crate) const STAGES: [Stage; 5] = [
+    Stage::IngestToPublish,
+    Stage::PublishToTaken,
+    Stage::TakenToFused,
+    Stage::FusedToReceived,
+    Stage::EndToEnd,
+];
+const END_TO_END: usize = 4;
+
+/// A histogram that never allocates again.
+pub(crate) fn histogram() -> Histogram<u64> {
+    Histogram::new_with_bounds(1, LONGEST_NS, 3).expect("bounds and digits are possible")
+}
+
+/// Counts and times what comes back of one load.
+#[derive(Debug)]
+pub(crate) struct Recorder {
+    pace: Pace,
+    batch: u16,
+    /// Source whose reports are not counted with the others, because it floods.
+    flooding: u16,
+    stages: [Histogram<u64>; 5],
+    flooded: Histogram<u64>,
+    /// Of each batch: states that came back.
+    answers: Vec<u16>,
+    counts: Received,
+    detailed: bool,
+}
+
+/// What was received.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Received {
+    /// States caused by reports of this load.
+    pub(crate) answers: u64,
+    /// States that no report caused: coasting, ending.
+    pub(crate) untriggered: u64,
+    /// States caused by earlier loads, and those of a flood.
+    pub(crate) others: u64,
+    /// States that are not confirmed.
+    pub(crate) unconfirmed: u64,
+    /// States that were sent and did not arrive, since the receiver was made.
+    pub(crate) missed: u64,
+}
+
+impl Recorder {
+    /// For `batches` of `batch` reports at `pace`; `detailed`: with all stages, not only the whole.
+    pub(crate) fn new(pace: Pace, batches: u64, batch: usize, detailed: bool) -> Self {
+        Self {
+            pace,
+            batch: batch as u16,
+            flooding: NO_SOURCE,
+            stages: std::array::from_fn(|_| histogram()),
+            flooded: histogram(),
+            answers: vec![0; batches as usize],
+            counts: Received::default(),
+            detailed,
+        }
+    }
+
+    /// The same room for a load whose pace is known only now.
+    pub(crate) fn set_pace(&mut self, pace: Pace) {
+        self.pace = pace;
+    }
+
+    /// This recorder, keeping the latencies of `source` apart.
+    pub(crate) fn with_flooding(mut self, source: Option<u16>) -> Self {
+        self.flooding = source.unwrap_or(NO_SOURCE);
+        self
+    }
+
+    /// A state has been received.
+    pub(crate) fn record(&mut self, track: &SystemTrack, received_ns: i64) {
+        if track.trigger_source == NO_SOURCE {
+            self.counts.untriggered += 1;
+            return;
+        }
+        let stamps = &track.stages;
+        let batch = self.pace.batch_at(stamps.ingested_ns);
+        let Some(answers) = batch.and_then(|batch| self.answers.get_mut(batch as usize)) else {
+            self.counts.others += 1;
+            return;
+        };
+        *answers = answers.saturating_add(1);
+        self.counts.answers += 1;
+        self.counts.unconfirmed += u64::from(track.state != messages::TrackState::Confirmed as u8);
+        let took = |from: i64, until: i64| (until - from).max(1) as u64;
+        let whole_ns = took(stamps.ingested_ns, received_ns);
+        if track.trigger_source == self.flooding {
+            self.flooded.saturating_record(whole_ns);
+            return;
+        }
+        self.stages[END_TO_END].saturating_record(whole_ns);
+        if self.detailed && stamps.fused_ns != 0 {
+            self.stages[0].saturating_record(took(stamps.ingested_ns, stamps.published_ns));
+            self.stages[1].saturating_record(took(stamps.published_ns, stamps.taken_ns));
+            self.stages[2].saturating_record(took(stamps.taken_ns, stamps.fused_ns));
+            self.stages[3].saturating_record(took(stamps.fused_ns, received_ns));
+        }
+    }
+
+    /// The receiver has missed so many states in its life.
+    pub(crate) fn missed_by_reader(&mut self, missed: u64) {
+        self.counts.missed = missed;
+    }
+
+    pub(crate) fn counts(&self) -> Received {
+        self.counts
+    }
+
+    /// Reports of the first `sent` batches that nothing came back of.
+    pub(crate) fn unanswered(&self, sent: u64) -> u64 {
+        let missing = |answers: &u16| u64::from(self.batch.saturating_sub(*answers));
+        self.answers.iter().take(sent as usize).map(missing).sum()
+    }
+
+    /// States beyond one for each report.
+    pub(crate) fn beyond_one(&self) -> u64 {
+        let beyond = |answers: &u16| u64::from(answers.saturating_sub(self.batch));
+        self.answers.iter().map(beyond).sum()
+    }
+
+    /// Whether all of the first `sent` batches have been answered.
+    pub(crate) fn has_all(&self, sent: u64) -> bool {
+        self.counts.answers >= sent * u64::from(self.batch)
+    }
+
+    /// Latencies from the intended time to reception.
+    pub(crate) fn end_to_end(&self) -> &Histogram<u64> {
+        &self.stages[END_TO_END]
+    }
+
+    /// The same of the flooding source's own reports.
+    pub(crate) fn flooded(&self) -> &Histogram<u64> {
+        &self.flooded
+    }
+
+    /// All stages, in the order of [`STAGES`].
+    pub(crate) fn stages(&self) -> &[Histogram<u64>; 5] {
+        &self.stages
+    }
+}

@@ -1,0 +1,100 @@
+//! The floor: a process that does nothing but pass the payload on.
+//!
+//! It takes slices of sensor tracks and sends slices of as many system tracks, over the same shared memory, with the same
+//! hops, sizes, core, priority and way of waiting as fusion, but without engine, header, counters or health. What the
+//! pipeline takes beyond it is Koseki's own.
+
+use std::hint::spin_loop;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use bus::{BareReceiver, BareSender, Bus, Root, SharedMemory, WaitMode};
+use messages::{SensorTrack, SystemTrack, TrackState};
+use runtime::clock::mono_ns;
+use runtime::cores::{self, Placement};
+use runtime::signals::{self, Stop};
+
+use crate::link::{RELAY_IN, RELAY_OUT, relay_settings};
+
+/// Longest sleep before it looks whether it is to stop.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// What a relay is started with.
+#[derive(Clone, Debug)]
+pub struct RelayOptions {
+    /// Instance in which it relays.
+    pub instance: String,
+    /// The bench's process number; the relay ends with it.
+    pub launcher: u32,
+    /// How it waits.
+    pub wait: WaitMode,
+    /// What it asks of the machine.
+    pub placement: Placement,
+    /// Most samples in a slice.
+    pub slice_len: usize,
+    /// Spinning at a real-time priority: after how long without work it may sleep, and for how long, nanoseconds. Else
+    /// the kernel takes the core away at a time of its own choice.
+    pub rest_ns: Option<(i64, i64)>,
+}
+
+/// Without work, the clock is read once in so many looks.
+const CLOCK_EVERY: u32 = 16;
+
+/// Relays until told to stop.
+///
+/// # Errors
+/// If the instance does not run or shared memory fails.
+pub fn run(options: &RelayOptions) -> anyhow::Result<()> {
+    let stop = Stop::on_signals().context("catching signals")?;
+    if !signals::stop_with_parent(options.launcher).context("following the bench")? {
+        anyhow::bail!("the bench (process {}) is gone", options.launcher);
+    }
+    let bus = Bus::<SharedMemory>::open(&Root::new(&options.instance)?, "relay")?;
+    let settings = relay_settings(options.slice_len, options.wait != WaitMode::Spin);
+    let receiver = BareReceiver::<SensorTrack>::open(&bus, RELAY_IN, settings)?;
+    let sender = BareSender::<SystemTrack>::open(&bus, RELAY_OUT, settings)?;
+    // What is refused, fusion is refused too, and says so.
+    let _ = cores::take_place(options.placement);
+
+    let blank = SystemTrack {
+        state: TrackState::Confirmed as u8,
+        ..SystemTrack::default()
+    };
+    let spin_ns = match options.wait {
+        WaitMode::Spin => i64::MAX,
+        WaitMode::Event => 0,
+        WaitMode::Hybrid { spin_ns } => spin_ns as i64,
+    };
+    let mut idle_since_ns = None;
+    let (mut looks, mut rested) = (0u32, false);
+    while !stop.requested() {
+        let mut sent = Ok(());
+        let took = receiver.receive(|reports| {
+            sent = sender.send(reports.len(), |index| SystemTrack {
+                stages: reports[index].stages,
+                trigger_source: reports[index].source,
+                ..blank
+            });
+        })?;
+        sent?;
+        if took {
+            idle_since_ns = None;
+            rested = false;
+        } else if spin_ns == i64::MAX {
+            spin_loop();
+            looks = looks.wrapping_add(1);
+            if let Some((idle_ns, sleep_ns)) = options.rest_ns
+                && !rested
+                && looks.is_multiple_of(CLOCK_EVERY)
+                && mono_ns() - *idle_since_ns.get_or_insert_with(mono_ns) >= idle_ns
+            {
+                std::thread::sleep(Duration::from_nanos(sleep_ns as u64));
+                rested = true;
+            }
+        } else if mono_ns() - *idle_since_ns.get_or_insert_with(mono_ns) >= spin_ns {
+            receiver.wait(LOOK_EVERY)?;
+            idle_since_ns = None;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,260 @@
+//! What is measured, and how.
+
+use bus::WaitMode;
+use runtime::cores::{self, Placement};
+use serde::{Deserialize, Serialize};
+
+/// Most targets, and most sources.
+const TARGETS_MAX: u32 = 100_000;
+const SOURCES_MAX: u16 = 64;
+/// Most reports in a slice of a sensor's topic.
+const BATCH_MAX: usize = 64;
+/// Rates that can be asked for, reports per second.
+const RATE_MIN: f64 = 1.0;
+const RATE_MAX: f64 = 20e6;
+/// Most further subscribers: some places are for the bench and for others.
+const SUBSCRIBERS_MAX: usize = 20;
+/// Spinning of the hybrid way, nanoseconds: that of the configuration's default.
+const HYBRID_SPIN_NS: u64 = 20_000;
+
+/// What is the same in every measurement of a command.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Rates, reports of all sources together per second.
+    pub rates_per_s: Vec<f64>,
+    /// Targets.
+    pub targets: u32,
+    /// Sources, each of which reports every target.
+    pub sources: u16,
+    /// Reports of one source that are sent as one slice.
+    pub batch: usize,
+    /// How fusion and relay wait.
+    pub wait: Wait,
+    /// Length of one measurement, seconds.
+    pub seconds: f64,
+    /// Repetitions; floor and pipeline take turns in each.
+    pub runs: usize,
+    /// Core of the bench's own threads.
+    pub bench_core: usize,
+    /// Core of fusion, and of the relay in its place.
+    pub fusion_core: usize,
+    /// `SCHED_FIFO` priority of both.
+    pub realtime_priority: Option<i32>,
+    /// Whether both lock their memory.
+    pub lock_memory: bool,
+    /// Fusion rule; `None`: the default.
+    pub rule: Option<String>,
+    /// A source that sends more than its share.
+    pub flood: Option<Flood>,
+    /// Further subscribers to the system tracks.
+    pub subscribers: usize,
+}
+
+/// How fusion and relay wait for work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Wait {
+    /// Asking again and again.
+    Spin,
+    /// Blocked until woken.
+    Event,
+    /// Asking for a while, then blocked.
+    Hybrid,
+}
+
+impl Wait {
+    /// As configurations and command lines put it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Spin => "spin",
+            Self::Event => "event",
+            Self::Hybrid => "hybrid",
+        }
+    }
+
+    /// As the bus knows it.
+    pub fn mode(self) -> WaitMode {
+        match self {
+            Self::Spin => WaitMode::Spin,
+            Self::Event => WaitMode::Event,
+            Self::Hybrid => WaitMode::Hybrid {
+                spin_ns: HYBRID_SPIN_NS,
+            },
+        }
+    }
+}
+
+/// A source that sends more than its share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Flood {
+    /// Its number, from 0.
+    pub source: u16,
+    /// How many times as many reports as each of the others.
+    pub factor: f64,
+}
+
+/// What was asked for cannot be measured, here or anywhere.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Refused(pub String);
+
+impl Settings {
+    /// Checks them against what there is, and against this machine.
+    ///
+    /// # Errors
+    /// With option, value, limit and remedy.
+    pub fn check(&self) -> Result<(), Refused> {
+        self.check_without_cores()?;
+        self.check_cores(&cores::available())
+    }
+
+    /// The same without the cores: one is enough for the engine alone.
+    pub(crate) fn check_without_cores(&self) -> Result<(), Refused> {
+        let refuse = |what: String| Err(Refused(what));
+        for rate in &self.rates_per_s {
+            if !(RATE_MIN..=RATE_MAX).contains(rate) {
+                return refuse(format!(
+                    "--rate {rate}: it must lie between {RATE_MIN} and {RATE_MAX} reports per second"
+                ));
+            }
+        }
+        if !(1..=TARGETS_MAX).contains(&self.targets) {
+            return refuse(format!("--targets {}: there can be 1 to {TARGETS_MAX}", self.targets));
+        }
+        if !(1..=SOURCES_MAX).contains(&self.sources) {
+            return refuse(format!("--sources {}: there can be 1 to {SOURCES_MAX}", self.sources));
+        }
+        if !(1..=BATCH_MAX).contains(&self.batch) || self.batch > self.targets as usize {
+            return refuse(format!(
+                "--batch {}: a slice holds 1 to {BATCH_MAX} reports, each of another target, and there are {}",
+                self.batch, self.targets
+            ));
+        }
+        if self.runs == 0 || self.runs > 1000 {
+            return refuse(format!("--runs {}: take 1 to 1000", self.runs));
+        }
+        if let Some(flood) = self.flood
+            && (flood.source >= self.sources || !(1.0..=1e6).contains(&flood.factor) || self.sources < 2)
+        {
+            return refuse(format!(
+                "--flood {}={}: name one of at least two sources (0 to {}) and a factor from 1 to 1000000",
+                flood.source,
+                flood.factor,
+                self.sources - 1
+            ));
+        }
+        if let Some(priority) = self.realtime_priority
+            && !(2..=99).contains(&priority)
+        {
+            return refuse(format!("--realtime-priority {priority}: it must lie between 2 and 99"));
+        }
+        if self.subscribers > SUBSCRIBERS_MAX {
+            return refuse(format!(
+                "--subscribers {}: the topic has places for {SUBSCRIBERS_MAX} beside the bench's own",
+                self.subscribers
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_cores(&self, available: &[usize]) -> Result<(), Refused> {
+        if available.len() < 2 {
+            return Err(Refused(format!(
+                "this process may use {} core(s), {available:?}, but bench and fusion need one each: give it another \
+                 (taskset, cgroup, container limits), or measure the engine alone with `koseki bench engine`",
+                available.len()
+            )));
+        }
+        for (option, core) in [("--bench-core", self.bench_core), ("--fusion-core", self.fusion_core)] {
+            if !available.contains(&core) {
+                return Err(Refused(format!(
+                    "{option} {core}: this process may use cores {available:?}; name one of them"
+                )));
+            }
+        }
+        if self.bench_core == self.fusion_core {
+            return Err(Refused(format!(
+                "--bench-core and --fusion-core are both {}: they would measure each other; name two of {available:?}",
+                self.bench_core
+            )));
+        }
+        Ok(())
+    }
+
+    /// Time from one report of a target by a source to the next, seconds.
+    pub fn period_s(&self, rate_per_s: f64) -> f64 {
+        f64::from(self.targets) * f64::from(self.sources) / rate_per_s
+    }
+
+    /// What the bench's own threads ask of the machine.
+    pub fn bench_place(&self) -> Placement {
+        Placement {
+            core: Some(self.bench_core),
+            realtime_priority: self.realtime_priority,
+            lock_memory: self.lock_memory,
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) fn test_settings() -> Settings {
+    Settings {
+        rates_per_s: vec![20_000.0],
+        targets: 100,
+        sources: 2,
+        batch: 1,
+        wait: Wait::Spin,
+        seconds: 1.0,
+        runs: 1,
+        bench_core: 0,
+        fusion_core: 1,
+        realtime_priority: None,
+        lock_memory: false,
+        rule: None,
+        flood: None,
+        subscribers: 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_measured_is_refused_with_its_option() {
+        let cores = [0, 1, 2];
+        assert_eq!(test_settings().check_cores(&cores), Ok(()));
+        let refused = |change: fn(&mut Settings), expected: &str| {
+            let mut settings = test_settings();
+            change(&mut settings);
+            let said = settings
+                .check()
+                .and_then(|()| settings.check_cores(&cores))
+                .unwrap_err()
+                .0;
+            assert!(said.contains(expected), "{said}");
+        };
+        refused(|s| s.rates_per_s.push(0.5), "--rate 0.5");
+        refused(|s| s.rates_per_s = vec![f64::NAN], "--rate NaN");
+        refused(|s| s.targets = 0, "--targets 0");
+        refused(|s| s.sources = 65, "--sources 65");
+        refused(|s| s.batch = 65, "--batch 65");
+        refused(
+            |s| {
+                s.flood = Some(Flood {
+                    source: 2,
+                    factor: 10.0,
+                })
+            },
+            "--flood 2=10",
+        );
+        let cores_refused = |settings: &Settings, cores: &[usize]| settings.check_cores(cores).unwrap_err().0;
+        assert!(cores_refused(&test_settings(), &[0]).contains("need one each"));
+        assert!(cores_refused(&test_settings(), &[0, 2]).contains("--fusion-core 1"));
+        let same = Settings {
+            fusion_core: 0,
+            ..test_settings()
+        };
+        assert!(cores_refused(&same, &cores).contains("both 0"));
+    }
+}

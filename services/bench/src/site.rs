@@ -1,0 +1,325 @@
+//! The bench's own deployment: an instance that nobody else uses, its configuration, and the processes under test.
+//!
+//! Fusion runs as it does in any deployment: the same executable, a configuration file, topics held by whoever started
+//! it. Its sources are external: the bench itself publishes them. Whatever ends a measurement (its end, an error, Ctrl-C,
+//! a panic), the processes are stopped first, and then every trace of the instance is removed.
+
+use std::ffi::OsString;
+use std::fmt::Write as _;
+use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail};
+use bus::{Bus, Root, SharedMemory, Subscriber};
+use messages::{Health, LifeState, NO_SOURCE, ProcessKind};
+use runtime::Config;
+use runtime::clock::mono_ns;
+use runtime::ground::Ground;
+use runtime::signals::Stop;
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::link::source_name;
+use crate::progress;
+use crate::settings::Settings;
+
+/// How long a process may take until it says that it runs, to say once more how it is, and to stop.
+const START_PATIENCE: Duration = Duration::from_secs(30);
+const HEALTH_PATIENCE: Duration = Duration::from_secs(5);
+const STOP_PATIENCE: Duration = Duration::from_secs(5);
+/// How the names of the bench's instances begin; its process number follows.
+const INSTANCES: &str = "bench-";
+/// Pause between two looks at a process.
+const PAUSE: Duration = Duration::from_millis(20);
+/// Processes that say how they are: fusion, a monitor, and spare ones.
+const PROCESSES: usize = 4;
+/// Limits of a source's period in a configuration, seconds.
+const PERIOD_MIN_S: f64 = 0.01;
+const PERIOD_MAX_S: f64 = 600.0;
+
+/// See the module's documentation.
+#[derive(Debug)]
+pub(crate) struct Site {
+    ground: Option<Ground>,
+    folder: tempfile::TempDir,
+    root: Root,
+    executable: PathBuf,
+    stop: Stop,
+}
+
+impl Site {
+    /// Claims an instance and creates its topics.
+    pub(crate) fn prepare(settings: &Settings, stop: &Stop) -> anyhow::Result<Self> {
+        remove_left_behind();
+        let instance = format!("{INSTANCES}{}", std::process::id());
+        let folder = tempfile::Builder::new().prefix("koseki-bench-").tempdir();
+        let folder = folder.context("making a folder for the configuration")?;
+        let config = write_config(
+            folder.path(),
+            settings,
+            settings.rates_per_s.first().copied().unwrap_or(1.0),
+        )?
+        .1;
+        Ok(Self {
+            ground: Some(Ground::prepare(&config, &instance, PROCESSES, stop, progress::say)?),
+            folder,
+            root: Root::new(&instance)?,
+            executable: std::env::current_exe().context("finding this executable")?,
+            stop: stop.clone(),
+        })
+    }
+
+    pub(crate) fn root(&self) -> &Root {
+        &self.root
+    }
+
+    pub(crate) fn stop_requested(&self) -> bool {
+        self.stop.requested()
+    }
+
+    fn bus(&self) -> &Bus<SharedMemory> {
+        self.ground.as_ref().expect("it is there until dropped").bus()
+    }
+
+    /// Starts a process of this executable in the instance.
+    pub(crate) fn start(&self, name: &'static str, arguments: Vec<OsString>) -> anyhow::Result<Running<'_>> {
+        let child = Command::new(&self.executable)
+            .args(arguments)
+            .args(["--instance", self.root.instance(), "--launcher"])
+            .arg(std::process::id().to_string())
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            // Ctrl-C is for the bench, which then stops it.
+            .process_group(0)
+            .spawn()
+            .with_context(|| format!("starting {name}"))?;
+        Ok(Running {
+            child,
+            name,
+            site: self,
+        })
+    }
+
+    /// Starts fusion for reports at `rate_per_s`, and waits until it runs.
+    pub(crate) fn start_fusion(&self, settings: &Settings, rate_per_s: f64) -> anyhow::Result<Fusion<'_>> {
+        let (path, _) = write_config(self.folder.path(), settings, rate_per_s)?;
+        let health = self.bus().subscriber(&messages::health(), || mono_ns() as u64)?;
+        let begun_ns = mono_ns();
+        let mut fusion = Fusion {
+            running: self.start("fusion", vec!["fusion".into(), "--config".into(), path.clone().into()])?,
+            health,
+            config: path,
+            latest: None,
+        };
+        fusion.until(START_PATIENCE, "said that it runs", |whole| {
+            whole.incarnation as i64 >= begun_ns && whole.life() == Some(LifeState::Running)
+        })?;
+        Ok(fusion)
+    }
+}
+
+impl Drop for Site {
+    fn drop(&mut self) {
+        if let Some(ground) = self.ground.take()
+            && let Err(error) = ground.clear()
+        {
+            progress::say(&format!("{error:#}"));
+        }
+    }
+}
+
+/// A child process. It is stopped when dropped.
+#[derive(Debug)]
+pub(crate) struct Running<'a> {
+    child: Child,
+    name: &'static str,
+    site: &'a Site,
+}
+
+impl Running<'_> {
+    pub(crate) fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// An error if it has ended, or the bench has been told to stop.
+    pub(crate) fn check(&mut self) -> anyhow::Result<()> {
+        if self.site.stop_requested() {
+            bail!("stopped before the end; no figures are shown");
+        }
+        match self.child.try_wait()? {
+            None => Ok(()),
+            Some(status) => bail!("{} has ended early ({status}); its reason is above", self.name),
+        }
+    }
+
+    fn signal(&self, signal: Signal) {
+        // It fails only if the process has ended, and one that was not waited for keeps its number.
+        let _ = kill_process(Pid::from_child(&self.child), signal);
+    }
+}
+
+impl Drop for Running<'_> {
+    fn drop(&mut self) {
+        self.signal(Signal::TERM);
+        let start = Instant::now();
+        while matches!(self.child.try_wait(), Ok(None)) {
+            if start.elapsed() > STOP_PATIENCE {
+                self.signal(Signal::KILL);
+                let _ = self.child.wait();
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.site.bus().remove_dead();
+    }
+}
+
+/// The fusion process.
+#[derive(Debug)]
+pub(crate) struct Fusion<'a> {
+    running: Running<'a>,
+    health: Subscriber<SharedMemory, Health>,
+    config: PathBuf,
+    /// What it said last of itself.
+    latest: Option<Health>,
+}
+
+impl Fusion<'_> {
+    pub(crate) fn pid(&self) -> u32 {
+        self.running.pid()
+    }
+
+    /// Its configuration file.
+    pub(crate) fn config(&self) -> &Path {
+        &self.config
+    }
+
+    /// An error if it has ended, or the bench has been told to stop.
+    pub(crate) fn check(&mut self) -> anyhow::Result<()> {
+        self.listen()?;
+        self.running.check()
+    }
+
+    /// Its counter for the whole process, as it was at `mono_ns` or later.
+    pub(crate) fn counters_after(&mut self, mono_ns: i64) -> anyhow::Result<Health> {
+        self.until(HEALTH_PATIENCE, "said how it is", |whole| whole.said_ns > mono_ns)
+    }
+
+    fn listen(&mut self) -> anyhow::Result<()> {
+        let (latest, pid) = (&mut self.latest, self.running.pid());
+        self.health.take(usize::MAX, |_, said| {
+            for health in said {
+                if health.kind() == Some(ProcessKind::Fusion) && health.process_id == pid && health.source == NO_SOURCE
+                {
+                    *latest = Some(*health);
+                }
+            }
+        })?;
+        Ok(())
+    }
+
+    fn until(&mut self, patience: Duration, what: &str, condition: impl Fn(&Health) -> bool) -> anyhow::Result<Health> {
+        let start = Instant::now();
+        loop {
+            self.check()?;
+            if let Some(whole) = self.latest.filter(|whole| condition(whole)) {
+                return Ok(whole);
+            }
+            if start.elapsed() > patience {
+                bail!("fusion has not {what} within {} s", patience.as_secs());
+            }
+            std::thread::sleep(PAUSE);
+        }
+    }
+}
+
+/// A bench that was killed could not clear up, and no later one has its name.
+fn remove_left_behind() {
+    // What cannot be listed or removed is no reason not to measure; `koseki status` shows it.
+    for left in Root::list(Root::default_base()).unwrap_or_default() {
+        let name = left.root.instance();
+        if left.runs || !name.starts_with(INSTANCES) {
+            continue;
+        }
+        if let Ok(claim) = left.root.claim()
+            && claim.remove().is_ok()
+        {
+            progress::say(&format!("removed what the killed bench of instance {name} had left"));
+        }
+    }
+}
+
+/// Writes the configuration for reports at `rate_per_s`.
+fn write_config(folder: &Path, settings: &Settings, rate_per_s: f64) -> anyhow::Result<(PathBuf, Config)> {
+    let path = folder.join("bench.toml");
+    std::fs::write(&path, config_text(settings, rate_per_s)).with_context(|| format!("writing {}", path.display()))?;
+    let config = Config::read(&path, &[])?;
+    Ok((path, config))
+}
+
+/// The configuration of a deployment whose sources the bench publishes at `rate_per_s` together.
+pub(crate) fn config_text(settings: &Settings, rate_per_s: f64) -> String {
+    let period_s = settings.period_s(rate_per_s).clamp(PERIOD_MIN_S, PERIOD_MAX_S);
+    let (targets, sources) = (settings.targets as usize, usize::from(settings.sources));
+    let mut text = format!(
+        "name = \"bench\"\n\
+         [frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n\
+         [monitor]\nfiles = false\n\
+         [recorder]\nenabled = false\n\
+         [fusion]\nwait = \"{}\"\ncore = {}\nlock_memory = {}\n",
+        settings.wait.word(),
+        settings.fusion_core,
+        settings.lock_memory
+    );
+    if let Some(priority) = settings.realtime_priority {
+        let _ = writeln!(text, "realtime_priority = {priority}");
+    }
+    let _ = write!(
+        text,
+        "[fusion.capacity]\nsystem_tracks = {}\nsensor_tracks = {}\n\
+         [fusion.association]\ncell_m = 1000.0\n\
+         [fusion.life]\nterminate_s = {}\n",
+        targets + targets / 4 + 100,
+        sources * (targets + targets / 4 + 100),
+        (10.0 * period_s).max(30.0)
+    );
+    if let Some(rule) = &settings.rule {
+        let _ = writeln!(text, "[fusion.rule]\nname = \"{rule}\"");
+    }
+    for number in 0..settings.sources {
+        let _ = write!(
+            text,
+            "[[source]]\nname = \"{}\"\nperiod_s = {period_s}\n[source.external]\n\
+             [source.accuracy]\nmodel = \"constant\"\nsigma_m = 10.0\n",
+            source_name(number)
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::test_settings;
+
+    #[test]
+    fn its_configurations_are_sound() {
+        let cores = runtime::cores::available();
+        for (targets, sources, rate) in [(1, 1, 1.0), (100, 2, 20e3), (100_000, 4, 1e6), (100, 64, 1e5)] {
+            let settings = Settings {
+                targets,
+                sources,
+                fusion_core: cores[0],
+                realtime_priority: Some(50),
+                lock_memory: true,
+                rule: Some("covariance-intersection".to_owned()),
+                ..test_settings()
+            };
+            let config = Config::parse(Path::new("bench.toml"), &config_text(&settings, rate), &[]).unwrap();
+            assert_eq!(config.sources.len(), usize::from(sources));
+            assert!(config.adapters().is_empty() && !config.is_recorded());
+            fusion::Engine::new(config.fusion.settings).unwrap();
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Further subscribers to the system tracks: such as keep up, and such as have stopped reading.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use bus::{Bus, SharedMemory};
+use runtime::clock::mono_ns;
+
+use crate::site::Site;
+
+/// Pause between two looks of those that read: as rare as the queues allow, so that the readers take little of the
+/// machine that is measured.
+const READ_EVERY: Duration = Duration::from_millis(2);
+
+/// A thread with subscribers. They leave when this is dropped.
+#[derive(Debug)]
+pub(crate) struct Subscribers {
+    thread: Option<JoinHandle<()>>,
+    leave: Arc<AtomicBool>,
+}
+
+impl Subscribers {
+    /// `count` subscribers on a thread that may run on any core; those that do not read let their queues overflow.
+    pub(crate) fn start(site: &Site, count: usize, read: bool) -> anyhow::Result<Self> {
+        let leave = Arc::new(AtomicBool::new(false));
+        if count == 0 {
+            return Ok(Self { thread: None, leave });
+        }
+        let (root, left) = (site.root().clone(), Arc::clone(&leave));
+        let (say, there) = sync_channel(1);
+        let thread = std::thread::spawn(move || {
+            let topic = messages::system_tracks();
+            let opened = Bus::<SharedMemory>::open(&root, "bench-subscribers").and_then(|bus| {
+                let subscribers: Result<Vec<_>, _> = (0..count)
+                    .map(|_| bus.subscriber(&topic, || mono_ns() as u64))
+                    .collect();
+                subscribers
+            });
+            let mut subscribers = match opened {
+                Ok(subscribers) => subscribers,
+                Err(error) => return drop(say.send(Err(error))),
+            };
+            let _ = say.send(Ok(()));
+            while !left.load(Ordering::Relaxed) {
+                for subscriber in subscribers.iter_mut().filter(|_| read) {
+                    // What cannot be read here shows nowhere; the bench's own reader reports failures.
+                    let _ = subscriber.take(usize::MAX, |_, _| {});
+                }
+                std::thread::sleep(READ_EVERY);
+            }
+        });
+        there.recv().context("the subscribers' thread has ended")??;
+        Ok(Self {
+            thread: Some(thread),
+            leave,
+        })
+    }
+}
+
+impl Drop for Subscribers {
+    fn drop(&mut self) {
+        self.leave.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! `koseki bench throughput`: the highest rate at which nothing is lost, and what happens beyond.
+//!
+//! A rate is *held* if, over a few seconds, every report sent was taken by fusion (its own counter of missing sequence
+//! numbers stays 0), every one came back as a system track that the bench's reader received, the bench itself sent on
+//! time, and the last state came back soon after the last report was sent: else a queue was growing, and would have
+//! overflowed in a longer probe. The search doubles and halves until it knows the rate to three percent. The relay is
+//! searched in the same way, which shows what transport and bench can do.
+//!
+//! Beyond it, reports must be lost; what matters is that all of them are counted, and that the queues, and with them the
+//! latency of what does come through, do not grow without end.
+
+use runtime::signals::Stop;
+use telemetry::Stage;
+use telemetry::table::{count, duration};
+
+use crate::engine_time;
+use crate::figures::Figures;
+use crate::latency::{Distributions, account, point, run_of, stamps};
+use crate::link::source_name;
+use crate::machine::Machine;
+use crate::measure::{self, Measured, Plan};
+use crate::outputs::Outputs;
+use crate::progress::say;
+use crate::recorder::STAGES;
+use crate::report::{Overload, ProbeFigures, Report, Throughput};
+use crate::search::highest;
+use crate::settings::Settings;
+use crate::site::Site;
+use crate::{pinned, text};
+
+/// The search begins here, and goes no further than this, reports per second.
+const START_PER_S: f64 = 50_000.0;
+const LIMIT_PER_S: f64 = 10e6;
+/// How exactly the highest rate is found, and how often a rate must fail.
+const TOLERANCE: f64 = 1.03;
+const TRIES: usize = 2;
+/// A rate is held if the bench sends its last report, and gets its last state, no later than this, nanoseconds.
+const BEHIND_MAX_NS: i64 = 20_000_000;
+/// Rates of the table, as parts of the highest one.
+const PARTS: [f64; 6] = [0.1, 0.25, 0.5, 0.75, 0.9, 1.0];
+/// Part of the highest rate at which the long run watches memory.
+const LONG_PART: f64 = 0.8;
+/// The rate beyond, as a part of the highest, and how many times the queues' room is sent too much.
+const BEYOND: f64 = 2.0;
+const OVERFLOWS: f64 = 3.0;
+
+/// Measures; `probe_seconds` is the length of a probe, `settings.seconds` that of the long run. Returns what is to be
+/// shown.
+///
+/// # Errors
+/// If the machine cannot do it, a process fails, or a file cannot be written.
+pub fn run(settings: &Settings, probe_seconds: f64, outputs: &Outputs) -> anyhow::Result<String> {
+    settings.check()?;
+    outputs.check()?;
+    let stop = Stop::on_signals()?;
+    let mut machine = Machine::read();
+    let mut notes = text::notes(settings, &machine);
+    notes.extend(
+        pinned::refusals(settings.bench_place())
+            .into_iter()
+            .map(|what| format!("bench: {what}")),
+    );
+    for note in &notes {
+        say(note);
+    }
+    let site = Site::prepare(settings, &stop)?;
+    let bench = Bench {
+        site: &site,
+        settings,
+        probe_seconds,
+    };
+    let watch = || {
+        anyhow::ensure!(!site.stop_requested(), "stopped before the end; no figures are shown");
+        Ok(())
+    };
+    let (engine, single) = engine_time::measure(settings, START_PER_S, settings.seconds.min(3.0), watch)?;
+    say(&format!("engine alone: {} per update", duration(engine.ns_per_update)));
+
+    let floor = highest(START_PER_S, LIMIT_PER_S, TOLERANCE, TRIES, |rate| {
+        let measured = measure::relay(&site, settings, bench.plan(rate))?;
+        Ok(bench.probe("relay", rate, &measured).lossless)
+    })?;
+    let mut probes = Vec::new();
+    let found = highest(START_PER_S, LIMIT_PER_S, TOLERANCE, TRIES, |rate| {
+        let measured = measure::pipeline(&site, settings, bench.plan(rate))?;
+        let probe = bench.probe("pipeline", rate, &measured);
+        probes.push(probe);
+        Ok(probe.lossless)
+    })?;
+    anyhow::ensure!(
+        found.held > 0.0,
+        "not even {} reports/s were held: the machine is too busy (load {:.1} at the start)",
+        count(found.not_held.unwrap_or(0.0) as u64),
+        machine.load_before
+    );
+    for part in PARTS {
+        let rate = part * found.held;
+        let measured = measure::pipeline(&site, settings, bench.plan(rate))?;
+        probes.push(bench.probe("pipeline", rate, &measured));
+    }
+    let overload = found.not_held.map(|_| bench.overload(found.held)).transpose()?;
+    let (point, merged) = bench.long_run(LONG_PART * found.held)?;
+    drop(site);
+    machine.ended();
+    probes.sort_by(|a, b| a.rate_per_s.total_cmp(&b.rate_per_s));
+    let report = Report {
+        command: "throughput".to_owned(),
+        machine,
+        settings: Some(settings.clone()),
+        floor: point.floor,
+        pipeline: point.pipeline,
+        stages: point.stages.clone(),
+        throughput_per_s: found.held,
+        engine_ns_per_update: engine.ns_per_update,
+        jitter: point.jitter,
+        throughput: Some(Throughput {
+            floor_per_s: floor.held,
+            probes,
+            overload,
+            memory: point.runs.first().map(|run| run.memory).unwrap_or_default(),
+            memory_seconds: settings.seconds,
+        }),
+        points: vec![point],
+        verdicts: Vec::new(),
+        stamps: stamps(engine.reading_ns),
+        engine,
+        notes,
+    };
+    outputs.write(&report, &[merged], Some(&single))?;
+    Ok(text::throughput(&report))
+}
+
+/// Reports that wait in the sources' topics before the oldest are dropped.
+pub(crate) fn queues(settings: &Settings) -> usize {
+    let depth = messages::sensor_tracks(&source_name(0)).capacity.depth;
+    usize::from(settings.sources) * depth * settings.batch
+}
+
+struct Bench<'a> {
+    site: &'a Site,
+    settings: &'a Settings,
+    probe_seconds: f64,
+}
+
+impl Bench<'_> {
+    fn plan(&self, rate_per_s: f64) -> Plan {
+        Plan {
+            rate_per_s,
+            seconds: self.probe_seconds,
+            detailed: false,
+        }
+    }
+
+    fn probe(&self, what: &str, rate_per_s: f64, measured: &Measured) -> ProbeFigures {
+        let driven = &measured.driven;
+        let behind_ns = driven.last_heard_ns - driven.last_sent_ns;
+        let lost = measured.unanswered() + measured.fusion.map_or(0, |counts| counts.lost);
+        let lossless = lost == 0 && driven.last_late_ns < BEHIND_MAX_NS && behind_ns < BEHIND_MAX_NS;
+        let probe = ProbeFigures {
+            rate_per_s,
+            lossless,
+            latency: Figures::of(measured.recorder.end_to_end(), measured.unanswered()),
+            last_late_ns: driven.last_late_ns,
+        };
+        say(&format!(
+            "{what} at {} reports/s: {}{}; p50 {}, p99 {}",
+            count(rate_per_s as u64),
+            if lossless { "held" } else { "not held" },
+            match (lost, driven.last_late_ns) {
+                (0, late) if late >= BEHIND_MAX_NS => format!(", the bench was {} late", duration(late as f64)),
+                (0, _) => String::new(),
+                (lost, _) => format!(", {} lost", count(lost)),
+            },
+            duration(probe.latency.p50_ns as f64),
+            duration(probe.latency.p99_ns as f64)
+        ));
+        probe
+    }
+
+    fn overload(&self, held_per_s: f64) -> anyhow::Result<Overload> {
+        let rate_per_s = BEYOND * held_per_s;
+        let needed_s = OVERFLOWS * queues(self.settings) as f64 / (rate_per_s - held_per_s);
+        let plan = Plan {
+            seconds: needed_s.max(self.probe_seconds),
+            detailed: true,
+            ..self.plan(rate_per_s)
+        };
+        let measured = measure::pipeline(self.site, self.settings, plan)?;
+        self.probe("pipeline", rate_per_s, &measured);
+        let account = account(self.settings, &measured);
+        let waiting = STAGES.iter().position(|stage| *stage == Stage::PublishToTaken);
+        Ok(Overload {
+            rate_per_s,
+            adds_up: account.adds_up(),
+            account,
+            latency: Figures::of(measured.recorder.end_to_end(), account.unanswered),
+            longest_in_queues_ns: waiting.map_or(0, |index| measured.recorder.stages()[index].max()),
+        })
+    }
+
+    /// Floor, pipeline and machine at one rate, for as long as the settings say.
+    fn long_run(&self, rate_per_s: f64) -> anyhow::Result<(crate::report::Point, Distributions)> {
+        let plan = Plan {
+            rate_per_s,
+            seconds: self.settings.seconds,
+            detailed: true,
+        };
+        say(&format!(
+            "{} s at {} reports/s, for memory and latency",
+            self.settings.seconds,
+            count(rate_per_s as u64)
+        ));
+        let short = self.plan(rate_per_s);
+        let floor = measure::relay(self.site, self.settings, short)?;
+        let pipeline = measure::pipeline(self.site, self.settings, plan)?;
+        let jitter = measure::jitter(self.site, self.settings, short)?;
+        let mut merged = Distributions::new(rate_per_s);
+        merged.add(&floor, &pipeline, &jitter);
+        let run = run_of(self.settings, &floor, &pipeline, &jitter);
+        Ok((point(rate_per_s, vec![run], &merged), merged))
+    }
+}

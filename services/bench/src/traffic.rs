@@ -1,0 +1,145 @@
+//! The reports that the bench sends: targets on a grid, all moving, each seen by every source in turn.
+//!
+//! The grid is wide (3 km) and the targets fly nearly the same way, so that each report belongs to one system track
+//! beyond doubt, and one report yields one state of it. What is measured is then the work itself, not a traffic picture.
+//! Every second source knows the targets' addresses; the others are recognised by place.
+//!
+//! What is the same in all reports of a target is built beforehand; when it is sent, time and position are filled in.
+
+use messages::{Covariance, Identity, SensorTrack, StageTimes, TrackState, sensor_track_bits as bits};
+
+const SPACING_M: f64 = 3_000.0;
+/// Each source sees the targets this much farther east than the one before.
+const SOURCE_SHIFT_M: f64 = 8.0;
+
+/// Builds reports.
+#[derive(Debug)]
+pub(crate) struct Traffic {
+    /// One for each target, at time 0.
+    targets: Vec<SensorTrack>,
+    sources: u64,
+    batch: u64,
+    /// Monotonic time at which the targets are on their grid.
+    origin_ns: i64,
+    /// UTC minus monotonic time.
+    utc_offset_ns: i64,
+}
+
+impl Traffic {
+    /// `targets` seen by `sources`; a batch is `batch` reports of one source, and the sources take turns.
+    pub(crate) fn new(targets: u32, sources: u16, batch: usize, origin_ns: i64, utc_offset_ns: i64) -> Self {
+        let side = f64::from(targets).sqrt().ceil() as u32;
+        let target = |number: u32| {
+            let (column, row) = (f64::from(number % side), f64::from(number / side));
+            let middle = f64::from(side) / 2.0;
+            SensorTrack {
+                track_number: number + 1,
+                valid: bits::VELOCITY | bits::HEIGHT,
+                identity: Identity::default().with_address(number + 1),
+                position_m: [SPACING_M * (column - middle), SPACING_M * (row - middle), 5_000.0],
+                velocity_mps: [100.0 + column % 7.0, row % 11.0 - 5.0, 0.0],
+                covariance: Covariance::diagonal([15.0, 15.0, 30.0], [3.0; 3]),
+                state: TrackState::Confirmed as u8,
+                ..SensorTrack::default()
+            }
+        };
+        Self {
+            targets: (0..targets).map(target).collect(),
+            sources: u64::from(sources),
+            batch: batch as u64,
+            origin_ns,
+            utc_offset_ns,
+        }
+    }
+
+    /// The same targets, in batches of another size.
+    pub(crate) fn set_batch(&mut self, batch: usize) {
+        self.batch = batch as u64;
+    }
+
+    pub(crate) fn batch(&self) -> usize {
+        self.batch as usize
+    }
+
+    /// Batches until every source has reported every target.
+    pub(crate) fn round(&self) -> u64 {
+        (self.targets.len() as u64 * self.sources).div_ceil(self.batch)
+    }
+
+    pub(crate) fn sources(&self) -> u64 {
+        self.sources
+    }
+
+    /// The source that batch number `batch` comes from.
+    pub(crate) fn source(&self, batch: u64) -> u16 {
+        (batch % self.sources) as u16
+    }
+
+    /// UTC at the monotonic time `mono_ns`.
+    pub(crate) fn utc_ns(&self, mono_ns: i64) -> i64 {
+        mono_ns + self.utc_offset_ns
+    }
+
+    /// Report number `index` of batch number `batch` of `source`, due at `due_ns`; without stamps.
+    pub(crate) fn report(&self, source: u16, batch: u64, index: usize, due_ns: i64) -> SensorTrack {
+        let round = batch / self.sources;
+        let target = (round * self.batch + index as u64) % self.targets.len() as u64;
+        let mut report = self.targets[target as usize];
+        let seconds = (due_ns - self.origin_ns) as f64 * 1e-9;
+        report.time_of_measurement_ns = self.utc_ns(due_ns);
+        report.source = source;
+        report.position_m[0] += report.velocity_mps[0] * seconds + SOURCE_SHIFT_M * f64::from(source);
+        report.position_m[1] += report.velocity_mps[1] * seconds;
+        if source % 2 == 1 {
+            report.identity = Identity::default();
+        }
+        report
+    }
+}
+
+/// The stamps of a report that was due at `due_ns` and is published at `published_ns`.
+pub(crate) fn stamps(due_ns: i64, published_ns: i64) -> StageTimes {
+    StageTimes {
+        ingested_ns: due_ns,
+        published_ns,
+        ..StageTimes::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_source_reports_every_target_once_in_a_round() {
+        for batch in [1, 4, 7] {
+            let traffic = Traffic::new(28, 4, batch, 0, 5);
+            let mut seen = std::collections::BTreeSet::new();
+            for number in 0..traffic.round() {
+                for index in 0..batch {
+                    let report = traffic.report(traffic.source(number), number, index, 1_000_000_000);
+                    assert!(seen.insert((report.source, report.track_number)), "{batch}");
+                    assert_eq!(report.time_of_measurement_ns, 1_000_000_005);
+                }
+            }
+            assert_eq!(seen.len(), 28 * 4);
+        }
+    }
+
+    #[test]
+    fn targets_move_with_their_velocities_and_stay_apart() {
+        let traffic = Traffic::new(400, 2, 1, 0, 0);
+        let at = |target: u64, seconds: i64| traffic.report(0, 2 * target, 0, seconds * 1_000_000_000);
+        let (before, after) = (at(17, 0), at(17, 10));
+        assert_eq!(
+            after.position_m[0] - before.position_m[0],
+            10.0 * before.velocity_mps[0]
+        );
+        for first in 0..400 {
+            for second in 0..first {
+                let (a, b) = (at(first, 120).position_m, at(second, 120).position_m);
+                assert!((a[0] - b[0]).hypot(a[1] - b[1]) > 1_000.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Is it as fast as it is meant to be?
+//!
+//! The pipeline is held against what it is made of, measured in the same session: the bare relay and the engine alone.
+//! Limits are sums of these, so they hold on any machine; the machine's noise is in both sides.
+
+use serde::{Deserialize, Serialize};
+
+use crate::figures::Figures;
+use crate::settings::Wait;
+use telemetry::table::duration;
+
+/// What the pipeline may add to relay and engine where it spins, nanoseconds.
+const OWN_NS: f64 = 700.0;
+/// By what its tail may exceed theirs.
+const TAIL_FACTOR: f64 = 3.0;
+/// By what it may exceed the relay where it sleeps.
+const EVENT_MIDDLE_FACTOR: f64 = 1.3;
+const EVENT_TAIL_FACTOR: f64 = 1.5;
+
+/// One figure against its limit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// What is compared.
+    pub what: String,
+    /// The figure, nanoseconds.
+    pub value_ns: f64,
+    /// Its limit, nanoseconds.
+    pub limit_ns: f64,
+    /// Whether it is within.
+    pub holds: bool,
+}
+
+impl Verdict {
+    fn new(what: String, value_ns: f64, limit_ns: f64) -> Self {
+        Self {
+            holds: value_ns <= limit_ns,
+            what,
+            value_ns,
+            limit_ns,
+        }
+    }
+
+    /// As a line for people.
+    pub fn line(&self) -> String {
+        let sign = if self.holds { "<=" } else { "> " };
+        let word = if self.holds { "holds" } else { "does NOT hold" };
+        let (value, limit) = (duration(self.value_ns), duration(self.limit_ns));
+        format!("{:<13} {}: {value} {sign} {limit}", word, self.what)
+    }
+}
+
+/// The verdicts on one rate.
+pub(crate) fn verdicts(
+    wait: Wait,
+    floor: &Figures,
+    pipeline: &Figures,
+    engine_ns: f64,
+    engine: &Figures,
+) -> Vec<Verdict> {
+    let of = |ns: u64| ns as f64;
+    match wait {
+        Wait::Event => vec![
+            Verdict::new(
+                format!("p50 of the pipeline within {EVENT_MIDDLE_FACTOR} x relay"),
+                of(pipeline.p50_ns),
+                EVENT_MIDDLE_FACTOR * of(floor.p50_ns),
+            ),
+            Verdict::new(
+                format!("p99.9 of the pipeline within {EVENT_TAIL_FACTOR} x relay"),
+                of(pipeline.p999_ns),
+                EVENT_TAIL_FACTOR * of(floor.p999_ns),
+            ),
+        ],
+        Wait::Spin | Wait::Hybrid => vec![
+            Verdict::new(
+                format!(
+                    "p50 of the pipeline within relay {} + engine {} + {}",
+                    duration(of(floor.p50_ns)),
+                    duration(engine_ns),
+                    duration(OWN_NS)
+                ),
+                of(pipeline.p50_ns),
+                of(floor.p50_ns) + engine_ns + OWN_NS,
+            ),
+            Verdict::new(
+                format!(
+                    "p99 of the pipeline within {TAIL_FACTOR} x (relay {} + engine {})",
+                    duration(of(floor.p99_ns)),
+                    duration(of(engine.p99_ns))
+                ),
+                of(pipeline.p99_ns),
+                TAIL_FACTOR * (of(floor.p99_ns) + of(engine.p99_ns)),
+            ),
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_sides_are_shown() {
+        let figures = |p50_ns, p99_ns, p999_ns| Figures {
+            p50_ns,
+            p99_ns,
+            p999_ns,
+            ..Figures::default()
+        };
+        let (floor, engine) = (figures(500, 1_000, 20_000), figures(2_000, 4_000, 9_000));
+        let spin = verdicts(Wait::Spin, &floor, &figures(3_200, 16_000, 0), 2_000.0, &engine);
+        assert_eq!(spin.iter().map(|v| v.holds).collect::<Vec<_>>(), [true, false]);
+        assert_eq!(
+            spin[1].line(),
+            "does NOT hold p99 of the pipeline within 3 x (relay 1.00 µs + engine 4.00 µs): 16.0 µs >  15.0 µs"
+        );
+        let event = verdicts(Wait::Event, &floor, &figures(600, 0, 31_000), 2_000.0, &engine);
+        assert_eq!(event.iter().map(|v| v.holds).collect::<Vec<_>>(), [true, false]);
+    }
+}

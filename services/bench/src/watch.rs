@@ -1,0 +1,184 @@
+//! `koseki bench watch`: what it costs to be watched.
+//!
+//! Something is added to a running fusion: a monitor, subscribers, one that has stopped reading. Its cost is far below the
+//! machine's noise, so runs with and without it are paired, one directly after the other, in alternating order; of each
+//! pair only the ratio counts, and of the ratios the median with the interval that it lies in at 95 % (see `Ratio`).
+
+use std::ffi::OsString;
+
+use runtime::signals::Stop;
+use serde::Serialize;
+use telemetry::table::{Align, Table, duration};
+
+use crate::figures::{Figures, Ratio};
+use crate::machine::Machine;
+use crate::measure::{self, Plan};
+use crate::progress::say;
+use crate::settings::{Refused, Settings};
+use crate::site::{Fusion, Running, Site};
+use crate::subscribers::Subscribers;
+use crate::text;
+
+/// Fewer pairs than this give no interval worth its name.
+const PAIRS_MIN: usize = 6;
+
+/// What is added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Extra {
+    /// The monitor process.
+    Monitor,
+    /// A subscriber to the system tracks that never reads.
+    StoppedSubscriber,
+    /// So many subscribers that read.
+    Subscribers(usize),
+}
+
+impl std::fmt::Display for Extra {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Monitor => f.write_str("the monitor"),
+            Self::StoppedSubscriber => f.write_str("a subscriber that has stopped reading"),
+            Self::Subscribers(count) => write!(f, "{count} subscribers"),
+        }
+    }
+}
+
+/// What came of it, as JSON has it.
+#[derive(Debug, Serialize)]
+struct Watched<'a> {
+    command: &'static str,
+    machine: &'a Machine,
+    settings: &'a Settings,
+    with: Extra,
+    /// With and without, pair by pair.
+    pairs: &'a [(Figures, Figures)],
+    p50_ratio: Ratio,
+    p99_ratio: Ratio,
+    p999_ratio: Ratio,
+    /// Of fusion, per report; never known where the processor's counters cannot be read.
+    instructions_per_report: Option<f64>,
+}
+
+/// Measures `settings.runs` pairs. Returns what is to be shown.
+///
+/// # Errors
+/// If the machine cannot do it, a process fails, or the file cannot be written.
+pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> anyhow::Result<String> {
+    settings.check()?;
+    if settings.runs < PAIRS_MIN {
+        let what = format!(
+            "--runs {}: fewer than {PAIRS_MIN} pairs give no interval at 95 %",
+            settings.runs
+        );
+        return Err(Refused(what).into());
+    }
+    let stop = Stop::on_signals()?;
+    let mut machine = Machine::read();
+    for note in text::notes(settings, &machine) {
+        say(&note);
+    }
+    let site = Site::prepare(settings, &stop)?;
+    let plan = Plan {
+        rate_per_s: settings.rates_per_s[0],
+        seconds: settings.seconds,
+        detailed: false,
+    };
+    let mut pairs = Vec::new();
+    for number in 0..settings.runs {
+        let with_first = number % 2 == 1;
+        let first = one(&site, settings, plan, with_first.then_some(with))?;
+        let second = one(&site, settings, plan, (!with_first).then_some(with))?;
+        let (on, off) = if with_first { (first, second) } else { (second, first) };
+        say(&format!(
+            "pair {} of {}: p99 {} with, {} without",
+            number + 1,
+            settings.runs,
+            duration(on.p99_ns as f64),
+            duration(off.p99_ns as f64)
+        ));
+        pairs.push((on, off));
+    }
+    drop(site);
+    machine.ended();
+    let ratio = |of: fn(&Figures) -> u64| {
+        let values: Vec<(f64, f64)> = pairs.iter().map(|(on, off)| (of(on) as f64, of(off) as f64)).collect();
+        Ratio::of_pairs(&values)
+    };
+    let watched = Watched {
+        command: "watch",
+        machine: &machine,
+        settings,
+        with,
+        p50_ratio: ratio(|figures| figures.p50_ns),
+        p99_ratio: ratio(|figures| figures.p99_ns),
+        p999_ratio: ratio(|figures| figures.p999_ns),
+        pairs: &pairs,
+        instructions_per_report: None,
+    };
+    if let Some(path) = json {
+        std::fs::write(path, serde_json::to_string_pretty(&watched)? + "\n")?;
+    }
+    Ok(shown(&watched))
+}
+
+/// One measurement of a fresh fusion, with or without.
+fn one(site: &Site, settings: &Settings, plan: Plan, with: Option<Extra>) -> anyhow::Result<Figures> {
+    let fusion = site.start_fusion(settings, plan.rate_per_s)?;
+    let (_monitor, _subscribers) = match with {
+        None => (None, None),
+        Some(Extra::Monitor) => (Some(monitor(site, &fusion)?), None),
+        Some(Extra::StoppedSubscriber) => (None, Some(Subscribers::start(site, 1, false)?)),
+        Some(Extra::Subscribers(count)) => (None, Some(Subscribers::start(site, count, true)?)),
+    };
+    let measured = measure::running_pipeline(site, fusion, settings, plan)?;
+    Ok(Figures::of(measured.recorder.end_to_end(), measured.unanswered()))
+}
+
+fn monitor<'a>(site: &'a Site, fusion: &Fusion<'_>) -> anyhow::Result<Running<'a>> {
+    let arguments: Vec<OsString> = vec!["monitor".into(), "--config".into(), fusion.config().into()];
+    site.start("the monitor", arguments)
+}
+
+fn shown(watched: &Watched<'_>) -> String {
+    let mut text = format!(
+        "With {}, against without: {} pairs of {} s at {} reports/s, wait {}; load {:.1} before and {:.1} after\n\n",
+        watched.with,
+        watched.pairs.len(),
+        watched.settings.seconds,
+        watched.settings.rates_per_s[0],
+        watched.settings.wait.word(),
+        watched.machine.load_before,
+        watched.machine.load_after
+    );
+    let columns = ["latency", "with", "without", "ratio", "95 % interval"];
+    let mut table = Table::new(&columns.map(|name| {
+        let align = if name == "latency" { Align::Left } else { Align::Right };
+        (name, align)
+    }));
+    let side = |on: bool| {
+        let runs = watched.pairs.iter().map(|pair| if on { pair.0 } else { pair.1 });
+        Figures::median(&runs.collect::<Vec<_>>())
+    };
+    let (on, off) = (side(true), side(false));
+    let rows = [
+        ("p50", on.p50_ns, off.p50_ns, watched.p50_ratio),
+        ("p99", on.p99_ns, off.p99_ns, watched.p99_ratio),
+        ("p99.9", on.p999_ns, off.p999_ns, watched.p999_ratio),
+    ];
+    for (name, on, off, ratio) in rows {
+        table.row([
+            name.to_owned(),
+            duration(on as f64),
+            duration(off as f64),
+            format!("{:.3}", ratio.median),
+            format!("{:.3} … {:.3}", ratio.low, ratio.high),
+        ]);
+    }
+    text.push_str(&table.to_string());
+    text.push_str(&format!(
+        "Unanswered reports: {} with, {} without.\nInstructions per report in fusion: not available on this machine.\n",
+        on.lost, off.lost
+    ));
+    text
+}

@@ -1,0 +1,464 @@
+//! `koseki bench`: what can be measured, and how.
+
+use std::path::PathBuf;
+
+use bench_service::relay::RelayOptions;
+use bench_service::{Extra, Flood, Outputs, Settings, Wait};
+use clap::{Args, Subcommand, ValueEnum};
+use runtime::cores::Placement;
+
+use super::values::above_zero;
+
+/// Rates of a sweep, reports per second.
+const SWEEP: [f64; 9] = [1e3, 2e3, 5e3, 10e3, 20e3, 50e3, 100e3, 200e3, 500e3];
+/// Rate unless another is given: where processes spin, and where they must be woken.
+const RATE_SPIN: f64 = 20_000.0;
+const RATE_EVENT: f64 = 2_000.0;
+
+pub(super) const BENCH_EXAMPLES: &str = "\
+Examples:
+  koseki bench latency                                    20,000 reports/s, spinning, five runs
+  koseki bench latency --rate 1000,20000 --json now.json  two rates, all figures in a file
+  koseki bench compare before.json now.json               what has changed, and whether it is more than chance
+
+Every command starts its own fusion process, in an instance of its own, and leaves nothing behind. Measure on a machine
+that does nothing else: whatever runs beside takes part in every tail.";
+
+const LATENCY_EXAMPLES: &str = "\
+Examples:
+  koseki bench latency --rate 20000 --targets 1000
+  koseki bench latency --sweep --json sweep.json --picture latency.svg --percentiles histograms
+  koseki bench latency --wait event --rate 1000
+  koseki bench latency --realtime-priority 80 --lock-memory          needs the right to (root, or ulimit -r and -l)
+  koseki bench latency --sources 8 --flood 3=50                      one source sends fifty times its share
+
+Reports are due at fixed times, and latency counts from these: a stall is seen in every report that had to wait. Floor
+(a process that only passes the payload on), pipeline and the machine alone take turns in every run. Which core is which
+matters: cores that share a physical one disturb each other.";
+
+const ENGINE_EXAMPLES: &str = "\
+Examples:
+  koseki bench engine --targets 1000
+  koseki bench engine --targets 100000 --sources 8 --rule covariance-intersection
+
+The same reports as in the other measurements, without shared memory and processes: what fusing one costs.";
+
+const THROUGHPUT_EXAMPLES: &str = "\
+Examples:
+  koseki bench throughput --targets 1000
+  koseki bench throughput --batch 16 --seconds 60          memory of fusion over a minute of load
+  koseki bench throughput --targets 100000 --sources 8 --json throughput.json
+
+Without loss means: every report sent was taken by fusion, every system track was received, and no queue was growing at
+the end of the probe.";
+
+const WATCH_EXAMPLES: &str = "\
+Examples:
+  koseki bench watch --with monitor
+  koseki bench watch --with stopped-subscriber --runs 21
+  koseki bench watch --with subscribers=10 --seconds 5
+
+Of each pair only the ratio counts. An interval that contains 1 says: no effect that could be told from chance.";
+
+const COMPARE_EXAMPLES: &str = "\
+Examples:
+  koseki bench latency --json before.json    then change something, and
+  koseki bench latency --json after.json
+  koseki bench compare before.json after.json";
+
+/// `koseki bench`.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Bench {
+    /// How long a report takes, at given rates
+    #[command(after_help = LATENCY_EXAMPLES)]
+    Latency(Latency),
+    /// The highest rate at which nothing is lost, and what happens beyond
+    #[command(after_help = THROUGHPUT_EXAMPLES)]
+    Throughput(Throughput),
+    /// What fusing one report costs, without any process around it
+    #[command(after_help = ENGINE_EXAMPLES)]
+    Engine(Engine),
+    /// What it costs fusion to be watched: pairs of runs with and without
+    #[command(after_help = WATCH_EXAMPLES)]
+    Watch(Watch),
+    /// Two files of one command, before and after a change
+    #[command(after_help = COMPARE_EXAMPLES)]
+    Compare(Compare),
+}
+
+/// What is sent, and where it runs.
+#[derive(Debug, Args)]
+pub(crate) struct Common {
+    /// Targets
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    targets: u32,
+    /// Sources, each of which reports every target
+    #[arg(long, value_name = "K", default_value_t = 4)]
+    sources: u16,
+    /// How fusion, and the relay in its place, wait for work
+    #[arg(long, value_enum, default_value_t = WaitWord::Spin)]
+    wait: WaitWord,
+    /// Core of the bench's own threads
+    #[arg(long, value_name = "CORE", default_value_t = 0)]
+    bench_core: usize,
+    /// Core of fusion
+    #[arg(long, value_name = "CORE", default_value_t = 1)]
+    fusion_core: usize,
+    /// SCHED_FIFO priority of bench, fusion and relay, 2 to 99 [default: normal scheduling]
+    #[arg(long, value_name = "PRIORITY")]
+    realtime_priority: Option<i32>,
+    /// Lock the memory of bench, fusion and relay
+    #[arg(long)]
+    lock_memory: bool,
+    /// Fusion rule [default: the configuration's default]
+    #[arg(long, value_name = "RULE")]
+    rule: Option<String>,
+    /// Further subscribers to the system tracks
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    subscribers: usize,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum WaitWord {
+    /// Ask again and again
+    Spin,
+    /// Sleep until woken
+    Event,
+    /// Ask for 20 microseconds, then sleep
+    Hybrid,
+}
+
+/// The files that are written.
+#[derive(Debug, Args)]
+pub(crate) struct Files {
+    /// Write all figures to this file
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write latency against percentile as a picture (SVG)
+    #[arg(long, value_name = "FILE.svg")]
+    picture: Option<PathBuf>,
+    /// Write every distribution into this folder (HdrHistogram's percentile format, microseconds)
+    #[arg(long, value_name = "DIR")]
+    percentiles: Option<PathBuf>,
+}
+
+impl Files {
+    fn outputs(self) -> Outputs {
+        Outputs {
+            json: self.json,
+            picture: self.picture,
+            percentiles: self.percentiles,
+        }
+    }
+}
+
+/// `koseki bench latency`.
+#[derive(Debug, Args)]
+pub(crate) struct Latency {
+    /// Reports per second, of all sources together [default: 20000; with --wait event 2000]
+    #[arg(long, value_name = "R[,R...]", value_delimiter = ',', value_parser = above_zero)]
+    rate: Vec<f64>,
+    /// Rates from 1,000 on, as far as the knee
+    #[arg(long, conflicts_with = "rate")]
+    sweep: bool,
+    /// Reports of one source that are sent together
+    #[arg(long, value_name = "B", default_value_t = 1)]
+    batch: usize,
+    /// Length of one measurement
+    #[arg(long, value_name = "SECONDS", default_value_t = 3.0, value_parser = above_zero)]
+    seconds: f64,
+    /// Repetitions
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    runs: usize,
+    /// Let a source send FACTOR times its share, and show what the others notice of it
+    #[arg(long, value_name = "SOURCE=FACTOR", value_parser = flood)]
+    flood: Option<Flood>,
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    files: Files,
+}
+
+/// `koseki bench throughput`.
+#[derive(Debug, Args)]
+pub(crate) struct Throughput {
+    /// Reports of one source that are sent together
+    #[arg(long, value_name = "B", default_value_t = 64)]
+    batch: usize,
+    /// Length of one probe
+    #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = above_zero)]
+    probe_seconds: f64,
+    /// Length of the run at the end that watches memory
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = above_zero)]
+    seconds: f64,
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    files: Files,
+}
+
+impl Throughput {
+    /// What is measured, how long a probe is, and what is written.
+    pub(crate) fn orders(self) -> (Settings, f64, Outputs) {
+        let settings = self.common.settings(Vec::new(), self.batch, self.seconds, 1, None);
+        (settings, self.probe_seconds, self.files.outputs())
+    }
+}
+
+/// `koseki bench engine`.
+#[derive(Debug, Args)]
+pub(crate) struct Engine {
+    /// Targets
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    targets: u32,
+    /// Sources, each of which reports every target
+    #[arg(long, value_name = "K", default_value_t = 4)]
+    sources: u16,
+    /// Reports of one source that come together
+    #[arg(long, value_name = "B", default_value_t = 1)]
+    batch: usize,
+    /// Fusion rule [default: the configuration's default]
+    #[arg(long, value_name = "RULE")]
+    rule: Option<String>,
+    /// Core to run on
+    #[arg(long, value_name = "CORE", default_value_t = 0)]
+    core: usize,
+    /// SCHED_FIFO priority, 2 to 99 [default: normal scheduling]
+    #[arg(long, value_name = "PRIORITY")]
+    realtime_priority: Option<i32>,
+    /// Length of one run
+    #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = above_zero)]
+    seconds: f64,
+    /// Repetitions
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    runs: usize,
+    /// Write all figures to this file
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the distribution of single updates into this folder (HdrHistogram's percentile format, microseconds)
+    #[arg(long, value_name = "DIR")]
+    percentiles: Option<PathBuf>,
+}
+
+impl Engine {
+    /// What is measured, and what is written.
+    pub(crate) fn orders(self) -> (Settings, Outputs) {
+        let settings = Settings {
+            rates_per_s: vec![RATE_SPIN],
+            targets: self.targets,
+            sources: self.sources,
+            batch: self.batch,
+            wait: Wait::Spin,
+            seconds: self.seconds,
+            runs: self.runs,
+            bench_core: self.core,
+            fusion_core: self.core,
+            realtime_priority: self.realtime_priority,
+            lock_memory: false,
+            rule: self.rule,
+            flood: None,
+            subscribers: 0,
+        };
+        let outputs = Outputs {
+            json: self.json,
+            picture: None,
+            percentiles: self.percentiles,
+        };
+        (settings, outputs)
+    }
+}
+
+/// `koseki bench watch`.
+#[derive(Debug, Args)]
+pub(crate) struct Watch {
+    /// What is added: monitor, stopped-subscriber, or subscribers=N
+    #[arg(long, value_name = "EXTRA", value_parser = extra)]
+    with: Extra,
+    /// Reports per second, of all sources together [default: 20000; with --wait event 2000]
+    #[arg(long, value_name = "R", value_parser = above_zero)]
+    rate: Option<f64>,
+    /// Reports of one source that are sent together
+    #[arg(long, value_name = "B", default_value_t = 1)]
+    batch: usize,
+    /// Length of each of a pair's two runs
+    #[arg(long, value_name = "SECONDS", default_value_t = 3.0, value_parser = above_zero)]
+    seconds: f64,
+    /// Pairs
+    #[arg(long, value_name = "N", default_value_t = 11)]
+    runs: usize,
+    #[command(flatten)]
+    common: Common,
+    /// Write all figures to this file
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl Watch {
+    /// What is measured, what is added, and where the figures go.
+    pub(crate) fn orders(self) -> (Settings, Extra, Option<PathBuf>) {
+        let rate = self.rate.unwrap_or_else(|| self.common.wait.usual_rate());
+        let settings = self
+            .common
+            .settings(vec![rate], self.batch, self.seconds, self.runs, None);
+        (settings, self.with, self.json)
+    }
+}
+
+/// `koseki bench compare`.
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    /// Figures of a command's --json, before
+    #[arg(value_name = "A.json")]
+    pub(crate) before: PathBuf,
+    /// The same after
+    #[arg(value_name = "B.json")]
+    pub(crate) after: PathBuf,
+    /// Compare even if they were measured with different settings
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+impl WaitWord {
+    /// Where processes must be woken, a rate at which they can sleep.
+    fn usual_rate(self) -> f64 {
+        match self {
+            Self::Spin | Self::Hybrid => RATE_SPIN,
+            Self::Event => RATE_EVENT,
+        }
+    }
+}
+
+impl Common {
+    fn settings(
+        self,
+        rates_per_s: Vec<f64>,
+        batch: usize,
+        seconds: f64,
+        runs: usize,
+        flood: Option<Flood>,
+    ) -> Settings {
+        Settings {
+            rates_per_s,
+            targets: self.targets,
+            sources: self.sources,
+            batch,
+            wait: self.wait.into(),
+            seconds,
+            runs,
+            bench_core: self.bench_core,
+            fusion_core: self.fusion_core,
+            realtime_priority: self.realtime_priority,
+            lock_memory: self.lock_memory,
+            rule: self.rule,
+            flood,
+            subscribers: self.subscribers,
+        }
+    }
+}
+
+impl Latency {
+    /// What is measured, whether it is a sweep, and what is written.
+    pub(crate) fn orders(self) -> (Settings, bool, Outputs) {
+        let rates = match (self.sweep, self.rate.is_empty()) {
+            (true, _) => SWEEP.to_vec(),
+            (false, false) => self.rate,
+            (false, true) => vec![self.common.wait.usual_rate()],
+        };
+        let settings = self
+            .common
+            .settings(rates, self.batch, self.seconds, self.runs, self.flood);
+        (settings, self.sweep, self.files.outputs())
+    }
+}
+
+impl From<WaitWord> for Wait {
+    fn from(word: WaitWord) -> Self {
+        match word {
+            WaitWord::Spin => Self::Spin,
+            WaitWord::Event => Self::Event,
+            WaitWord::Hybrid => Self::Hybrid,
+        }
+    }
+}
+
+/// `koseki bench-relay`: started by the bench only.
+#[derive(Debug, Args)]
+pub(crate) struct BenchRelay {
+    #[arg(long)]
+    instance: String,
+    #[arg(long)]
+    launcher: u32,
+    #[arg(long, value_enum)]
+    wait: WaitWord,
+    #[arg(long)]
+    core: usize,
+    #[arg(long)]
+    realtime_priority: Option<i32>,
+    #[arg(long)]
+    lock_memory: bool,
+    #[arg(long)]
+    slice: usize,
+    #[arg(long, requires = "rest_ns")]
+    rest_after_ns: Option<i64>,
+    #[arg(long)]
+    rest_ns: Option<i64>,
+}
+
+impl BenchRelay {
+    pub(crate) fn options(&self) -> RelayOptions {
+        RelayOptions {
+            instance: self.instance.clone(),
+            launcher: self.launcher,
+            wait: Wait::from(self.wait).mode(),
+            placement: Placement {
+                core: Some(self.core),
+                realtime_priority: self.realtime_priority,
+                lock_memory: self.lock_memory,
+            },
+            slice_len: self.slice,
+            rest_ns: self.rest_after_ns.zip(self.rest_ns),
+        }
+    }
+}
+
+fn flood(text: &str) -> Result<Flood, String> {
+    let parsed = text.split_once('=').and_then(|(source, factor)| {
+        Some(Flood {
+            source: source.trim().parse().ok()?,
+            factor: factor.trim().parse().ok()?,
+        })
+    });
+    parsed.ok_or_else(|| "write a source's number and a factor, as in 3=50".to_owned())
+}
+
+fn extra(text: &str) -> Result<Extra, String> {
+    let count = text.strip_prefix("subscribers=").map(str::parse);
+    match (text, count) {
+        ("monitor", _) => Ok(Extra::Monitor),
+        ("stopped-subscriber", _) => Ok(Extra::StoppedSubscriber),
+        (_, Some(Ok(count @ 1..=20))) => Ok(Extra::Subscribers(count)),
+        _ => Err("write monitor, stopped-subscriber or subscribers=N (1 to 20)".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_checked() {
+        assert_eq!(
+            flood("3=50"),
+            Ok(Flood {
+                source: 3,
+                factor: 50.0
+            })
+        );
+        assert!(flood("3").is_err() && flood("x=1").is_err());
+        assert_eq!(extra("subscribers=10"), Ok(Extra::Subscribers(10)));
+        assert_eq!(extra("monitor"), Ok(Extra::Monitor));
+        for wrong in ["subscribers", "subscribers=0", "subscribers=21", "radar"] {
+            assert!(extra(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! `koseki bench`: measures, and prints what came of it.
+
+use crate::args::Bench;
+use crate::print;
+
+/// Carries out what was asked for.
+///
+/// # Errors
+/// If it makes no sense, the machine cannot do it, or a process fails.
+pub(crate) fn run(what: Bench) -> anyhow::Result<()> {
+    match what {
+        Bench::Latency(latency) => {
+            let (settings, sweep, outputs) = latency.orders();
+            print(&bench_service::latency(&settings, sweep, &outputs)?)
+        }
+        Bench::Throughput(throughput) => {
+            let (settings, probe_seconds, outputs) = throughput.orders();
+            print(&bench_service::throughput(&settings, probe_seconds, &outputs)?)
+        }
+        Bench::Engine(engine) => {
+            let (settings, outputs) = engine.orders();
+            print(&bench_service::engine(&settings, &outputs)?)
+        }
+        Bench::Watch(watch) => {
+            let (settings, with, json) = watch.orders();
+            print(&bench_service::watch(&settings, with, json.as_deref())?)
+        }
+        Bench::Compare(compare) => print(&bench_service::compare(&compare.before, &compare.after, compare.force)?),
+    }
+}
