@@ -48,8 +48,8 @@ pub const BACKSTOP: Duration = Duration::from_millis(100);
 /// Attempts to drain one listener at a time: a publisher that never pauses must not keep its reader from reading.
 const DRAIN_MAX: usize = 16;
 
-/// While spinning on a shared core, it is offered to others once in so many questions.
-const YIELD_EVERY: u32 = 64;
+/// While spinning, the clock is read once in so many questions; a shared core is then offered to others.
+const QUESTIONS_PER_LOOK_AT_THE_CLOCK: usize = 16;
 
 /// How to wait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -217,16 +217,18 @@ impl<S: Transport> Waiter<S> {
 
 /// Asks for work until it is there (`true`) or `time` has passed since `start`.
 fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl FnMut() -> bool) -> bool {
-    let mut turn = 0_u32;
     while start.elapsed() < time {
-        if has_work() {
-            return true;
+        for _ in 0..QUESTIONS_PER_LOOK_AT_THE_CLOCK {
+            if has_work() {
+                return true;
+            }
+            // On a core of its own nobody gains by a pause, and the answer comes later by it.
+            if yields {
+                hint::spin_loop();
+            }
         }
-        turn = turn.wrapping_add(1);
-        if yields && turn.is_multiple_of(YIELD_EVERY) {
+        if yields {
             thread::yield_now();
-        } else {
-            hint::spin_loop();
         }
     }
     false

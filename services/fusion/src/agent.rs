@@ -17,7 +17,7 @@ use crate::output::Output;
 
 /// Reports worked off in one turn, so that a flood does not delay everything else.
 const REPORTS_PER_TURN: usize = 256;
-/// Order `arrival`: idle sources that are looked at before each round. Looking costs some forty nanoseconds.
+/// Order `arrival`: sources that are looked at after each round. Looking costs some forty nanoseconds.
 const LOOKS_PER_ROUND: usize = 2;
 /// Order `arrival`: system-track states that are published together while a slice of many reports is worked off.
 const SENT_TOGETHER: usize = 16;
@@ -34,7 +34,7 @@ pub struct FusionAgent<S: Transport> {
     waiter: Waiter<S>,
     /// Order `arrival`: the sources whose turn comes in the round at hand.
     round: Vec<usize>,
-    /// The source that was looked at last.
+    /// The source that is looked at next.
     look_at: usize,
     /// Order `time`: reports that wait for their turn.
     merger: Option<Merger>,
@@ -93,13 +93,14 @@ impl<S: Transport> FusionAgent<S> {
     /// time, and what it has no turn for waits in its own queue.
     fn work_on_arrival(&mut self, now: Now) -> anyhow::Result<bool> {
         let mut worked = 0;
-        while worked < REPORTS_PER_TURN {
-            if !self.begin_round()? {
-                break;
-            }
+        while worked < REPORTS_PER_TURN && self.begin_round()? {
             worked += self.round.len();
             for place in 0..self.round.len() {
                 self.work_off_one(self.round[place])?;
+            }
+            // After the work, so that a lone report does not wait for it.
+            for _ in 0..LOOKS_PER_ROUND {
+                self.look_at_next()?;
             }
         }
         let output = &mut self.output;
@@ -109,30 +110,31 @@ impl<S: Transport> FusionAgent<S> {
         Ok(worked > 0)
     }
 
-    /// Finds the sources that have something; whether any has.
+    /// Lists the sources that have something; whether any has. While none is known, all are looked at until one has.
     fn begin_round(&mut self) -> anyhow::Result<bool> {
         self.list_round();
-        let (sources, looks) = match self.round.is_empty() {
-            true => (self.inputs.len(), self.inputs.len()),
-            false => (self.inputs.len(), LOOKS_PER_ROUND.min(self.inputs.len())),
-        };
-        let known = self.round.len();
-        let mut found = 0;
-        for _ in 0..looks {
-            self.look_at = (self.look_at + 1) % sources.max(1);
-            let input = &mut self.inputs[self.look_at];
-            if input.sent_ns().is_none() && input.reach(mono_ns)? {
-                found += 1;
+        if self.round.is_empty() {
+            for _ in 0..self.inputs.len() {
+                if self.look_at_next()? {
+                    self.list_round();
+                    break;
+                }
             }
         }
-        if found > 0 || known > 1 {
-            self.list_round();
+        if self.round.len() > 1 {
             let inputs = &self.inputs;
             // By number where sent at the same time: the order must not depend on where the looks began.
             self.round
                 .sort_unstable_by_key(|index| (inputs[*index].sent_ns(), *index));
         }
         Ok(!self.round.is_empty())
+    }
+
+    /// Looks at the next source; whether it has something.
+    fn look_at_next(&mut self) -> anyhow::Result<bool> {
+        let found = self.inputs[self.look_at].reach(mono_ns)?;
+        self.look_at = (self.look_at + 1) % self.inputs.len();
+        Ok(found)
     }
 
     fn list_round(&mut self) {
@@ -154,12 +156,12 @@ impl<S: Transport> FusionAgent<S> {
         let output = &mut self.output;
         self.engine.take(&report, &mut |track: &SystemTrack| output.push(track));
         self.progress_ns = self.progress_ns.max(input.progress_ns);
-        if last {
-            // A source that has more keeps its place in the rounds.
-            input.reach(mono_ns)?;
-        }
         if last || self.output.waiting() >= SENT_TOGETHER {
             self.output.send(self.progress_ns, false)?;
+        }
+        if last {
+            // A source that has more keeps its place in the rounds.
+            self.inputs[index].reach(mono_ns)?;
         }
         Ok(())
     }
@@ -264,8 +266,13 @@ impl<S: Transport> Agent for FusionAgent<S> {
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
-        let inputs = &self.inputs;
-        self.waiter.wait(at_most, || inputs.iter().any(Input::has_slices))?;
+        let (inputs, by_time) = (&mut self.inputs, self.merger.is_some());
+        // Taken in hand at once; what goes wrong then goes wrong in the next turn again, which says so.
+        let has_some = |input: &mut Input<S>| match by_time {
+            true => input.has_slices(),
+            false => input.reach(mono_ns).unwrap_or(true),
+        };
+        self.waiter.wait(at_most, || inputs.iter_mut().any(has_some))?;
         Ok(())
     }
 

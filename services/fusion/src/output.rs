@@ -62,7 +62,8 @@ impl<S: Transport> Output<S> {
         if self.waiting.is_empty() && !end {
             return Ok(());
         }
-        let (waiting, sent_ns, deadline_ns) = (&self.waiting, mono_ns(), self.deadline_ns);
+        let (waiting, sent_ns, deadline_ns) = (&mut self.waiting, mono_ns(), self.deadline_ns);
+        let count = waiting.len();
         let mut missed = 0;
         self.publisher.send(
             Mark {
@@ -70,13 +71,13 @@ impl<S: Transport> Output<S> {
                 sent_ns,
                 end,
             },
-            waiting.len(),
+            count,
             |index, sequence| {
-                let mut track = waiting[index];
+                let track = &mut waiting[index];
                 track.sequence = sequence;
                 track.stages.fused_ns = sent_ns;
                 missed += u64::from(track.stages.taken_ns != 0 && sent_ns - track.stages.taken_ns > deadline_ns);
-                track
+                *track
             },
         )?;
         self.deadline_misses += missed;

