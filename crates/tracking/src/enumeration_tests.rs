@@ -10,6 +10,7 @@ use crate::correlation::{Interpretation, Row, applies, child, matrices};
 use crate::gate::gates;
 use crate::initiation::first_state;
 use crate::measurement::Measurement;
+use crate::motion::Motion;
 use crate::population::{Cluster, Population};
 use crate::testing::{S, position, settings};
 use crate::track::{HISTORY_MAX, NO_DETECTION, TENTATIVE, Track};
@@ -37,7 +38,7 @@ fn exact_settings() -> Settings {
 
 /// Every child of `whole` by the definitions HT-5 to HT-8.
 fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, settings: &Settings) -> Vec<Whole> {
-    let (noise, gates) = (settings.process_noise_m2ps3, gates(settings.gate_probability));
+    let gates = gates(settings.gate_probability);
     let detection_probability = settings.sensors[0].detection_probability;
     let miss = (1.0 - detection_probability * settings.gate_probability).ln();
     let measured: Vec<_> = scan
@@ -47,10 +48,10 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
     let predicted: Vec<_> = whole
         .tracks
         .iter()
-        .map(|track| track.state_at(time_ns, noise))
+        .map(|track| track.motion_at(time_ns, &settings.motion))
         .collect();
     let in_gate = |measurement: &Measurement| {
-        let inside = |track: &usize| measurement.innovation(&predicted[*track]).unwrap().squared_distance <= gates[1];
+        let inside = |track: &usize| predicted[*track].innovation(measurement).unwrap().squared_distance <= gates[1];
         Row::of(&(0..predicted.len()).filter(inside).collect::<Vec<_>>())
     };
     let rows: Vec<_> = measured.iter().map(in_gate).collect();
@@ -68,7 +69,7 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
                 Interpretation::False => log_clutter,
                 Interpretation::New => log_clutter + settings.new_target_share.ln(),
                 Interpretation::Track(track) => {
-                    let innovation = measured[row].innovation(&predicted[*track]).unwrap();
+                    let innovation = predicted[*track].innovation(&measured[row]).unwrap();
                     detection_probability.ln() + innovation.log_likelihood
                 }
             };
@@ -78,8 +79,8 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
             let mut track = whole.tracks[number];
             match row {
                 Some(row) => {
-                    track.state = predicted[number];
-                    measured[row].update(&mut track.state).unwrap();
+                    track.motion = predicted[number];
+                    track.motion.update(&measured[row]).unwrap();
                     track.time_ns = time_ns;
                     track.remember(first_serial + row as u32);
                 }
@@ -92,7 +93,10 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
         }
         for row in new {
             let mut track = Track {
-                state: first_state(&measured[row], &settings.first_guess).unwrap(),
+                motion: Motion::begun(
+                    first_state(&measured[row], &settings.first_guess).unwrap(),
+                    &settings.motion,
+                ),
                 time_ns,
                 root: 0,
                 number: TENTATIVE,

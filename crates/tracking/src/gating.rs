@@ -8,12 +8,13 @@
 //! make it so. So 10,000 detections in one gate cost no more than 10,000 elsewhere. All is counted.
 
 use association::{Grid, distance};
-use estimation::PackedGaussian;
 
 use crate::counts::Counts;
 use crate::measurement::{DIMENSIONS_MAX, Measurement};
+use crate::motion::Motion;
 use crate::population::Population;
 use crate::ranked::ROWS_MAX;
+use crate::settings::MotionSettings;
 use crate::track::Track;
 
 /// Most detections with which a track is compared in a scan.
@@ -40,7 +41,7 @@ pub(crate) struct Plot {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sensor {
     pub(crate) gates: [f64; DIMENSIONS_MAX],
-    pub(crate) noise_m2ps3: [f64; 2],
+    pub(crate) motion: MotionSettings,
     /// Logarithm of the probability of detection.
     pub(crate) log_detection: f64,
     /// Logarithm of the probability of no detection in the gate.
@@ -109,7 +110,7 @@ impl Gating {
             for track in cluster.tracks.clone() {
                 self.pairs_begin.push(self.pairs.len() as u32);
                 let compared = &population.tracks[track as usize];
-                let predicted = compared.state_at(time_ns, sensor.noise_m2ps3);
+                let predicted = compared.motion_at(time_ns, &sensor.motion);
                 self.search(&predicted, plots.len(), &reach, sensor.gates[1]);
                 let first = self.pairs.len();
                 self.compare(track, compared, &predicted, time_ns, plots, sensor, counts);
@@ -150,8 +151,9 @@ impl Gating {
     }
 
     /// Finds the detections that may be in the gate of a track predicted here.
-    fn search(&mut self, predicted: &PackedGaussian, plots: usize, reach: &Reach, gate: f64) {
+    fn search(&mut self, predicted: &Motion, plots: usize, reach: &Reach, gate: f64) {
         self.near.clear();
+        let predicted = predicted.widest();
         let [xx, xy, _, yy, ..] = predicted.position_covariance();
         let sigma = distance::largest_sigma2([xx, xy, yy]).hypot(reach.sigma_m);
         let reach_m = gate.sqrt() * sigma;
@@ -174,7 +176,7 @@ impl Gating {
         &mut self,
         number: u32,
         track: &Track,
-        predicted: &PackedGaussian,
+        predicted: &Motion,
         time_ns: i64,
         plots: &[Plot],
         sensor: &Sensor,
@@ -187,10 +189,10 @@ impl Gating {
         for &item in &self.near[..made] {
             let plot = &plots[item as usize];
             let innovation = if plot.time_ns == time_ns {
-                plot.measurement.innovation(predicted)
+                predicted.innovation(&plot.measurement)
             } else {
-                let predicted = track.state_at(plot.time_ns, sensor.noise_m2ps3);
-                plot.measurement.innovation(&predicted)
+                let predicted = track.motion_at(plot.time_ns, &sensor.motion);
+                predicted.innovation(&plot.measurement)
             };
             let Some(innovation) = innovation else { continue };
             if innovation.squared_distance > sensor.gates[innovation.dimension - 1] {

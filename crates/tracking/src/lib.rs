@@ -45,6 +45,7 @@ mod gate;
 mod gating;
 mod initiation;
 mod measurement;
+mod motion;
 mod parents;
 mod population;
 mod ranked;

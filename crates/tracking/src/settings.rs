@@ -13,8 +13,8 @@ pub struct Settings {
     pub sensors: Vec<SensorSettings>,
     /// Probability that a target's detection lies in its gate (HT-2).
     pub gate_probability: f64,
-    /// Spectral density of the targets' accelerations, horizontal and vertical, m²/s³ (HT-13).
-    pub process_noise_m2ps3: [f64; 2],
+    /// How targets move (HT-13).
+    pub motion: MotionSettings,
     /// What is assumed of a target before it was observed.
     pub first_guess: FirstGuess,
     /// Expected new targets per expected false detection (HT-8).
@@ -53,6 +53,24 @@ pub enum Clutter {
     Density(f64),
     /// Learned while running, from detections outside the gates of confirmed tracks.
     Learned,
+}
+
+/// HT-13.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionSettings {
+    /// Spectral density of the accelerations in steady flight, horizontal and vertical, m²/s³.
+    pub process_noise_m2ps3: [f64; 2],
+    /// A second model beside it (`None`: there is only the first).
+    pub manoeuvres: Option<Manoeuvres>,
+}
+
+/// The model of targets that manoeuvre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Manoeuvres {
+    /// Spectral density of the accelerations, horizontal and vertical, m²/s³.
+    pub process_noise_m2ps3: [f64; 2],
+    /// Mean durations of steady flight and of a manoeuvre, seconds.
+    pub durations_s: [f64; 2],
 }
 
 /// HT-9. All are applied, in this order: merging, threshold, number.
@@ -134,7 +152,13 @@ impl Default for Settings {
         Self {
             sensors: Vec::new(),
             gate_probability: 0.99,
-            process_noise_m2ps3: [10.0, 1.0],
+            motion: MotionSettings {
+                process_noise_m2ps3: [5.0, 1.0],
+                manoeuvres: Some(Manoeuvres {
+                    process_noise_m2ps3: [100.0, 10.0],
+                    durations_s: [60.0, 10.0],
+                }),
+            },
             first_guess: FirstGuess {
                 speed_sigma_mps: 100.0,
                 climb_sigma_mps: 10.0,
@@ -176,8 +200,15 @@ impl Settings {
                 "the gate probability must lie between 0 and 1",
             ),
             (
-                self.process_noise_m2ps3.iter().all(|density| positive(*density)),
+                self.motion.process_noise_m2ps3.iter().all(|density| positive(*density)),
                 "the process noise must be positive",
+            ),
+            (
+                self.motion.manoeuvres.is_none_or(|manoeuvres| {
+                    let all = [manoeuvres.process_noise_m2ps3, manoeuvres.durations_s];
+                    all.as_flattened().iter().all(|value| positive(*value))
+                }),
+                "process noise and durations of manoeuvres must be positive",
             ),
             (
                 positive(self.first_guess.speed_sigma_mps)

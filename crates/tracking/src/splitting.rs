@@ -10,8 +10,7 @@
 //! second detection is allowed for in the scan in which it comes. Of several believed tracks in whose gate a new one
 //! starts, it takes the motion of the most reliable one.
 
-use estimation::PackedGaussian;
-
+use crate::motion::Motion;
 use crate::population::{Cluster, DETECTION_COUNTS};
 use crate::settings::{Limit, Splitting};
 
@@ -97,11 +96,11 @@ impl DetectionCounts {
 }
 
 /// SP-2: the mean of several predictions by their weights, with the spread of their means in its covariance.
-pub(crate) fn mean_motion(branches: impl Iterator<Item = (PackedGaussian, f64)>) -> Option<PackedGaussian> {
+pub(crate) fn mean_motion(branches: impl Iterator<Item = (Motion, f64)>) -> Option<Motion> {
     let weighted = branches.filter(|(_, weight)| *weight > 0.0);
     let sum = weighted.reduce(|(mean, sum), (branch, weight)| {
         let sum_with = sum + weight;
-        (PackedGaussian::mixture(&mean, &branch, weight / sum_with), sum_with)
+        (Motion::mixture(&mean, &branch, weight / sum_with), sum_with)
     });
     sum.map(|(mean, _)| mean)
 }
@@ -113,6 +112,7 @@ pub(crate) fn company(in_company: u32, detections: u32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use estimation::PackedGaussian;
     use messages::Covariance;
 
     use super::*;
@@ -185,16 +185,20 @@ mod tests {
 
     #[test]
     fn the_parents_motion_has_the_spread_of_the_branches() {
-        let branch = |east: f64, variance: f64| PackedGaussian {
-            mean: [east, 0.0, 0.0, 10.0, 0.0, 0.0],
-            covariance: Covariance::diagonal([variance.sqrt(); 3], [1.0; 3]),
+        let settings = crate::Settings::default().motion;
+        let branch = |east: f64, variance: f64| {
+            let state = PackedGaussian {
+                mean: [east, 0.0, 0.0, 10.0, 0.0, 0.0],
+                covariance: Covariance::diagonal([variance.sqrt(); 3], [1.0; 3]),
+            };
+            Motion::begun(state, &settings)
         };
         let branches = [
             (branch(0.0, 4.0), 0.5),
             (branch(6.0, 1.0), 0.25),
             (branch(9.0, 1.0), 0.0),
         ];
-        let mean = mean_motion(branches.into_iter()).unwrap();
+        let mean = mean_motion(branches.into_iter()).unwrap().estimate();
         assert!((mean.mean[0] - 2.0).abs() < 1e-12);
         assert!((mean.covariance.get(0, 0) - (3.0 + 8.0)).abs() < 1e-12);
         assert!((mean.covariance.get(3, 3) - 1.0).abs() < 1e-12);

@@ -40,6 +40,7 @@ pub(crate) fn settings() -> Settings {
         ..Settings::default()
     };
     settings.first_guess.speed_sigma_mps = 20.0;
-    settings.process_noise_m2ps3 = [1.0, 1.0];
+    settings.motion.process_noise_m2ps3 = [1.0, 1.0];
+    settings.motion.manoeuvres = None;
     settings
 }

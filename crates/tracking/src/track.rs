@@ -5,8 +5,10 @@
 //! scans; and whether they sprang from the same first detection. So a track is a flat record with the last
 //! [`HISTORY_MAX`] scans and its root. Branching is copying; nothing is ever walked, collected or fragmented.
 
-use estimation::{AxisNoise, PackedGaussian};
 use messages::NS_PER_S;
+
+use crate::motion::Motion;
+use crate::settings::MotionSettings;
 
 /// Scans that a track remembers.
 pub const HISTORY_MAX: usize = 8;
@@ -20,7 +22,7 @@ pub(crate) const TENTATIVE: u32 = 0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Track {
     /// At the time of the last detection.
-    pub(crate) state: PackedGaussian,
+    pub(crate) motion: Motion,
     /// Time of the last detection, nanoseconds.
     pub(crate) time_ns: i64,
     /// Same for all branches of one first detection.
@@ -45,14 +47,13 @@ impl Track {
         self.number != TENTATIVE
     }
 
-    /// The state at `time_ns`.
-    pub(crate) fn state_at(&self, time_ns: i64, noise_m2ps3: [f64; 2]) -> PackedGaussian {
+    /// Where it is at `time_ns`.
+    pub(crate) fn motion_at(&self, time_ns: i64, settings: &MotionSettings) -> Motion {
         if time_ns == self.time_ns {
-            return self.state;
+            return self.motion;
         }
         let seconds = time_ns.saturating_sub(self.time_ns) as f64 / NS_PER_S;
-        let [horizontal, vertical] = noise_m2ps3.map(|density| AxisNoise::white(density, seconds));
-        self.state.moved(seconds, [horizontal, horizontal, vertical])
+        self.motion.moved(seconds, settings)
     }
 
     /// One scan later, with that scan's detection.

@@ -16,7 +16,7 @@ use crate::gate::gates;
 use crate::gating::{Gating, Plot, Sensor};
 use crate::measurement::Measurement;
 use crate::population::{Cluster, Hypothesis, Population};
-use crate::settings::{Clutter, SensorSettings, Settings};
+use crate::settings::{Clutter, MotionSettings, SensorSettings, Settings};
 use crate::track::Track;
 use crate::update::{self, Scan, Update};
 
@@ -104,7 +104,7 @@ impl Tracker {
         let gates = gates(settings.gate_probability);
         let sensor = |sensor: &SensorSettings| Sensor {
             gates,
-            noise_m2ps3: settings.process_noise_m2ps3,
+            motion: settings.motion,
             log_detection: sensor.detection_probability.ln(),
             log_miss: (-sensor.detection_probability * settings.gate_probability).ln_1p(),
         };
@@ -252,13 +252,13 @@ impl Tracker {
     /// Of each confirmed ancestor the most reliable branch (HT-10).
     fn report(&mut self) {
         let population = &self.populations[self.open];
-        let noise = self.settings.process_noise_m2ps3;
+        let motion = self.settings.motion;
         self.reports.clear();
         for cluster in &population.clusters {
             let tracks = &population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
             let confirmed = tracks.iter().filter(|track| track.is_confirmed());
             self.reports
-                .extend(confirmed.map(|track| report_of(track, cluster, population.time_ns, noise)));
+                .extend(confirmed.map(|track| report_of(track, cluster, population.time_ns, &motion)));
         }
         self.reports.sort_unstable_by(|one, other| {
             let reliability = other.reliability.total_cmp(&one.reliability);
@@ -269,7 +269,7 @@ impl Tracker {
     }
 }
 
-fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, noise_m2ps3: [f64; 2]) -> TrackReport {
+fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, motion: &MotionSettings) -> TrackReport {
     let seen = track.missed == 0;
     let time_ns = if seen { track.time_ns } else { time_ns };
     TrackReport {
@@ -280,7 +280,7 @@ fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, noise_m2ps3: [f64; 
             TrackState::Coasted
         },
         time_ns,
-        estimate: track.state_at(time_ns, noise_m2ps3),
+        estimate: track.motion_at(time_ns, motion).estimate(),
         reliability: track.reliability.min(1.0),
         hypotheses: cluster.hypotheses.len() as u32,
         detections: track.detections,

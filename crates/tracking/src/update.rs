@@ -14,11 +14,10 @@
 
 use std::ops::Range;
 
-use estimation::PackedGaussian;
-
 use crate::counts::Counts;
 use crate::gating::{Gating, NONE, PAIRS_MAX, Plot, Sensor};
 use crate::initiation::first_state;
+use crate::motion::Motion;
 use crate::parents::Parents;
 use crate::population::{Cluster, Population};
 use crate::ranked::{COLUMNS_MAX, Choice, OWN, ROWS_MAX, Ranked, Solution};
@@ -366,9 +365,9 @@ impl Update {
             let found = scan.gating.pairs[pair as usize];
             let plot = &scan.plots[found.plot as usize];
             let mut track = scan.before.tracks[number as usize];
-            track.state = track.state_at(plot.time_ns, scan.settings.process_noise_m2ps3);
+            track.motion = track.motion_at(plot.time_ns, &scan.settings.motion);
             // It was compared before, so it can be done.
-            let _ = plot.measurement.update(&mut track.state);
+            let _ = track.motion.update(&plot.measurement);
             track.time_ns = plot.time_ns;
             track.missed = 0;
             track.detections += 1;
@@ -412,7 +411,7 @@ impl Update {
     }
 
     /// SP-2: the motion of the most reliable confirmed track in whose gate the row's detection lies.
-    fn parents_motion(&mut self, group: &Group<'_>, row: usize) -> Option<PackedGaussian> {
+    fn parents_motion(&mut self, group: &Group<'_>, row: usize) -> Option<Motion> {
         let scan = group.scan;
         let branches_max = scan.settings.splitting.parents_motion?;
         let plot = group.plots[row].1;
@@ -444,18 +443,19 @@ impl Update {
         });
         let time_ns = scan.plots[plot as usize].time_ns;
         let best = self.branches.iter().take(branches_max).map(of);
-        let noise = scan.settings.process_noise_m2ps3;
-        mean_motion(best.map(|track| (track.state_at(time_ns, noise), track.reliability)))
+        mean_motion(best.map(|track| (track.motion_at(time_ns, &scan.settings.motion), track.reliability)))
     }
 }
 
 /// A new track, with an inherited motion or with what a first detection tells. `None` of a direction alone.
-pub(crate) fn begin(scan: &Scan<'_>, plot: u32, inherited: Option<PackedGaussian>, root: u32) -> Option<Track> {
+pub(crate) fn begin(scan: &Scan<'_>, plot: u32, inherited: Option<Motion>, root: u32) -> Option<Track> {
     let found = &scan.plots[plot as usize];
-    let updated = inherited.and_then(|mut state| found.measurement.update(&mut state).map(|_| state));
-    let state = updated.or_else(|| first_state(&found.measurement, &scan.settings.first_guess))?;
+    let settings = scan.settings;
+    let updated = inherited.and_then(|mut motion| motion.update(&found.measurement).map(|_| motion));
+    let first = || first_state(&found.measurement, &settings.first_guess);
+    let motion = updated.or_else(|| Some(Motion::begun(first()?, &settings.motion)))?;
     let mut track = Track {
-        state,
+        motion,
         time_ns: found.time_ns,
         root,
         number: TENTATIVE,
