@@ -56,6 +56,8 @@ mod stage;
 mod testing;
 mod track;
 mod tracker;
+#[cfg(test)]
+mod tracker_tests;
 mod update;
 
 pub use counts::Counts;

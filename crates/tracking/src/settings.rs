@@ -110,6 +110,8 @@ pub struct Deletion {
 /// SP-1 … SP-7: each off or on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Splitting {
+    /// Expected new targets per expected false detection in the gates of confirmed tracks (`None`: as elsewhere).
+    pub new_target_share: Option<f64>,
     /// SP-1: in a cluster that has a confirmed track, new tracks start only in the gate of one.
     pub start_in_confirmed_gates: bool,
     /// SP-2: they start with the motion of the best so many branches of that track.
@@ -166,12 +168,12 @@ impl Default for Settings {
             },
             new_target_share: 0.02,
             reduction: Reduction {
-                merge_scans: 3,
+                merge_scans: 2,
                 reliability_min: 1e-3,
                 hypotheses_max: 30,
             },
             confirmation: Confirmation {
-                reliability_min: 1.0,
+                reliability_min: 0.99,
                 detections_min: 3,
                 log_likelihood_ratio_min: None,
             },
@@ -179,7 +181,11 @@ impl Default for Settings {
                 missed_scans: 5,
                 silent_ns: 60_000_000_000,
             },
-            splitting: Splitting::default(),
+            splitting: Splitting {
+                new_target_share: Some(0.5),
+                parents_motion: Some(4),
+                ..Splitting::default()
+            },
             capacity: Capacity {
                 tracks: 16_384,
                 detections: 16_384,
@@ -217,7 +223,7 @@ impl Settings {
                 "the first guess needs positive standard deviations",
             ),
             (
-                positive(self.new_target_share),
+                positive(self.new_target_share) && self.splitting.new_target_share.is_none_or(positive),
                 "the share of new targets must be positive",
             ),
             (

@@ -189,8 +189,10 @@ impl Update {
     fn pose(&mut self, group: &Group<'_>, counts: &mut Counts) {
         self.ranked.clear();
         let (scan, sensor) = (group.scan, group.scan.sensor);
+        let splitting = &scan.settings.splitting;
         let log_new = scan.settings.new_target_share.ln();
-        let guarded = group.has_confirmed && scan.settings.splitting.start_in_confirmed_gates;
+        let log_split = splitting.new_target_share.map_or(log_new, f64::ln);
+        let guarded = group.has_confirmed && splitting.start_in_confirmed_gates;
         for parent in 0..self.parents.list.len() {
             self.find_entries(group, parent, counts);
             let misses = self.parents.members(parent).len() as f64 * sensor.log_miss;
@@ -209,8 +211,9 @@ impl Update {
                     counts.dropped_pairs += u64::from(!added);
                 };
                 add(OWN, FALSE, 0.0);
-                if plot.measurement.place().is_some() && (self.in_confirmed_gate[row] || !guarded) {
-                    add(OWN, NEW, -log_new);
+                let may_split = self.in_confirmed_gate[row];
+                if plot.measurement.place().is_some() && (may_split || !guarded) {
+                    add(OWN, NEW, -if may_split { log_split } else { log_new });
                 }
                 while let Some(&(_, column, pair)) = self.entries.get(entry).filter(|(of, _, _)| *of == row as u32) {
                     let log_likelihood = scan.gating.pairs[pair as usize].log_likelihood;
