@@ -174,7 +174,7 @@ impl Default for Settings {
             },
             confirmation: Confirmation {
                 reliability_min: 0.99,
-                detections_min: 3,
+                detections_min: 2,
                 log_likelihood_ratio_min: None,
             },
             deletion: Deletion {
@@ -182,7 +182,7 @@ impl Default for Settings {
                 silent_ns: 60_000_000_000,
             },
             splitting: Splitting {
-                new_target_share: Some(0.5),
+                new_target_share: Some(1.0),
                 parents_motion: Some(4),
                 ..Splitting::default()
             },

@@ -42,5 +42,6 @@ pub(crate) fn settings() -> Settings {
     settings.first_guess.speed_sigma_mps = 20.0;
     settings.motion.process_noise_m2ps3 = [1.0, 1.0];
     settings.motion.manoeuvres = None;
+    settings.confirmation.detections_min = 3;
     settings
 }
