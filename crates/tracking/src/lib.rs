@@ -49,6 +49,7 @@ mod motion;
 mod parents;
 mod population;
 mod ranked;
+pub mod scans;
 pub mod settings;
 mod splitting;
 mod stage;

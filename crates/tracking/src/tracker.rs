@@ -8,7 +8,7 @@
 
 use estimation::PackedGaussian;
 use formats::detection::Detection;
-use messages::TrackState;
+use messages::{SensorTrack, TrackState, sensor_track_bits};
 
 use crate::clutter::log_density;
 use crate::counts::Counts;
@@ -42,6 +42,23 @@ pub struct TrackReport {
     pub detections: u32,
     /// Scans since the last one.
     pub missed: u32,
+}
+
+impl TrackReport {
+    /// As a report of the source numbered `source`, with the numbers of the source's own at 0.
+    pub fn sensor_track(&self, source: u16) -> SensorTrack {
+        SensorTrack {
+            time_of_measurement_ns: self.time_ns,
+            track_number: self.number,
+            source,
+            valid: sensor_track_bits::VELOCITY | sensor_track_bits::OWN_COVARIANCE,
+            position_m: self.estimate.position_m(),
+            velocity_mps: self.estimate.velocity_mps(),
+            covariance: self.estimate.covariance,
+            state: self.state as u8,
+            ..SensorTrack::default()
+        }
+    }
 }
 
 /// Why a scan was refused.

@@ -40,6 +40,12 @@ fn a_target_is_confirmed_carried_on_and_given_up() {
         (1, TrackState::Confirmed, 7 * S, 0)
     );
     assert!((track.estimate.mean[0] - 105.0).abs() < 20.0 && (track.estimate.mean[3] - 15.0).abs() < 5.0);
+    let message = track.sensor_track(3);
+    assert_eq!(
+        (message.source, message.track_number, message.state),
+        (3, 1, TrackState::Confirmed as u8)
+    );
+    assert_eq!(message.position_m, track.estimate.position_m());
     for second in 8..12 {
         tracker.scan(1, second * S, &[]).unwrap();
         let [track] = tracker.tracks() else {
