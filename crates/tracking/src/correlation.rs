@@ -6,7 +6,7 @@
 //! updated by those interpretations that refer to none but its own tracks.
 //!
 //! Their number grows like a factorial with the crowd, so the tracker does not make them: it draws the likeliest ones in
-//! order ([`crate::ranked`]). This module says what all of them are, for a few detections: what the tracker is tested
+//! order (module `ranked`). This module says what all of them are, for a few detections: what the tracker is tested
 //! against.
 
 /// One row of an in-gate matrix: what a detection may be, besides false.
