@@ -16,6 +16,7 @@ const ORDER: &[&str] = &[
     "scenario",
     "scoring",
     "fusion",
+    "tracking",
     "bus",
     "net",
     "runtime",

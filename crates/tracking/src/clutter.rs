@@ -1,0 +1,86 @@
+//! How many false detections a sensor gives, learned while running.
+//!
+//! What an operator rarely knows can be counted: detections outside the gates of all confirmed tracks are false or the
+//! beginnings of tracks, and those are few. Their mean number per scan over about [`SCANS`] scans, divided by the area in
+//! which the sensor has shown detections at all, is the density. The area is the smallest rectangle around all of them:
+//! that is right for clutter all over it, and too low a density for clutter in patches, where tentative tracks will be
+//! more than they should.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use formats::detection::DetectionKind;
+
+use crate::initiation::FirstGuess;
+use crate::measurement::Measurement;
+
+/// Scans over which numbers are averaged.
+const SCANS: f64 = 20.0;
+/// Smallest mean number of false detections per scan: none seen so far does not mean never.
+const COUNT_MIN: f64 = 0.1;
+
+/// What is known of one sensor's false detections.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Estimate {
+    /// Mean number per scan.
+    count: f64,
+    scans: f64,
+    /// Rectangle around all detections: west, south, east, north, metres.
+    box_m: [f64; 4],
+}
+
+impl Default for Estimate {
+    fn default() -> Self {
+        Self {
+            count: 0.0,
+            scans: 0.0,
+            box_m: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
+        }
+    }
+}
+
+impl Estimate {
+    /// Takes the places of a scan's detections into the rectangle.
+    pub(crate) fn see(&mut self, measurement: &Measurement) {
+        if let Some(([east, north], _)) = measurement.place() {
+            let [w, s, e, n] = self.box_m;
+            self.box_m = [w.min(east), s.min(north), e.max(east), n.max(north)];
+        }
+    }
+
+    /// Learns that a scan had `outside` detections outside confirmed tracks' gates.
+    pub(crate) fn count(&mut self, outside: usize) {
+        self.scans = (self.scans + 1.0).min(SCANS);
+        self.count += (outside as f64 - self.count) / self.scans;
+    }
+
+    /// False detections per scan and square metre, or radian; `present` are in the scan at hand.
+    pub(crate) fn density(&self, present: usize) -> f64 {
+        let count = if self.scans > 0.0 { self.count } else { present as f64 };
+        let [w, s, e, n] = self.box_m;
+        // A metre more on every side: a single detection has a place, too.
+        let area = if e >= w { (e - w + 2.0) * (n - s + 2.0) } else { TAU };
+        count.max(COUNT_MIN) / area
+    }
+}
+
+/// Logarithm of the density of false detections per unit of each measured quantity, where there are `density` per square
+/// metre, or per radian of bearing.
+///
+/// In the plane a ring of range r has an area in proportion to r. Heights, elevations and range rates of false
+/// detections are taken to be anywhere within what is assumed of targets.
+pub(crate) fn log_density(measurement: &Measurement, density: f64, guess: &FirstGuess) -> f64 {
+    let range = measurement.values[0].max(1.0);
+    let per_height = 0.5 / guess.height_sigma_m;
+    let per_unit = match measurement.kind {
+        DetectionKind::Position2 | DetectionKind::Bearing => 1.0,
+        DetectionKind::Position3 => per_height,
+        DetectionKind::RangeBearing => range,
+        DetectionKind::RangeBearingElevation => range * range * per_height,
+        DetectionKind::BearingElevation => 1.0 / FRAC_PI_2,
+    };
+    let per_rate = match measurement.range_rate_mps {
+        Some(_) => 1.0 / (6.0 * guess.speed_sigma_mps),
+        None => 1.0,
+    };
+    (density * per_unit * per_rate).ln()
+}

@@ -1,0 +1,46 @@
+//! What was done, and what was refused.
+
+/// Counters; they only rise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// Scans worked off, repetitions after late ones included.
+    pub scans: u64,
+    /// Scans that came after later ones and were worked in.
+    pub late_scans: u64,
+    /// Scans refused: older than every open one, or of an unknown sensor.
+    pub refused_scans: u64,
+    /// Detections taken.
+    pub detections: u64,
+    /// Detections refused: a value that is no number or cannot be, or no standard deviation.
+    pub unusable_detections: u64,
+    /// Detections refused for want of room in the scan.
+    pub crowded_out_detections: u64,
+    /// Comparisons of a track with a detection not made, because the track had had its share.
+    pub unmade_comparisons: u64,
+    /// Detections in a track's gate that were not considered: others fitted better, or the cluster was full.
+    pub dropped_pairs: u64,
+    /// Tracks that could not be begun or kept for want of room.
+    pub refused_tracks: u64,
+    /// Hypotheses that could not be kept for want of room.
+    pub refused_hypotheses: u64,
+    /// Interpretations left out because they have too many new tracks (SP-3, SP-4).
+    pub too_many_new_tracks: u64,
+    /// Hypotheses dropped because they have too many tentative tracks (SP-5, SP-6).
+    pub too_many_tentative_tracks: u64,
+    /// Tentative tracks removed because they kept too little company (SP-7).
+    pub out_of_company: u64,
+    /// New-track columns that SP-1 forbade.
+    pub starts_forbidden: u64,
+    /// New tracks that began with another track's motion (SP-2).
+    pub starts_with_parents_motion: u64,
+    /// Hypotheses drawn.
+    pub hypotheses_drawn: u64,
+    /// Hypotheses that were merged with one of the same associations.
+    pub hypotheses_merged: u64,
+    /// Hypotheses dropped because of low reliability or number.
+    pub hypotheses_dropped: u64,
+    /// Tracks confirmed.
+    pub confirmed: u64,
+    /// Largest share of a cluster's probability that was dropped in a scan, in [0, 1]: an upper bound.
+    pub dropped_probability_max: f64,
+}

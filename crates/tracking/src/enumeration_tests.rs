@@ -1,0 +1,237 @@
+//! The tracker against full enumeration: no clusters, no ranking, no shared tracks, every matrix written down.
+
+use std::collections::BTreeMap;
+
+use formats::detection::Detection;
+use proptest::prelude::*;
+
+use crate::clutter::log_density;
+use crate::correlation::{Interpretation, Row, applies, child, matrices};
+use crate::gate::gates;
+use crate::initiation::first_state;
+use crate::measurement::Measurement;
+use crate::motion::Motion;
+use crate::population::{Cluster, Population};
+use crate::testing::{S, position, settings};
+use crate::track::{HISTORY_MAX, NO_DETECTION, TENTATIVE, Track};
+use crate::{HYPOTHESES_MAX, Settings, Tracker};
+
+/// Serial numbers of each track's detections, latest first, in order.
+type Content = Vec<[u32; HISTORY_MAX]>;
+
+/// A hypothesis of the reference: its tracks and the logarithm of its likelihood.
+#[derive(Clone)]
+struct Whole {
+    tracks: Vec<Track>,
+    log_likelihood: f64,
+}
+
+fn exact_settings() -> Settings {
+    let mut settings = settings();
+    settings.reduction.merge_scans = 0;
+    settings.reduction.reliability_min = 0.0;
+    settings.reduction.hypotheses_max = HYPOTHESES_MAX;
+    settings.new_target_share = 0.3;
+    settings.confirmation.detections_min = 100;
+    settings
+}
+
+/// Every child of `whole` by the definitions HT-5 to HT-8.
+fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, settings: &Settings) -> Vec<Whole> {
+    let gates = gates(settings.gate_probability);
+    let detection_probability = settings.sensors[0].detection_probability;
+    let miss = (1.0 - detection_probability * settings.gate_probability).ln();
+    let measured: Vec<_> = scan
+        .iter()
+        .map(|detection| Measurement::of(detection, None).unwrap())
+        .collect();
+    let predicted: Vec<_> = whole
+        .tracks
+        .iter()
+        .map(|track| track.motion_at(time_ns, &settings.motion))
+        .collect();
+    let in_gate = |measurement: &Measurement| {
+        let inside = |track: &usize| predicted[*track].innovation(measurement).unwrap().squared_distance <= gates[1];
+        Row::of(&(0..predicted.len()).filter(inside).collect::<Vec<_>>())
+    };
+    let rows: Vec<_> = measured.iter().map(in_gate).collect();
+    let own: Vec<_> = (0..whole.tracks.len()).collect();
+    let mut found = Vec::new();
+    for matrix in matrices(&rows, usize::MAX) {
+        assert!(applies(&matrix, &own));
+        let mut next = Whole {
+            tracks: Vec::new(),
+            log_likelihood: whole.log_likelihood,
+        };
+        for (row, column) in matrix.iter().enumerate() {
+            let log_clutter = log_density(&measured[row], 1e-6, &settings.first_guess);
+            next.log_likelihood += match column {
+                Interpretation::False => log_clutter,
+                Interpretation::New => log_clutter + settings.new_target_share.ln(),
+                Interpretation::Track(track) => {
+                    let innovation = predicted[*track].innovation(&measured[row]).unwrap();
+                    detection_probability.ln() + innovation.log_likelihood
+                }
+            };
+        }
+        let (continued, new) = child(&matrix, &own);
+        for (number, row) in continued {
+            let mut track = whole.tracks[number];
+            match row {
+                Some(row) => {
+                    track.motion = predicted[number];
+                    track.motion.update(&measured[row]).unwrap();
+                    track.time_ns = time_ns;
+                    track.remember(first_serial + row as u32);
+                }
+                None => {
+                    next.log_likelihood += miss;
+                    track.remember(NO_DETECTION);
+                }
+            }
+            next.tracks.push(track);
+        }
+        for row in new {
+            let mut track = Track {
+                motion: Motion::begun(
+                    first_state(&measured[row], &settings.first_guess).unwrap(),
+                    &settings.motion,
+                ),
+                time_ns,
+                root: 0,
+                number: TENTATIVE,
+                detections: 1,
+                in_company: 0,
+                missed: 0,
+                log_likelihood_ratio: 0.0,
+                reliability: 0.0,
+                history: [NO_DETECTION; HISTORY_MAX],
+            };
+            track.remember(first_serial + row as u32);
+            next.tracks.push(track);
+        }
+        found.push(next);
+    }
+    found
+}
+
+/// All hypotheses after the scans, by their contents, with reliabilities that sum to 1.
+fn enumerated(scans: &[Vec<Detection>], settings: &Settings) -> Vec<(Content, f64)> {
+    let mut hypotheses = vec![Whole {
+        tracks: Vec::new(),
+        log_likelihood: 0.0,
+    }];
+    let mut serial = 1;
+    for (number, scan) in (0..).zip(scans) {
+        let all = hypotheses.iter();
+        hypotheses = all
+            .flat_map(|whole| children(whole, scan, number * S, serial, settings))
+            .collect();
+        serial += scan.len() as u32;
+    }
+    let best = hypotheses
+        .iter()
+        .map(|whole| whole.log_likelihood)
+        .fold(f64::MIN, f64::max);
+    let weight = |whole: &Whole| (whole.log_likelihood - best).exp();
+    let total: f64 = hypotheses.iter().map(weight).sum();
+    let content = |whole: &Whole| sorted(whole.tracks.iter().map(|track| track.history).collect());
+    hypotheses
+        .iter()
+        .map(|whole| (content(whole), weight(whole) / total))
+        .collect()
+}
+
+fn sorted(mut content: Content) -> Content {
+    content.sort_unstable();
+    content
+}
+
+fn of_cluster(population: &Population, cluster: &Cluster) -> Vec<(Content, f64)> {
+    let hypotheses = &population.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize];
+    let content = |members: &[u32]| {
+        members
+            .iter()
+            .map(|track| population.tracks[*track as usize].history)
+            .collect()
+    };
+    let each = hypotheses.iter();
+    each.map(|hypothesis| {
+        let members = population.members_of(hypothesis);
+        (content(members), hypothesis.log_reliability.exp())
+    })
+    .collect()
+}
+
+/// The product of all clusters' hypotheses.
+fn of_tracker(tracker: &Tracker) -> Vec<(Content, f64)> {
+    let population = tracker.latest();
+    let product = |whole: Vec<(Content, f64)>, cluster| {
+        let own = of_cluster(population, cluster);
+        let pairs = whole.iter().flat_map(|one| own.iter().map(move |other| (one, other)));
+        pairs
+            .map(|(one, other)| ([&one.0[..], &other.0].concat(), one.1 * other.1))
+            .collect()
+    };
+    let all = population.clusters.iter().fold(vec![(Vec::new(), 1.0)], product);
+    all.into_iter()
+        .map(|(content, reliability)| (sorted(content), reliability))
+        .collect()
+}
+
+fn run(scans: &[Vec<Detection>], settings: &Settings) -> Tracker {
+    let mut tracker = Tracker::new(settings.clone()).unwrap();
+    for (number, scan) in (0..).zip(scans) {
+        tracker.scan(1, number * S, scan).unwrap();
+    }
+    tracker
+}
+
+fn any_scans() -> impl Strategy<Value = Vec<Vec<Detection>>> {
+    // Gates of a track that was seen once reach 70 m, so some of these meet and some do not.
+    let place = || (-60.0..60.0f64, -60.0..60.0f64);
+    let first = prop::collection::vec(place(), 1..3);
+    let second = prop::collection::vec(place(), 0..3);
+    let third = prop::collection::vec(place(), 0..4);
+    (first, second, third).prop_map(|(first, second, third)| {
+        let scan = |(number, places): (i64, Vec<(f64, f64)>)| {
+            places
+                .iter()
+                .map(|(east, north)| position(number * S, *east, *north))
+                .collect()
+        };
+        (0..).zip([first, second, third]).map(scan).collect()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 10_000, max_global_rejects: 5_000, ..ProptestConfig::default() })]
+    #[test]
+    fn the_same_best_hypotheses_with_the_same_reliabilities(scans in any_scans()) {
+        let settings = exact_settings();
+        let tracker = run(&scans, &settings);
+        let mut expected = enumerated(&scans, &settings);
+        let found = of_tracker(&tracker);
+        // Where nothing was dropped, everything is there; where the last scan had more than 64 children, the best of them.
+        let full = tracker.counts().dropped_probability_max > 0.0;
+        let complete_before = run(&scans[..2], &settings).counts().dropped_probability_max == 0.0;
+        let whole = tracker.clusters() == 1 && found.len() == HYPOTHESES_MAX;
+        prop_assume!(!full || complete_before && whole);
+        expected.sort_by(|one, other| other.1.total_cmp(&one.1));
+        let dropped: f64 = expected.iter().skip(found.len()).map(|each| each.1).sum();
+        let least = if full { expected[found.len() - 1].1 * (1.0 + 1e-9) } else { 0.0 };
+        let kept: BTreeMap<Content, f64> = found.into_iter().collect();
+        if !full {
+            prop_assert_eq!(kept.len(), expected.len());
+        }
+        for (content, reliability) in expected.iter().filter(|each| each.1 > least) {
+            let found = kept.get(content).copied();
+            prop_assert!(found.is_some(), "{:?} of {} is missing", content, reliability);
+            let expected = reliability / (1.0 - dropped);
+            prop_assert!((found.unwrap() - expected).abs() < 1e-9, "{} instead of {}", found.unwrap(), expected);
+        }
+        // What is reported is a bound.
+        let reported = tracker.counts().dropped_probability_max;
+        prop_assert!(reported >= dropped - 1e-9, "{} dropped, {} reported", dropped, reported);
+    }
+}

@@ -1,0 +1,307 @@
+//! Which detections may be of which tracks, and which clusters they bring together (HT-2, HT-4).
+//!
+//! Every track is predicted to each detection's time and compared with the detections near it, which a grid finds. A
+//! detection in a gate belongs to the track's cluster; if it already belongs to another one, the two become one.
+//!
+//! Bounds: a track is compared with at most [`COMPARISONS_MAX`] detections and keeps its [`PAIRS_MAX`] likeliest; a
+//! cluster that would grow beyond [`CLUSTER_TRACKS_MAX`] tracks or [`ROWS_MAX`] detections refuses the pair that would
+//! make it so. So 10,000 detections in one gate cost no more than 10,000 elsewhere. All is counted.
+
+use association::{Grid, distance};
+
+use crate::counts::Counts;
+use crate::measurement::{DIMENSIONS_MAX, Measurement};
+use crate::motion::Motion;
+use crate::population::Population;
+use crate::ranked::ROWS_MAX;
+use crate::settings::MotionSettings;
+use crate::track::Track;
+
+/// Most detections with which a track is compared in a scan.
+pub const COMPARISONS_MAX: usize = 512;
+/// Most detections that a track may take in a scan.
+pub const PAIRS_MAX: usize = 16;
+/// Most tracks of a cluster, branches included.
+pub const CLUSTER_TRACKS_MAX: usize = 256;
+/// Side of the grid's cells, metres.
+const CELL_M: f64 = 1000.0;
+/// Most cells on a side of a search in the grid; a wider one looks at every detection.
+const CELLS_MAX: f64 = 12.0;
+
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A detection as the tracker keeps it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Plot {
+    pub(crate) time_ns: i64,
+    pub(crate) measurement: Measurement,
+}
+
+/// What the sensor's settings say of its scans.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sensor {
+    pub(crate) gates: [f64; DIMENSIONS_MAX],
+    pub(crate) motion: MotionSettings,
+    /// Logarithm of the probability of detection.
+    pub(crate) log_detection: f64,
+    /// Logarithm of the probability of no detection in the gate.
+    pub(crate) log_miss: f64,
+}
+
+/// A track and a detection in its gate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair {
+    pub(crate) track: u32,
+    pub(crate) plot: u32,
+    /// Density of the detection if it is of the track.
+    pub(crate) log_likelihood: f64,
+}
+
+/// Pairs and clusters of a scan.
+#[derive(Clone, Debug)]
+pub(crate) struct Gating {
+    /// Sorted by track.
+    pub(crate) pairs: Vec<Pair>,
+    /// By track: where its pairs begin; one more at the end.
+    pub(crate) pairs_begin: Vec<u32>,
+    /// By cluster: one that stands for all that are joined with it.
+    joined: Vec<u32>,
+    /// By standing-in cluster: tracks and detections of all that are joined with it.
+    sizes: Vec<(u32, u32)>,
+    /// By detection: a cluster that it belongs to, or [`NONE`].
+    owner: Vec<u32>,
+    /// (standing-in cluster, cluster), sorted.
+    pub(crate) clusters: Vec<(u32, u32)>,
+    /// (standing-in cluster, detection), sorted; detections of no cluster last.
+    pub(crate) plots: Vec<(u32, u32)>,
+    grid: Grid,
+    in_grid: usize,
+    near: Vec<u32>,
+}
+
+impl Gating {
+    pub(crate) fn new(tracks_max: usize, plots_max: usize) -> Self {
+        Self {
+            pairs: Vec::with_capacity(4 * tracks_max + PAIRS_MAX),
+            pairs_begin: Vec::with_capacity(tracks_max + 1),
+            joined: Vec::with_capacity(tracks_max),
+            sizes: Vec::with_capacity(tracks_max),
+            owner: Vec::with_capacity(plots_max),
+            clusters: Vec::with_capacity(tracks_max),
+            plots: Vec::with_capacity(plots_max),
+            grid: Grid::new(CELL_M, plots_max),
+            in_grid: 0,
+            near: Vec::with_capacity(plots_max),
+        }
+    }
+
+    /// Compares all tracks with all detections of a scan.
+    pub(crate) fn run(
+        &mut self,
+        population: &Population,
+        plots: &[Plot],
+        time_ns: i64,
+        sensor: &Sensor,
+        counts: &mut Counts,
+    ) {
+        self.begin(population, plots);
+        let reach = Reach::of(plots);
+        for (number, cluster) in (0..).zip(&population.clusters) {
+            for track in cluster.tracks.clone() {
+                self.pairs_begin.push(self.pairs.len() as u32);
+                let compared = &population.tracks[track as usize];
+                let predicted = compared.motion_at(time_ns, &sensor.motion);
+                self.search(&predicted, plots.len(), &reach, sensor.gates[1]);
+                let first = self.pairs.len();
+                self.compare(track, compared, &predicted, time_ns, plots, sensor, counts);
+                self.own(number, first, counts);
+            }
+        }
+        self.pairs_begin.push(self.pairs.len() as u32);
+        self.sort();
+    }
+
+    /// The pairs of a track.
+    pub(crate) fn pairs_of(&self, track: u32) -> std::ops::Range<usize> {
+        self.pairs_begin[track as usize] as usize..self.pairs_begin[track as usize + 1] as usize
+    }
+
+    fn begin(&mut self, population: &Population, plots: &[Plot]) {
+        for item in 0..self.in_grid {
+            self.grid.remove(item as u32);
+        }
+        self.in_grid = plots.len();
+        for (item, plot) in (0..).zip(plots) {
+            if let Some(([east, north], _)) = plot.measurement.place() {
+                self.grid.place(item, east, north);
+            }
+        }
+        self.pairs.clear();
+        self.pairs_begin.clear();
+        self.joined.clear();
+        self.joined.extend(0..population.clusters.len() as u32);
+        self.sizes.clear();
+        let sizes = population
+            .clusters
+            .iter()
+            .map(|cluster| (cluster.tracks.len() as u32, 0));
+        self.sizes.extend(sizes);
+        self.owner.clear();
+        self.owner.resize(plots.len(), NONE);
+    }
+
+    /// Finds the detections that may be in the gate of a track predicted here.
+    fn search(&mut self, predicted: &Motion, plots: usize, reach: &Reach, gate: f64) {
+        self.near.clear();
+        let predicted = predicted.widest();
+        let [xx, xy, _, yy, ..] = predicted.position_covariance();
+        let sigma = distance::largest_sigma2([xx, xy, yy]).hypot(reach.sigma_m);
+        let reach_m = gate.sqrt() * sigma;
+        // Written so that NaN looks at all.
+        let few_cells = 2.0 * reach_m <= CELLS_MAX * CELL_M;
+        if reach.all_have_places && few_cells {
+            let near = &mut self.near;
+            let [east, north, ..] = predicted.mean;
+            let cells = CELLS_MAX as i32 + 1;
+            self.grid.near(east, north, reach_m, cells, |item| near.push(item));
+            near.sort_unstable();
+        } else {
+            self.near.extend(0..plots as u32);
+        }
+    }
+
+    /// Adds the track's likeliest pairs with the detections found near it, in the order of detections.
+    #[expect(clippy::too_many_arguments, reason = "the parts of a scan")]
+    fn compare(
+        &mut self,
+        number: u32,
+        track: &Track,
+        predicted: &Motion,
+        time_ns: i64,
+        plots: &[Plot],
+        sensor: &Sensor,
+        counts: &mut Counts,
+    ) {
+        let first = self.pairs.len();
+        let room = PAIRS_MAX.min(self.pairs.capacity() - first);
+        let made = self.near.len().min(COMPARISONS_MAX);
+        counts.unmade_comparisons += (self.near.len() - made) as u64;
+        for &item in &self.near[..made] {
+            let plot = &plots[item as usize];
+            let innovation = if plot.time_ns == time_ns {
+                predicted.innovation(&plot.measurement)
+            } else {
+                let predicted = track.motion_at(plot.time_ns, &sensor.motion);
+                predicted.innovation(&plot.measurement)
+            };
+            let Some(innovation) = innovation else { continue };
+            if innovation.squared_distance > sensor.gates[innovation.dimension - 1] {
+                continue;
+            }
+            let pair = Pair {
+                track: number,
+                plot: item,
+                log_likelihood: innovation.log_likelihood,
+            };
+            if self.pairs.len() - first < room {
+                self.pairs.push(pair);
+                continue;
+            }
+            counts.dropped_pairs += 1;
+            let kept = self.pairs[first..].iter_mut();
+            let worst = kept.min_by(|one, other| one.log_likelihood.total_cmp(&other.log_likelihood));
+            if let Some(worst) = worst.filter(|worst| worst.log_likelihood < pair.log_likelihood) {
+                *worst = pair;
+            }
+        }
+        self.pairs[first..].sort_unstable_by_key(|pair| pair.plot);
+    }
+
+    /// Lets the detections of the pairs from `first` on belong to the cluster; drops pairs that would make it too large.
+    fn own(&mut self, cluster: u32, first: usize, counts: &mut Counts) {
+        let mut kept = first;
+        for place in first..self.pairs.len() {
+            let pair = self.pairs[place];
+            if self.join(cluster, pair.plot) {
+                self.pairs[kept] = pair;
+                kept += 1;
+            } else {
+                counts.dropped_pairs += 1;
+            }
+        }
+        self.pairs.truncate(kept);
+    }
+
+    fn join(&mut self, cluster: u32, plot: u32) -> bool {
+        let one = self.standing_in(cluster);
+        let owner = self.owner[plot as usize];
+        if owner == NONE {
+            let room = (self.sizes[one as usize].1 as usize) < ROWS_MAX;
+            if room {
+                self.sizes[one as usize].1 += 1;
+                self.owner[plot as usize] = one;
+            }
+            return room;
+        }
+        let other = self.standing_in(owner);
+        if one == other {
+            return true;
+        }
+        let ((tracks, plots), (more_tracks, more_plots)) = (self.sizes[one as usize], self.sizes[other as usize]);
+        let sum = (tracks + more_tracks, plots + more_plots);
+        if sum.0 as usize > CLUSTER_TRACKS_MAX || sum.1 as usize > ROWS_MAX {
+            return false;
+        }
+        let (low, high) = (one.min(other), one.max(other));
+        self.joined[high as usize] = low;
+        self.sizes[low as usize] = sum;
+        true
+    }
+
+    /// The cluster that stands for all that are joined with this one: the first of them.
+    fn standing_in(&mut self, cluster: u32) -> u32 {
+        let mut at = cluster;
+        while self.joined[at as usize] != at {
+            let above = self.joined[at as usize];
+            self.joined[at as usize] = self.joined[above as usize];
+            at = above;
+        }
+        at
+    }
+
+    fn sort(&mut self) {
+        self.clusters.clear();
+        for cluster in 0..self.joined.len() as u32 {
+            let standing = self.standing_in(cluster);
+            self.clusters.push((standing, cluster));
+        }
+        self.clusters.sort_unstable();
+        self.plots.clear();
+        for plot in 0..self.owner.len() {
+            let owner = self.owner[plot];
+            let standing = if owner == NONE { NONE } else { self.standing_in(owner) };
+            self.plots.push((standing, plot as u32));
+        }
+        self.plots.sort_unstable();
+    }
+}
+
+/// How wide to search for a scan's detections.
+struct Reach {
+    /// Largest standard deviation of any detection's place, metres.
+    sigma_m: f64,
+    /// Directions without a range have no place in the grid.
+    all_have_places: bool,
+}
+
+impl Reach {
+    fn of(plots: &[Plot]) -> Self {
+        let sigmas = plots
+            .iter()
+            .map(|plot| plot.measurement.place().map(|(_, sigma)| sigma));
+        Self {
+            sigma_m: sigmas.clone().flatten().fold(0.0, f64::max),
+            all_have_places: sigmas.into_iter().all(|sigma| sigma.is_some()),
+        }
+    }
+}

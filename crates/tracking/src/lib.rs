@@ -1,0 +1,73 @@
+//! Tracks from detections: several interpretations are kept side by side until later scans decide (HT, SP).
+//!
+//! A sensor gives detections: some of targets, some of nothing, and none of them says of which. The obvious way gives each
+//! detection to the nearest track. It fails where there is a choice, and it cannot be undone. This tracker keeps the
+//! choices as *hypotheses*: each is a set of tracks without a common detection, which explains everything seen so far,
+//! with a *reliability*, its probability. Each scan gives each hypothesis a child for every consistent interpretation of
+//! the scan; later scans make the wrong ones unlikely. A track that remains in all that are left is beyond doubt, and
+//! only then is it confirmed.
+//!
+//! # A scan's way (HT-1)
+//!
+//! 1. [`Tracker::scan`] checks the detections (`measurement` knows what each kind says of a state) and finds the scan's
+//!    place among the open ones: late ones are worked in as if they had come in time (`tracker`).
+//! 2. Every track is predicted and compared with the detections near it. Detections in several clusters' gates bring them
+//!    together (`gating`), and the product of their hypotheses is made (`parents`).
+//! 3. Each hypothesis poses an assignment problem; the likeliest interpretations of all of them come out in order, and no
+//!    more than can be kept (`ranked`, `update`). [`correlation`] holds the definition instead: every one of them.
+//! 4. Children that are the same are merged, unreliable ones dropped, tracks confirmed, clusters separated (`stage`).
+//!
+//! [`settings`] says what can be chosen; the options for targets that part are in `splitting`.
+//!
+//! # Memory and time
+//!
+//! Everything is allocated in [`Tracker::new`], and nothing after. A population is four flat tables, and each scan writes
+//! the next one (`population`); a track is a flat record that remembers its last scans (`track`). What has no room is
+//! refused and counted ([`Counts`]); every search has a named maximum: [`COMPARISONS_MAX`] detections per track, of which
+//! [`PAIRS_MAX`] are considered, [`CLUSTER_TRACKS_MAX`] tracks and 64 detections per cluster, [`HYPOTHESES_MAX`] hypotheses.
+//! What the maxima cut off is bounded and reported, too ([`Counts::dropped_probability_max`], HT-11).
+//!
+//! Nothing here performs I/O or reads a clock; the same scans give the same bits. Clusters are worked off one after the
+//! other.
+//!
+//! Sources: D. B. Reid, *An algorithm for tracking multiple targets*, IEEE Transactions on Automatic Control 24 (1979);
+//! patent JP3886773B2 for clusters, matrices and splitting; S. S. Blackman, *Multiple hypothesis tracking for multiple
+//! target tracking*, IEEE Aerospace and Electronic Systems Magazine 19 (2004).
+
+#![forbid(unsafe_code)]
+
+mod clutter;
+pub mod correlation;
+mod counts;
+#[cfg(test)]
+mod enumeration_tests;
+mod gate;
+mod gating;
+mod initiation;
+mod measurement;
+mod motion;
+mod parents;
+mod population;
+mod ranked;
+pub mod scans;
+pub mod settings;
+mod splitting;
+mod stage;
+#[cfg(test)]
+mod testing;
+mod track;
+mod tracker;
+#[cfg(test)]
+mod tracker_tests;
+mod update;
+
+pub use counts::Counts;
+pub use gating::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
+pub use initiation::FirstGuess;
+pub use population::DETECTION_COUNTS;
+pub use settings::Settings;
+pub use track::HISTORY_MAX;
+pub use tracker::{Refusal, TrackReport, Tracker};
+
+/// Most hypotheses of a cluster.
+pub const HYPOTHESES_MAX: usize = 64;

@@ -1,0 +1,224 @@
+//! How targets move between detections (HT-13).
+//!
+//! By default a target flies straight, disturbed by a weak white-noise acceleration. A filter that assumes no more loses a
+//! target that turns; one that is ready for turns at any time has wide gates, takes in more clutter and smooths less. So
+//! two run side by side, one for steady flight and one for manoeuvres with a stronger noise, and each detection shows
+//! which of them foretold it better (interacting multiple models). A detection's likelihood is that of both, weighed; it is
+//! in the gate if it is in that of either.
+//!
+//! Limit: a long turn is followed as a manoeuvre of unknown direction, not as a circle.
+//!
+//! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
+//! coefficients*, IEEE Transactions on Automatic Control 33 (1988).
+
+use estimation::{AxisNoise, PackedGaussian};
+
+use crate::measurement::{Innovation, Measurement};
+use crate::ranked::log_add;
+use crate::settings::{Manoeuvres, MotionSettings};
+
+/// Smallest probability of a model: it must be able to come back.
+const PROBABILITY_MIN: f64 = 1e-3;
+
+/// Position and velocity of a target by each model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Motion {
+    steady: PackedGaussian,
+    /// Like the steady one where there is no such model.
+    turning: PackedGaussian,
+    /// Probability that the target manoeuvres; 0 where there is no such model.
+    turning_probability: f64,
+}
+
+impl Motion {
+    /// Begins with the same state in both models.
+    pub(crate) fn begun(state: PackedGaussian, settings: &MotionSettings) -> Self {
+        let prior = |manoeuvres: &Manoeuvres| {
+            let [steady_s, turning_s] = manoeuvres.durations_s;
+            turning_s / (steady_s + turning_s)
+        };
+        Self {
+            steady: state,
+            turning: state,
+            turning_probability: settings.manoeuvres.as_ref().map_or(0.0, prior),
+        }
+    }
+
+    /// `seconds` later, or earlier.
+    pub(crate) fn moved(&self, seconds: f64, settings: &MotionSettings) -> Self {
+        let Some(manoeuvres) = &settings.manoeuvres else {
+            let steady = self.steady.moved(seconds, noise(settings.process_noise_m2ps3, seconds));
+            return Self { steady, ..*self };
+        };
+        // Targets may have begun or ended to manoeuvre.
+        let [steady_s, turning_s] = manoeuvres.durations_s;
+        let time = seconds.abs();
+        let (p, q) = (1.0 - self.turning_probability, self.turning_probability);
+        let (begins, ends) = (p * time / (time + steady_s), q * time / (time + turning_s));
+        let (steady, turning) = (p - begins + ends, q - ends + begins);
+        let from_turning = [ends / steady, (q - ends) / turning];
+        let [straight, turned] =
+            from_turning.map(|weight| PackedGaussian::mixture(&self.steady, &self.turning, weight));
+        Self {
+            steady: straight.moved(seconds, noise(settings.process_noise_m2ps3, seconds)),
+            turning: turned.moved(seconds, noise(manoeuvres.process_noise_m2ps3, seconds)),
+            turning_probability: turning,
+        }
+    }
+
+    /// Compares with a measurement: the smaller distance, and the density by both models.
+    pub(crate) fn innovation(&self, measurement: &Measurement) -> Option<Innovation> {
+        let steady = measurement.innovation(&self.steady);
+        if self.turning_probability == 0.0 {
+            return steady;
+        }
+        both(
+            steady?,
+            measurement.innovation(&self.turning)?,
+            self.turning_probability,
+        )
+    }
+
+    /// Updates with a measurement; `None`, and no change, if that cannot be done in numbers.
+    pub(crate) fn update(&mut self, measurement: &Measurement) -> Option<Innovation> {
+        let mut updated = *self;
+        let steady = measurement.update(&mut updated.steady)?;
+        let innovation = if self.turning_probability == 0.0 {
+            steady
+        } else {
+            let turning = measurement.update(&mut updated.turning)?;
+            let innovation = both(steady, turning, self.turning_probability)?;
+            let share = self.turning_probability.ln() + turning.log_likelihood - innovation.log_likelihood;
+            updated.turning_probability = share.exp().clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
+            innovation
+        };
+        *self = updated;
+        Some(innovation)
+    }
+
+    /// Both models together.
+    pub(crate) fn estimate(&self) -> PackedGaussian {
+        if self.turning_probability == 0.0 {
+            return self.steady;
+        }
+        PackedGaussian::mixture(&self.steady, &self.turning, self.turning_probability)
+    }
+
+    /// Variances and covariance of the position in the plane by the wider model, and where it is.
+    pub(crate) fn widest(&self) -> &PackedGaussian {
+        if self.turning_probability == 0.0 {
+            &self.steady
+        } else {
+            &self.turning
+        }
+    }
+
+    /// Of two motions with the given weight of the second, model by model.
+    pub(crate) fn mixture(a: &Self, b: &Self, weight_of_b: f64) -> Self {
+        let weight = |of_a: f64, of_b: f64| {
+            let (of_a, of_b) = (of_a * (1.0 - weight_of_b), of_b * weight_of_b);
+            if of_a + of_b > 0.0 {
+                of_b / (of_a + of_b)
+            } else {
+                weight_of_b
+            }
+        };
+        let (p, q) = (a.turning_probability, b.turning_probability);
+        Self {
+            steady: PackedGaussian::mixture(&a.steady, &b.steady, weight(1.0 - p, 1.0 - q)),
+            turning: PackedGaussian::mixture(&a.turning, &b.turning, weight(p, q)),
+            turning_probability: p * (1.0 - weight_of_b) + q * weight_of_b,
+        }
+    }
+}
+
+fn noise(density_m2ps3: [f64; 2], seconds: f64) -> [AxisNoise; 3] {
+    let [horizontal, vertical] = density_m2ps3.map(|density| AxisNoise::white(density, seconds));
+    [horizontal, horizontal, vertical]
+}
+
+fn both(steady: Innovation, turning: Innovation, turning_probability: f64) -> Option<Innovation> {
+    let of_steady = (1.0 - turning_probability).ln() + steady.log_likelihood;
+    let of_turning = turning_probability.ln() + turning.log_likelihood;
+    Some(Innovation {
+        dimension: steady.dimension,
+        squared_distance: steady.squared_distance.min(turning.squared_distance),
+        log_likelihood: log_add(of_steady, of_turning),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::initiation::{FirstGuess, first_state};
+    use crate::testing::position;
+
+    const TWO_MODELS: MotionSettings = MotionSettings {
+        process_noise_m2ps3: [0.1, 0.1],
+        manoeuvres: Some(Manoeuvres {
+            process_noise_m2ps3: [50.0, 1.0],
+            durations_s: [60.0, 10.0],
+        }),
+    };
+    const ONE_MODEL: MotionSettings = MotionSettings {
+        manoeuvres: None,
+        ..TWO_MODELS
+    };
+
+    /// Flown east at 50 m/s for 20 s, then round by 9° each second. Returns whether every detection was in its gate, and
+    /// the probabilities of a manoeuvre before and during the turn.
+    fn flown(settings: &MotionSettings) -> (bool, f64, f64) {
+        let guess = FirstGuess {
+            speed_sigma_mps: 50.0,
+            climb_sigma_mps: 1.0,
+            height_sigma_m: 100.0,
+        };
+        let (mut place, mut course) = ([0.0, 0.0], 0.0f64);
+        let measured = |[east, north]: [f64; 2]| Measurement::of(&position(0, east, north), None).unwrap();
+        let mut motion = Motion::begun(first_state(&measured(place), &guess).unwrap(), settings);
+        let (mut all_in_gate, mut before) = (true, 0.0);
+        for second in 0..26 {
+            if second >= 20 {
+                course += 9f64.to_radians();
+            } else {
+                before = motion.turning_probability;
+            }
+            place = [place[0] + 50.0 * course.cos(), place[1] - 50.0 * course.sin()];
+            motion = motion.moved(1.0, settings);
+            let compared = motion.innovation(&measured(place)).unwrap();
+            assert_eq!(motion.update(&measured(place)).unwrap(), compared);
+            assert!(estimation::is_usable(&motion.estimate().covariance));
+            all_in_gate &= compared.squared_distance < 9.21;
+        }
+        (all_in_gate, before, motion.turning_probability)
+    }
+
+    #[test]
+    fn a_turn_is_noticed_and_followed() {
+        let (followed, before, turning) = flown(&TWO_MODELS);
+        assert!(
+            followed && before < 0.1 && turning > 0.8,
+            "{followed} {before} {turning}"
+        );
+        let (followed, ..) = flown(&ONE_MODEL);
+        assert!(!followed, "the turn is too much for steady flight");
+    }
+
+    #[test]
+    fn one_model_is_the_plain_filter() {
+        let guess = FirstGuess {
+            speed_sigma_mps: 50.0,
+            climb_sigma_mps: 1.0,
+            height_sigma_m: 100.0,
+        };
+        let measurement = Measurement::of(&position(0, 10.0, 20.0), None).unwrap();
+        let state = first_state(&measurement, &guess).unwrap();
+        let mut motion = Motion::begun(state, &ONE_MODEL).moved(2.0, &ONE_MODEL);
+        let mut plain = state.moved(2.0, noise([0.1, 0.1], 2.0));
+        assert_eq!(motion.estimate(), plain);
+        assert_eq!(motion.update(&measurement), measurement.update(&mut plain));
+        assert_eq!(motion.estimate(), plain);
+        let same = Motion::mixture(&motion, &motion, 0.3);
+        assert!((same.estimate().mean[0] - plain.mean[0]).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,103 @@
+//! The hypotheses of clusters that a scan brings together, made into those of one cluster (HT-4).
+//!
+//! What happens in one cluster says nothing about another, so a hypothesis of both is one of each, and its reliability
+//! the product. Of all combinations the best ones are kept, cluster after cluster; what is dropped is known exactly.
+
+use std::ops::Range;
+
+use crate::population::{Cluster, Population};
+use crate::ranked::log_sum;
+
+/// A hypothesis before the scan.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Parent {
+    pub(crate) log_reliability: f64,
+    /// Places in the list of members.
+    members: Range<u32>,
+}
+
+/// The hypotheses of one cluster, or of several together.
+#[derive(Clone, Debug)]
+pub(crate) struct Parents {
+    pub(crate) list: Vec<Parent>,
+    members: Vec<u32>,
+    /// The same after the next cluster.
+    next: (Vec<Parent>, Vec<u32>),
+    /// Logarithm of a product, with the two places that it comes from.
+    products: Vec<(f64, u32, u32)>,
+}
+
+impl Parents {
+    pub(crate) fn new(hypotheses_max: usize, tracks_max: usize) -> Self {
+        let lists = || {
+            (
+                Vec::with_capacity(hypotheses_max),
+                Vec::with_capacity(hypotheses_max * tracks_max),
+            )
+        };
+        let (list, members) = lists();
+        Self {
+            list,
+            members,
+            next: lists(),
+            products: Vec::with_capacity(hypotheses_max * hypotheses_max),
+        }
+    }
+
+    /// Takes the hypotheses of `clusters`, at most `hypotheses_max` of all together. Returns the share of their
+    /// probability that was dropped.
+    pub(crate) fn gather<'a>(
+        &mut self,
+        population: &'a Population,
+        clusters: impl Iterator<Item = &'a Cluster>,
+        hypotheses_max: usize,
+    ) -> f64 {
+        self.list.clear();
+        self.members.clear();
+        self.list.push(Parent {
+            log_reliability: 0.0,
+            members: 0..0,
+        });
+        for cluster in clusters {
+            self.multiply(population, cluster, hypotheses_max);
+        }
+        let kept = log_sum(self.list.iter().map(|parent| parent.log_reliability));
+        (1.0 - kept.exp()).max(0.0)
+    }
+
+    /// The tracks of a parent, by their places in the population.
+    pub(crate) fn members(&self, parent: usize) -> &[u32] {
+        let range = &self.list[parent].members;
+        &self.members[range.start as usize..range.end as usize]
+    }
+
+    fn multiply(&mut self, population: &Population, cluster: &Cluster, hypotheses_max: usize) {
+        let range = cluster.hypotheses.start as usize..cluster.hypotheses.end as usize;
+        let hypotheses = &population.hypotheses[range];
+        self.products.clear();
+        for (one, parent) in (0..).zip(&self.list) {
+            for (other, hypothesis) in (0..).zip(hypotheses) {
+                let product = parent.log_reliability + hypothesis.log_reliability;
+                self.products.push((product, one, other));
+            }
+        }
+        self.products
+            .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        self.products.truncate(hypotheses_max);
+        let (list, members) = &mut self.next;
+        list.clear();
+        members.clear();
+        for &(log_reliability, one, other) in &self.products {
+            let begin = members.len() as u32;
+            let of_one = &self.list[one as usize].members;
+            members.extend_from_slice(&self.members[of_one.start as usize..of_one.end as usize]);
+            members.extend_from_slice(population.members_of(&hypotheses[other as usize]));
+            list.push(Parent {
+                log_reliability,
+                members: begin..members.len() as u32,
+            });
+        }
+        std::mem::swap(&mut self.list, list);
+        std::mem::swap(&mut self.members, members);
+    }
+}

@@ -1,0 +1,91 @@
+//! All tracks, hypotheses and clusters after a scan.
+//!
+//! Four flat tables: clusters own a range of tracks and a range of hypotheses, a hypothesis owns a range of members,
+//! and a member is the place of a track. Each scan writes a whole new population from the one before, in the order of
+//! its clusters; so nothing is ever moved, freed or fragmented, and the population before late scans is still there
+//! ([`crate::Tracker`]).
+
+use std::ops::Range;
+
+use crate::track::Track;
+
+/// Scans over which a cluster's detections are counted (SP-4).
+pub const DETECTION_COUNTS: usize = 5;
+
+/// One consistent explanation of everything in a cluster.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Hypothesis {
+    /// Logarithm; those of a cluster sum to 1.
+    pub(crate) log_reliability: f64,
+    /// Places of its tracks in the table of members.
+    pub(crate) members: Range<u32>,
+}
+
+/// Tracks that compete for detections.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Cluster {
+    pub(crate) tracks: Range<u32>,
+    /// Most reliable first.
+    pub(crate) hypotheses: Range<u32>,
+    /// Numbers of detections in the last scans, latest first; fractions of what it inherited when others separated.
+    pub(crate) detections: [f32; DETECTION_COUNTS],
+    /// How many of them have been counted.
+    pub(crate) scans: u32,
+}
+
+/// The tables.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Population {
+    pub(crate) time_ns: i64,
+    pub(crate) tracks: Vec<Track>,
+    pub(crate) hypotheses: Vec<Hypothesis>,
+    pub(crate) members: Vec<u32>,
+    pub(crate) clusters: Vec<Cluster>,
+    pub(crate) clutter: Vec<crate::clutter::Estimate>,
+    /// Serial number of the next detection, of the next track's root, of the next confirmed track.
+    pub(crate) next_serial: u32,
+    pub(crate) next_root: u32,
+    pub(crate) next_number: u32,
+}
+
+impl Population {
+    pub(crate) fn new(tracks_max: usize, sensors: usize) -> Self {
+        Self {
+            time_ns: i64::MIN,
+            tracks: Vec::with_capacity(tracks_max),
+            hypotheses: Vec::with_capacity(2 * tracks_max + crate::HYPOTHESES_MAX),
+            members: Vec::with_capacity(8 * tracks_max + crate::HYPOTHESES_MAX),
+            clusters: Vec::with_capacity(tracks_max),
+            clutter: vec![crate::clutter::Estimate::default(); sensors],
+            next_serial: 1,
+            next_root: 1,
+            next_number: 1,
+        }
+    }
+
+    /// Empties the tables, to be filled with what follows from `before`.
+    pub(crate) fn follow(&mut self, before: &Self, time_ns: i64) {
+        self.time_ns = time_ns;
+        self.tracks.clear();
+        self.hypotheses.clear();
+        self.members.clear();
+        self.clusters.clear();
+        self.clutter.copy_from_slice(&before.clutter);
+        self.next_serial = before.next_serial;
+        self.next_root = before.next_root;
+        self.next_number = before.next_number;
+    }
+
+    /// Whether so much fits in.
+    pub(crate) fn has_room(&self, tracks: usize, hypotheses: usize, members: usize) -> bool {
+        let fits = |used: usize, more: usize, room: usize| used + more <= room;
+        fits(self.tracks.len(), tracks, self.tracks.capacity())
+            && fits(self.hypotheses.len(), hypotheses, self.hypotheses.capacity())
+            && fits(self.members.len(), members, self.members.capacity())
+            && fits(self.clusters.len(), 1, self.clusters.capacity())
+    }
+
+    pub(crate) fn members_of(&self, hypothesis: &Hypothesis) -> &[u32] {
+        &self.members[hypothesis.members.start as usize..hypothesis.members.end as usize]
+    }
+}

@@ -1,0 +1,601 @@
+//! The likeliest interpretations of a scan, one after the other, over all hypotheses of a cluster (HT-11).
+//!
+//! All interpretations are far too many: ten detections that may each be false, new or of one of three tracks have
+//! millions. But only the best few dozen will be kept. In logarithms the likelihood of an interpretation is a sum over
+//! its rows, so the best one is an assignment problem: each row takes one of its choices, no column is taken twice
+//! (false and new belong to the row alone, and bar nobody). It is solved by shortest augmenting paths.
+//!
+//! Murty's method finds the next ones. What remains after the best is split into disjoint parts: the first row takes
+//! something else; the first row keeps its choice and the second takes something else; and so on. The best of each part
+//! is again an assignment problem. The parts of all parent hypotheses wait in one heap, so the best children of the
+//! cluster come out in order whatever parent they have, and no part is solved twice.
+//!
+//! Bounds: at most [`ROWS_MAX`] rows of at most [`CHOICES_MAX`] choices, [`COLUMNS_MAX`] columns, and the tables' sizes;
+//! what finds no room is refused and counted. Time is bounded by the number of solutions asked for times rows, each with
+//! one solution of an assignment problem. Equal costs come out in the order of the problems and their choices.
+//!
+//! Sources: K. G. Murty, *An algorithm for ranking all the assignments in order of increasing cost*, Operations Research
+//! 16 (1968); I. J. Cox, S. L. Hingorani, *An efficient implementation of Reid's multiple hypothesis tracking algorithm*,
+//! IEEE Transactions on Pattern Analysis and Machine Intelligence 18 (1996).
+
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+use std::ops::Range;
+
+/// Most rows of a problem.
+pub(crate) const ROWS_MAX: usize = 64;
+/// Most choices of a row: forbidden ones are bits of a word.
+pub(crate) const CHOICES_MAX: usize = 64;
+/// Most columns of a problem.
+pub(crate) const COLUMNS_MAX: usize = 256;
+/// Most problems at a time.
+pub(crate) const PROBLEMS_MAX: usize = 256;
+/// Most choices of all rows of all problems.
+const CHOICES_TOTAL_MAX: usize = 1 << 17;
+/// Most parts that wait in the heap or have come out of it.
+const PARTS_MAX: usize = 1 << 14;
+
+/// The column of a choice that bars no other row.
+pub(crate) const OWN: u16 = u16::MAX;
+
+/// Something that a row may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Choice {
+    /// Column that it takes, or [`OWN`].
+    pub(crate) column: u16,
+    /// What it stands for; for the caller.
+    pub(crate) meaning: u32,
+    /// Negative logarithm of its likelihood.
+    pub(crate) cost: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Problem {
+    base_cost: f64,
+    first_row: usize,
+    rows: usize,
+    columns: usize,
+}
+
+/// All solutions of a problem in which the first `fixed` rows take what is chosen and the next one none of `forbidden`;
+/// `chosen` is the best of them.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    problem: u16,
+    fixed: u8,
+    chosen: [u8; ROWS_MAX],
+    forbidden: u64,
+    cost: f64,
+    /// Logarithm of a likelihood that all its solutions together do not exceed.
+    log_bound: f64,
+}
+
+/// A place in the heap: cheapest first, then earliest made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Waiting {
+    cost: f64,
+    part: u32,
+}
+
+impl Eq for Waiting {}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.cost.total_cmp(&other.cost).then(self.part.cmp(&other.part))
+    }
+}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    /// Row that holds it and with which choice.
+    held: Option<(u8, u8)>,
+    price: f64,
+    reached: f64,
+    through: (u8, u8),
+    passed: bool,
+}
+
+const FREE: Column = Column {
+    held: None,
+    price: 0.0,
+    reached: f64::INFINITY,
+    through: (0, 0),
+    passed: false,
+};
+
+/// Where a chain of changes ends.
+#[derive(Clone, Copy)]
+enum End {
+    Column(usize),
+    /// This row takes this choice of its own.
+    Own(u8, u8),
+}
+
+/// Working memory for the ranked solutions of one cluster after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Ranked {
+    problems: Vec<Problem>,
+    /// Places of each row's choices.
+    rows: Vec<Range<u32>>,
+    /// By row: logarithm of the product, over it and those after it, of the sums of their choices' likelihoods.
+    log_rest: Vec<f64>,
+    choices: Vec<Choice>,
+    parts: Vec<Part>,
+    heap: BinaryHeap<Reverse<Waiting>>,
+    columns: [Column; COLUMNS_MAX],
+    /// Logarithm of the bound of the parts for which there was no room.
+    log_refused: f64,
+}
+
+/// The next best solution.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Solution {
+    pub(crate) problem: usize,
+    pub(crate) cost: f64,
+    part: u32,
+}
+
+impl Ranked {
+    pub(crate) fn new() -> Self {
+        Self {
+            problems: Vec::with_capacity(PROBLEMS_MAX),
+            rows: Vec::with_capacity(PROBLEMS_MAX * ROWS_MAX),
+            log_rest: Vec::with_capacity(PROBLEMS_MAX * ROWS_MAX),
+            choices: Vec::with_capacity(CHOICES_TOTAL_MAX),
+            parts: Vec::with_capacity(PARTS_MAX),
+            heap: BinaryHeap::with_capacity(PARTS_MAX),
+            columns: [FREE; COLUMNS_MAX],
+            log_refused: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Forgets all problems.
+    pub(crate) fn clear(&mut self) {
+        self.problems.clear();
+        self.rows.clear();
+        self.log_rest.clear();
+        self.choices.clear();
+        self.parts.clear();
+        self.heap.clear();
+        self.log_refused = f64::NEG_INFINITY;
+    }
+
+    /// Begins a problem whose solutions cost `base_cost` more than their choices. `false` if there is no room.
+    pub(crate) fn begin_problem(&mut self, base_cost: f64) -> bool {
+        let room = self.problems.len() < PROBLEMS_MAX;
+        if room {
+            self.problems.push(Problem {
+                base_cost,
+                first_row: self.rows.len(),
+                rows: 0,
+                columns: 0,
+            });
+        }
+        room
+    }
+
+    /// Begins the next row of the problem begun last. `false` if there is no room.
+    pub(crate) fn begin_row(&mut self) -> bool {
+        let place = self.choices.len() as u32;
+        let room = self.rows.len() < PROBLEMS_MAX * ROWS_MAX;
+        match self.problems.last_mut() {
+            Some(problem) if problem.rows < ROWS_MAX && room => {
+                problem.rows += 1;
+                self.rows.push(place..place);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Adds a choice to the row begun last. `false` if there is no room, or the cost is no number.
+    pub(crate) fn add(&mut self, choice: Choice) -> bool {
+        let room = self.choices.len() < CHOICES_TOTAL_MAX && choice.cost.is_finite();
+        let (Some(problem), Some(row)) = (self.problems.last_mut(), self.rows.last_mut()) else {
+            return false;
+        };
+        let known = choice.column == OWN || usize::from(choice.column) < COLUMNS_MAX;
+        if !room || !known || row.len() >= CHOICES_MAX {
+            return false;
+        }
+        if choice.column != OWN {
+            problem.columns = problem.columns.max(usize::from(choice.column) + 1);
+        }
+        row.end += 1;
+        self.choices.push(choice);
+        true
+    }
+
+    /// Solves each problem once; before the first call of [`Self::next`].
+    pub(crate) fn begin(&mut self) {
+        self.log_rest.resize(self.rows.len(), 0.0);
+        for number in 0..self.problems.len() {
+            let problem = self.problems[number];
+            let mut rest = 0.0;
+            for row in (problem.first_row..problem.first_row + problem.rows).rev() {
+                rest += self.log_row(row, 0, |_| false);
+                self.log_rest[row] = rest;
+            }
+            self.submit(Part {
+                problem: number as u16,
+                fixed: 0,
+                chosen: [0; ROWS_MAX],
+                forbidden: 0,
+                cost: 0.0,
+                log_bound: 0.0,
+            });
+        }
+    }
+
+    /// Logarithm of a likelihood that all solutions that have not come out do not exceed together. −∞ once all are out.
+    pub(crate) fn log_left(&self) -> f64 {
+        let waiting = self
+            .heap
+            .iter()
+            .map(|Reverse(waiting)| self.parts[waiting.part as usize].log_bound);
+        log_add(log_sum(waiting), self.log_refused)
+    }
+
+    /// Logarithm of the sum of the likelihoods of a row's choices that are not forbidden and not taken.
+    fn log_row(&self, row: usize, forbidden: u64, taken: impl Fn(u16) -> bool) -> f64 {
+        let range = self.rows[row].clone();
+        let choices = self.choices[range.start as usize..range.end as usize]
+            .iter()
+            .enumerate();
+        let open = choices.filter(|(number, choice)| forbidden >> number & 1 == 0 && !taken(choice.column));
+        log_sum(open.map(|(_, choice)| -choice.cost))
+    }
+
+    /// That of a part: each row takes its choices regardless of the others, but the fixed ones.
+    fn log_bound(&self, part: &Part) -> f64 {
+        let problem = self.problems[usize::from(part.problem)];
+        let fixed = usize::from(part.fixed);
+        let choice = |row: usize| self.choice(&problem, row as u8, part.chosen[row]);
+        let known = -problem.base_cost - (0..fixed).map(|row| choice(row).cost).sum::<f64>();
+        if fixed == problem.rows {
+            return known;
+        }
+        let taken = |column: u16| column != OWN && (0..fixed).any(|row| choice(row).column == column);
+        let here = problem.first_row + fixed;
+        let after = if fixed + 1 < problem.rows {
+            self.log_rest[here + 1]
+        } else {
+            0.0
+        };
+        known + self.log_row(here, part.forbidden, taken) + after
+    }
+
+    /// Cost of the next solution, if there is one.
+    pub(crate) fn next_cost(&self) -> Option<f64> {
+        self.heap.peek().map(|Reverse(waiting)| waiting.cost)
+    }
+
+    /// The cheapest solution that has not come out before.
+    pub(crate) fn next(&mut self) -> Option<Solution> {
+        let Reverse(waiting) = self.heap.pop()?;
+        let best = self.parts[waiting.part as usize];
+        let rows = self.problems[usize::from(best.problem)].rows;
+        for row in usize::from(best.fixed)..rows {
+            let already = if row == usize::from(best.fixed) {
+                best.forbidden
+            } else {
+                0
+            };
+            self.submit(Part {
+                fixed: row as u8,
+                forbidden: already | 1 << best.chosen[row],
+                ..best
+            });
+        }
+        Some(Solution {
+            problem: usize::from(best.problem),
+            cost: waiting.cost,
+            part: waiting.part,
+        })
+    }
+
+    /// What the rows take in a solution, by their meanings.
+    pub(crate) fn meanings(&self, solution: Solution) -> impl Iterator<Item = u32> + '_ {
+        let part = &self.parts[solution.part as usize];
+        let problem = self.problems[solution.problem];
+        (0..problem.rows).map(move |row| self.choice(&problem, row as u8, part.chosen[row]).meaning)
+    }
+
+    /// Solves a part and lets it wait, if it has a solution.
+    fn submit(&mut self, mut part: Part) {
+        part.log_bound = self.log_bound(&part);
+        if self.parts.len() >= PARTS_MAX {
+            self.log_refused = log_add(self.log_refused, part.log_bound);
+            return;
+        }
+        let problem = self.problems[usize::from(part.problem)];
+        let Some(cost) = self.solve(&problem, &mut part) else {
+            return;
+        };
+        part.cost = cost;
+        let place = self.parts.len() as u32;
+        self.parts.push(part);
+        self.heap.push(Reverse(Waiting { cost, part: place }));
+    }
+
+    fn choice(&self, problem: &Problem, row: u8, choice: u8) -> Choice {
+        let range = &self.rows[problem.first_row + usize::from(row)];
+        self.choices[range.start as usize + usize::from(choice)]
+    }
+
+    /// Cost of the best solution of the part, which is left in its choices; `None` if it has none.
+    fn solve(&mut self, problem: &Problem, part: &mut Part) -> Option<f64> {
+        self.columns[..problem.columns].fill(FREE);
+        for row in 0..part.fixed {
+            let column = self.choice(problem, row, part.chosen[usize::from(row)]).column;
+            if column != OWN {
+                // Fixed rows are never displaced: their columns are out of reach.
+                self.columns[usize::from(column)].passed = true;
+                self.columns[usize::from(column)].reached = f64::NEG_INFINITY;
+            }
+        }
+        for row in part.fixed..problem.rows as u8 {
+            self.bring_in(problem, part, row)?;
+        }
+        let chosen = (0..problem.rows).map(|row| self.choice(problem, row as u8, part.chosen[row]).cost);
+        Some(problem.base_cost + chosen.sum::<f64>())
+    }
+
+    /// Makes the cheapest chain of changes by which `start` gets something. `None` if there is none.
+    fn bring_in(&mut self, problem: &Problem, part: &mut Part, start: u8) -> Option<()> {
+        let (end, end_cost) = self.cheapest_chain(problem, part, start)?;
+        let mut vacant = match end {
+            End::Column(column) => Some(column),
+            End::Own(row, choice) => {
+                let given_up = (row != start).then(|| self.column_of(problem, part, row)).flatten();
+                part.chosen[usize::from(row)] = choice;
+                given_up
+            }
+        };
+        while let Some(column) = vacant {
+            let (row, choice) = self.columns[column].through;
+            vacant = (row != start).then(|| self.column_of(problem, part, row)).flatten();
+            part.chosen[usize::from(row)] = choice;
+            self.columns[column].held = Some((row, choice));
+        }
+        for column in &mut self.columns[..problem.columns] {
+            if column.reached == f64::NEG_INFINITY {
+                continue;
+            }
+            if column.passed {
+                column.price += end_cost - column.reached;
+            }
+            (column.reached, column.passed) = (f64::INFINITY, false);
+        }
+        Some(())
+    }
+
+    fn column_of(&self, problem: &Problem, part: &Part, row: u8) -> Option<usize> {
+        let column = self.choice(problem, row, part.chosen[usize::from(row)]).column;
+        (column != OWN).then_some(usize::from(column))
+    }
+
+    /// Dijkstra's search over columns and the rows that hold them. Prices keep the costs of all steps but the first from
+    /// being negative.
+    fn cheapest_chain(&mut self, problem: &Problem, part: &Part, start: u8) -> Option<(End, f64)> {
+        let (mut row, mut row_cost) = (start, 0.0);
+        let mut best_own: Option<(End, f64)> = None;
+        loop {
+            let range = self.rows[problem.first_row + usize::from(row)].clone();
+            let forbidden = if row == part.fixed { part.forbidden } else { 0 };
+            for (number, place) in (0u8..).zip(range) {
+                if forbidden >> number & 1 == 1 {
+                    continue;
+                }
+                let choice = self.choices[place as usize];
+                if choice.column == OWN {
+                    let cost = row_cost + choice.cost;
+                    if best_own.is_none_or(|(_, best)| cost < best) {
+                        best_own = Some((End::Own(row, number), cost));
+                    }
+                    continue;
+                }
+                let column = &mut self.columns[usize::from(choice.column)];
+                let cost = row_cost + choice.cost + column.price;
+                if !column.passed && cost < column.reached {
+                    (column.reached, column.through) = (cost, (row, number));
+                }
+            }
+            let open = self.columns[..problem.columns].iter().enumerate();
+            let nearest = open
+                .filter(|(_, column)| !column.passed && column.reached < f64::INFINITY)
+                .min_by(|(_, one), (_, other)| one.reached.total_cmp(&other.reached));
+            let Some((number, _)) = nearest else { return best_own };
+            let column = &mut self.columns[number];
+            if best_own.is_some_and(|(_, cost)| cost <= column.reached) {
+                return best_own;
+            }
+            let Some((holder, choice)) = column.held else {
+                return Some((End::Column(number), column.reached));
+            };
+            column.passed = true;
+            // What the holder no longer pays once it gives up the column.
+            let (reached, price) = (column.reached, column.price);
+            row_cost = reached - price - self.choice(problem, holder, choice).cost;
+            row = holder;
+        }
+    }
+}
+
+/// Logarithm of the sum of what these are the logarithms of; −∞ of nothing.
+pub(crate) fn log_sum(logarithms: impl Iterator<Item = f64>) -> f64 {
+    logarithms.fold(f64::NEG_INFINITY, log_add)
+}
+
+/// Logarithm of the sum of what `a` and `b` are the logarithms of.
+pub(crate) fn log_add(a: f64, b: f64) -> f64 {
+    let (low, high) = if a < b { (a, b) } else { (b, a) };
+    if low == f64::NEG_INFINITY {
+        return high;
+    }
+    high + (low - high).exp().ln_1p()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Problems: base cost, then rows of choices.
+    type Listed = Vec<(f64, Vec<Vec<(u16, f64)>>)>;
+
+    fn pose(ranked: &mut Ranked, problems: &Listed) {
+        ranked.clear();
+        for (base, rows) in problems {
+            assert!(ranked.begin_problem(*base));
+            for row in rows {
+                assert!(ranked.begin_row());
+                for (meaning, (column, cost)) in (0..).zip(row) {
+                    assert!(ranked.add(Choice {
+                        column: *column,
+                        meaning,
+                        cost: *cost
+                    }));
+                }
+            }
+        }
+        ranked.begin();
+    }
+
+    /// Every solution: cost, problem, choices.
+    fn all(problems: &Listed) -> Vec<(f64, usize, Vec<u32>)> {
+        fn extend(
+            rows: &[Vec<(u16, f64)>],
+            cost: f64,
+            taken: &mut Vec<u16>,
+            chosen: &mut Vec<u32>,
+            found: &mut Vec<(f64, Vec<u32>)>,
+        ) {
+            let Some(row) = rows.first() else {
+                found.push((cost, chosen.clone()));
+                return;
+            };
+            for (number, (column, own)) in (0..).zip(row) {
+                if *column != OWN && taken.contains(column) {
+                    continue;
+                }
+                taken.push(*column);
+                chosen.push(number);
+                extend(&rows[1..], cost + own, taken, chosen, found);
+                taken.pop();
+                chosen.pop();
+            }
+        }
+        let mut every = Vec::new();
+        for (problem, (base, rows)) in problems.iter().enumerate() {
+            let mut found = Vec::new();
+            extend(rows, *base, &mut Vec::new(), &mut Vec::new(), &mut found);
+            every.extend(found.into_iter().map(|(cost, chosen)| (cost, problem, chosen)));
+        }
+        every.sort_by(|one, other| one.0.total_cmp(&other.0));
+        every
+    }
+
+    fn drawn(ranked: &mut Ranked) -> Vec<(f64, usize, Vec<u32>)> {
+        let mut found = Vec::new();
+        while let Some(solution) = ranked.next() {
+            let meanings = ranked.meanings(solution).collect();
+            found.push((solution.cost, solution.problem, meanings));
+        }
+        found
+    }
+
+    fn any_problems() -> impl Strategy<Value = Listed> {
+        let cost = prop_oneof![4 => -5.0..5.0f64, 1 => (-2i32..3).prop_map(f64::from)];
+        let choice = (prop_oneof![2 => 0u16..4, 1 => Just(OWN)], cost);
+        let row = prop::collection::vec(choice, 0..6).prop_map(|mut row| {
+            // A column stands once in a row.
+            row.sort_by_key(|(column, _)| *column);
+            row.dedup_by_key(|(column, _)| *column);
+            row
+        });
+        prop::collection::vec((-3.0..3.0f64, prop::collection::vec(row, 0..5)), 0..4)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #[test]
+        fn every_solution_comes_out_once_and_in_order(problems in prop::collection::vec(any_problems(), 1..3)) {
+            // The same memory for all: one cluster must leave nothing behind for the next.
+            let mut ranked = Ranked::new();
+            for problems in problems {
+                pose(&mut ranked, &problems);
+                let (found, expected) = (drawn(&mut ranked), all(&problems));
+                prop_assert_eq!(found.len(), expected.len());
+                for (found, expected) in found.iter().zip(&expected) {
+                    prop_assert!((found.0 - expected.0).abs() < 1e-9, "{:?} {:?}", found, expected);
+                }
+                let sorted = |mut list: Vec<(f64, usize, Vec<u32>)>| {
+                    list.sort_by(|one, other| (one.1, &one.2).cmp(&(other.1, &other.2)));
+                    list.into_iter().map(|each| (each.1, each.2)).collect::<Vec<_>>()
+                };
+                prop_assert_eq!(ranked.log_left(), f64::NEG_INFINITY);
+                pose(&mut ranked, &problems);
+                for drawn in 0..expected.len() {
+                    let left = log_sum(expected[drawn..].iter().map(|each| -each.0));
+                    prop_assert!(ranked.log_left() >= left - 1e-9, "{drawn} of {} drawn", expected.len());
+                    ranked.next();
+                }
+                prop_assert_eq!(sorted(found), sorted(expected));
+            }
+        }
+    }
+
+    #[test]
+    fn a_scan_without_detections_has_one_interpretation_per_hypothesis() {
+        let mut ranked = Ranked::new();
+        pose(&mut ranked, &vec![(2.0, vec![]), (1.0, vec![])]);
+        assert_eq!(drawn(&mut ranked), [(1.0, 1, vec![]), (2.0, 0, vec![])]);
+    }
+
+    #[test]
+    fn what_finds_no_room_is_refused() {
+        let mut ranked = Ranked::new();
+        let choice = Choice {
+            column: OWN,
+            meaning: 0,
+            cost: 0.0,
+        };
+        assert!(!ranked.begin_row() && !ranked.add(choice), "there is no problem yet");
+        assert!(ranked.begin_problem(0.0));
+        for _ in 0..ROWS_MAX {
+            assert!(ranked.begin_row());
+            for _ in 0..CHOICES_MAX {
+                assert!(ranked.add(choice));
+            }
+            assert!(!ranked.add(choice), "one choice too many");
+        }
+        assert!(!ranked.begin_row(), "one row too many");
+        assert!(!ranked.add(Choice {
+            cost: f64::NAN,
+            ..choice
+        }));
+        ranked.begin();
+        // 64 rows of 64 equal choices have more solutions than there are atoms; each one asked for leaves 63 parts.
+        for _ in 0..1000 {
+            assert!(ranked.next().is_some());
+        }
+        assert!(ranked.log_refused > 0.0, "the table of parts is full");
+        assert!(ranked.log_left() > ranked.log_refused);
+    }
+
+    #[test]
+    fn sums_of_logarithms() {
+        assert_eq!(log_sum([].into_iter()), f64::NEG_INFINITY);
+        assert!((log_add(0.0, 0.0) - 2f64.ln()).abs() < 1e-15);
+        assert_eq!(log_add(f64::NEG_INFINITY, -3.0), -3.0);
+        assert_eq!(log_add(1000.0, -1000.0), 1000.0);
+    }
+}

@@ -1,0 +1,207 @@
+//! Targets that part (SP-1 … SP-7).
+//!
+//! Targets that fly together are seen as one, and tracked as one. When they part, one of them goes on as that track and
+//! the other is new; to a tracker that knows nothing of this, a second detection nearby is most likely clutter, and it
+//! takes long to believe otherwise. The options say what is special: the new target comes out of the believed one's gate
+//! (SP-1) with its motion (SP-2); there are no more of them than detections have lately been too many (SP-3 to SP-6); and
+//! it has been near all along (SP-7). They apply to clusters that have a confirmed track; elsewhere nothing can split.
+//!
+//! Readings where the source leaves room: computed numbers are rounded up, and count the present scan too, so that a
+//! second detection is allowed for in the scan in which it comes. Of several believed tracks in whose gate a new one
+//! starts, it takes the motion of the most reliable one.
+
+use crate::motion::Motion;
+use crate::population::{Cluster, DETECTION_COUNTS};
+use crate::settings::{Limit, Splitting};
+
+/// The numbers that hold for one cluster in one scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Limits {
+    /// SP-3: most new tracks.
+    pub(crate) new_tracks_max: usize,
+    /// SP-5: hypotheses with so many tentative tracks are dropped.
+    pub(crate) tentative_tracks: usize,
+}
+
+impl Limits {
+    pub(crate) const NONE: Self = Self {
+        new_tracks_max: usize::MAX,
+        tentative_tracks: usize::MAX,
+    };
+
+    /// For a cluster with `confirmed` confirmed tracks, branches not counted, and `mean` detections per scan lately.
+    pub(crate) fn of(splitting: &Splitting, confirmed: usize, mean: f32) -> Self {
+        if confirmed == 0 {
+            return Self::NONE;
+        }
+        // Rounding errors of the mean are not an excess.
+        let excess = (mean - confirmed as f32 - 1e-3).ceil().max(0.0) as usize;
+        let number = |limit, more| match limit {
+            Limit::Off => usize::MAX,
+            Limit::Fixed(number) => number,
+            Limit::Computed => excess + more,
+        };
+        Self {
+            new_tracks_max: number(splitting.new_tracks_max, 0),
+            tentative_tracks: number(splitting.tentative_tracks, 1),
+        }
+    }
+
+    /// SP-5: whether a hypothesis of so many tentative tracks is dropped.
+    pub(crate) fn forbids(&self, tentative: usize) -> bool {
+        tentative > 0 && tentative >= self.tentative_tracks
+    }
+}
+
+/// Numbers of detections in a cluster's last scans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DetectionCounts {
+    pub(crate) detections: [f32; DETECTION_COUNTS],
+    pub(crate) scans: u32,
+}
+
+impl DetectionCounts {
+    pub(crate) const NONE: Self = Self {
+        detections: [0.0; DETECTION_COUNTS],
+        scans: 0,
+    };
+
+    /// Those of several clusters together, with one more scan of `present` detections.
+    pub(crate) fn of<'a>(clusters: impl Iterator<Item = &'a Cluster>, present: usize) -> Self {
+        let mut sum = Self::NONE;
+        for cluster in clusters {
+            sum.scans = sum.scans.max(cluster.scans);
+            for (sum, count) in sum.detections.iter_mut().zip(cluster.detections) {
+                *sum += count;
+            }
+        }
+        sum.scans = (sum.scans + 1).min(DETECTION_COUNTS as u32);
+        sum.detections.rotate_right(1);
+        sum.detections[0] = present as f32;
+        sum
+    }
+
+    pub(crate) fn mean(&self) -> f32 {
+        let counted = &self.detections[..self.scans as usize];
+        counted.iter().sum::<f32>() / counted.len().max(1) as f32
+    }
+
+    /// What a part of the cluster inherits that has `share` of the present detections, `present` in number.
+    pub(crate) fn part(&self, share: f32, present: usize) -> Self {
+        let mut part = *self;
+        part.detections.iter_mut().for_each(|count| *count *= share);
+        part.detections[0] = present as f32;
+        part
+    }
+}
+
+/// SP-2: the mean of several predictions by their weights, with the spread of their means in its covariance.
+pub(crate) fn mean_motion(branches: impl Iterator<Item = (Motion, f64)>) -> Option<Motion> {
+    let weighted = branches.filter(|(_, weight)| *weight > 0.0);
+    let sum = weighted.reduce(|(mean, sum), (branch, weight)| {
+        let sum_with = sum + weight;
+        (Motion::mixture(&mean, &branch, weight / sum_with), sum_with)
+    });
+    sum.map(|(mean, _)| mean)
+}
+
+/// SP-7: share of a track's detections that lay in confirmed tracks' gates.
+pub(crate) fn company(in_company: u32, detections: u32) -> f64 {
+    f64::from(in_company) / f64::from(detections)
+}
+
+#[cfg(test)]
+mod tests {
+    use estimation::PackedGaussian;
+    use messages::Covariance;
+
+    use super::*;
+
+    /// d11 lay in C's gate, d21 outside, d32 inside, d33 outside.
+    #[test]
+    fn the_shares_of_the_worked_check() {
+        assert_eq!(company(2, 3), 2.0 / 3.0, "P + d32");
+        assert_eq!(company(1, 3), 1.0 / 3.0, "P + d33");
+        assert_eq!(company(1, 2), 0.5, "memory P");
+        let kept = [company(2, 3), company(1, 3), company(1, 2)].map(|share| share >= 0.5);
+        assert_eq!(kept, [true, false, true]);
+    }
+
+    #[test]
+    fn limits_fixed_and_computed() {
+        let mut splitting = Splitting::default();
+        assert_eq!(Limits::of(&splitting, 1, 9.0), Limits::NONE);
+        splitting.new_tracks_max = Limit::Fixed(2);
+        splitting.tentative_tracks = Limit::Fixed(3);
+        assert_eq!(
+            Limits::of(&splitting, 0, 9.0),
+            Limits::NONE,
+            "nothing is there to split"
+        );
+        let fixed = Limits::of(&splitting, 1, 9.0);
+        assert_eq!((fixed.new_tracks_max, fixed.tentative_tracks), (2, 3));
+        assert!(fixed.forbids(3) && !fixed.forbids(2) && !fixed.forbids(0));
+        splitting.new_tracks_max = Limit::Computed;
+        splitting.tentative_tracks = Limit::Computed;
+        for (confirmed, mean, new) in [(1, 0.8, 0), (1, 1.0, 0), (1, 1.2, 1), (1, 3.0, 2), (3, 2.0, 0)] {
+            let limits = Limits::of(&splitting, confirmed, mean);
+            assert_eq!(
+                (limits.new_tracks_max, limits.tentative_tracks),
+                (new, new + 1),
+                "{mean}"
+            );
+        }
+        assert!(
+            !Limits::of(&splitting, 1, 1.0).forbids(0),
+            "without tentative tracks nothing is dropped"
+        );
+    }
+
+    #[test]
+    fn detections_are_counted_over_the_last_scans() {
+        let mut cluster = Cluster {
+            tracks: 0..0,
+            hypotheses: 0..0,
+            detections: DetectionCounts::NONE.detections,
+            scans: 0,
+        };
+        for (present, mean) in [
+            (1, 1.0),
+            (1, 1.0),
+            (2, 4.0 / 3.0),
+            (2, 1.5),
+            (2, 1.6),
+            (2, 1.8),
+            (2, 2.0),
+        ] {
+            let counts = DetectionCounts::of([&cluster].into_iter(), present);
+            assert!((counts.mean() - mean).abs() < 1e-6);
+            (cluster.detections, cluster.scans) = (counts.detections, counts.scans);
+        }
+        let both = DetectionCounts::of([&cluster, &cluster].into_iter(), 4);
+        assert_eq!(both.mean(), 4.0);
+        assert_eq!(both.part(0.25, 1).mean(), 1.0);
+    }
+
+    #[test]
+    fn the_parents_motion_has_the_spread_of_the_branches() {
+        let settings = crate::Settings::default().motion;
+        let branch = |east: f64, variance: f64| {
+            let state = PackedGaussian {
+                mean: [east, 0.0, 0.0, 10.0, 0.0, 0.0],
+                covariance: Covariance::diagonal([variance.sqrt(); 3], [1.0; 3]),
+            };
+            Motion::begun(state, &settings)
+        };
+        let branches = [
+            (branch(0.0, 4.0), 0.5),
+            (branch(6.0, 1.0), 0.25),
+            (branch(9.0, 1.0), 0.0),
+        ];
+        let mean = mean_motion(branches.into_iter()).unwrap().estimate();
+        assert!((mean.mean[0] - 2.0).abs() < 1e-12);
+        assert!((mean.covariance.get(0, 0) - (3.0 + 8.0)).abs() < 1e-12);
+        assert!((mean.covariance.get(3, 3) - 1.0).abs() < 1e-12);
+        assert_eq!(mean_motion([].into_iter()), None);
+    }
+}

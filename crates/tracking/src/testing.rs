@@ -1,0 +1,47 @@
+//! What the tests have in common.
+
+use formats::detection::{Detection, DetectionKind};
+
+use crate::Settings;
+use crate::settings::{Capacity, Clutter, SensorSettings};
+
+pub(crate) const S: i64 = 1_000_000_000;
+
+/// A detection of a position by sensor 1, 10 m sigma.
+pub(crate) fn position(time_ns: i64, east: f64, north: f64) -> Detection {
+    Detection {
+        time_of_measurement_ns: time_ns,
+        sensor_id: 1,
+        scan: 0,
+        detection_id: 0,
+        kind: DetectionKind::Position2,
+        values: [east, north, 0.0],
+        range_rate_mps: None,
+        sigmas: Some([10.0, 10.0, 0.0, 0.0]),
+        platform_m: [0.0; 3],
+        truth: None,
+    }
+}
+
+/// Sensor 1 detects nine in ten, with a false detection per square kilometre.
+pub(crate) fn settings() -> Settings {
+    let mut settings = Settings {
+        sensors: vec![SensorSettings {
+            sensor_id: 1,
+            detection_probability: 0.9,
+            clutter: Clutter::Density(1e-6),
+            sigmas: None,
+        }],
+        capacity: Capacity {
+            tracks: 1024,
+            detections: 256,
+            open_scans: 0,
+        },
+        ..Settings::default()
+    };
+    settings.first_guess.speed_sigma_mps = 20.0;
+    settings.motion.process_noise_m2ps3 = [1.0, 1.0];
+    settings.motion.manoeuvres = None;
+    settings.confirmation.detections_min = 3;
+    settings
+}

@@ -1,0 +1,64 @@
+//! A track: one sequence of detections that may be one target's, and what it says of the target.
+//!
+//! The obvious record of a track is a tree of all its detections, of which branches share the beginning. But what is
+//! ever asked of the past is little: whether two tracks share a detection, or have the same ones, within the last few
+//! scans; and whether they sprang from the same first detection. So a track is a flat record with the last
+//! [`HISTORY_MAX`] scans and its root. Branching is copying; nothing is ever walked, collected or fragmented.
+
+use messages::NS_PER_S;
+
+use crate::motion::Motion;
+use crate::settings::MotionSettings;
+
+/// Scans that a track remembers.
+pub const HISTORY_MAX: usize = 8;
+
+/// A scan without a detection, in a history.
+pub(crate) const NO_DETECTION: u32 = 0;
+/// Number of a track that is not confirmed.
+pub(crate) const TENTATIVE: u32 = 0;
+
+/// One branch of what one first detection became.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Track {
+    /// At the time of the last detection.
+    pub(crate) motion: Motion,
+    /// Time of the last detection, nanoseconds.
+    pub(crate) time_ns: i64,
+    /// Same for all branches of one first detection.
+    pub(crate) root: u32,
+    /// The confirmed ancestor's number, or [`TENTATIVE`].
+    pub(crate) number: u32,
+    pub(crate) detections: u32,
+    /// Detections that lay in a confirmed track's gate (SP-7).
+    pub(crate) in_company: u32,
+    /// Scans since the last detection.
+    pub(crate) missed: u32,
+    /// Logarithm of how much likelier its detections are if they are of one target than if all are false.
+    pub(crate) log_likelihood_ratio: f64,
+    /// Sum over the hypotheses that contain it.
+    pub(crate) reliability: f64,
+    /// Serial numbers of its detections by scan, latest first.
+    pub(crate) history: [u32; HISTORY_MAX],
+}
+
+impl Track {
+    pub(crate) fn is_confirmed(&self) -> bool {
+        self.number != TENTATIVE
+    }
+
+    /// Where it is at `time_ns`.
+    pub(crate) fn motion_at(&self, time_ns: i64, settings: &MotionSettings) -> Motion {
+        if time_ns == self.time_ns {
+            return self.motion;
+        }
+        let seconds = time_ns.saturating_sub(self.time_ns) as f64 / NS_PER_S;
+        self.motion.moved(seconds, settings)
+    }
+
+    /// One scan later, with that scan's detection.
+    pub(crate) fn remember(&mut self, serial: u32) {
+        self.history.rotate_right(1);
+        self.history[0] = serial;
+    }
+}

@@ -1,0 +1,382 @@
+//! Scan after scan, late ones included (HT-1, HT-12).
+//!
+//! A scan that comes after later ones could be used as it comes, by carrying its detections forward; but what was decided
+//! without them stays decided. Instead the last scans stay open: they are kept with the population before each. A late
+//! one is put in its place, and all from there on are worked off again. So the result is the same, to the last bit, as
+//! if every scan had come in order; scans of equal time are in the order of their sensors. Scans older than all open ones
+//! are refused and counted.
+
+use estimation::PackedGaussian;
+use formats::detection::Detection;
+use messages::{SensorTrack, TrackState, sensor_track_bits};
+
+use crate::clutter::log_density;
+use crate::counts::Counts;
+use crate::gate::gates;
+use crate::gating::{Gating, Plot, Sensor};
+use crate::measurement::Measurement;
+use crate::population::{Cluster, Hypothesis, Population};
+use crate::settings::{Clutter, MotionSettings, SensorSettings, Settings};
+use crate::track::Track;
+use crate::update::{self, Scan, Update};
+
+/// How far a detection's time may be from its scan's, nanoseconds.
+const SCAN_HALF_NS: u64 = 60_000_000_000;
+
+/// A confirmed track after the latest scan: the most reliable branch of its ancestor (HT-10).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackReport {
+    /// The ancestor's number, counted from 1.
+    pub number: u32,
+    /// Confirmed, or coasted if the latest scan had no detection of it.
+    pub state: TrackState,
+    /// Time of the latest scan or of its detection in it, nanoseconds.
+    pub time_ns: i64,
+    /// Position and velocity then.
+    pub estimate: PackedGaussian,
+    /// Sum over the hypotheses that contain the branch.
+    pub reliability: f64,
+    /// Hypotheses of its cluster.
+    pub hypotheses: u32,
+    /// Detections in all.
+    pub detections: u32,
+    /// Scans since the last one.
+    pub missed: u32,
+}
+
+impl TrackReport {
+    /// As a report of the source numbered `source`, with the numbers of the source's own at 0.
+    pub fn sensor_track(&self, source: u16) -> SensorTrack {
+        SensorTrack {
+            time_of_measurement_ns: self.time_ns,
+            track_number: self.number,
+            source,
+            valid: sensor_track_bits::VELOCITY | sensor_track_bits::OWN_COVARIANCE,
+            position_m: self.estimate.position_m(),
+            velocity_mps: self.estimate.velocity_mps(),
+            covariance: self.estimate.covariance,
+            state: self.state as u8,
+            ..SensorTrack::default()
+        }
+    }
+}
+
+/// Why a scan was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// No settings for a sensor of this number.
+    UnknownSensor(u32),
+    /// It is older than every open scan.
+    TooLate,
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::UnknownSensor(sensor) => write!(formatter, "sensor {sensor} is not configured"),
+            Self::TooLate => write!(formatter, "the scan is older than every open one; keep more scans open"),
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+/// A scan that is still open.
+#[derive(Clone, Debug)]
+struct OpenScan {
+    time_ns: i64,
+    /// Place of its sensor in the settings.
+    sensor: usize,
+    plots: Vec<Plot>,
+}
+
+/// The multiple-hypothesis tracker.
+#[derive(Clone, Debug)]
+pub struct Tracker {
+    settings: Settings,
+    /// By sensor.
+    sensors: Vec<Sensor>,
+    /// In order of time, then of sensors; the first `open` count.
+    scans: Vec<OpenScan>,
+    open: usize,
+    /// Before each open scan, then after the last one.
+    populations: Vec<Population>,
+    gating: Gating,
+    update: Update,
+    log_clutter: Vec<f64>,
+    reports: Vec<TrackReport>,
+    counts: Counts,
+}
+
+impl Tracker {
+    /// A tracker without tracks. All memory is allocated here.
+    ///
+    /// # Errors
+    /// A sentence on what is wrong with the settings.
+    pub fn new(settings: Settings) -> Result<Self, String> {
+        if let Some(fault) = settings.fault() {
+            return Err(fault);
+        }
+        let capacity = settings.capacity;
+        let gates = gates(settings.gate_probability);
+        let sensor = |sensor: &SensorSettings| Sensor {
+            gates,
+            motion: settings.motion,
+            log_detection: sensor.detection_probability.ln(),
+            log_miss: (-sensor.detection_probability * settings.gate_probability).ln_1p(),
+        };
+        let population = |_| Population::new(capacity.tracks, settings.sensors.len());
+        let scan = |_| OpenScan {
+            time_ns: i64::MIN,
+            sensor: 0,
+            plots: Vec::with_capacity(capacity.detections),
+        };
+        Ok(Self {
+            sensors: settings.sensors.iter().map(sensor).collect(),
+            scans: (0..=capacity.open_scans).map(scan).collect(),
+            open: 0,
+            populations: (0..capacity.open_scans + 2).map(population).collect(),
+            gating: Gating::new(capacity.tracks, capacity.detections),
+            update: Update::new(capacity.tracks, capacity.detections),
+            log_clutter: Vec::with_capacity(capacity.detections),
+            reports: Vec::with_capacity(capacity.tracks),
+            counts: Counts::default(),
+            settings,
+        })
+    }
+
+    /// Works in a scan of the sensor `sensor_id` at `time_ns`. No detections at all say something, too.
+    ///
+    /// # Errors
+    /// [`Refusal`], counted, if the scan cannot be used; single detections that cannot be used are left out and counted.
+    pub fn scan(&mut self, sensor_id: u32, time_ns: i64, detections: &[Detection]) -> Result<(), Refusal> {
+        let place = self
+            .place(sensor_id, time_ns)
+            .inspect_err(|_| self.counts.refused_scans += 1)?;
+        let (sensor, mut place) = place;
+        if self.open == self.scans.len() {
+            // The oldest one is closed.
+            self.scans.rotate_left(1);
+            self.populations.rotate_left(1);
+            self.open -= 1;
+            place -= 1;
+        }
+        let scan = &mut self.scans[self.open];
+        (scan.time_ns, scan.sensor) = (time_ns, sensor);
+        admit(
+            detections,
+            time_ns,
+            &self.settings.sensors[sensor],
+            &mut scan.plots,
+            &mut self.counts,
+        );
+        self.scans[place..=self.open].rotate_right(1);
+        self.counts.late_scans += u64::from(place < self.open);
+        self.open += 1;
+        for place in place..self.open {
+            self.work_off(place);
+        }
+        self.report();
+        Ok(())
+    }
+
+    /// The confirmed tracks after the latest scan, by their numbers.
+    pub fn tracks(&self) -> &[TrackReport] {
+        &self.reports
+    }
+
+    /// What was done and refused so far.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Tracks after the latest scan, tentative ones and branches included.
+    pub fn branches(&self) -> usize {
+        self.latest().tracks.len()
+    }
+
+    /// Clusters after the latest scan.
+    pub fn clusters(&self) -> usize {
+        self.latest().clusters.len()
+    }
+
+    pub(crate) fn latest(&self) -> &Population {
+        &self.populations[self.open]
+    }
+
+    /// The sensor's place in the settings, and the scan's among the open ones.
+    fn place(&self, sensor_id: u32, time_ns: i64) -> Result<(usize, usize), Refusal> {
+        let mut sensors = self.settings.sensors.iter();
+        let sensor = sensors.position(|sensor| sensor.sensor_id == sensor_id);
+        let sensor = sensor.ok_or(Refusal::UnknownSensor(sensor_id))?;
+        let open = &self.scans[..self.open];
+        let place = open.partition_point(|scan| (scan.time_ns, scan.sensor) <= (time_ns, sensor));
+        let closed = self.open == self.scans.len() && place == 0;
+        // The population before the first open scan may be later than this one, if others have been closed.
+        let behind = place == 0 && time_ns < self.populations[0].time_ns;
+        if closed || behind {
+            return Err(Refusal::TooLate);
+        }
+        Ok((sensor, place))
+    }
+
+    /// Makes the population after the open scan at `place` of the one before it.
+    fn work_off(&mut self, place: usize) {
+        let (before, after) = self.populations.split_at_mut(place + 1);
+        let (before, next) = (&before[place], &mut after[0]);
+        let OpenScan { time_ns, sensor, plots } = &self.scans[place];
+        next.follow(before, *time_ns);
+        next.next_serial = next.next_serial.wrapping_add(plots.len() as u32).max(1);
+        let counts = &mut self.counts;
+        counts.scans += 1;
+        self.log_clutter.clear();
+        let estimate = &mut next.clutter[*sensor];
+        plots.iter().for_each(|plot| estimate.see(&plot.measurement));
+        let density = match self.settings.sensors[*sensor].clutter {
+            Clutter::Density(density) => density,
+            Clutter::Learned => estimate.density(plots.len()),
+        };
+        let guess = &self.settings.first_guess;
+        self.log_clutter
+            .extend(plots.iter().map(|plot| log_density(&plot.measurement, density, guess)));
+        self.gating.run(before, plots, *time_ns, &self.sensors[*sensor], counts);
+        next.clutter[*sensor].count(outside(before, &self.gating, plots.len()));
+        let scan = Scan {
+            before,
+            plots,
+            log_clutter: &self.log_clutter,
+            gating: &self.gating,
+            settings: &self.settings,
+            sensor: &self.sensors[*sensor],
+            time_ns: *time_ns,
+            first_serial: before.next_serial,
+        };
+        let mut of_none = &self.gating.plots[..];
+        for group in self.gating.clusters.chunk_by(|one, other| one.0 == other.0) {
+            let of_group = of_none
+                .iter()
+                .take_while(|(standing, _)| *standing == group[0].0)
+                .count();
+            let (plots, rest) = of_none.split_at(of_group);
+            of_none = rest;
+            self.update.run(&scan, group, plots, next, counts);
+        }
+        for &(_, plot) in of_none {
+            begin_cluster(&scan, plot, next, counts);
+        }
+    }
+
+    /// Of each confirmed ancestor the most reliable branch (HT-10).
+    fn report(&mut self) {
+        let population = &self.populations[self.open];
+        let motion = self.settings.motion;
+        self.reports.clear();
+        for cluster in &population.clusters {
+            let tracks = &population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
+            let confirmed = tracks.iter().filter(|track| track.is_confirmed());
+            self.reports
+                .extend(confirmed.map(|track| report_of(track, cluster, population.time_ns, &motion)));
+        }
+        self.reports.sort_unstable_by(|one, other| {
+            let reliability = other.reliability.total_cmp(&one.reliability);
+            let place = one.estimate.mean[0].total_cmp(&other.estimate.mean[0]);
+            one.number.cmp(&other.number).then(reliability).then(place)
+        });
+        self.reports.dedup_by_key(|report| report.number);
+    }
+}
+
+fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, motion: &MotionSettings) -> TrackReport {
+    let seen = track.missed == 0;
+    let time_ns = if seen { track.time_ns } else { time_ns };
+    TrackReport {
+        number: track.number,
+        state: if seen {
+            TrackState::Confirmed
+        } else {
+            TrackState::Coasted
+        },
+        time_ns,
+        estimate: track.motion_at(time_ns, motion).estimate(),
+        reliability: track.reliability.min(1.0),
+        hypotheses: cluster.hypotheses.len() as u32,
+        detections: track.detections,
+        missed: track.missed,
+    }
+}
+
+/// Takes over the usable detections.
+fn admit(detections: &[Detection], time_ns: i64, sensor: &SensorSettings, plots: &mut Vec<Plot>, counts: &mut Counts) {
+    plots.clear();
+    for detection in detections {
+        let near = detection.time_of_measurement_ns.abs_diff(time_ns) <= SCAN_HALF_NS;
+        let Some(measurement) = Measurement::of(detection, sensor.sigmas).filter(|_| near) else {
+            counts.unusable_detections += 1;
+            continue;
+        };
+        if plots.len() == plots.capacity() {
+            counts.crowded_out_detections += 1;
+            continue;
+        }
+        counts.detections += 1;
+        plots.push(Plot {
+            time_ns: detection.time_of_measurement_ns,
+            measurement,
+        });
+    }
+}
+
+/// How many detections lie in no confirmed track's gate.
+fn outside(before: &Population, gating: &Gating, plots: usize) -> usize {
+    // Nearly all detections in a confirmed gate are in one only.
+    let inside = gating
+        .pairs
+        .iter()
+        .filter(|pair| before.tracks[pair.track as usize].is_confirmed());
+    plots.saturating_sub(inside.count())
+}
+
+/// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
+fn begin_cluster(scan: &Scan<'_>, plot: u32, next: &mut Population, counts: &mut Counts) {
+    let share = scan.settings.new_target_share;
+    let reliability = share / (1.0 + share);
+    if reliability < scan.settings.reduction.reliability_min {
+        return;
+    }
+    let Some(mut track) = update::begin(scan, plot, None, next.next_root) else {
+        return;
+    };
+    if !next.has_room(1, 2, 1) {
+        counts.refused_tracks += 1;
+        return;
+    }
+    track.reliability = reliability;
+    next.next_root = next.next_root.wrapping_add(1).max(1);
+    let (place, hypothesis, member) = (
+        next.tracks.len() as u32,
+        next.hypotheses.len() as u32,
+        next.members.len() as u32,
+    );
+    next.tracks.push(track);
+    next.members.push(place);
+    let mut both = [
+        ((1.0 - reliability).ln(), member..member),
+        (reliability.ln(), member..member + 1),
+    ];
+    if reliability > 0.5 {
+        both.swap(0, 1);
+    }
+    next.hypotheses
+        .extend(both.into_iter().map(|(log_reliability, members)| Hypothesis {
+            log_reliability,
+            members,
+        }));
+    let mut detections = [0.0; crate::DETECTION_COUNTS];
+    detections[0] = 1.0;
+    next.clusters.push(Cluster {
+        tracks: place..place + 1,
+        hypotheses: hypothesis..hypothesis + 2,
+        detections,
+        scans: 1,
+    });
+}

@@ -1,0 +1,438 @@
+//! The tracker as a whole: what becomes of targets, clutter, late scans and hostile ones.
+
+use formats::detection::{Detection, DetectionKind};
+use messages::TrackState;
+use proptest::prelude::*;
+
+use crate::settings::{Clutter, Limit, SensorSettings, Splitting};
+use crate::testing::{S, position, settings};
+use crate::{Refusal, Settings, Tracker};
+
+/// A number that looks random, in [-1, 1], for each step.
+fn noise(step: u64) -> f64 {
+    let mixed = (step + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    (mixed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+/// A target that flies east at 15 m/s, 8 m of noise.
+fn flying(second: i64, north: f64) -> Detection {
+    let step = second as u64 * 7 + (north.abs() as u64) * 131;
+    let east = 15.0 * second as f64 + 8.0 * noise(step);
+    position(second * S, east, north + 8.0 * noise(step + 3))
+}
+
+#[test]
+fn a_target_is_confirmed_carried_on_and_given_up() {
+    let mut tracker = Tracker::new(settings()).unwrap();
+    for second in 0..8 {
+        tracker.scan(1, second * S, &[flying(second, 0.0)]).unwrap();
+        assert!(
+            tracker.tracks().is_empty() || second >= 2,
+            "three detections are needed"
+        );
+    }
+    let [track] = tracker.tracks() else {
+        panic!("{:?}", tracker.tracks())
+    };
+    assert_eq!(
+        (track.number, track.state, track.time_ns, track.missed),
+        (1, TrackState::Confirmed, 7 * S, 0)
+    );
+    assert!((track.estimate.mean[0] - 105.0).abs() < 20.0 && (track.estimate.mean[3] - 15.0).abs() < 5.0);
+    let message = track.sensor_track(3);
+    assert_eq!(
+        (message.source, message.track_number, message.state),
+        (3, 1, TrackState::Confirmed as u8)
+    );
+    assert_eq!(message.position_m, track.estimate.position_m());
+    for second in 8..12 {
+        tracker.scan(1, second * S, &[]).unwrap();
+        let [track] = tracker.tracks() else {
+            panic!("given up after {} scans", second - 7)
+        };
+        assert_eq!(
+            (track.number, track.state, track.time_ns),
+            (1, TrackState::Coasted, second * S)
+        );
+        assert!(
+            (track.estimate.mean[0] - 15.0 * second as f64).abs() < 40.0,
+            "carried on"
+        );
+    }
+    tracker.scan(1, 12 * S, &[]).unwrap();
+    assert_eq!(
+        (tracker.tracks().len(), tracker.branches(), tracker.clusters()),
+        (0, 0, 0),
+        "the fifth miss ends it"
+    );
+    for second in 20..28 {
+        tracker.scan(1, second * S, &[flying(second, 0.0)]).unwrap();
+    }
+    assert_eq!(tracker.tracks()[0].number, 2, "a number is never used again");
+}
+
+#[test]
+fn the_sources_rule_waits_until_no_other_hypothesis_is_left() {
+    let mut strict = settings();
+    strict.confirmation.reliability_min = 1.0;
+    strict.confirmation.detections_min = 1;
+    let mut tracker = Tracker::new(strict).unwrap();
+    for second in 0..10 {
+        tracker.scan(1, second * S, &[flying(second, 0.0)]).unwrap();
+        let population = tracker.latest();
+        let alone = population.hypotheses.len() == 1;
+        assert_eq!(tracker.tracks().len(), usize::from(alone), "after {second} s");
+    }
+    assert_eq!(tracker.tracks().len(), 1);
+}
+
+#[test]
+fn the_likelihood_ratio_can_be_asked_for_besides() {
+    let confirmed_at = |least: Option<f64>| {
+        let mut asking = settings();
+        asking.confirmation.log_likelihood_ratio_min = least;
+        let mut tracker = Tracker::new(asking).unwrap();
+        (0..30).find(|second| {
+            tracker.scan(1, second * S, &[flying(*second, 0.0)]).unwrap();
+            !tracker.tracks().is_empty()
+        })
+    };
+    let (early, late) = (confirmed_at(None).unwrap(), confirmed_at(Some(60.0)).unwrap());
+    assert!(early < late, "{early} {late}");
+}
+
+#[test]
+fn clutter_is_not_confirmed() {
+    let mut tracker = Tracker::new(settings()).unwrap();
+    for second in 0..200u64 {
+        let anywhere = |k: u64| {
+            position(
+                second as i64 * S,
+                3e3 * noise(second * 97 + k),
+                3e3 * noise(second * 97 + k + 40),
+            )
+        };
+        let scan: Vec<_> = (0..36).map(anywhere).collect();
+        tracker.scan(1, second as i64 * S, &scan).unwrap();
+    }
+    assert_eq!(tracker.counts().confirmed, 0);
+    assert!(tracker.branches() < 400, "{} tentative tracks", tracker.branches());
+}
+
+/// One target to 20 s, from then on two that part at 2 × 12 m/s. Scans of one second.
+fn splitting(second: i64) -> Vec<Detection> {
+    let apart = 12.0 * (second - 20) as f64;
+    if second <= 20 {
+        vec![flying(second, 0.0)]
+    } else {
+        vec![flying(second, apart), flying(second, -apart)]
+    }
+}
+
+#[test]
+fn every_splitting_option_and_all_together_find_both_targets() {
+    let nothing = Splitting::default();
+    type Choose = fn(&mut Splitting);
+    let options: [(&str, Choose); 7] = [
+        ("none", |_| ()),
+        ("SP-1", |options| options.start_in_confirmed_gates = true),
+        ("SP-2", |options| options.parents_motion = Some(3)),
+        ("SP-3", |options| options.new_tracks_max = Limit::Fixed(1)),
+        ("SP-4", |options| options.new_tracks_max = Limit::Computed),
+        ("SP-6", |options| options.tentative_tracks = Limit::Computed),
+        ("SP-7", |options| options.company_min = Some(0.4)),
+    ];
+    let mut together = nothing;
+    options.iter().for_each(|(_, choose)| choose(&mut together));
+    let singly = options.map(|(name, choose)| {
+        let mut chosen = nothing;
+        choose(&mut chosen);
+        (name, chosen)
+    });
+    for (name, chosen) in singly.into_iter().chain([("together", together)]) {
+        let mut tracker = Tracker::new(Settings {
+            splitting: chosen,
+            ..settings()
+        })
+        .unwrap();
+        for second in 0..40 {
+            let mut scan = splitting(second);
+            // Clutter beside them now and then gives the options something to refuse.
+            if second % 4 == 2 {
+                let beside = 60.0 + 40.0 * noise(second as u64 + 500);
+                scan.push(position(second * S, 15.0 * second as f64 - beside, beside));
+            }
+            tracker.scan(1, second * S, &scan).unwrap();
+            if (10..=20).contains(&second) {
+                assert_eq!(tracker.tracks().len(), 1, "{name} at {second} s");
+            }
+        }
+        let north: Vec<_> = tracker
+            .tracks()
+            .iter()
+            .map(|track| track.estimate.mean[1].round())
+            .collect();
+        assert_eq!(north.len(), 2, "{name}: {north:?}");
+        assert!(
+            north[0] * north[1] < 0.0 && north.iter().all(|north| (north.abs() - 228.0).abs() < 25.0),
+            "{name}: {north:?}"
+        );
+        let counts = tracker.counts();
+        if name == "SP-1" {
+            assert!(counts.starts_forbidden > 0);
+        }
+        assert!(
+            counts.starts_forbidden == 0 || chosen.start_in_confirmed_gates,
+            "{name}"
+        );
+        assert_eq!(
+            counts.starts_with_parents_motion > 0,
+            chosen.parents_motion.is_some(),
+            "{name}"
+        );
+        assert!(counts.out_of_company == 0 || chosen.company_min.is_some(), "{name}");
+        assert!(
+            counts.too_many_new_tracks == 0 || chosen.new_tracks_max != Limit::Off,
+            "{name}"
+        );
+        assert!(
+            counts.too_many_tentative_tracks == 0 || chosen.tentative_tracks != Limit::Off,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn late_scans_give_the_same_as_in_time() {
+    let mut open = settings();
+    open.capacity.open_scans = 4;
+    let second_sensor = SensorSettings {
+        sensor_id: 2,
+        ..open.sensors[0].clone()
+    };
+    open.sensors.push(second_sensor);
+    let scans: Vec<_> = (0..40).map(|k| (1 + k as u32 % 2, k * S, splitting(k))).collect();
+    let mut in_time = Tracker::new(open.clone()).unwrap();
+    for (sensor, time_ns, scan) in &scans {
+        in_time.scan(*sensor, *time_ns, scan).unwrap();
+    }
+    let mut late = Tracker::new(open).unwrap();
+    // Every fifth scan comes after the next three.
+    for group in scans.chunks(5) {
+        for place in [1, 2, 3, 0, 4] {
+            let (sensor, time_ns, scan) = &group[place];
+            late.scan(*sensor, *time_ns, scan).unwrap();
+        }
+    }
+    assert_eq!(late.latest(), in_time.latest());
+    assert_eq!(late.tracks(), in_time.tracks());
+    assert_eq!((in_time.counts().late_scans, late.counts().late_scans), (0, 8));
+    assert_eq!(late.scan(1, 30 * S, &[]), Err(Refusal::TooLate));
+    assert_eq!(late.scan(3, 99 * S, &[]), Err(Refusal::UnknownSensor(3)));
+    assert_eq!(late.counts().refused_scans, 2);
+    assert_eq!(late.latest(), in_time.latest(), "what is refused changes nothing");
+}
+
+/// A detection of the target at `at` by a sensor of `kind` at `platform`, without noise.
+fn seen(kind: DetectionKind, time_ns: i64, at: [f64; 3], platform_m: [f64; 3]) -> Detection {
+    let [east, north, up] = std::array::from_fn(|axis| at[axis] - platform_m[axis]);
+    let (ground, bearing) = (east.hypot(north), east.atan2(north));
+    let (values, sigmas) = match kind {
+        DetectionKind::Position2 | DetectionKind::Position3 => (at, [10.0; 4]),
+        DetectionKind::RangeBearing => ([ground.hypot(up), bearing, 0.0], [10.0, 0.01, 0.0, 1.0]),
+        DetectionKind::RangeBearingElevation => {
+            ([ground.hypot(up), bearing, up.atan2(ground)], [10.0, 0.01, 0.01, 1.0])
+        }
+        DetectionKind::Bearing => ([bearing, 0.0, 0.0], [0.01, 0.0, 0.0, 1.0]),
+        DetectionKind::BearingElevation => ([bearing, up.atan2(ground), 0.0], [0.01, 0.01, 0.0, 1.0]),
+    };
+    Detection {
+        kind,
+        values,
+        sigmas: Some(sigmas),
+        platform_m,
+        ..position(time_ns, 0.0, 0.0)
+    }
+}
+
+#[test]
+fn sensors_of_every_kind_feed_one_track() {
+    let mut mixed = settings();
+    let sensor = |number: usize| SensorSettings {
+        sensor_id: number as u32,
+        detection_probability: 0.9,
+        clutter: Clutter::Learned,
+        sigmas: None,
+    };
+    mixed.sensors = (0..DetectionKind::ALL.len()).map(sensor).collect();
+    let mut tracker = Tracker::new(mixed).unwrap();
+    for second in 0..60 {
+        let number = second as usize % DetectionKind::ALL.len();
+        let at = [-500.0 + 15.0 * second as f64, 2e3, 100.0];
+        let mut detection = seen(
+            DetectionKind::ALL[number],
+            second * S,
+            at,
+            [100.0, -50.0 * number as f64, 5.0],
+        );
+        let line: [f64; 3] = std::array::from_fn(|axis| at[axis] - detection.platform_m[axis]);
+        let range = line.iter().map(|value| value * value).sum::<f64>().sqrt();
+        if number != 0 {
+            detection.range_rate_mps = Some(15.0 * line[0] / range);
+        }
+        tracker.scan(number as u32, second * S, &[detection]).unwrap();
+    }
+    let [track] = tracker.tracks() else {
+        panic!("{:?}", tracker.tracks())
+    };
+    assert!(track.detections > 50 && track.missed == 0, "{track:?}");
+    for (found, expected) in track.estimate.mean.iter().zip([385.0, 2e3, 100.0, 15.0, 0.0, 0.0]) {
+        assert!((found - expected).abs() < 8.0, "{:?}", track.estimate.mean);
+    }
+    assert_eq!(tracker.counts().unusable_detections, 0);
+}
+
+#[test]
+fn bearings_alone_begin_nothing() {
+    let mut tracker = Tracker::new(settings()).unwrap();
+    for second in 0..20 {
+        let detection = seen(DetectionKind::Bearing, second * S, [500.0, 2e3, 0.0], [0.0; 3]);
+        tracker.scan(1, second * S, &[detection]).unwrap();
+        assert_eq!(tracker.branches(), 0);
+    }
+}
+
+#[test]
+fn unusable_detections_are_counted_and_left_out() {
+    let mut tracker = Tracker::new(settings()).unwrap();
+    let good = position(S, 1.0, 2.0);
+    let bad = [
+        position(S, f64::NAN, 0.0),
+        position(S, 0.0, f64::INFINITY),
+        position(S + 61 * S, 0.0, 0.0),
+        position(i64::MIN, 0.0, 0.0),
+        Detection {
+            sigmas: Some([0.0, 1.0, 0.0, 0.0]),
+            ..good
+        },
+        Detection { sigmas: None, ..good },
+        Detection {
+            range_rate_mps: Some(f64::NAN),
+            ..good
+        },
+        Detection {
+            platform_m: [f64::NAN; 3],
+            ..good
+        },
+        Detection {
+            kind: DetectionKind::RangeBearing,
+            values: [-1.0, 0.0, 0.0],
+            ..good
+        },
+    ];
+    tracker.scan(1, S, &[&bad[..], &[good]].concat()).unwrap();
+    assert_eq!(
+        (tracker.counts().unusable_detections, tracker.counts().detections),
+        (9, 1)
+    );
+    assert_eq!(tracker.branches(), 1);
+    assert_eq!(tracker.scan(1, 0, &[good]), Err(Refusal::TooLate), "times go backwards");
+}
+
+#[test]
+fn hostile_scans_are_bounded_and_counted() {
+    let mut small = settings();
+    small.capacity.detections = 2000;
+    let mut tracker = Tracker::new(small).unwrap();
+    for second in 0..6 {
+        tracker.scan(1, second * S, &[flying(second, 0.0)]).unwrap();
+    }
+    // Ten thousand in one gate, then as many in one place, then silence for minutes, then the same again.
+    let crowd = |second: i64, spread: f64| -> Vec<_> {
+        let near = |k: u64| position(second * S, 90.0 + spread * noise(3 * k), spread * noise(3 * k + 1));
+        (0..10_000).map(near).collect()
+    };
+    for (second, spread) in [(6, 30.0), (7, 30.0), (8, 0.0), (9, 0.0), (400, 30.0), (401, 0.0)] {
+        tracker.scan(1, second * S, &crowd(second, spread)).unwrap();
+        assert!(tracker.branches() <= 1024);
+        let population = tracker.latest();
+        assert!(
+            population
+                .clusters
+                .iter()
+                .all(|cluster| cluster.tracks.len() <= crate::CLUSTER_TRACKS_MAX)
+        );
+        assert!(
+            population
+                .tracks
+                .iter()
+                .all(|track| track.motion.estimate().mean.iter().all(|value| value.is_finite()))
+        );
+    }
+    let counts = tracker.counts();
+    assert_eq!(
+        (counts.detections, counts.crowded_out_detections),
+        (6 + 6 * 2000, 6 * 8000)
+    );
+    assert!(
+        counts.unmade_comparisons > 0 && counts.dropped_pairs > 0 && counts.refused_tracks > 0,
+        "{counts:?}"
+    );
+    tracker.scan(1, 10_000 * S, &[]).unwrap();
+    assert_eq!(tracker.branches(), 0, "silence ends every track");
+}
+
+#[test]
+fn settings_are_checked() {
+    assert_eq!(Settings::default().fault(), None);
+    assert_eq!(settings().fault(), None);
+    let wrong: [fn(&mut Settings); 5] = [
+        |settings| settings.gate_probability = 1.0,
+        |settings| settings.sensors[0].detection_probability = 1.0,
+        |settings| settings.sensors[0].clutter = Clutter::Density(0.0),
+        |settings| settings.reduction.hypotheses_max = 65,
+        |settings| settings.motion.process_noise_m2ps3[0] = f64::NAN,
+    ];
+    for wrong in wrong {
+        let mut faulty = settings();
+        wrong(&mut faulty);
+        assert!(Tracker::new(faulty).is_err());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+    #[test]
+    fn each_cluster_sums_to_one_and_shares_nothing_with_others(
+        scans in prop::collection::vec(prop::collection::vec((-150.0..150.0f64, -150.0..150.0f64), 0..6), 1..8),
+    ) {
+        let mut tracker = Tracker::new(settings()).unwrap();
+        for (second, places) in (0..).zip(&scans) {
+            let scan: Vec<_> = places.iter().map(|(east, north)| position(second * S, *east, *north)).collect();
+            tracker.scan(1, second * S, &scan).unwrap();
+            let population = tracker.latest();
+            let mut owners = std::collections::BTreeMap::new();
+            for (number, cluster) in population.clusters.iter().enumerate() {
+                let hypotheses = &population.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize];
+                let sum: f64 = hypotheses.iter().map(|hypothesis| hypothesis.log_reliability.exp()).sum();
+                prop_assert!((sum - 1.0).abs() < 1e-9);
+                for hypothesis in hypotheses {
+                    let tracks: Vec<_> = population.members_of(hypothesis).iter().map(|track| &population.tracks[*track as usize]).collect();
+                    for (place, one) in tracks.iter().enumerate() {
+                        for other in &tracks[place + 1..] {
+                            let common = one.history.iter().any(|serial| *serial != 0 && other.history.contains(serial));
+                            prop_assert!(!common && one.root != other.root, "two tracks with the same detection");
+                        }
+                    }
+                }
+                for track in &population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize] {
+                    prop_assert!(track.reliability > 0.0 && track.reliability < 1.0 + 1e-9);
+                    for serial in track.history.iter().filter(|serial| **serial != 0) {
+                        prop_assert_eq!(*owners.entry(*serial).or_insert(number), number, "clusters share a detection");
+                    }
+                }
+            }
+        }
+    }
+}

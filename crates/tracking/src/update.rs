@@ -1,0 +1,474 @@
+//! One cluster, one scan: from its hypotheses before to its hypotheses after (HT-5 … HT-8).
+//!
+//! Each hypothesis of the cluster poses one ranked assignment problem ([`crate::ranked`]): its rows are the cluster's
+//! detections, what each may be taken for are its choices, and their costs are negative logarithms of
+//!
+//! | taken for | likelihood, relative to false |
+//! | --- | --- |
+//! | false | 1 |
+//! | new | density of new targets / density of false detections |
+//! | of track T | probability of detection × density of the innovation / density of false detections / probability of a miss |
+//!
+//! with the misses of all its tracks and its own reliability as the problem's base. The children come out likeliest first;
+//! their tracks are made when the first of them needs one, and shared by all that have it.
+
+use std::ops::Range;
+
+use crate::counts::Counts;
+use crate::gating::{Gating, NONE, PAIRS_MAX, Plot, Sensor};
+use crate::initiation::first_state;
+use crate::motion::Motion;
+use crate::parents::Parents;
+use crate::population::{Cluster, Population};
+use crate::ranked::{COLUMNS_MAX, Choice, OWN, ROWS_MAX, Ranked, Solution};
+use crate::settings::Settings;
+use crate::splitting::{DetectionCounts, Limits, company, mean_motion};
+use crate::stage::Stage;
+use crate::track::{HISTORY_MAX, NO_DETECTION, TENTATIVE, Track};
+use crate::{CLUSTER_TRACKS_MAX, HYPOTHESES_MAX};
+
+/// Most children drawn for each that may be kept: some break the limits of SP-3 and SP-5.
+const DRAWN_PER_KEPT: usize = 8;
+/// Meanings of choices that are no pairs.
+const FALSE: u32 = u32::MAX;
+const NEW: u32 = u32::MAX - 1;
+/// Places of tracks that have not been made yet, or will not be.
+const UNMADE: u32 = u32::MAX;
+const REMOVED: u32 = u32::MAX - 1;
+
+/// A scan, and what it is worked off with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scan<'a> {
+    pub(crate) before: &'a Population,
+    pub(crate) plots: &'a [Plot],
+    /// By detection: logarithm of the density of false ones there.
+    pub(crate) log_clutter: &'a [f64],
+    pub(crate) gating: &'a Gating,
+    pub(crate) settings: &'a Settings,
+    pub(crate) sensor: &'a Sensor,
+    pub(crate) time_ns: i64,
+    /// Serial number of the first detection.
+    pub(crate) first_serial: u32,
+}
+
+/// Working memory for one cluster after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Update {
+    parents: Parents,
+    ranked: Ranked,
+    stage: Stage,
+    /// By detection: its row in its cluster.
+    row_of: Vec<u32>,
+    /// By track: the pair that the present child takes, or [`NONE`].
+    taken: Vec<u32>,
+    /// By track, by pair, by row: where on the stage it is continued without a detection, updated, begun.
+    missed: Vec<u32>,
+    updated: Vec<u32>,
+    begun: [u32; ROWS_MAX],
+    in_confirmed_gate: [bool; ROWS_MAX],
+    /// (row, column, pair) of one hypothesis.
+    entries: Vec<(u32, u32, u32)>,
+    /// (number, reliability) of confirmed tracks.
+    numbers: Vec<(u32, f64)>,
+    /// Branches of one of them.
+    branches: Vec<u32>,
+}
+
+/// What one cluster's update works with.
+struct Group<'a> {
+    scan: &'a Scan<'a>,
+    /// (cluster that stands for all, cluster).
+    clusters: &'a [(u32, u32)],
+    /// (cluster that stands for all, detection).
+    plots: &'a [(u32, u32)],
+    has_confirmed: bool,
+    limits: Limits,
+}
+
+impl<'a> Group<'a> {
+    fn clusters(&self) -> impl Iterator<Item = &'a Cluster> + use<'a> {
+        let before = self.scan.before;
+        self.clusters
+            .iter()
+            .map(|(_, cluster)| &before.clusters[*cluster as usize])
+    }
+
+    fn tracks(&self) -> impl Iterator<Item = u32> + use<'a> {
+        self.clusters().flat_map(|cluster| cluster.tracks.clone())
+    }
+
+    fn pairs(&self, track: u32) -> Range<usize> {
+        self.scan.gating.pairs_of(track)
+    }
+}
+
+impl Update {
+    pub(crate) fn new(tracks_max: usize, plots_max: usize) -> Self {
+        let staged_tracks = CLUSTER_TRACKS_MAX * (PAIRS_MAX + 1) + ROWS_MAX;
+        let members = HYPOTHESES_MAX * (CLUSTER_TRACKS_MAX + ROWS_MAX);
+        Self {
+            parents: Parents::new(HYPOTHESES_MAX, CLUSTER_TRACKS_MAX),
+            ranked: Ranked::new(),
+            stage: Stage::new(staged_tracks, HYPOTHESES_MAX, members),
+            row_of: vec![NONE; plots_max],
+            taken: vec![NONE; tracks_max],
+            missed: vec![UNMADE; tracks_max],
+            updated: vec![UNMADE; 4 * tracks_max + PAIRS_MAX],
+            begun: [UNMADE; ROWS_MAX],
+            in_confirmed_gate: [false; ROWS_MAX],
+            entries: Vec::with_capacity(CLUSTER_TRACKS_MAX * PAIRS_MAX),
+            numbers: Vec::with_capacity(CLUSTER_TRACKS_MAX),
+            branches: Vec::with_capacity(CLUSTER_TRACKS_MAX),
+        }
+    }
+
+    /// Works off the clusters that the scan has joined with each other, and writes what they become to `next`.
+    pub(crate) fn run(
+        &mut self,
+        scan: &Scan<'_>,
+        clusters: &[(u32, u32)],
+        plots: &[(u32, u32)],
+        next: &mut Population,
+        counts: &mut Counts,
+    ) {
+        let mut group = Group {
+            scan,
+            clusters,
+            plots,
+            has_confirmed: false,
+            limits: Limits::NONE,
+        };
+        let detections = DetectionCounts::of(group.clusters(), plots.len());
+        self.prepare(&mut group, &detections, counts);
+        let reduction = &scan.settings.reduction;
+        let mut dropped = self
+            .parents
+            .gather(scan.before, group.clusters(), reduction.hypotheses_max);
+        self.pose(&group, counts);
+        dropped += self.draw(&group, next, counts);
+        dropped += self.stage.reduce(reduction, counts);
+        counts.dropped_probability_max = counts.dropped_probability_max.max(dropped.min(1.0));
+        let confirmation = &scan.settings.confirmation;
+        self.stage.confirm(confirmation, &mut next.next_number, counts);
+        self.stage.separate(next, reduction, &detections, counts);
+    }
+
+    fn prepare(&mut self, group: &mut Group<'_>, detections: &DetectionCounts, counts: &mut Counts) {
+        self.stage.clear();
+        self.begun = [UNMADE; ROWS_MAX];
+        self.in_confirmed_gate = [false; ROWS_MAX];
+        self.numbers.clear();
+        for (row, (_, plot)) in (0..).zip(group.plots) {
+            self.row_of[*plot as usize] = row;
+        }
+        let scan = group.scan;
+        for track in group.tracks() {
+            self.missed[track as usize] = UNMADE;
+            let number = scan.before.tracks[track as usize].number;
+            if number != TENTATIVE {
+                self.numbers.push((number, 0.0));
+            }
+            for pair in group.pairs(track) {
+                self.updated[pair] = UNMADE;
+                let row = self.row_of[scan.gating.pairs[pair].plot as usize] as usize;
+                self.in_confirmed_gate[row] |= number != TENTATIVE;
+            }
+        }
+        self.numbers.sort_unstable_by_key(|(number, _)| *number);
+        self.numbers.dedup_by_key(|(number, _)| *number);
+        group.has_confirmed = !self.numbers.is_empty();
+        let splitting = &scan.settings.splitting;
+        group.limits = Limits::of(splitting, self.numbers.len(), detections.mean());
+        if group.has_confirmed && splitting.start_in_confirmed_gates {
+            let outside = self.in_confirmed_gate[..group.plots.len()].iter();
+            counts.starts_forbidden += outside.filter(|inside| !**inside).count() as u64;
+        }
+    }
+
+    /// Poses the problem of each hypothesis.
+    fn pose(&mut self, group: &Group<'_>, counts: &mut Counts) {
+        self.ranked.clear();
+        let (scan, sensor) = (group.scan, group.scan.sensor);
+        let splitting = &scan.settings.splitting;
+        let log_new = scan.settings.new_target_share.ln();
+        let log_split = splitting.new_target_share.map_or(log_new, f64::ln);
+        let guarded = group.has_confirmed && splitting.start_in_confirmed_gates;
+        for parent in 0..self.parents.list.len() {
+            self.find_entries(group, parent, counts);
+            let misses = self.parents.members(parent).len() as f64 * sensor.log_miss;
+            let base = -self.parents.list[parent].log_reliability - misses;
+            if !self.ranked.begin_problem(base) {
+                counts.refused_hypotheses += 1;
+                continue;
+            }
+            let mut entry = 0;
+            for row in 0..group.plots.len() {
+                let plot = &scan.plots[group.plots[row].1 as usize];
+                let log_clutter = scan.log_clutter[group.plots[row].1 as usize];
+                self.ranked.begin_row();
+                let mut add = |column, meaning, cost| {
+                    let added = self.ranked.add(Choice { column, meaning, cost });
+                    counts.dropped_pairs += u64::from(!added);
+                };
+                add(OWN, FALSE, 0.0);
+                let may_split = self.in_confirmed_gate[row];
+                if plot.measurement.place().is_some() && (may_split || !guarded) {
+                    add(OWN, NEW, -if may_split { log_split } else { log_new });
+                }
+                while let Some(&(_, column, pair)) = self.entries.get(entry).filter(|(of, _, _)| *of == row as u32) {
+                    let log_likelihood = scan.gating.pairs[pair as usize].log_likelihood;
+                    let gain = sensor.log_detection + log_likelihood - log_clutter - sensor.log_miss;
+                    add(column as u16, pair, -gain);
+                    entry += 1;
+                }
+            }
+        }
+        self.ranked.begin();
+    }
+
+    /// The pairs of a hypothesis by rows, with columns numbered in the order of its tracks.
+    fn find_entries(&mut self, group: &Group<'_>, parent: usize, counts: &mut Counts) {
+        self.entries.clear();
+        let mut column = 0;
+        for &track in self.parents.members(parent) {
+            let pairs = group.pairs(track);
+            if pairs.is_empty() {
+                continue;
+            }
+            if column as usize >= COLUMNS_MAX {
+                counts.dropped_pairs += pairs.len() as u64;
+                continue;
+            }
+            for pair in pairs {
+                let row = self.row_of[group.scan.gating.pairs[pair].plot as usize];
+                self.entries.push((row, column, pair as u32));
+            }
+            column += 1;
+        }
+        self.entries.sort_unstable();
+    }
+
+    /// Draws children, likeliest first, until there are enough or the rest cannot matter. Returns a bound on the share
+    /// of the probability that was left behind.
+    fn draw(&mut self, group: &Group<'_>, next: &mut Population, counts: &mut Counts) -> f64 {
+        let reduction = &group.scan.settings.reduction;
+        let Some(best) = self.ranked.next_cost() else {
+            return 0.0;
+        };
+        let (mut drawn, mut taken, mut fallback) = (0, 0.0, None);
+        while let Some(cost) = self.ranked.next_cost() {
+            let enough = self.stage.len() >= reduction.hypotheses_max;
+            // Its reliability is below its share of it and the best one together.
+            let unreliable = (best - cost).exp() < reduction.reliability_min;
+            if enough || unreliable || drawn >= DRAWN_PER_KEPT * reduction.hypotheses_max {
+                break;
+            }
+            let Some(solution) = self.ranked.next() else { break };
+            drawn += 1;
+            taken += (best - cost).exp();
+            if !self.make_child(group, solution, group.limits, next, counts) {
+                // Something must stay even if every child breaks the limits: the likeliest.
+                fallback = fallback.or(Some(solution));
+            }
+        }
+        counts.hypotheses_drawn += drawn as u64;
+        if let Some(solution) = fallback.filter(|_| self.stage.len() == 0) {
+            self.make_child(group, solution, Limits::NONE, next, counts);
+        }
+        let left = (self.ranked.log_left() + best).exp();
+        left / (left + taken)
+    }
+
+    /// `false` if the child breaks the limits or finds no room.
+    fn make_child(
+        &mut self,
+        group: &Group<'_>,
+        solution: Solution,
+        limits: Limits,
+        next: &mut Population,
+        counts: &mut Counts,
+    ) -> bool {
+        let new_tracks = self.ranked.meanings(solution).filter(|meaning| *meaning == NEW).count();
+        if new_tracks > limits.new_tracks_max {
+            counts.too_many_new_tracks += 1;
+            return false;
+        }
+        for meaning in self.ranked.meanings(solution).filter(|meaning| *meaning < NEW) {
+            let track = group.scan.gating.pairs[meaning as usize].track;
+            self.taken[track as usize] = meaning;
+        }
+        let mut room = true;
+        for place in 0..self.parents.members(solution.problem).len() {
+            let track = self.parents.members(solution.problem)[place];
+            let pair = std::mem::replace(&mut self.taken[track as usize], NONE);
+            let staged = if pair == NONE {
+                self.missed_track(group, track)
+            } else {
+                self.updated_track(group, track, pair, counts)
+            };
+            room &= self.add_member(staged, counts);
+        }
+        for row in 0..group.plots.len() {
+            let is_new = self.ranked.meanings(solution).nth(row) == Some(NEW);
+            if is_new {
+                let staged = self.new_track(group, row, next, counts);
+                room &= self.add_member(staged, counts);
+            }
+        }
+        if limits.forbids(self.stage.tentative_members()) {
+            counts.too_many_tentative_tracks += 1;
+            self.stage.drop_child();
+            return false;
+        }
+        if !room {
+            self.stage.drop_child();
+            counts.refused_hypotheses += 1;
+            return false;
+        }
+        self.stage.finish_child(-solution.cost)
+    }
+
+    /// `false` if there is no room.
+    fn add_member(&mut self, staged: u32, counts: &mut Counts) -> bool {
+        match staged {
+            REMOVED => true,
+            UNMADE => {
+                counts.refused_tracks += 1;
+                false
+            }
+            staged => self.stage.add_member(staged),
+        }
+    }
+
+    /// The memory track (HT-3), unless it has been silent for too long.
+    fn missed_track(&mut self, group: &Group<'_>, number: u32) -> u32 {
+        if self.missed[number as usize] == UNMADE {
+            let scan = group.scan;
+            let mut track = scan.before.tracks[number as usize];
+            track.missed += 1;
+            track.log_likelihood_ratio += scan.sensor.log_miss;
+            track.remember(NO_DETECTION);
+            let deletion = &scan.settings.deletion;
+            let silent_ns = scan.time_ns.saturating_sub(track.time_ns);
+            let gone = track.missed >= deletion.missed_scans || silent_ns >= deletion.silent_ns;
+            let apart = self.lacks_company(group, &track);
+            self.missed[number as usize] = if gone || apart {
+                REMOVED
+            } else {
+                self.stage.add_track(track).unwrap_or(UNMADE)
+            };
+        }
+        self.missed[number as usize]
+    }
+
+    /// The updated track (HT-3).
+    fn updated_track(&mut self, group: &Group<'_>, number: u32, pair: u32, counts: &mut Counts) -> u32 {
+        if self.updated[pair as usize] == UNMADE {
+            let scan = group.scan;
+            let found = scan.gating.pairs[pair as usize];
+            let plot = &scan.plots[found.plot as usize];
+            let mut track = scan.before.tracks[number as usize];
+            track.motion = track.motion_at(plot.time_ns, &scan.settings.motion);
+            // It was compared before, so it can be done.
+            let _ = track.motion.update(&plot.measurement);
+            track.time_ns = plot.time_ns;
+            track.missed = 0;
+            track.detections += 1;
+            track.in_company += u32::from(self.in_confirmed_gate[self.row_of[found.plot as usize] as usize]);
+            track.log_likelihood_ratio +=
+                scan.sensor.log_detection + found.log_likelihood - scan.log_clutter[found.plot as usize];
+            track.remember(scan.first_serial.wrapping_add(found.plot));
+            self.updated[pair as usize] = if self.lacks_company(group, &track) {
+                counts.out_of_company += 1;
+                REMOVED
+            } else {
+                self.stage.add_track(track).unwrap_or(UNMADE)
+            };
+        }
+        self.updated[pair as usize]
+    }
+
+    /// SP-7.
+    fn lacks_company(&self, group: &Group<'_>, track: &Track) -> bool {
+        let judged = group.has_confirmed && !track.is_confirmed() && track.detections > 1;
+        let least = group.scan.settings.splitting.company_min.filter(|_| judged);
+        least.is_some_and(|least| company(track.in_company, track.detections) < least)
+    }
+
+    /// The new track (HT-3) that begins at a row's detection.
+    fn new_track(&mut self, group: &Group<'_>, row: usize, next: &mut Population, counts: &mut Counts) -> u32 {
+        if self.begun[row] == UNMADE {
+            let plot = group.plots[row].1;
+            let inherited = self.parents_motion(group, row);
+            counts.starts_with_parents_motion += u64::from(inherited.is_some());
+            let in_company = u32::from(self.in_confirmed_gate[row]);
+            self.begun[row] = match begin(group.scan, plot, inherited, next.next_root) {
+                Some(track) => {
+                    next.next_root = next.next_root.wrapping_add(1).max(1);
+                    self.stage.add_track(Track { in_company, ..track }).unwrap_or(UNMADE)
+                }
+                None => REMOVED,
+            };
+        }
+        self.begun[row]
+    }
+
+    /// SP-2: the motion of the most reliable confirmed track in whose gate the row's detection lies.
+    fn parents_motion(&mut self, group: &Group<'_>, row: usize) -> Option<Motion> {
+        let scan = group.scan;
+        let branches_max = scan.settings.splitting.parents_motion?;
+        let plot = group.plots[row].1;
+        self.numbers.clear();
+        self.branches.clear();
+        for number in group.tracks() {
+            let track = &scan.before.tracks[number as usize];
+            let in_gate = || group.pairs(number).any(|pair| scan.gating.pairs[pair].plot == plot);
+            if !track.is_confirmed() || !in_gate() {
+                continue;
+            }
+            self.branches.push(number);
+            match self.numbers.iter_mut().find(|(other, _)| *other == track.number) {
+                Some((_, reliability)) => *reliability += track.reliability,
+                None => self.numbers.push((track.number, track.reliability)),
+            }
+        }
+        let best = self.numbers.iter();
+        let (number, _) = best
+            .copied()
+            .max_by(|one, other| one.1.total_cmp(&other.1).then(other.0.cmp(&one.0)))?;
+        let of = |track: &u32| &scan.before.tracks[*track as usize];
+        self.branches.retain(|track| of(track).number == number);
+        self.branches.sort_unstable_by(|one, other| {
+            of(other)
+                .reliability
+                .total_cmp(&of(one).reliability)
+                .then(one.cmp(other))
+        });
+        let time_ns = scan.plots[plot as usize].time_ns;
+        let best = self.branches.iter().take(branches_max).map(of);
+        mean_motion(best.map(|track| (track.motion_at(time_ns, &scan.settings.motion), track.reliability)))
+    }
+}
+
+/// A new track, with an inherited motion or with what a first detection tells. `None` of a direction alone.
+pub(crate) fn begin(scan: &Scan<'_>, plot: u32, inherited: Option<Motion>, root: u32) -> Option<Track> {
+    let found = &scan.plots[plot as usize];
+    let settings = scan.settings;
+    let updated = inherited.and_then(|mut motion| motion.update(&found.measurement).map(|_| motion));
+    let first = || first_state(&found.measurement, &settings.first_guess);
+    let motion = updated.or_else(|| Some(Motion::begun(first()?, &settings.motion)))?;
+    let mut track = Track {
+        motion,
+        time_ns: found.time_ns,
+        root,
+        number: TENTATIVE,
+        detections: 1,
+        in_company: 0,
+        missed: 0,
+        log_likelihood_ratio: scan.settings.new_target_share.ln(),
+        reliability: 0.0,
+        history: [NO_DETECTION; HISTORY_MAX],
+    };
+    track.remember(scan.first_serial.wrapping_add(plot));
+    Some(track)
+}

@@ -1,0 +1,94 @@
+//! After its construction the tracker allocates nothing, whatever it is given.
+
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use formats::detection::{Detection, DetectionKind};
+use tracking::settings::{Capacity, Clutter, Limit, SensorSettings};
+use tracking::{Settings, Tracker};
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+const S: i64 = 1_000_000_000;
+
+fn random(state: &mut u64) -> f64 {
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    (*state >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Crowds that come and go, in too little room for all of them.
+fn scan(second: i64, state: &mut u64) -> Vec<Detection> {
+    let crowd = (40.0 + 200.0 * random(state)) as usize;
+    let spread = if second % 10 == 0 { 30.0 } else { 1500.0 };
+    let mut detection = |kind| {
+        let place = [spread * random(state), spread * random(state), random(state)];
+        Detection {
+            time_of_measurement_ns: second * S,
+            sensor_id: 1,
+            scan: second as u32,
+            detection_id: 0,
+            kind,
+            values: if kind == DetectionKind::Bearing {
+                [place[2], 0.0, 0.0]
+            } else {
+                place
+            },
+            range_rate_mps: None,
+            sigmas: Some(
+                [10.0, 0.01, 0.01, 1.0].map(|sigma| if kind == DetectionKind::Position2 { 10.0 } else { sigma }),
+            ),
+            platform_m: [-500.0, -500.0, 0.0],
+            truth: None,
+        }
+    };
+    (0..crowd)
+        .map(|number| {
+            detection(if number % 20 == 19 {
+                DetectionKind::Bearing
+            } else {
+                DetectionKind::Position2
+            })
+        })
+        .collect()
+}
+
+#[test]
+fn scans_allocate_nothing() {
+    let mut settings = Settings {
+        sensors: vec![SensorSettings {
+            sensor_id: 1,
+            detection_probability: 0.9,
+            clutter: Clutter::Learned,
+            sigmas: None,
+        }],
+        capacity: Capacity {
+            tracks: 120,
+            detections: 200,
+            open_scans: 2,
+        },
+        ..Settings::default()
+    };
+    settings.first_guess.speed_sigma_mps = 20.0;
+    settings.splitting.start_in_confirmed_gates = true;
+    settings.splitting.tentative_tracks = Limit::Computed;
+    settings.splitting.company_min = Some(0.3);
+    let mut tracker = Tracker::new(settings).unwrap();
+    let mut state = 12345;
+    for second in 0..60 {
+        let scan = scan(second, &mut state);
+        // Every seventh comes late.
+        let time_ns = if second % 7 == 6 {
+            (second - 2) * S + 1
+        } else {
+            second * S
+        };
+        let result = assert_no_alloc(|| tracker.scan(1, time_ns, &scan));
+        assert!(result.is_ok());
+    }
+    let counts = tracker.counts();
+    assert!(
+        counts.refused_tracks > 0 && counts.late_scans > 0 && counts.confirmed > 0,
+        "{counts:?}"
+    );
+}
