@@ -127,7 +127,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     }
 
     /// Takes the next slice out of the queue, to be kept as long as its reader needs it: its memory is not written
-    /// to before it is dropped. A subscriber can keep [`BORROWED_MAX`] at a time.
+    /// to before it is dropped. A subscriber can keep [`BORROWED_MAX`](crate::BORROWED_MAX) at a time.
     ///
     /// # Errors
     /// [`BusError::Take`] if the memory of a publisher cannot be reached, or too many slices are kept.

@@ -8,7 +8,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | `watch` | puts together what is heard: an [`Overview`](overview::Overview) per interval |
+//! | `watch` | puts together what is heard: an `Overview` per interval |
 //! | `pages` | turns one into lines of text: pure functions |
 //! | `view` | what the keys have chosen to see: page, source, span |
 //! | `draw` | lines onto a screen: a pure function of overview and view |
