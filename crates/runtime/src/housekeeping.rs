@@ -134,13 +134,19 @@ impl Housekeeper {
     }
 
     /// Has what `agent` counts published, if a buffer is at hand. No allocation, no system call.
-    pub(crate) fn say(&self, agent: &dyn Agent, now: Now, life: LifeState) {
+    ///
+    /// # Errors
+    /// If the thread has ended: a process that nobody can hear or order about is better restarted. [`Self::close`] says why.
+    pub(crate) fn say(&self, agent: &dyn Agent, now: Now) -> anyhow::Result<()> {
+        let ended = self.thread.as_ref().is_none_or(JoinHandle::is_finished);
+        anyhow::ensure!(!ended, "the housekeeping thread has ended");
         if let Some(mut entries) = self.desk.spare.pop() {
-            entries.clear();
             agent.health(&mut entries);
+            let life = LifeState::Running;
             // There are as many places as buffers.
             let _ = self.desk.said.push(Said { now, life, entries });
         }
+        Ok(())
     }
 
     /// Says the last words of `agent` and ends the thread.

@@ -244,13 +244,11 @@ pub fn run_apart(
     rest: Option<Rest>,
     housekeeper: Housekeeper,
 ) -> anyhow::Result<()> {
-    let result = duty_cycle(process, agent, rest, &mut |agent, now| {
-        housekeeper.say(agent, now, LifeState::Running);
-        Ok(())
-    });
+    let result = duty_cycle(process, agent, rest, &mut |agent, now| housekeeper.say(agent, now));
     let closed = agent.close(Now::read());
     let said = housekeeper.close(agent, Now::read(), life_at_end(&result, &closed));
-    result.and(closed).and(said)
+    // The housekeeper's error first: where it failed, the agent only failed because of it.
+    said.and(result).and(closed)
 }
 
 fn life_at_end(result: &anyhow::Result<()>, closed: &anyhow::Result<()>) -> LifeState {

@@ -12,7 +12,7 @@ use runtime::flow::Reached;
 use runtime::housekeeping::Orders;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
-use crate::inputs::Input;
+use crate::inputs::{Input, Taken};
 use crate::output::Output;
 
 /// Reports worked off in one turn, so that a flood does not delay everything else.
@@ -130,9 +130,11 @@ impl<S: Transport> FusionAgent<S> {
         Ok(!self.round.is_empty())
     }
 
-    /// Looks at the next source; whether it has something.
+    /// Looks at the next source; whether it has something in hand.
     fn look_at_next(&mut self) -> anyhow::Result<bool> {
-        let found = self.inputs[self.look_at].reach(mono_ns)?;
+        let input = &mut self.inputs[self.look_at];
+        input.reach(mono_ns)?;
+        let found = input.sent_ns().is_some();
         self.look_at = (self.look_at + 1) % self.inputs.len();
         Ok(found)
     }
@@ -150,7 +152,7 @@ impl<S: Transport> FusionAgent<S> {
     /// Works off the next report of one source.
     fn work_off_one(&mut self, index: usize) -> anyhow::Result<()> {
         let input = &mut self.inputs[index];
-        let Some((report, last)) = input.next_report() else {
+        let Some(Taken { report, last }) = input.next_report() else {
             return Ok(());
         };
         let output = &mut self.output;

@@ -4,6 +4,9 @@ use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
 use messages::{BatchHeader, COUNTERS_MAX, Counter, SensorTrack};
 use runtime::config::Config;
 
+/// Slices without a report, or of another layout, that are passed over in a row before other sources have their turn.
+const PASSED_OVER_MAX: usize = 16;
+
 /// One source's topic.
 #[derive(Debug)]
 pub(crate) struct Input<S: Transport> {
@@ -24,6 +27,14 @@ struct InHand<S: Transport> {
     /// Place of the report that is next.
     next: usize,
     taken_ns: i64,
+}
+
+/// A report out of the slice in hand.
+#[derive(Debug)]
+pub(crate) struct Taken {
+    pub(crate) report: SensorTrack,
+    /// Whether it was the slice's last one.
+    pub(crate) last: bool,
 }
 
 impl<S: Transport> Input<S> {
@@ -50,27 +61,35 @@ impl<S: Transport> Input<S> {
         Ok(inputs)
     }
 
-    /// Takes the next slice in hand if none is. Whether one is in hand now.
+    /// Takes the next slice in hand if none is. `false` if there is none; `true` if one is in hand now, or if so many
+    /// unusable ones were passed over that it is time to look elsewhere before looking here again.
     pub(crate) fn reach(&mut self, clock: fn() -> i64) -> anyhow::Result<bool> {
-        while self.in_hand.is_none() {
+        if self.in_hand.is_some() {
+            return Ok(true);
+        }
+        for _ in 0..PASSED_OVER_MAX {
             match self.subscriber.receive()? {
                 Received::Nothing => return Ok(false),
                 Received::Refused => {}
+                Received::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header().progress_ns),
                 Received::Slice(slice) => {
-                    self.progress_ns = self.progress_ns.max(slice.header().progress_ns);
-                    if !slice.samples().is_empty() {
-                        // Read here, not before: until the slice is in hand it may not have been published.
-                        let taken_ns = clock();
-                        self.in_hand = Some(InHand {
-                            slice,
-                            next: 0,
-                            taken_ns,
-                        });
-                    }
+                    // Read here, not before: until the slice is in hand it may not have been published.
+                    let taken_ns = clock();
+                    self.in_hand = Some(InHand {
+                        slice,
+                        next: 0,
+                        taken_ns,
+                    });
+                    return Ok(true);
                 }
             }
         }
         Ok(true)
+    }
+
+    /// Everything up to a slice's mark has been worked off.
+    fn pass(&mut self, progress_ns: i64) {
+        self.progress_ns = self.progress_ns.max(progress_ns);
     }
 
     /// When the slice in hand was sent, monotonic, nanoseconds.
@@ -78,17 +97,19 @@ impl<S: Transport> Input<S> {
         self.in_hand.as_ref().map(|hand| hand.slice.header().sent_ns)
     }
 
-    /// The next report of the slice in hand, stamped, and whether it was the last. The last one gives the slice back.
-    pub(crate) fn next_report(&mut self) -> Option<(SensorTrack, bool)> {
+    /// The next report of the slice in hand, stamped. With the last one the slice is given back, and its mark holds.
+    pub(crate) fn next_report(&mut self) -> Option<Taken> {
         let hand = self.in_hand.as_mut()?;
         let reports = hand.slice.samples();
         let report = stamped(reports.get(hand.next)?, self.source, hand.taken_ns);
         hand.next += 1;
         let last = hand.next == reports.len();
         if last {
+            let progress_ns = hand.slice.header().progress_ns;
             self.in_hand = None;
+            self.pass(progress_ns);
         }
-        Some((report, last))
+        Some(Taken { report, last })
     }
 
     /// Takes one slice, if there is one. Each report is stamped with the time by `clock` and its source, and handed to

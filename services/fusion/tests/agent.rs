@@ -39,6 +39,8 @@ struct Bench {
     orders: Arc<Orders>,
     system: Subscriber<InProcess, SystemTrack>,
     received: Vec<SystemTrack>,
+    /// Progress marks of the slices received.
+    marks: Vec<i64>,
     ended: bool,
 }
 
@@ -62,6 +64,7 @@ impl Bench {
             orders,
             system,
             received: Vec::new(),
+            marks: Vec::new(),
             ended: false,
         }
     }
@@ -85,10 +88,11 @@ impl Bench {
                 utc_ns: DAY,
             })
             .unwrap();
-        let (received, ended) = (&mut self.received, &mut self.ended);
+        let (received, marks, ended) = (&mut self.received, &mut self.marks, &mut self.ended);
         self.system
             .take(usize::MAX, |header, tracks| {
                 received.extend_from_slice(tracks);
+                marks.push(header.progress_ns);
                 *ended |= header.flags & BatchHeader::END != 0;
             })
             .unwrap();
@@ -216,6 +220,43 @@ fn a_flood_of_one_source_does_not_keep_the_other_waiting() {
     bench.turn();
     let of_other = bench.received.iter().position(|track| track.trigger_source == 1);
     assert!(of_other.is_some_and(|place| place <= 2), "{of_other:?}");
+}
+
+#[test]
+fn a_slice_is_not_said_to_be_worked_off_before_it_is() {
+    let mut bench = Bench::new(&config("arrival", AT_ONCE));
+    let reports: Vec<_> = (0..40)
+        .map(|number| report(number, 0, 0.0, 1e4 * f64::from(number)))
+        .collect();
+    bench.send(0, &reports, DAY + S, false);
+    bench.settle();
+    let (last, before) = bench.marks.split_last().unwrap();
+    assert!(
+        !before.is_empty() && before.iter().all(|mark| *mark == i64::MIN),
+        "{before:?}"
+    );
+    assert_eq!(*last, DAY + S);
+}
+
+#[test]
+fn slices_without_reports_keep_nobody_waiting() {
+    let mut bench = Bench::new(&config("arrival", AT_ONCE));
+    for _ in 0..200 {
+        bench.send(0, &[], DAY, false);
+    }
+    bench.send(0, &[report(1, 0, 0.0, 0.0)], DAY, false);
+    bench.send(1, &[report(1, 0, 0.0, 9e4)], DAY, false);
+    bench.turn();
+    assert_eq!(
+        bench.received.len(),
+        1,
+        "of the other source: the empty slices are not passed over all at once"
+    );
+    for _ in 0..30 {
+        bench.agent.wait(std::time::Duration::ZERO).unwrap();
+        bench.turn();
+    }
+    assert_eq!(bench.received.len(), 2);
 }
 
 #[test]
