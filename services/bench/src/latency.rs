@@ -11,7 +11,7 @@ use telemetry::table::{count, duration};
 use crate::engine_time::{self, EngineTimes};
 use crate::figures::Figures;
 use crate::jitter::Jitter;
-use crate::machine::Machine;
+use crate::machine::{self, Machine};
 use crate::measure::{self, Measured, Plan};
 use crate::outputs::Outputs;
 use crate::progress::say;
@@ -19,8 +19,8 @@ use crate::recorder::{STAGES, histogram};
 use crate::report::{Account, JitterFigures, Point, Report, Run, Stamps};
 use crate::settings::Settings;
 use crate::site::Site;
+use crate::text;
 use crate::verdict::verdicts;
-use crate::{pinned, text};
 
 /// A sweep ends when the median is this many times that of its first rate.
 const KNEE_FACTOR: u64 = 10;
@@ -35,16 +35,7 @@ pub fn run(settings: &Settings, sweep: bool, outputs: &Outputs) -> anyhow::Resul
     settings.check()?;
     outputs.check()?;
     let stop = Stop::on_signals()?;
-    let mut machine = Machine::read();
-    let mut notes = text::notes(settings, &machine);
-    notes.extend(
-        pinned::refusals(settings.bench_place())
-            .into_iter()
-            .map(|what| format!("bench: {what}")),
-    );
-    for note in &notes {
-        say(note);
-    }
+    let (mut machine, notes) = machine::begin(settings);
     let site = Site::prepare(settings, &stop)?;
     let first = settings.rates_per_s[0];
     say(&format!(

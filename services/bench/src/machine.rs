@@ -4,6 +4,10 @@ use std::fs;
 
 use serde::{Deserialize, Serialize};
 
+use crate::progress::say;
+use crate::settings::Settings;
+use crate::{pinned, text};
+
 /// What a figure must not be read without.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
@@ -27,6 +31,16 @@ pub struct Machine {
     pub optimised: bool,
     /// Version of Koseki.
     pub version: String,
+}
+
+/// Looks at the machine before a measurement; says what figures must not be read without, and returns it.
+pub(crate) fn begin(settings: &Settings) -> (Machine, Vec<String>) {
+    let machine = Machine::read();
+    let mut notes = text::notes(settings, &machine);
+    let refused = pinned::refusals(settings.bench_place()).into_iter();
+    notes.extend(refused.map(|what| format!("bench: {what}")));
+    notes.iter().for_each(|note| say(note));
+    (machine, notes)
 }
 
 impl Machine {

@@ -17,7 +17,7 @@ use crate::engine_time;
 use crate::figures::Figures;
 use crate::latency::{Distributions, account, point, run_of, stamps};
 use crate::link::source_name;
-use crate::machine::Machine;
+use crate::machine;
 use crate::measure::{self, Measured, Plan};
 use crate::outputs::Outputs;
 use crate::progress::say;
@@ -26,7 +26,7 @@ use crate::report::{Overload, ProbeFigures, Report, Throughput};
 use crate::search::highest;
 use crate::settings::Settings;
 use crate::site::Site;
-use crate::{pinned, text};
+use crate::text;
 
 /// The search begins here, and goes no further than this, reports per second.
 const START_PER_S: f64 = 50_000.0;
@@ -53,16 +53,7 @@ pub fn run(settings: &Settings, probe_seconds: f64, outputs: &Outputs) -> anyhow
     settings.check()?;
     outputs.check()?;
     let stop = Stop::on_signals()?;
-    let mut machine = Machine::read();
-    let mut notes = text::notes(settings, &machine);
-    notes.extend(
-        pinned::refusals(settings.bench_place())
-            .into_iter()
-            .map(|what| format!("bench: {what}")),
-    );
-    for note in &notes {
-        say(note);
-    }
+    let (mut machine, notes) = machine::begin(settings);
     let site = Site::prepare(settings, &stop)?;
     let bench = Bench {
         site: &site,

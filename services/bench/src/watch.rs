@@ -6,18 +6,18 @@
 
 use std::ffi::OsString;
 
+use anyhow::Context as _;
 use runtime::signals::Stop;
 use serde::Serialize;
 use telemetry::table::{Align, Table, duration};
 
 use crate::figures::{Figures, Ratio};
-use crate::machine::Machine;
+use crate::machine::{self, Machine};
 use crate::measure::{self, Plan};
 use crate::progress::say;
 use crate::settings::{Refused, Settings};
 use crate::site::{Fusion, Running, Site};
 use crate::subscribers::Subscribers;
-use crate::text;
 
 /// Fewer pairs than this give no interval worth its name.
 const PAIRS_MIN: usize = 6;
@@ -56,8 +56,6 @@ struct Watched<'a> {
     p50_ratio: Ratio,
     p99_ratio: Ratio,
     p999_ratio: Ratio,
-    /// Of fusion, per report; never known where the processor's counters cannot be read.
-    instructions_per_report: Option<f64>,
 }
 
 /// Measures `settings.runs` pairs. Returns what is to be shown.
@@ -74,10 +72,7 @@ pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> 
         return Err(Refused(what).into());
     }
     let stop = Stop::on_signals()?;
-    let mut machine = Machine::read();
-    for note in text::notes(settings, &machine) {
-        say(&note);
-    }
+    let (mut machine, _) = machine::begin(settings);
     let site = Site::prepare(settings, &stop)?;
     let plan = Plan {
         rate_per_s: settings.rates_per_s[0],
@@ -114,10 +109,10 @@ pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> 
         p99_ratio: ratio(|figures| figures.p99_ns),
         p999_ratio: ratio(|figures| figures.p999_ns),
         pairs: &pairs,
-        instructions_per_report: None,
     };
     if let Some(path) = json {
-        std::fs::write(path, serde_json::to_string_pretty(&watched)? + "\n")?;
+        std::fs::write(path, serde_json::to_string_pretty(&watched)? + "\n")
+            .with_context(|| format!("writing {}", path.display()))?;
     }
     Ok(shown(&watched))
 }
@@ -177,7 +172,7 @@ fn shown(watched: &Watched<'_>) -> String {
     }
     text.push_str(&table.to_string());
     text.push_str(&format!(
-        "Unanswered reports: {} with, {} without.\nInstructions per report in fusion: not available on this machine.\n",
+        "Unanswered reports: {} with, {} without.\n",
         on.lost, off.lost
     ));
     text
