@@ -51,13 +51,11 @@ pub fn take_place(placement: Placement) -> Vec<String> {
     }
     if placement.lock_memory {
         touch_stack();
-    }
-    if placement.lock_memory
-        && let Err(error) = mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE)
-    {
-        refused.push(format!(
-            "locking memory was refused ({error}): grant CAP_IPC_LOCK or raise the limit `ulimit -l`"
-        ));
+        if let Err(error) = mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE) {
+            refused.push(format!(
+                "locking memory was refused ({error}): grant CAP_IPC_LOCK or raise the limit `ulimit -l`"
+            ));
+        }
     }
     refused
 }
