@@ -188,7 +188,7 @@ fn the_default_rule_agrees_with_the_sensor_it_was_not_given() {
 
 /// The same for every rule, as a table: `cargo test --release --test held_out -- --ignored --nocapture`.
 #[test]
-#[ignore = "takes a while, and is there to be read"]
+#[ignore = "a table that is there to be read; the test above asserts what must hold"]
 fn every_rule_agrees_more_or_less() {
     let Some(data) = data_folder("lebl2016") else { return };
     let recorded = recorded(&data);
