@@ -17,6 +17,7 @@ const ORDER: &[&str] = &[
     "scoring",
     "fusion",
     "tracking",
+    "locating",
     "bus",
     "net",
     "runtime",

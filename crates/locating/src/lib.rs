@@ -1,0 +1,3 @@
+//! Where a transmitter is, from bearings alone (EL).
+
+#![forbid(unsafe_code)]
