@@ -39,8 +39,10 @@
 mod clutter;
 pub mod correlation;
 mod counts;
+mod directions;
 #[cfg(test)]
 mod enumeration_tests;
+mod field_of_view;
 mod gate;
 mod gating;
 mod initiation;
@@ -49,7 +51,9 @@ mod motion;
 mod parents;
 mod population;
 mod ranked;
+mod resolution;
 pub mod scans;
+mod sensor;
 pub mod settings;
 mod splitting;
 mod stage;
@@ -59,9 +63,11 @@ mod track;
 mod tracker;
 #[cfg(test)]
 mod tracker_tests;
+mod turn;
 mod update;
 
 pub use counts::Counts;
+pub use field_of_view::FieldOfView;
 pub use gating::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
 pub use initiation::FirstGuess;
 pub use population::DETECTION_COUNTS;
