@@ -35,6 +35,8 @@ pub(crate) const NONE: u32 = u32::MAX;
 pub(crate) struct Plot {
     pub(crate) time_ns: i64,
     pub(crate) measurement: Measurement,
+    /// Logarithm of its weight (WA-1): 0 of nearly all.
+    pub(crate) log_weight: f64,
 }
 
 /// What the sensor's settings say of its scans.

@@ -60,6 +60,9 @@ mod tracker;
 #[cfg(test)]
 mod tracker_tests;
 mod update;
+pub mod wide_area;
+#[cfg(test)]
+mod wide_area_tests;
 
 pub use counts::Counts;
 pub use gating::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
