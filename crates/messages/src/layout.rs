@@ -109,6 +109,7 @@ pub const ALL: &[Layout] = &[
     crate::Covariance::LAYOUT,
     crate::BatchHeader::LAYOUT,
     crate::SensorTrack::LAYOUT,
+    crate::SensorDetection::LAYOUT,
     crate::Contribution::LAYOUT,
     crate::SystemTrack::LAYOUT,
     crate::Registration::LAYOUT,
@@ -192,7 +193,9 @@ fn size_of_name(name: &str) -> Option<usize> {
 
 /// The constants a reader in another language needs, by name.
 fn constants() -> Vec<(String, u64, &'static str)> {
-    use crate::{alert_bits, contribution_bits, identity_bits, registration_bits, sensor_track_bits};
+    use crate::{
+        alert_bits, contribution_bits, identity_bits, registration_bits, sensor_detection_bits, sensor_track_bits,
+    };
     let mut list = vec![
         (
             "SCHEMA".to_owned(),
@@ -210,9 +213,10 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             "Length of Health.counters.",
         ),
     ];
-    let groups: [(&str, &[(&str, u64)]); 5] = [
+    let groups: [(&str, &[(&str, u64)]); 6] = [
         ("IDENTITY", identity_bits::NAMES),
         ("SENSOR_TRACK", sensor_track_bits::NAMES),
+        ("SENSOR_DETECTION", sensor_detection_bits::NAMES),
         ("CONTRIBUTION", contribution_bits::NAMES),
         ("ALERT", alert_bits::NAMES),
         ("REGISTRATION", registration_bits::NAMES),

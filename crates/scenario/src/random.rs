@@ -24,6 +24,8 @@ pub(crate) enum Purpose {
     FalseCount,
     /// One false target.
     FalseTarget,
+    /// False plots of one delivery.
+    FalsePlots,
 }
 
 /// The stream for `purpose` at `source`, of the thing numbered (`first`, `second`).
