@@ -11,7 +11,7 @@
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`reports`]: what such records and lines mean to the pipeline: checked sensor tracks in the system frame;
 //! - [`detection`]: single measurements, for sensors whose tracks are made here; [`autoferry`] reads a public data set
-//!   of them;
+//!   of them; [`wide_area`]: how many targets a remote sensor has seen;
 //! - [`sensor_tracks_csv`], [`detections_csv`]: both kinds of input as rows of text, by the rules of [`csv_table`];
 //! - [`outgoing`]: the way back, tracks as data blocks for other systems;
 //! - [`tracks_csv`]: sensor tracks and system tracks as output.
@@ -30,3 +30,4 @@ pub mod reports;
 pub mod sbs;
 pub mod sensor_tracks_csv;
 pub mod tracks_csv;
+pub mod wide_area;
