@@ -109,6 +109,7 @@ pub const ALL: &[Layout] = &[
     crate::Covariance::LAYOUT,
     crate::BatchHeader::LAYOUT,
     crate::SensorTrack::LAYOUT,
+    crate::SensorDetection::LAYOUT,
     crate::SensorBearing::LAYOUT,
     crate::PlatformState::LAYOUT,
     crate::Contribution::LAYOUT,
@@ -196,7 +197,7 @@ fn size_of_name(name: &str) -> Option<usize> {
 fn constants() -> Vec<(String, u64, &'static str)> {
     use crate::{
         alert_bits, contribution_bits, identity_bits, platform_state_bits, registration_bits, sensor_bearing_bits,
-        sensor_track_bits,
+        sensor_detection_bits, sensor_track_bits,
     };
     let mut list = vec![
         (
@@ -215,9 +216,10 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             "Length of Health.counters.",
         ),
     ];
-    let groups: [(&str, &[(&str, u64)]); 7] = [
+    let groups: [(&str, &[(&str, u64)]); 8] = [
         ("IDENTITY", identity_bits::NAMES),
         ("SENSOR_TRACK", sensor_track_bits::NAMES),
+        ("SENSOR_DETECTION", sensor_detection_bits::NAMES),
         ("SENSOR_BEARING", sensor_bearing_bits::NAMES),
         ("PLATFORM_STATE", platform_state_bits::NAMES),
         ("CONTRIBUTION", contribution_bits::NAMES),

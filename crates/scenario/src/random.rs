@@ -24,6 +24,8 @@ pub(crate) enum Purpose {
     FalseCount,
     /// One false target.
     FalseTarget,
+    /// False plots of one delivery.
+    FalsePlots,
     /// Whether a target transmits, and on which frequency.
     Transmitter,
     /// One look of a direction finder at a transmitter.

@@ -34,6 +34,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Plot {
     pub(crate) time_ns: i64,
+    pub(crate) detection_id: u32,
     pub(crate) measurement: Measurement,
 }
 

@@ -17,6 +17,8 @@
 //!    more than can be kept (`ranked`, `update`). [`correlation`] holds the definition instead: every one of them.
 //! 4. Children that are the same are merged, unreliable ones dropped, tracks confirmed, clusters separated (`stage`).
 //!
+//! What was considered and decided can be had as records ([`explanation`]).
+//! Detections that come one by one are made into scans by [`cutting`], those of files by [`scans`].
 //! [`settings`] says what can be chosen; the options for targets that part are in `splitting`.
 //!
 //! # Memory and time
@@ -39,8 +41,10 @@
 mod clutter;
 pub mod correlation;
 mod counts;
+pub mod cutting;
 #[cfg(test)]
 mod enumeration_tests;
+pub mod explanation;
 mod gate;
 mod gating;
 mod initiation;

@@ -201,6 +201,15 @@ impl Stage {
         }
     }
 
+    /// The hypotheses, most reliable first, with their tracks.
+    pub(crate) fn hypotheses(&self) -> impl Iterator<Item = (f64, impl Iterator<Item = &Track>)> {
+        self.children.iter().map(|child| {
+            let members = self.members_of(child).iter();
+            let tracks = members.map(|member| &self.tracks[*member as usize]);
+            (child.log_reliability.exp(), tracks)
+        })
+    }
+
     /// Sums up the tracks' reliabilities.
     fn rate(&mut self) {
         self.tracks.iter_mut().for_each(|track| track.reliability = 0.0);

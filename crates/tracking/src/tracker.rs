@@ -12,11 +12,12 @@ use messages::{SensorTrack, TrackState, sensor_track_bits};
 
 use crate::clutter::log_density;
 use crate::counts::Counts;
+use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gate::gates;
 use crate::gating::{Gating, Plot, Sensor};
 use crate::measurement::Measurement;
 use crate::population::{Cluster, Hypothesis, Population};
-use crate::settings::{Clutter, MotionSettings, SensorSettings, Settings};
+use crate::settings::{Clutter, SensorSettings, Settings};
 use crate::track::Track;
 use crate::update::{self, Scan, Update};
 
@@ -34,6 +35,8 @@ pub struct TrackReport {
     pub time_ns: i64,
     /// Position and velocity then.
     pub estimate: PackedGaussian,
+    /// Whether any detection has told its height.
+    pub height_known: bool,
     /// Sum over the hypotheses that contain the branch.
     pub reliability: f64,
     /// Hypotheses of its cluster.
@@ -45,9 +48,14 @@ pub struct TrackReport {
 }
 
 impl TrackReport {
+    /// In the order of times; of one time, in that of the tracks' numbers.
+    pub fn order(&self) -> (i64, u32) {
+        (self.time_ns, self.number)
+    }
+
     /// As a report of the source numbered `source`, with the numbers of the source's own at 0.
     pub fn sensor_track(&self, source: u16) -> SensorTrack {
-        SensorTrack {
+        let mut track = SensorTrack {
             time_of_measurement_ns: self.time_ns,
             track_number: self.number,
             source,
@@ -57,7 +65,14 @@ impl TrackReport {
             covariance: self.estimate.covariance,
             state: self.state as u8,
             ..SensorTrack::default()
+        };
+        if self.height_known {
+            track.valid |= sensor_track_bits::HEIGHT | sensor_track_bits::VERTICAL_RATE;
+        } else {
+            // What was never observed is not passed on.
+            (track.position_m[2], track.velocity_mps[2]) = (0.0, 0.0);
         }
+        track
     }
 }
 
@@ -145,11 +160,36 @@ impl Tracker {
         })
     }
 
+    /// Lets confirmed tracks be numbered from `first` on (0 is taken for 1). A tracker that takes another one's place begins
+    /// beyond the numbers that the other may have given. To be said before the first scan; later it is not heard.
+    pub fn number_from(&mut self, first: u32) {
+        if self.counts.scans == 0 {
+            let first = first.max(1);
+            self.populations
+                .iter_mut()
+                .for_each(|population| population.next_number = first);
+        }
+    }
+
     /// Works in a scan of the sensor `sensor_id` at `time_ns`. No detections at all say something, too.
     ///
     /// # Errors
     /// [`Refusal`], counted, if the scan cannot be used; single detections that cannot be used are left out and counted.
     pub fn scan(&mut self, sensor_id: u32, time_ns: i64, detections: &[Detection]) -> Result<(), Refusal> {
+        self.scan_explained(sensor_id, time_ns, detections, None)
+    }
+
+    /// As [`Self::scan`], and tells an observer what was considered and decided.
+    ///
+    /// # Errors
+    /// As [`Self::scan`].
+    pub fn scan_explained(
+        &mut self,
+        sensor_id: u32,
+        time_ns: i64,
+        detections: &[Detection],
+        observer: Option<&dyn Observer>,
+    ) -> Result<(), Refusal> {
         let place = self
             .place(sensor_id, time_ns)
             .inspect_err(|_| self.counts.refused_scans += 1)?;
@@ -174,7 +214,7 @@ impl Tracker {
         self.counts.late_scans += u64::from(place < self.open);
         self.open += 1;
         for place in place..self.open {
-            self.work_off(place);
+            self.work_off(place, observer);
         }
         self.report();
         Ok(())
@@ -221,7 +261,7 @@ impl Tracker {
     }
 
     /// Makes the population after the open scan at `place` of the one before it.
-    fn work_off(&mut self, place: usize) {
+    fn work_off(&mut self, place: usize, observer: Option<&dyn Observer>) {
         let (before, after) = self.populations.split_at_mut(place + 1);
         let (before, next) = (&before[place], &mut after[0]);
         let OpenScan { time_ns, sensor, plots } = &self.scans[place];
@@ -236,6 +276,14 @@ impl Tracker {
             Clutter::Density(density) => density,
             Clutter::Learned => estimate.density(plots.len()),
         };
+        if let Some(observer) = observer {
+            observer.explain(&Explanation::Scan {
+                sensor_id: self.settings.sensors[*sensor].sensor_id,
+                time_ns: *time_ns,
+                detections: plots.len(),
+                clutter_density: density,
+            });
+        }
         let guess = &self.settings.first_guess;
         self.log_clutter
             .extend(plots.iter().map(|plot| log_density(&plot.measurement, density, guess)));
@@ -250,6 +298,7 @@ impl Tracker {
             sensor: &self.sensors[*sensor],
             time_ns: *time_ns,
             first_serial: before.next_serial,
+            observer,
         };
         let mut of_none = &self.gating.plots[..];
         for group in self.gating.clusters.chunk_by(|one, other| one.0 == other.0) {
@@ -269,13 +318,13 @@ impl Tracker {
     /// Of each confirmed ancestor the most reliable branch (HT-10).
     fn report(&mut self) {
         let population = &self.populations[self.open];
-        let motion = self.settings.motion;
+        let settings = &self.settings;
         self.reports.clear();
         for cluster in &population.clusters {
             let tracks = &population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
             let confirmed = tracks.iter().filter(|track| track.is_confirmed());
             self.reports
-                .extend(confirmed.map(|track| report_of(track, cluster, population.time_ns, &motion)));
+                .extend(confirmed.map(|track| report_of(track, cluster, population.time_ns, settings)));
         }
         self.reports.sort_unstable_by(|one, other| {
             let reliability = other.reliability.total_cmp(&one.reliability);
@@ -286,9 +335,12 @@ impl Tracker {
     }
 }
 
-fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, motion: &MotionSettings) -> TrackReport {
+fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings: &Settings) -> TrackReport {
     let seen = track.missed == 0;
     let time_ns = if seen { track.time_ns } else { time_ns };
+    let estimate = track.motion_at(time_ns, &settings.motion).estimate();
+    // Without a height the first guess stands, or has grown.
+    let guessed_m = settings.first_guess.height_sigma_m;
     TrackReport {
         number: track.number,
         state: if seen {
@@ -297,7 +349,8 @@ fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, motion: &MotionSett
             TrackState::Coasted
         },
         time_ns,
-        estimate: track.motion_at(time_ns, motion).estimate(),
+        estimate,
+        height_known: estimate.covariance.get(2, 2) < (0.5 * guessed_m).powi(2),
         reliability: track.reliability.min(1.0),
         hypotheses: cluster.hypotheses.len() as u32,
         detections: track.detections,
@@ -321,6 +374,7 @@ fn admit(detections: &[Detection], time_ns: i64, sensor: &SensorSettings, plots:
         counts.detections += 1;
         plots.push(Plot {
             time_ns: detection.time_of_measurement_ns,
+            detection_id: detection.detection_id,
             measurement,
         });
     }
@@ -351,6 +405,14 @@ fn begin_cluster(scan: &Scan<'_>, plot: u32, next: &mut Population, counts: &mut
         return;
     }
     track.reliability = reliability;
+    if let Some(observer) = scan.observer {
+        observer.explain(&Explanation::Track {
+            event: TrackEvent::Started,
+            track: TrackRecord::of(&track, scan.plots, scan.first_serial),
+            value: reliability,
+            limit: f64::NAN,
+        });
+    }
     next.next_root = next.next_root.wrapping_add(1).max(1);
     let (place, hypothesis, member) = (
         next.tracks.len() as u32,

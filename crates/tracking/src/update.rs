@@ -14,7 +14,10 @@
 
 use std::ops::Range;
 
+use messages::NS_PER_S;
+
 use crate::counts::Counts;
+use crate::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gating::{Gating, NONE, PAIRS_MAX, Plot, Sensor};
 use crate::initiation::first_state;
 use crate::motion::Motion;
@@ -49,6 +52,22 @@ pub(crate) struct Scan<'a> {
     pub(crate) time_ns: i64,
     /// Serial number of the first detection.
     pub(crate) first_serial: u32,
+    /// Whoever wants to know.
+    pub(crate) observer: Option<&'a dyn Observer>,
+}
+
+impl Scan<'_> {
+    fn explain(&self, event: TrackEvent, track: &Track, value: f64, limit: f64) {
+        if let Some(observer) = self.observer {
+            let track = TrackRecord::of(track, self.plots, self.first_serial);
+            observer.explain(&Explanation::Track {
+                event,
+                track,
+                value,
+                limit,
+            });
+        }
+    }
 }
 
 /// Working memory for one cluster after the other.
@@ -138,6 +157,7 @@ impl Update {
             has_confirmed: false,
             limits: Limits::NONE,
         };
+        let (counted, first_number) = (*counts, next.next_number);
         let detections = DetectionCounts::of(group.clusters(), plots.len());
         self.prepare(&mut group, &detections, counts);
         let reduction = &scan.settings.reduction;
@@ -150,7 +170,64 @@ impl Update {
         counts.dropped_probability_max = counts.dropped_probability_max.max(dropped.min(1.0));
         let confirmation = &scan.settings.confirmation;
         self.stage.confirm(confirmation, &mut next.next_number, counts);
+        if let Some(observer) = scan.observer {
+            self.explain(&group, observer, first_number, (&counted, counts), dropped);
+        }
         self.stage.separate(next, reduction, &detections, counts);
+    }
+
+    /// Tells what became of the cluster: before its parts are separated, when all of it is still there.
+    fn explain(
+        &self,
+        group: &Group<'_>,
+        observer: &dyn Observer,
+        first_number: u32,
+        (before, after): (&Counts, &Counts),
+        dropped_probability: f64,
+    ) {
+        let scan = group.scan;
+        let record = |track: &Track| TrackRecord::of(track, scan.plots, scan.first_serial);
+        let staged = || self.stage.hypotheses().flat_map(|(_, tracks)| tracks);
+        let confirmation = &scan.settings.confirmation;
+        for (place, track) in self.stage.tracks.iter().enumerate() {
+            let earlier = &self.stage.tracks[..place];
+            let is_new = track.number >= first_number && !earlier.iter().any(|other| other.number == track.number);
+            if is_new {
+                let branches = self.stage.tracks.iter().filter(|other| other.number == track.number);
+                let best = branches.max_by(|one, other| one.reliability.total_cmp(&other.reliability));
+                let best = best.unwrap_or(track);
+                scan.explain(
+                    TrackEvent::Confirmed,
+                    best,
+                    best.reliability,
+                    confirmation.reliability_min,
+                );
+            }
+        }
+        for (place, number) in group.tracks().enumerate() {
+            let track = &scan.before.tracks[number as usize];
+            let root = |number: u32| scan.before.tracks[number as usize].root;
+            let is_first = !group.tracks().take(place).any(|earlier| root(earlier) == track.root);
+            if is_first && !staged().any(|left| left.root == track.root) {
+                scan.explain(TrackEvent::Ended, track, f64::NAN, f64::NAN);
+            }
+        }
+        let forbidden = |counts: &Counts| counts.too_many_new_tracks + counts.too_many_tentative_tracks;
+        observer.explain(&Explanation::Cluster(ClusterRecord {
+            plots: scan.plots,
+            of_cluster: group.plots,
+            tracks: group.tracks().count(),
+            hypotheses: group.clusters().map(|cluster| cluster.hypotheses.len()).sum(),
+            considered: after.hypotheses_drawn - before.hypotheses_drawn,
+            forbidden: forbidden(after) - forbidden(before),
+            merged: after.hypotheses_merged - before.hypotheses_merged,
+            dropped: after.hypotheses_dropped - before.hypotheses_dropped,
+            dropped_probability: dropped_probability.min(1.0),
+        }));
+        for (reliability, tracks) in self.stage.hypotheses() {
+            observer.explain(&Explanation::Hypothesis { reliability });
+            tracks.for_each(|track| observer.explain(&Explanation::Member(record(track))));
+        }
     }
 
     fn prepare(&mut self, group: &mut Group<'_>, detections: &DetectionCounts, counts: &mut Counts) {
@@ -352,6 +429,15 @@ impl Update {
             let silent_ns = scan.time_ns.saturating_sub(track.time_ns);
             let gone = track.missed >= deletion.missed_scans || silent_ns >= deletion.silent_ns;
             let apart = self.lacks_company(group, &track);
+            if track.missed >= deletion.missed_scans {
+                let limit = f64::from(deletion.missed_scans);
+                scan.explain(TrackEvent::MissedTooOften, &track, f64::from(track.missed), limit);
+            } else if gone {
+                let [silent_s, limit_s] = [silent_ns, deletion.silent_ns].map(|time_ns| time_ns as f64 / NS_PER_S);
+                scan.explain(TrackEvent::SilentTooLong, &track, silent_s, limit_s);
+            } else if apart {
+                explain_company(scan, &track);
+            }
             self.missed[number as usize] = if gone || apart {
                 REMOVED
             } else {
@@ -380,6 +466,7 @@ impl Update {
             track.remember(scan.first_serial.wrapping_add(found.plot));
             self.updated[pair as usize] = if self.lacks_company(group, &track) {
                 counts.out_of_company += 1;
+                explain_company(scan, &track);
                 REMOVED
             } else {
                 self.stage.add_track(track).unwrap_or(UNMADE)
@@ -448,6 +535,12 @@ impl Update {
         let best = self.branches.iter().take(branches_max).map(of);
         mean_motion(best.map(|track| (track.motion_at(time_ns, &scan.settings.motion), track.reliability)))
     }
+}
+
+fn explain_company(scan: &Scan<'_>, track: &Track) {
+    let limit = scan.settings.splitting.company_min.unwrap_or(f64::NAN);
+    let share = company(track.in_company, track.detections);
+    scan.explain(TrackEvent::OutOfCompany, track, share, limit);
 }
 
 /// A new track, with an inherited motion or with what a first detection tells. `None` of a direction alone.

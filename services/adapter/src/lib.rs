@@ -3,7 +3,8 @@
 //!
 //! Where the data come from is one file each: `recording` and `content` decode a recorded file, and `replay` paces it by its own
 //! times;
-//! `datagrams` and `lines` receive from the network. `channel` is what they share: a source's way to its topic.
+//! `datagrams` and `lines` receive from the network. What they share is the way from there: the source's stage makes sensor
+//! tracks of what was observed (`stages`), and, for live sources, `channel` publishes them.
 
 #![forbid(unsafe_code)]
 
@@ -13,6 +14,7 @@ mod datagrams;
 mod lines;
 pub mod recording;
 mod replay;
+mod stages;
 
 use anyhow::Context as _;
 use runtime::config::{Input, Source, Transport};

@@ -53,7 +53,7 @@ pub(crate) fn run(simulate: &Simulate) -> anyhow::Result<()> {
     for (source, settings) in sensors {
         let mut sensor = SimulatedSensor::new(settings, simulate.seed, source.number, 0)?;
         observers.push(sensor.clone());
-        let (reports, detections) = write_sensor(out, source.number, &mut sensor, &truth, end_s)?;
+        let (reports, detections) = write_sensor(out, source.number, settings, &mut sensor, &truth, end_s)?;
         let (id, name) = (sensor_id(source.number), &source.name);
         said += &format!("sensor {id} {name}: {reports} reports, {detections} detections\n");
     }
@@ -95,10 +95,11 @@ fn simulated(source: &Source) -> Option<(&Source, &SensorSettings)> {
     }
 }
 
-/// Writes what one sensor reports and detects up to `end_s`; how much that is.
+/// Writes what one sensor reports and detects up to `end_s`; how much that is. One that delivers plots reports no tracks.
 fn write_sensor(
     folder: &Path,
     source: u16,
+    settings: &SensorSettings,
     sensor: &mut SimulatedSensor,
     truth: &Truth,
     end_s: f64,
@@ -116,7 +117,7 @@ fn write_sensor(
         sensor.scan_with_plots(truth, &mut reports, &mut plots);
         for report in reports
             .drain(..)
-            .filter(|report| report.time_of_measurement_ns <= end_ns)
+            .filter(|report| report.time_of_measurement_ns <= end_ns && !settings.plots)
         {
             tracks.write(&report).with_context(unwritten)?;
             report_count += 1;

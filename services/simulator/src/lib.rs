@@ -4,7 +4,8 @@
 //! Each sensor speaks the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
 //! CAT021 with CAT023. Its datagrams go to the adapter of its source at the deployment's own loopback address. So a
 //! demonstration runs through the same sockets, decoders and checks as a deployment with real sensors, and what a
-//! category cannot say (a radar's report has no covariance) is missing here as it is there.
+//! category cannot say (a radar's report has no covariance) is missing here as it is there. A radar that delivers plots sends
+//! those, false ones among them, and says when its antenna points north.
 //!
 //! The simulated world goes on while the process is away: started again, it looks at the world as it is by then.
 
@@ -20,7 +21,7 @@ use messages::{Counter, NS_PER_S, SensorTrack};
 use net::{SenderSettings, UdpSender};
 use runtime::config::{Input, Source, Transport};
 use runtime::{Agent, HealthEntry, Now, Process, Turn};
-use scenario::{SensorKind, SensorSettings, SimulatedSensor, Truth};
+use scenario::{Plot, SensorKind, SensorSettings, SimulatedSensor, Truth};
 
 /// Most octets in a datagram: what fits into one frame of Ethernet.
 const DATAGRAM_OCTETS_MAX: usize = 1472;
@@ -44,6 +45,7 @@ struct Simulator {
     start_utc_ns: i64,
     sensors: Vec<Sensor>,
     delivery: Vec<SensorTrack>,
+    plots: Vec<Plot>,
 }
 
 /// One simulated sensor with its way out.
@@ -53,6 +55,7 @@ struct Sensor {
     reports: SensorReports,
     sender: UdpSender,
     next_status_ns: i64,
+    sends_plots: bool,
 }
 
 impl Simulator {
@@ -71,6 +74,7 @@ impl Simulator {
             start_utc_ns: process.options.scenario_start_ns,
             sensors,
             delivery: Vec::with_capacity(DELIVERY_MAX),
+            plots: Vec::with_capacity(DELIVERY_MAX),
         })
     }
 }
@@ -95,6 +99,7 @@ impl Sensor {
                 .with_height(HeightReference::Barometric),
             sender: UdpSender::open(&SenderSettings::new(destination))?,
             next_status_ns: i64::MIN,
+            sends_plots: settings.plots,
         })
     }
 
@@ -109,6 +114,22 @@ impl Sensor {
         }
         for track in delivery {
             self.reports.report(track, &mut send);
+        }
+        self.reports.flush(&mut send);
+    }
+}
+
+impl Sensor {
+    /// Sends `plots`, after a north marker if a turn began at `north_ns`.
+    fn send_plots(&mut self, plots: &[Plot], north_ns: Option<i64>) {
+        let sender = &mut self.sender;
+        let mut send = |datagram: &[u8]| drop(sender.send(datagram));
+        if let Some(north_ns) = north_ns {
+            self.reports.status(north_ns, &mut send);
+        }
+        for plot in plots {
+            self.reports
+                .plot(plot.time_of_measurement_ns, plot.position_m, plot.height, &mut send);
         }
         self.reports.flush(&mut send);
     }
@@ -134,8 +155,19 @@ impl Agent for Simulator {
             return Ok(Turn::Idle(Duration::from_nanos((due_ns - now.utc_ns) as u64)));
         }
         self.delivery.clear();
-        sensor.simulated.scan(&self.truth, &mut self.delivery);
-        sensor.send(&self.delivery, now.utc_ns);
+        if sensor.sends_plots {
+            self.plots.clear();
+            let north_s = sensor.simulated.period_begins_s();
+            let simulated = &mut sensor.simulated;
+            simulated.scan_with_plots(&self.truth, &mut self.delivery, &mut self.plots);
+            sensor.send_plots(
+                &self.plots,
+                north_s.map(|north_s| start_utc_ns + (north_s * NS_PER_S) as i64),
+            );
+        } else {
+            sensor.simulated.scan(&self.truth, &mut self.delivery);
+            sensor.send(&self.delivery, now.utc_ns);
+        }
         Ok(Turn::Worked)
     }
 

@@ -18,7 +18,7 @@ use super::locate::line_of;
 use super::raw::{
     AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawPlace, RawRecorded, RawSource,
 };
-use super::{Config, ConfigError, Fusion, Input, Order, Recorded, RecordedFormat, Source};
+use super::{Config, ConfigError, Fusion, Input, Order, Recorded, RecordedFormat, Source, SourceTracker};
 use crate::cores::{self, Placement};
 
 /// What is wrong with the value at a key.
@@ -210,10 +210,12 @@ fn check_source(
         tracks: within(&key("limits.tracks"), limits.tracks as f64, 1.0, 1e6)? as usize,
     };
     let period_s = within(&key("period_s"), raw.period_s, 1e-3, 3600.0)?;
+    let tracker = check_tracker(index, raw, &input, network, period_s)?;
     let source = Source {
         number: index as u16,
         name: raw.name.clone(),
         technology: technology(raw.technology, &input, network),
+        tracker,
         input,
         adapter,
         model: SourceModel {
@@ -253,6 +255,29 @@ fn check_source(
         },
     };
     Ok((source, weighed))
+}
+
+fn check_tracker(
+    index: usize,
+    raw: &RawSource,
+    input: &Input,
+    network: &Network,
+    period_s: f64,
+) -> Checked<Option<SourceTracker>> {
+    let Some(tracker) = &raw.tracker else { return Ok(None) };
+    let key = || format!("source[{index}].tracker");
+    let has_detections = match input {
+        Input::Recorded(recorded) => recorded.format == RecordedFormat::Asterix,
+        Input::Live(live) => !network.is_sbs(&live.receiver),
+        Input::Simulated(simulated) => simulated.sensor.plots,
+        Input::External => false,
+    };
+    if !has_detections {
+        let what = "takes plots in ASTERIX; leave it out where a source has tracks already, and give a simulated sensor \
+                    plots = true";
+        return Err(problem(key(), what));
+    }
+    tracker.checked(index as u16, period_s).map(Some)
 }
 
 fn check_covariance(index: usize, raw: &RawSource) -> Checked<CovarianceModel> {

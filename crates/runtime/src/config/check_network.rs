@@ -108,7 +108,7 @@ impl Network {
     }
 
     /// Whether the receiver called `name` reads SBS-1.
-    fn is_sbs(&self, name: &str) -> bool {
+    pub(super) fn is_sbs(&self, name: &str) -> bool {
         let is_it = |receiver: &Receiver| receiver.name == name && matches!(receiver.transport, Transport::Sbs { .. });
         self.receivers.iter().any(is_it)
     }

@@ -11,6 +11,7 @@ mod locate;
 mod network;
 mod offline;
 mod raw;
+mod tracker;
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -31,6 +32,7 @@ use raw::RawConfig;
 pub(crate) use network::loopback_of;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
+pub use tracker::{SeenDetections, SourceTracker, Tracking};
 
 /// Stands for the configuration of the demonstration, which is part of the executable.
 pub const BUILT_IN_DEMO: &str = "built-in:demo";
@@ -93,6 +95,8 @@ pub struct Source {
     pub technology: Technology,
     /// Where it stands, what its reports may contain, and how accurate they are.
     pub model: SourceModel,
+    /// How its tracks are made of its detections; `None` if it delivers tracks.
+    pub tracker: Option<SourceTracker>,
 }
 
 /// Where a source's data come from.

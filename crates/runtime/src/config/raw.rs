@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 use formats::reports::{CovarianceFrom, PoorQuality};
 use serde::Deserialize;
 
+use super::tracker::RawSourceTracker;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawConfig {
@@ -71,6 +73,7 @@ pub(crate) struct RawSource {
     pub(crate) live: Option<RawLive>,
     pub(crate) simulated: Option<scenario::SensorSettings>,
     pub(crate) external: Option<RawExternal>,
+    pub(crate) tracker: Option<RawSourceTracker>,
     #[serde(default)]
     pub(crate) limits: RawLimits,
     #[serde(default)]

@@ -9,5 +9,7 @@ mod setup;
 mod survey;
 
 pub(crate) use drive::{Driven, drive};
+pub(crate) use merged::named_twice;
+pub(crate) use progress::Progress;
 pub(crate) use refusals::Refusals;
 pub(crate) use setup::{Setup, rule};
