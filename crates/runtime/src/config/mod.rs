@@ -8,6 +8,7 @@ mod check_monitor;
 mod check_network;
 mod check_rule;
 mod locate;
+mod locating;
 mod network;
 mod offline;
 mod raw;
@@ -28,6 +29,7 @@ use telemetry::Deadlines;
 use crate::cores::Placement;
 use raw::RawConfig;
 
+pub use locating::locating_settings;
 pub(crate) use network::loopback_of;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};

@@ -14,9 +14,9 @@ use runtime::{ConfigError, Now, Options, Speed};
 
 use bench::BENCH_EXAMPLES;
 pub(crate) use bench::{Bench, BenchRelay};
-use files::{COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES};
+use files::{COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, LOCATE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES};
 pub(crate) use files::{
-    ChosenEdition, Compare, Decode, Fuse, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
+    ChosenEdition, Compare, Decode, Fuse, Locate, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
 };
 use values::{interval, seconds, speed};
 
@@ -46,6 +46,7 @@ Examples:
   koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
   koseki bench latency --rate 20000             what a report takes through fusion, and what of it is the machine's
   koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into one picture
+  koseki locate --bearings flight.csv --out fixes.csv             where transmitters are, from bearings alone
 
 Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
 
@@ -79,6 +80,9 @@ pub(crate) enum Command {
     /// Fuse files of sensor tracks into one file of system tracks
     #[command(after_help = FUSE_EXAMPLES)]
     Fuse(Fuse),
+    /// Locate emitters from files of bearings, measured by a moving platform
+    #[command(after_help = LOCATE_EXAMPLES)]
+    Locate(Locate),
     /// Run every fusion rule on the same sensor tracks, and show them side by side
     #[command(after_help = COMPARE_EXAMPLES)]
     Compare(Compare),

@@ -9,5 +9,6 @@ mod setup;
 mod survey;
 
 pub(crate) use drive::{Driven, drive};
+pub(crate) use progress::{Counting, Progress};
 pub(crate) use refusals::Refusals;
 pub(crate) use setup::{Setup, rule};
