@@ -41,7 +41,7 @@ pub enum Motion {
 /// Most models of one emitter.
 pub(crate) const MODELS_MAX: usize = 3;
 /// Bearings that have to agree with a model that failed, the first time and at most.
-const PATIENCE_MIN: u32 = 32;
+const PATIENCE_MIN: u32 = 128;
 const PATIENCE_MAX: u32 = 1024;
 
 impl Motion {
@@ -102,7 +102,10 @@ impl RawFix {
 
 /// A filter of either kind.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "both are windows of sightings; the rest is little")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "both are windows of sightings; the rest is little"
+)]
 enum Filter {
     Point(Smoother<2>),
     Motion(Smoother<4>),

@@ -96,7 +96,7 @@ impl Default for MotionSettings {
             filter: FilterChoice::Auto,
             range_sigma_m: 300e3,
             speed_sigma_mps: 30.0,
-            wandering_noise_m2ps: 100.0,
+            wandering_noise_m2ps: 400.0,
             manoeuvring_noise_m2ps3: 0.01,
             evidence_min: 20.0,
             evidence_bearings: 16,

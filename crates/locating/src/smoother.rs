@@ -266,7 +266,7 @@ impl<const D: usize> Smoother<D> {
     /// Takes the next sighting. A model with process noise takes none before it is told where to begin.
     pub(crate) fn add(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
         if self.is_recursive() {
-            return self.add_recursively(sighting, bounds);
+            return self.add_recursively(sighting);
         }
         if self.stage == Stage::Empty {
             self.begin(sighting);
@@ -322,16 +322,14 @@ impl<const D: usize> Smoother<D> {
     }
 
     /// The extended Kalman filter.
-    fn add_recursively(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
+    fn add_recursively(&mut self, sighting: &Sighting) -> Taken {
         if self.stage != Stage::Settled {
             return Taken::Used;
         }
+        // With process noise it is always the state that is wrong, and the bearings put it right.
         self.advance(sighting.time_ns);
-        let taken = self.judge(sighting, bounds);
-        if taken.is_used() {
-            self.improve(sighting);
-        }
-        taken
+        self.improve(sighting);
+        Taken::Used
     }
 
     /// Whether the window is to be linearised anew: at every bearing at first, then less often.
@@ -420,11 +418,6 @@ impl<const D: usize> Smoother<D> {
         let Some((squared, _)) = self.compare(sighting) else {
             return Taken::SetAside;
         };
-        if self.is_recursive() && bounds.turning_since_ns.is_none() {
-            // With process noise it is always the state that is wrong, and the bearings put it right.
-            (self.sum, self.is_distrusting) = (0.0, false);
-            return Taken::Used;
-        }
         let residual = sighting.residual(self.position_at(sighting.time_ns));
         let sign = residual.map_or(0.0, |residual| residual.innovation_rad.signum());
         let deviation = sign * squared.sqrt();

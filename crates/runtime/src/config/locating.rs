@@ -11,7 +11,7 @@
 //! [locating.selection]
 //! select = "staged"           # auto, none, interval, minimum or staged
 //! position_sigma_max_m = 500.0
-//! interval_s = 200.0
+//! interval_s = 250.0
 //! ```
 
 use std::path::Path;

@@ -185,17 +185,18 @@ FILE     time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency
            emitters_max = 20000
            [locating.motion]
            speed_sigma_mps = 30.0           # of an unknown emitter, along each axis
-           wandering_noise_m2ps = 100.0     # how fixed points wander, if they do
+           wandering_noise_m2ps = 400.0     # how fixed points wander, if they do
            manoeuvring_noise_m2ps3 = 0.01
            [locating.consistency]
            limit = 3.5                      # standard deviations; bearings that are off together are set aside
            disagreement_max_s = 90.0        # then it is the fix that is wrong
            [locating.selection]
            position_sigma_max_m = 500.0     # threshold: root of the variance value
-           interval_s = 200.0
+           interval_s = 250.0
            above_threshold = \"continue\"    # or \"use-crossings\"
-           minimum_rise = 0.1               # a minimum counts when the variance has risen by this share
-           minimum_wait_s = 600.0
+           minimum_rise = 0.3               # a minimum counts when the variance has risen by this share
+           minimum_gap_s = 100.0            # … and that long after the last selection
+           minimum_wait_s = 750.0           # staged: intervals again when none has come for so long
            steering_s = 30.0
 
 The same file and options give the same bytes. `koseki score fixes` scores them against a truth.";
