@@ -77,12 +77,20 @@ fn what_is_heard_and_what_is_seen_become_one_track() {
     until("every ship's transmitter is in the track of the ship", || {
         bearings.take(256, |_, slice| heard += slice.len()).unwrap();
         platform.take(64, |_, slice| states += slice.len()).unwrap();
-        located.take(256, |_, slice| tracks.extend(slice.iter().map(|track| (track.track_number, *track)))).unwrap();
+        located
+            .take(256, |_, slice| {
+                tracks.extend(slice.iter().map(|track| (track.track_number, *track)))
+            })
+            .unwrap();
         let of_both = |track: &&SystemTrack| {
             let has = |source| track.contributions().iter().any(|part| part.source == source);
             track.state == TrackState::Confirmed as u8 && has(RADAR) && has(FINDER)
         };
-        fused.take(256, |_, slice| joined.extend(slice.iter().filter(of_both).map(|track| (track.track_number, *track)))).unwrap();
+        fused
+            .take(256, |_, slice| {
+                joined.extend(slice.iter().filter(of_both).map(|track| (track.track_number, *track)))
+            })
+            .unwrap();
         joined.len() >= 4
     });
     assert!(heard > 100 && states > 30, "{heard} bearings, {states} platform states");

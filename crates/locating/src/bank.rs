@@ -2,7 +2,7 @@
 //!
 //! Nobody knows beforehand whether an emitter lies still. A filter for fixed points is wrong about one that moves, and one for
 //! straight motion pays for its freedom with accuracy: from a platform that flies straight on it cannot tell the range at
-//! all. So the models run side by side, and the simplest one is believed until the bearings are much likelier by another.
+//! all. So the models run side by side, and the simplest one is believed that nothing speaks against.
 //!
 //! | filter | in the order of simplicity |
 //! | --- | --- |
@@ -10,15 +10,20 @@
 //! | fixed | fixed point, wandering |
 //! | straight | straight motion, manoeuvring |
 //!
-//! A model whose bearings disagree for long while the platform does not turn is wrong about the emitter: it begins anew. One for
-//! straight motion begins where the manoeuvring one is.
+//! Two things speak against a model. Against the fixed point does the velocity that the straight motion has found, if rest is
+//! far from it (a Bayes factor, for some bearings in a row). Against each model without process noise do bearings
+//! that disagree for long while the platform does not turn. Then it begins anew: one for straight motion where the manoeuvring one
+//! is, a fixed point with its last sightings. It is believed again when its bearings have agreed for a while, twice
+//! as many after each such failure. Meanwhile the model with process noise stands in.
+//!
+//! While the simplest model only lacks geometry, nothing is said: a model with more freedom cannot know more.
 
 use nalgebra::Matrix4;
 
 use crate::explanation::DecisionKind;
 use crate::settings::{ConsistencySettings, FilterChoice, MotionSettings};
 use crate::sighting::Sighting;
-use crate::smoother::{Model, Smoother, Taken};
+use crate::smoother::{Bounds, Model, Smoother, Taken};
 
 /// A model of an emitter's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +40,9 @@ pub enum Motion {
 
 /// Most models of one emitter.
 pub(crate) const MODELS_MAX: usize = 3;
+/// Bearings that have to agree with a model that failed, the first time and at most.
+const PATIENCE_MIN: u32 = 128;
+const PATIENCE_MAX: u32 = 1024;
 
 impl Motion {
     /// The word for it.
@@ -66,7 +74,6 @@ impl Motion {
             process_noise,
             range_sigma_m: settings.range_sigma_m,
             speed_sigma_mps: settings.speed_sigma_mps,
-            memory: settings.comparison_bearings,
         }
     }
 }
@@ -95,9 +102,23 @@ impl RawFix {
 
 /// A filter of either kind.
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "both are windows of sightings; the rest is little"
+)]
 enum Filter {
     Point(Smoother<2>),
     Motion(Smoother<4>),
+}
+
+/// The same question to either kind.
+macro_rules! either {
+    ($filter:expr, $inner:ident => $answer:expr) => {
+        match $filter {
+            Filter::Point($inner) => $answer,
+            Filter::Motion($inner) => $answer,
+        }
+    };
 }
 
 /// A model with its filter.
@@ -108,6 +129,9 @@ struct Member {
     /// How long, and for how many bearings, bearings have disagreed without a turn.
     disagreed_s: f64,
     disagreed: u32,
+    /// For how many bearings in a row they have agreed, and have to.
+    agreed: u32,
+    patience: u32,
 }
 
 /// The filters of one emitter.
@@ -115,6 +139,9 @@ struct Member {
 pub(crate) struct Bank {
     members: [Option<Member>; MODELS_MAX],
     chosen: Option<usize>,
+    /// Whether the emitter moves, by the evidence, and for how many bearings the evidence has said the opposite.
+    is_moving: bool,
+    doubts: u32,
 }
 
 /// What a bank decided on a bearing; room for two decisions per model and one more.
@@ -126,15 +153,14 @@ impl Bank {
         Self {
             members: std::array::from_fn(|place| motions.get(place).map(|motion| Member::new(*motion, settings))),
             chosen: None,
+            is_moving: false,
+            doubts: 0,
         }
     }
 
-    /// Begins anew with another emitter, in the same memory.
+    /// Begins anew, with another emitter.
     pub(crate) fn reset(&mut self, settings: &MotionSettings) {
-        for member in self.members.iter_mut().flatten() {
-            *member = Member::new(member.motion, settings);
-        }
-        self.chosen = None;
+        *self = Self::new(settings);
     }
 
     /// What is known at a time; `None` while the geometry does not allow a fix.
@@ -163,63 +189,155 @@ impl Bank {
         &mut self,
         sighting: &Sighting,
         after_s: f64,
-        is_turning: bool,
-        settings: &ConsistencySettings,
-        margin: f64,
+        turning_since_ns: Option<i64>,
+        (motion, consistency): (&MotionSettings, &ConsistencySettings),
         notes: &mut Notes,
     ) {
-        let limit = match is_turning {
-            true => settings.limit_turning,
-            false => settings.limit,
+        let is_turning = turning_since_ns.is_some();
+        let bounds = Bounds {
+            limit: match is_turning {
+                true => consistency.limit_turning,
+                false => consistency.limit,
+            },
+            turning_since_ns,
         };
+        // The believed model first: while the platform turns, what it sets aside is wrong for all.
+        let believed = self.chosen;
+        let verdict = believed.map(|place| self.add_to(place, sighting, bounds, notes));
+        let is_wrong = is_turning && verdict.is_some_and(|taken| !taken.is_used());
+        let since_ns = turning_since_ns.filter(|_| matches!(verdict, Some(Taken::Distrusted(_))));
+        for place in (0..MODELS_MAX).filter(|place| Some(*place) != believed) {
+            match (is_wrong, &mut self.members[place]) {
+                (true, Some(member)) => member.filter.set_aside(sighting, since_ns),
+                _ => _ = self.add_to(place, sighting, bounds, notes),
+            }
+        }
         for place in 0..MODELS_MAX {
             let Some(member) = &mut self.members[place] else {
                 continue;
             };
-            let taken = member.filter.add(sighting, limit);
-            match taken {
-                Taken::Distrusted(sum) => notes.note(DecisionKind::BearingsSetAside(member.motion), sum.abs(), limit),
-                Taken::Trusted => notes.note(
-                    DecisionKind::BearingsAgree(member.motion),
-                    f64::from(member.disagreed),
-                    f64::NAN,
-                ),
-                Taken::Used | Taken::SetAside => {}
-            }
-            member.count_disagreement(after_s, is_turning);
-            if member.has_disagreed_too_long(settings) {
+            member.count_agreement(after_s, is_turning);
+            if member.has_disagreed_too_long(consistency) {
                 notes.note(
                     DecisionKind::ModelRestarted(member.motion),
                     member.disagreed_s,
-                    settings.disagreement_max_s,
+                    consistency.disagreement_max_s,
                 );
                 self.restart(place);
             }
         }
-        self.choose(margin, notes);
+        self.begin_stand_in();
+        self.reconsider(sighting);
+        let evidence = self.weigh_motion(motion);
+        self.choose(evidence, motion.evidence_min, notes);
     }
 
-    /// The simplest located model, unless another one explains the bearings much better.
-    fn choose(&mut self, margin: f64, notes: &mut Notes) {
-        for place in 0..MODELS_MAX {
-            let Some(candidate) = &self.members[place] else {
-                continue;
-            };
-            if !candidate.filter.is_located() || self.chosen == Some(place) {
-                continue;
+    /// Gives a model the sighting.
+    fn add_to(&mut self, place: usize, sighting: &Sighting, bounds: Bounds, notes: &mut Notes) -> Taken {
+        let Some(member) = &mut self.members[place] else {
+            return Taken::Used;
+        };
+        let taken = member.filter.add(sighting, bounds);
+        match taken {
+            Taken::Distrusted(sum) => {
+                notes.note(DecisionKind::BearingsSetAside(member.motion), sum.abs(), bounds.limit);
             }
-            let current = self.chosen.and_then(|chosen| self.members[chosen].as_ref());
-            let (lead, limit) = match current {
-                Some(current) if current.filter.is_located() => {
-                    (current.filter.score() - candidate.filter.score(), margin)
-                }
-                _ => (f64::INFINITY, margin),
-            };
-            if lead > limit {
-                notes.note(DecisionKind::ModelChosen(candidate.motion), lead, limit);
-                self.chosen = Some(place);
+            Taken::Trusted => {
+                let disagreed = f64::from(member.disagreed);
+                notes.note(DecisionKind::BearingsAgree(member.motion), disagreed, f64::NAN);
+            }
+            Taken::Used | Taken::SetAside => {}
+        }
+        taken
+    }
+
+    /// The model with process noise begins where the one without is, as soon as that has settled.
+    fn begin_stand_in(&mut self) {
+        let [.., one, other] = match &mut self.members {
+            [first, second, None] => [None, first.as_mut(), second.as_mut()],
+            [first, second, third] => [first.as_mut(), second.as_mut(), third.as_mut()],
+        };
+        match (one.map(|member| &member.filter), other.map(|member| &mut member.filter)) {
+            (Some(Filter::Point(base)), Some(Filter::Point(filter))) if !filter.is_settled() => {
+                filter.restart_like(base);
+            }
+            (Some(Filter::Motion(base)), Some(Filter::Motion(filter))) if !filter.is_settled() => {
+                filter.restart_like(base);
+            }
+            _ => {}
+        }
+    }
+
+    /// Shows the straight motion where the fixed point is, if there is one.
+    fn reconsider(&mut self, latest: &Sighting) {
+        let fixed = self
+            .members
+            .iter()
+            .flatten()
+            .find(|member| member.motion == Motion::Fixed);
+        let position_m = fixed
+            .filter(|member| member.filter.is_located() && !member.filter.is_distrusting())
+            .map(|member| member.filter.state_at(latest.time_ns).0);
+        for member in self.members.iter_mut().flatten() {
+            if let Filter::Motion(filter) = &mut member.filter {
+                filter.reconsider(position_m, latest);
             }
         }
+    }
+
+    /// Whether the emitter moves, once the evidence has said so for long enough, and the other way round.
+    fn weigh_motion(&mut self, settings: &MotionSettings) -> f64 {
+        let straight = self
+            .members
+            .iter()
+            .flatten()
+            .find(|member| member.motion == Motion::Straight);
+        let Some(evidence) = straight
+            .filter(|member| !member.filter.is_distrusting())
+            .and_then(|member| member.filter.evidence_of_motion())
+        else {
+            return f64::NAN;
+        };
+        let is_doubtful = match self.is_moving {
+            true => evidence < 0.0,
+            false => evidence > settings.evidence_min,
+        };
+        self.doubts = if is_doubtful { self.doubts + 1 } else { 0 };
+        if self.doubts >= settings.evidence_bearings {
+            self.is_moving = !self.is_moving;
+            self.doubts = 0;
+        }
+        evidence
+    }
+
+    /// The simplest model that nothing speaks against; if there is none, the one that was, or the one with most freedom.
+    fn choose(&mut self, evidence: f64, evidence_min: f64, notes: &mut Notes) {
+        let is_moving = self.is_moving;
+        let speaks_against = |member: &Member| member.motion == Motion::Fixed && is_moving;
+        let mut located = (0..MODELS_MAX).filter(|place| self.is_located(*place));
+        let good = located.clone().find(|place| {
+            let member = self.members[*place].as_ref();
+            member.is_some_and(|member| member.agreed >= member.patience && !speaks_against(member))
+        });
+        let first = self.members[0].as_ref();
+        let is_open = self.chosen.is_none() && first.is_some_and(|member| member.is_open());
+        let best = match self.chosen.filter(|chosen| self.is_located(*chosen)) {
+            Some(chosen) => good.or(Some(chosen)),
+            None => good.or_else(|| located.next_back()),
+        };
+        if best == self.chosen || is_open {
+            return;
+        }
+        if let Some(member) = best.and_then(|best| self.members[best].as_ref()) {
+            notes.note(DecisionKind::ModelChosen(member.motion), evidence, evidence_min);
+            self.chosen = best;
+        }
+    }
+
+    fn is_located(&self, place: usize) -> bool {
+        self.members[place]
+            .as_ref()
+            .is_some_and(|member| member.filter.is_located())
     }
 
     fn restart(&mut self, place: usize) {
@@ -228,12 +346,20 @@ impl Bank {
             _ => None,
         });
         let Some(member) = &mut self.members[place] else { return };
-        match (&mut member.filter, like) {
-            (Filter::Motion(filter), Some(like)) => filter.restart_like(&like),
-            (Filter::Motion(filter), None) => filter.restart(),
-            (Filter::Point(filter), _) => filter.restart(),
+        if member.motion == Motion::Straight {
+            // What it said of the velocity is void.
+            (self.is_moving, self.doubts) = (false, 0);
         }
-        (member.disagreed_s, member.disagreed) = (0.0, 0);
+        match &mut member.filter {
+            Filter::Motion(filter) => {
+                if !like.is_some_and(|like| filter.restart_like(&like)) {
+                    filter.restart();
+                }
+            }
+            Filter::Point(filter) => filter.restart(),
+        }
+        (member.disagreed_s, member.disagreed, member.agreed) = (0.0, 0, 0);
+        member.patience = (2 * member.patience).clamp(PATIENCE_MIN, PATIENCE_MAX);
     }
 }
 
@@ -249,12 +375,20 @@ impl Member {
             filter,
             disagreed_s: 0.0,
             disagreed: 0,
+            agreed: 0,
+            patience: 0,
         }
     }
 
-    fn count_disagreement(&mut self, after_s: f64, is_turning: bool) {
+    /// Whether it only lacks geometry.
+    fn is_open(&self) -> bool {
+        self.filter.is_open() && self.patience == 0
+    }
+
+    fn count_agreement(&mut self, after_s: f64, is_turning: bool) {
         if !self.filter.is_distrusting() {
             (self.disagreed_s, self.disagreed) = (0.0, 0);
+            self.agreed = self.agreed.saturating_add(u32::from(self.filter.is_located()));
         } else if !is_turning {
             self.disagreed_s += after_s;
             self.disagreed += 1;
@@ -266,19 +400,13 @@ impl Member {
     }
 }
 
-/// The same question to either kind.
-macro_rules! either {
-    ($filter:expr, $inner:ident => $answer:expr) => {
-        match $filter {
-            Filter::Point($inner) => $answer,
-            Filter::Motion($inner) => $answer,
-        }
-    };
-}
-
 impl Filter {
-    fn add(&mut self, sighting: &Sighting, limit: f64) -> Taken {
-        either!(self, filter => filter.add(sighting, limit))
+    fn add(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
+        either!(self, filter => filter.add(sighting, bounds))
+    }
+
+    fn set_aside(&mut self, sighting: &Sighting, since_ns: Option<i64>) {
+        either!(self, filter => filter.set_aside(sighting, since_ns));
     }
 
     fn compare(&self, sighting: &Sighting) -> Option<(f64, f64)> {
@@ -293,8 +421,12 @@ impl Filter {
         either!(self, filter => filter.is_distrusting())
     }
 
-    fn score(&self) -> f64 {
-        either!(self, filter => filter.score())
+    fn is_open(&self) -> bool {
+        either!(self, filter => filter.is_open())
+    }
+
+    fn evidence_of_motion(&self) -> Option<f64> {
+        either!(self, filter => filter.evidence_of_motion())
     }
 
     fn state_at(&self, time_ns: i64) -> ([f64; 2], [f64; 2], Matrix4<f64>) {

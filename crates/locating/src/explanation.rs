@@ -25,7 +25,7 @@ pub enum DecisionKind {
     EmitterStarted,
     /// The place of an emitter that had been silent (value, seconds) was given to another.
     EmitterDropped,
-    /// Another model is believed: its lead in −2 log likelihood, and the margin.
+    /// Another model is believed. Value: evidence that the emitter moves (2 ln of the Bayes factor); limit: what is enough.
     ModelChosen(Motion),
     /// A model's bearings disagree, and are set aside from now on: running sum of innovations in standard deviations.
     BearingsSetAside(Motion),
@@ -69,7 +69,7 @@ impl DecisionKind {
         match self {
             Self::EmitterStarted => "first bearing of it",
             Self::EmitterDropped => "silent, and its place was needed",
-            Self::ModelChosen(_) => "the bearings are likelier by it",
+            Self::ModelChosen(_) => "the simplest that nothing speaks against",
             Self::BearingsSetAside(_) => "they are off to one side together",
             Self::BearingsAgree(_) => "they are where they are expected",
             Self::ModelRestarted(_) => "bearings disagreed for long without a turn",

@@ -110,7 +110,7 @@ struct Emitter {
     frequency_hz: f64,
     last: Sighting,
     last_heading_rad: Option<f64>,
-    is_turning: bool,
+    turning_since_ns: Option<i64>,
     bank: Bank,
     selector: Selector,
 }
@@ -198,13 +198,12 @@ impl Locator {
     fn take(&mut self, slot: usize, bearing: &Bearing, sighting: &Sighting) -> Option<EmitterReport> {
         let (settings, emitter) = (&self.settings, &mut self.emitters[slot]);
         let after_s = sighting.after_s(emitter.last.time_ns);
-        emitter.watch_heading(bearing.heading_rad, after_s, settings.consistency.turning_rad_per_s);
+        emitter.watch_heading(bearing.heading_rad, sighting, settings.consistency.turning_rad_per_s);
         let mut notes = Notes::EMPTY;
-        let margin = settings.motion.choice_margin;
-        let (consistency, is_turning) = (&settings.consistency, emitter.is_turning);
+        let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
         emitter
             .bank
-            .add(sighting, after_s, is_turning, consistency, margin, &mut notes);
+            .add(sighting, after_s, turning_since_ns, models, &mut notes);
         emitter.last = *sighting;
         let (number, time_ns) = (emitter.number, sighting.time_ns);
         let fix = emitter.bank.fix_at(time_ns);
@@ -281,7 +280,7 @@ impl Locator {
                 frequency_hz: ANY_FREQUENCY_HZ,
                 last: *sighting,
                 last_heading_rad: None,
-                is_turning: false,
+                turning_since_ns: None,
                 bank: Bank::new(&self.settings.motion),
                 selector: Selector::new(self.settings.selection),
             });
@@ -298,7 +297,7 @@ impl Locator {
         emitter.is_labelled = is_labelled;
         emitter.frequency_hz = bearing.frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
         emitter.last = *sighting;
-        (emitter.last_heading_rad, emitter.is_turning) = (None, false);
+        (emitter.last_heading_rad, emitter.turning_since_ns) = (None, None);
         if let Err(place) = self.place(is_labelled, number) {
             self.index.insert(place, (is_labelled, number, slot as u32));
         }
@@ -365,22 +364,23 @@ impl Emitter {
         (difference * difference / variance, variance.ln())
     }
 
-    /// Whether the platform turns.
-    fn watch_heading(&mut self, heading_rad: Option<f64>, after_s: f64, turning_rad_per_s: f64) {
-        let Some(heading_rad) = heading_rad else {
-            (self.last_heading_rad, self.is_turning) = (None, false);
-            return;
-        };
-        match self.last_heading_rad {
-            Some(last) if after_s > 0.0 => {
-                let change = (heading_rad - last).sin().atan2((heading_rad - last).cos());
-                self.is_turning = change.abs() / after_s > turning_rad_per_s;
-                self.last_heading_rad = Some(heading_rad);
+    /// Whether the platform turns, and since when: by the heading at the sighting after the last one.
+    fn watch_heading(&mut self, heading_rad: Option<f64>, sighting: &Sighting, turning_rad_per_s: f64) {
+        let after_s = sighting.after_s(self.last.time_ns);
+        if let (Some(heading_rad), Some(last)) = (heading_rad, self.last_heading_rad) {
+            if after_s <= 0.0 {
+                // Two at one time tell nothing new.
+                return;
             }
-            // Two at one time tell nothing new.
-            Some(_) => {}
-            None => self.last_heading_rad = Some(heading_rad),
+            let change = (heading_rad - last).sin().atan2((heading_rad - last).cos());
+            self.turning_since_ns = match change.abs() / after_s > turning_rad_per_s {
+                true => self.turning_since_ns.or(Some(sighting.time_ns)),
+                false => None,
+            };
+        } else {
+            self.turning_since_ns = None;
         }
+        self.last_heading_rad = heading_rad;
     }
 }
 

@@ -115,12 +115,12 @@ impl Default for SelectionSettings {
         Self {
             select: Select::Auto,
             variance_max_m2: 250_000.0,
-            interval_s: 200.0,
+            interval_s: 250.0,
             above: AboveThreshold::Continue,
-            minimum_rise: 0.1,
-            minimum_gap_s: 10.0,
+            minimum_rise: 0.3,
+            minimum_gap_s: 100.0,
             settled_minima: 2,
-            minimum_wait_s: 600.0,
+            minimum_wait_s: 750.0,
             steering_s: 30.0,
         }
     }
@@ -491,16 +491,12 @@ impl Selector {
             self.due_s = fix.time_s + self.settings.interval_s;
             return Some((Reason::MinimaRare, silent_s, wait_s));
         }
-        if self.stage == Stage::Interval
-            && minimum.is_some_and(|minimum| minimum.seen.time_s > self.previous.time_s + self.settings.minimum_gap_s)
-            && self.minima >= self.settings.settled_minima
-        {
+        if self.stage == Stage::Interval && minimum.is_some() && self.minima >= self.settings.settled_minima {
+            self.stage = Stage::Minimum;
+            // One that comes too soon after the last interval changes the stage, and not yet the direction.
             self.at_minimum(fix, minimum, before);
-            return Some((
-                Reason::Settled,
-                f64::from(self.minima),
-                f64::from(self.settings.settled_minima),
-            ));
+            let needed = f64::from(self.settings.settled_minima);
+            return Some((Reason::Settled, f64::from(self.minima), needed));
         }
         self.at_interval(fix, seen, before, is_below)
     }

@@ -30,10 +30,11 @@ pub struct MotionSettings {
     pub wandering_noise_m2ps: f64,
     /// Spectral density of accelerations, m²/s³, in the model that stands by in case that an emitter does not move straight.
     pub manoeuvring_noise_m2ps3: f64,
-    /// Bearings that count when models are compared.
-    pub comparison_bearings: f64,
-    /// Another model is chosen when the bearings are so much likelier by it: difference of log likelihoods, times 2.
-    pub choice_margin: f64,
+    /// A fixed point is given up for straight motion when the bearings are so much likelier by it: logarithm of the Bayes
+    /// factor, times 2.
+    pub evidence_min: f64,
+    /// … for so many bearings, and the other way round.
+    pub evidence_bearings: u32,
 }
 
 /// Which models compete for an emitter.
@@ -95,10 +96,10 @@ impl Default for MotionSettings {
             filter: FilterChoice::Auto,
             range_sigma_m: 300e3,
             speed_sigma_mps: 30.0,
-            wandering_noise_m2ps: 100.0,
+            wandering_noise_m2ps: 400.0,
             manoeuvring_noise_m2ps3: 0.01,
-            comparison_bearings: 500.0,
-            choice_margin: 12.0,
+            evidence_min: 20.0,
+            evidence_bearings: 16,
         }
     }
 }
@@ -158,13 +159,12 @@ impl Settings {
             ("association.silent_max_s", association.silent_max_s),
         ];
         let not_negative = [
-            ("motion.choice_margin", motion.choice_margin),
+            ("motion.evidence_min", motion.evidence_min),
             ("association.frequency_tolerance_hz", association.frequency_tolerance_hz),
             ("association.rate_max_rad_per_s", association.rate_max_rad_per_s),
         ];
         Fault::not_above_zero(&above_zero)
             .or_else(|| Fault::negative(&not_negative))
-            .or_else(|| Fault::outside("motion.comparison_bearings", motion.comparison_bearings, 2.0, 1e9))
             .or_else(|| Fault::outside("emitters_max", self.emitters_max as f64, 1.0, EMITTERS_MAX as f64))
             .or_else(|| self.selection.fault())
     }

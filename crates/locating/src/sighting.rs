@@ -76,7 +76,13 @@ impl Sighting {
 
     /// Distance in the plane, metres.
     pub(crate) fn distance_m(&self, position_m: [f64; 2]) -> f64 {
-        (position_m[0] - self.platform_m[0]).hypot(position_m[1] - self.platform_m[1])
+        self.squared_distance_m2(position_m).sqrt()
+    }
+
+    /// Its square.
+    pub(crate) fn squared_distance_m2(&self, position_m: [f64; 2]) -> f64 {
+        let [east, north]: [f64; 2] = std::array::from_fn(|axis| position_m[axis] - self.platform_m[axis]);
+        east * east + north * north
     }
 
     /// One sighting for two that were taken near each other: mean time, place and direction, by their information.

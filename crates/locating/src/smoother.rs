@@ -13,8 +13,8 @@
 //!
 //! An emitter is a fixed point (two components: position) or moves straight on (four: velocity, too). Without process noise
 //! the state at a reference time holds all there is, and no bearing is ever forgotten. With process noise, for emitters
-//! that wander or manoeuvre, the same search gives the start, and from then on it is the extended Kalman filter, which works
-//! well once it knows the range.
+//! that wander or manoeuvre, it is the extended Kalman filter; that works well once it knows the range, so it is begun where
+//! the model without noise has settled.
 //!
 //! # Bearings that are wrong
 //!
@@ -24,12 +24,6 @@
 //! is Gaussian with known variance as long as bearings and state are right. When it leaves its bounds, the last
 //! sightings are taken back and new ones set aside until they agree again. If they never do, it is the state that is wrong;
 //! [`crate::bank`] decides that.
-//!
-//! # Evidence
-//!
-//! Each filter keeps score of how improbable its model makes the bearings: −2 log likelihood, up to a constant that is
-//! the same for all models, with the last few hundred bearings counting. With it comes the price of freedom: a
-//! model with a velocity spreads its prior over all velocities, and must earn that.
 //!
 //! Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (Wiley,
 //! 2001), chapters 3 and 10; B. M. Bell, F. W. Cathey, *The iterated Kalman filter update as a Gauss–Newton method*,
@@ -45,13 +39,15 @@ use crate::window::Window;
 /// The geometry allows a fix when the longest half-axis of its error ellipse is below this share of the range.
 const LOCATED_SHARE: f64 = 0.3;
 /// From this share on the linearisation is good enough to judge bearings one by one.
-const SETTLED_SHARE: f64 = 0.1;
+const SETTLED_SHARE: f64 = 0.05;
 /// From this share on a sighting may be linearised for good.
 const LINEAR_SHARE: f64 = 0.02;
 /// Sightings that go into the prior at a time.
 const FOLDED_AT_ONCE: usize = 16;
 /// Bearings after which a settled filter linearises its window anew.
-const RELINEARISED_EVERY: u32 = 8;
+const RELINEARISED_EVERY: u64 = 8;
+/// Before that, after this share of all bearings.
+const SEARCHED_EVERY: u64 = 16;
 /// Rounds of the search for a first fix, and of its improvement.
 const ROUNDS_FIRST: usize = 20;
 const ROUNDS: usize = 3;
@@ -60,20 +56,23 @@ const STEP_SQUARED_MIN: f64 = 1e-4;
 /// Fewest sightings of a fix.
 const SIGHTINGS_MIN: usize = 3;
 
+/// A first fix is believed if its cost is at most so many standard deviations more than expected.
+const COST_SIGMAS: f64 = 4.0;
+/// … and if at most one in so many sightings is far off.
+const SIGHTINGS_PER_OUTLIER: usize = 10;
+
 /// Normalised innovations beyond this count less.
 const DEVIATION_MAX: f64 = 4.0;
-/// What a bearing adds to the score at most: the square of three standard deviations.
-const SCORE_MAX: f64 = 9.0;
 /// What is kept of the running sum of innovations at each bearing, and the sum's standard deviation.
 const SUM_KEPT: f64 = 0.85;
 const SUM_SIGMA: f64 = 1.898_315_991;
 /// Sightings that are taken back when the sum leaves its bounds.
 const TAKEN_BACK: usize = 8;
+/// A fix by which fewer bearings than this were judged is no match for bearings that disagree.
+const YOUNG: u64 = 32;
 /// A sum within this many standard deviations, and an innovation within its own, let bearings in again.
-const AGREE_SUM: f64 = 1.0;
+const AGREE_SUM: f64 = 2.0;
 const AGREE_ONE: f64 = 2.5;
-/// What a restarted model pays per bearing until it can be judged again.
-const RESTART_PENALTY: f64 = 3.0;
 
 /// How an emitter is assumed to move, and what is known of it before the first bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,8 +83,15 @@ pub(crate) struct Model {
     pub(crate) range_sigma_m: f64,
     /// … of its speed along each axis, m/s; of no meaning for fixed points.
     pub(crate) speed_sigma_mps: f64,
-    /// Bearings that count in the score.
-    pub(crate) memory: f64,
+}
+
+/// What the running sum of innovations may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bounds {
+    /// In standard deviations.
+    pub(crate) limit: f64,
+    /// Since when the platform turns.
+    pub(crate) turning_since_ns: Option<i64>,
 }
 
 /// What became of a bearing.
@@ -101,6 +107,13 @@ pub(crate) enum Taken {
     Trusted,
 }
 
+impl Taken {
+    /// Whether the bearing counts.
+    pub(crate) fn is_used(self) -> bool {
+        matches!(self, Self::Used | Self::Trusted)
+    }
+}
+
 /// Filter of one emitter for one model, of D components: position and, if D is 4, velocity.
 #[derive(Clone, Debug)]
 pub(crate) struct Smoother<const D: usize> {
@@ -109,19 +122,21 @@ pub(crate) struct Smoother<const D: usize> {
     reference_ns: i64,
     prior_mean: SVector<f64, D>,
     prior_information: SMatrix<f64, D, D>,
-    /// Determinant's logarithm of the first prior's information: what freedom costs.
-    log_freedom: f64,
     window: Window,
     estimate: SVector<f64, D>,
     covariance: SMatrix<f64, D, D>,
     /// Bearings so far, and since the window was linearised.
     bearings: u64,
-    since_linearised: u32,
+    since_linearised: u64,
+    /// For how many bearings it has been settled.
+    settled_for: u64,
     stage: Stage,
+    /// Whether the sightings of a search have no place in common.
+    is_misfit: bool,
+    /// By how much a velocity explains the window better than rest at the fixed point's fix.
+    lead_over_rest: Option<f64>,
     sum: f64,
     is_distrusting: bool,
-    score: f64,
-    is_scored_singly: bool,
 }
 
 /// How much is known.
@@ -145,6 +160,18 @@ struct System<const D: usize> {
     gradient: SVector<f64, D>,
     cost: f64,
     sightings: usize,
+    /// Of them those that are far off.
+    outliers: usize,
+}
+
+impl<const D: usize> System<D> {
+    /// Whether the sightings fit together: few are far off, and the cost is chi-square with about as many degrees of
+    /// freedom as there are sightings.
+    fn is_plausible(&self) -> bool {
+        let freedom = self.sightings as f64;
+        self.outliers <= self.sightings / SIGHTINGS_PER_OUTLIER
+            && self.cost < freedom + COST_SIGMAS * (2.0 * freedom).sqrt() + COST_SIGMAS
+    }
 }
 
 impl<const D: usize> Smoother<D> {
@@ -155,17 +182,17 @@ impl<const D: usize> Smoother<D> {
             reference_ns: 0,
             prior_mean: SVector::zeros(),
             prior_information: SMatrix::zeros(),
-            log_freedom: 0.0,
             window: Window::EMPTY,
             estimate: SVector::zeros(),
             covariance: SMatrix::zeros(),
             bearings: 0,
             since_linearised: 0,
+            settled_for: 0,
             stage: Stage::Empty,
+            is_misfit: false,
+            lead_over_rest: None,
             sum: 0.0,
             is_distrusting: false,
-            score: 0.0,
-            is_scored_singly: false,
         }
     }
 
@@ -184,11 +211,6 @@ impl<const D: usize> Smoother<D> {
         self.is_distrusting
     }
 
-    /// How improbable the model makes the bearings; less is better.
-    pub(crate) fn score(&self) -> f64 {
-        self.score
-    }
-
     /// Position and velocity at a time, and their covariance.
     pub(crate) fn state_at(&self, time_ns: i64) -> ([f64; 2], [f64; 2], Matrix4<f64>) {
         let after_s = seconds(time_ns - self.reference_ns);
@@ -200,6 +222,27 @@ impl<const D: usize> Smoother<D> {
             _ => [0.0; 2],
         };
         ([state[0], state[1]], velocity, full)
+    }
+
+    /// Whether the search goes on, and nothing speaks against its success yet.
+    pub(crate) fn is_open(&self) -> bool {
+        self.stage < Stage::Located && !self.is_misfit
+    }
+
+    /// How much likelier the bearings are with the velocity than at rest: 2 ln of the Bayes factor (Savage and Dickey: how
+    /// much the bearings have lowered the probability density of rest); `None` for a model without velocity.
+    pub(crate) fn evidence_of_motion(&self) -> Option<f64> {
+        if D != 4 || self.stage != Stage::Settled {
+            return None;
+        }
+        let covariance = self.covariance.fixed_view::<2, 2>(2, 2).into_owned();
+        let factor = Factor::of(&covariance)?;
+        let velocity = SVector::<f64, 2>::new(self.estimate[2], self.estimate[3]);
+        let log_prior = 4.0 * self.model.speed_sigma_mps.ln();
+        let squared = velocity.dot(&factor.solve(&velocity));
+        // Far from a straight line of states the local Gaussian exaggerates; the true cost of rest, where it is known, does not.
+        let lead = self.lead_over_rest.map_or(squared, |lead| lead.min(squared));
+        Some(lead + factor.log_determinant() - log_prior)
     }
 
     /// How a sighting compares with what is expected: squared normalised innovation, and the logarithm of the innovation's
@@ -220,38 +263,82 @@ impl<const D: usize> Smoother<D> {
         ))
     }
 
-    /// Takes the next sighting. `limit` is how many standard deviations the sum of innovations may have.
-    pub(crate) fn add(&mut self, sighting: &Sighting, limit: f64) -> Taken {
+    /// Takes the next sighting. A model with process noise takes none before it is told where to begin.
+    pub(crate) fn add(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
+        if self.is_recursive() {
+            return self.add_recursively(sighting);
+        }
         if self.stage == Stage::Empty {
             self.begin(sighting);
         }
         self.bearings += 1;
         self.since_linearised += 1;
-        self.score *= 1.0 - 1.0 / self.model.memory;
-        if self.is_settled() && self.is_recursive() {
-            self.advance(sighting.time_ns);
-        }
         let taken = match self.stage {
-            Stage::Settled => self.judge(sighting, limit),
+            Stage::Settled => self.judge(sighting, bounds),
             _ => Taken::Used,
         };
-        let is_used = matches!(taken, Taken::Used | Taken::Trusted);
+        self.settled_for = match self.stage {
+            Stage::Settled => self.settled_for + 1,
+            _ => 0,
+        };
+        let is_used = taken.is_used();
         if is_used {
             self.improve(sighting);
         }
-        if !(self.is_settled() && self.is_recursive()) {
-            self.keep(Sighting { is_used, ..*sighting });
-            let is_due = match self.stage {
-                Stage::Settled => self.since_linearised >= RELINEARISED_EVERY || matches!(taken, Taken::Distrusted(_)),
-                Stage::Located | Stage::Vague => self.bearings <= 64 || self.bearings.is_multiple_of(4),
-                _ => self.bearings <= 16 || self.bearings.is_multiple_of(8),
-            };
-            if is_due {
-                self.linearise();
-            }
-            self.look_at_geometry(sighting);
+        self.keep(Sighting { is_used, ..*sighting });
+        let is_distrusted = matches!(taken, Taken::Distrusted(_));
+        if is_distrusted || self.is_due() {
+            self.linearise();
         }
+        if is_distrusted && (self.settled_for < YOUNG || self.share(sighting) > LOCATED_SHARE) {
+            // The fix is young, or rests on what was taken back: it is the fix that is wrong.
+            self.restart();
+        }
+        self.look_at_geometry(sighting);
         taken
+    }
+
+    /// Sets the next sighting aside, because a model that knows more than this one does. `since_ns`: with all since then,
+    /// because it has only now found out.
+    pub(crate) fn set_aside(&mut self, sighting: &Sighting, since_ns: Option<i64>) {
+        if self.is_recursive() {
+            // What it has taken in cannot be taken back.
+            if since_ns.is_some() {
+                self.stage = Stage::Empty;
+            }
+            return;
+        }
+        if self.stage == Stage::Empty {
+            self.begin(sighting);
+        }
+        if since_ns.is_some() {
+            self.window.take_back(TAKEN_BACK, since_ns);
+            self.linearise();
+        }
+        self.keep(Sighting {
+            is_used: false,
+            ..*sighting
+        });
+    }
+
+    /// The extended Kalman filter.
+    fn add_recursively(&mut self, sighting: &Sighting) -> Taken {
+        if self.stage != Stage::Settled {
+            return Taken::Used;
+        }
+        // With process noise it is always the state that is wrong, and the bearings put it right.
+        self.advance(sighting.time_ns);
+        self.improve(sighting);
+        Taken::Used
+    }
+
+    /// Whether the window is to be linearised anew: at every bearing at first, then less often.
+    fn is_due(&self) -> bool {
+        let wait = match self.stage {
+            Stage::Settled => RELINEARISED_EVERY,
+            _ => (self.bearings / SEARCHED_EVERY).min(RELINEARISED_EVERY),
+        };
+        self.since_linearised >= wait.max(1)
     }
 
     /// Begins anew: with the sightings of the window, and nothing else.
@@ -261,24 +348,47 @@ impl<const D: usize> Smoother<D> {
             return;
         };
         self.begin(&first);
-        self.window.use_last(usize::MAX, true);
+        self.window.use_all();
         self.stage = Stage::Searching;
         self.linearise();
     }
 
-    /// Begins anew where another filter of the same kind is.
-    pub(crate) fn restart_like(&mut self, other: &Self) {
-        if let Some(factor) = Factor::of(&other.covariance).filter(|_| other.is_settled()) {
-            self.reference_ns = other.reference_ns;
-            self.estimate = other.estimate;
-            self.covariance = other.covariance;
-            self.prior_mean = other.estimate;
-            self.prior_information = factor.inverse();
-            self.window.clear();
-            self.stage = Stage::Settled;
-            (self.sum, self.is_distrusting) = (0.0, false);
-        } else {
-            self.restart();
+    /// Begins anew where another filter of the same kind is, if that knows; whether it does.
+    pub(crate) fn restart_like(&mut self, other: &Self) -> bool {
+        let Some(factor) = Factor::of(&other.covariance).filter(|_| other.is_settled() && !other.is_distrusting) else {
+            return false;
+        };
+        self.reference_ns = other.reference_ns;
+        self.estimate = other.estimate;
+        self.covariance = other.covariance;
+        self.prior_mean = other.estimate;
+        self.prior_information = factor.inverse();
+        self.window.clear();
+        self.stage = Stage::Settled;
+        (self.sum, self.is_distrusting) = (0.0, false);
+        self.lead_over_rest = None;
+        true
+    }
+
+    /// Considers that the emitter rests where a fixed point is, and goes on from there should that explain prior and window
+    /// better: a search that began before there were many bearings may have ended where nothing is.
+    pub(crate) fn reconsider(&mut self, position_m: Option<[f64; 2]>, latest: &Sighting) {
+        if self.is_recursive() || self.since_linearised > 0 || self.stage < Stage::Vague {
+            return;
+        }
+        self.lead_over_rest = None;
+        let Some(position_m) = position_m else { return };
+        let mut at = SVector::zeros();
+        at[0] = position_m[0];
+        at[1] = position_m[1];
+        let cost = |at| self.system(at, self.window.all()).cost;
+        let lead = cost(&at) - cost(&self.estimate);
+        self.lead_over_rest = Some(lead);
+        if lead < 0.0 {
+            self.estimate = at;
+            self.stage = Stage::Vague;
+            self.linearise();
+            self.look_at_geometry(latest);
         }
     }
 
@@ -299,21 +409,15 @@ impl<const D: usize> Smoother<D> {
         }
         self.prior_mean[0] = first.platform_m[0];
         self.prior_mean[1] = first.platform_m[1];
-        self.log_freedom = (0..D).map(|axis| self.prior_information[(axis, axis)].ln()).sum();
         self.stage = Stage::Searching;
         (self.sum, self.is_distrusting) = (0.0, false);
     }
 
     /// Whether a sighting is to be believed, by what the settled filter expects.
-    fn judge(&mut self, sighting: &Sighting, limit: f64) -> Taken {
-        let Some((squared, log_variance)) = self.compare(sighting) else {
+    fn judge(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
+        let Some((squared, _)) = self.compare(sighting) else {
             return Taken::SetAside;
         };
-        self.score += squared.min(SCORE_MAX) - 1.0 + log_variance + sighting.information.ln();
-        if self.is_recursive() {
-            // With process noise the covariance grows until bearings are believed again.
-            return Taken::Used;
-        }
         let residual = sighting.residual(self.position_at(sighting.time_ns));
         let sign = residual.map_or(0.0, |residual| residual.innovation_rad.signum());
         let deviation = sign * squared.sqrt();
@@ -326,9 +430,9 @@ impl<const D: usize> Smoother<D> {
             }
             return Taken::SetAside;
         }
-        if sum.abs() > limit {
+        if sum.abs() > bounds.limit {
             self.is_distrusting = true;
-            self.window.use_last(TAKEN_BACK, false);
+            self.window.take_back(TAKEN_BACK, bounds.turning_since_ns);
             return Taken::Distrusted(sum);
         }
         match deviation.abs() > DEVIATION_MAX {
@@ -363,13 +467,19 @@ impl<const D: usize> Smoother<D> {
     fn keep(&mut self, sighting: Sighting) {
         if self.window.is_full() && !self.window.forget_unused() {
             let place = (self.stage >= Stage::Vague).then(|| self.position_at(sighting.time_ns));
-            if self.may_fold(FOLDED_AT_ONCE) {
+            if self.is_settled() && self.may_fold(FOLDED_AT_ONCE) {
                 self.fold(FOLDED_AT_ONCE);
-            } else if !self.window.merge(place, false) {
+            } else if self.stage == Stage::Searching && self.is_misfit {
+                self.window.forget_first(FOLDED_AT_ONCE);
+            } else if self.window.merge(place) == 0 {
                 match self.is_located() {
                     true => self.fold(FOLDED_AT_ONCE),
-                    false => _ = self.window.merge(place, true),
+                    false => _ = self.window.merge(None),
                 }
+            }
+            if self.window.is_full() {
+                // Nothing could be folded or merged: what is used and what is not alternate.
+                self.window.forget_first(1);
             }
         }
         self.window.push(sighting);
@@ -378,11 +488,10 @@ impl<const D: usize> Smoother<D> {
     /// Whether the first `count` sightings are so far from the emitter that they may be linearised for good.
     fn may_fold(&self, count: usize) -> bool {
         let error_m = self.error_m(self.reference_ns);
-        self.is_settled()
-            && self.window.all()[..count].iter().all(|sighting| {
-                let position_m = position(&self.estimate, sighting.after_s(self.reference_ns));
-                error_m < LINEAR_SHARE * sighting.distance_m(position_m)
-            })
+        self.window.all()[..count].iter().all(|sighting| {
+            let position_m = position(&self.estimate, sighting.after_s(self.reference_ns));
+            error_m < LINEAR_SHARE * sighting.distance_m(position_m)
+        })
     }
 
     /// Makes the first `count` sightings part of the prior, which moves to the time of the last of them.
@@ -430,16 +539,16 @@ impl<const D: usize> Smoother<D> {
         let Some(factor) = Factor::of(&system.information) else {
             return;
         };
-        if (is_first && !has_converged) || !at.iter().all(|value| value.is_finite()) {
+        if is_first {
+            self.is_misfit = has_converged && !system.is_plausible();
+        }
+        if (is_first && (!has_converged || self.is_misfit)) || !at.iter().all(|value| value.is_finite()) {
             return;
         }
         self.estimate = at;
         self.covariance = factor.inverse();
         if is_first {
             self.stage = Stage::Vague;
-        }
-        if !self.is_scored_singly {
-            self.score = system.cost - system.sightings as f64 + factor.log_determinant() - self.log_freedom;
         }
     }
 
@@ -491,6 +600,7 @@ impl<const D: usize> Smoother<D> {
             gradient,
             cost: offset.dot(&gradient),
             sightings: 0,
+            outliers: 0,
         };
         for sighting in sightings.iter().filter(|sighting| sighting.is_used) {
             let after_s = sighting.after_s(self.reference_ns);
@@ -503,6 +613,7 @@ impl<const D: usize> Smoother<D> {
             let information = weight * sighting.information;
             system.cost += cost;
             system.sightings += 1;
+            system.outliers += usize::from(weight < 1.0);
             system.gradient += h * (information * residual.innovation_rad);
             let scaled = h * information;
             for column in 0..D {
@@ -519,22 +630,20 @@ impl<const D: usize> Smoother<D> {
         if self.stage < Stage::Vague || self.is_settled() {
             return;
         }
-        let range = |sighting: &Sighting| sighting.distance_m(self.position_at(sighting.time_ns));
-        let range_m = self.window.all().first().map_or(0.0, range).max(range(latest));
-        let share = self.error_m(latest.time_ns) / range_m;
+        let share = self.share(latest);
         if share < LOCATED_SHARE {
             self.stage = self.stage.max(Stage::Located);
         }
         if share < SETTLED_SHARE {
             self.stage = Stage::Settled;
-            self.is_scored_singly = true;
-            if self.is_recursive() {
-                self.window.clear();
-                self.advance(latest.time_ns);
-            }
-        } else if self.is_scored_singly {
-            self.score += RESTART_PENALTY;
         }
+    }
+
+    /// Longest half-axis of the error ellipse over the range.
+    fn share(&self, latest: &Sighting) -> f64 {
+        let range = |sighting: &Sighting| sighting.distance_m(self.position_at(sighting.time_ns));
+        let range_m = self.window.all().first().map_or(0.0, range).max(range(latest));
+        self.error_m(latest.time_ns) / range_m
     }
 
     /// Longest half-axis of the position's error ellipse at a time, metres.

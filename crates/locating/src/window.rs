@@ -10,7 +10,7 @@ use crate::sighting::Sighting;
 /// Most sightings that a filter keeps.
 pub const WINDOW_MAX: usize = 64;
 /// An error of the mean of so much of its standard deviation is none.
-const LOSS_MAX: f64 = 0.1;
+const LOSS_MAX: f64 = 0.05;
 
 /// Sightings in the order of time.
 #[derive(Clone, Debug)]
@@ -59,31 +59,37 @@ impl Window {
         true
     }
 
-    /// Says of the last `count` whether they count.
-    pub(crate) fn use_last(&mut self, count: usize, is_used: bool) {
-        let first = self.len.saturating_sub(count);
-        for sighting in &mut self.sightings[first..self.len] {
-            sighting.is_used = is_used;
+    /// Lets all count.
+    pub(crate) fn use_all(&mut self) {
+        for sighting in &mut self.sightings[..self.len] {
+            sighting.is_used = true;
         }
     }
 
-    /// Makes one of two neighbours: those by which least is lost, where the emitter is at `position_m` (`None`: anywhere,
-    /// then those nearest to each other). Whether that was without loss; if not, and not `at_any_loss`, nothing is done.
-    pub(crate) fn merge(&mut self, position_m: Option<[f64; 2]>, at_any_loss: bool) -> bool {
-        let mut best: Option<(f64, usize)> = None;
-        for (place, pair) in self.all().windows(2).enumerate() {
-            let loss = loss(&pair[0], &pair[1], position_m);
-            if best.is_none_or(|(least, _)| loss < least) {
-                best = Some((loss, place));
+    /// Takes back the last `count`, and all since a time.
+    pub(crate) fn take_back(&mut self, count: usize, since_ns: Option<i64>) {
+        let first = self.len.saturating_sub(count);
+        for (place, sighting) in self.sightings[..self.len].iter_mut().enumerate() {
+            if place >= first || since_ns.is_some_and(|since_ns| sighting.time_ns >= since_ns) {
+                sighting.is_used = false;
             }
         }
-        let Some((loss, place)) = best else { return false };
-        let is_lossless = position_m.is_none() || loss < LOSS_MAX;
-        if is_lossless || at_any_loss {
-            self.sightings[place] = self.sightings[place].merged(&self.sightings[place + 1]);
-            self.remove(place + 1);
+    }
+
+    /// Makes one of two neighbours wherever nothing is lost by it, with the emitter at `position_m` (`None`: nobody knows,
+    /// then everywhere); how many places that has given.
+    pub(crate) fn merge(&mut self, position_m: Option<[f64; 2]>) -> usize {
+        let (before, mut kept, mut next) = (self.len, 0, 0);
+        while next < before {
+            let one = self.sightings[next];
+            let other = (next + 1 < before).then(|| self.sightings[next + 1]);
+            let merged = other.filter(|other| may_merge(&one, other, position_m));
+            self.sightings[kept] = merged.map_or(one, |other| one.merged(&other));
+            kept += 1;
+            next += if merged.is_some() { 2 } else { 1 };
         }
-        is_lossless
+        self.len = kept;
+        before - kept
     }
 
     fn remove(&mut self, place: usize) {
@@ -92,20 +98,19 @@ impl Window {
     }
 }
 
-/// Error of the mean over its standard deviation; without a place, squared distance times information.
-fn loss(one: &Sighting, other: &Sighting, position_m: Option<[f64; 2]>) -> f64 {
+/// Whether the error of the mean is small beside its standard deviation.
+fn may_merge(one: &Sighting, other: &Sighting, position_m: Option<[f64; 2]>) -> bool {
     if one.is_used != other.is_used {
-        return f64::MAX;
+        return false;
     }
-    let apart = one.distance_m(other.platform_m);
+    let Some(position_m) = position_m else { return true };
+    let apart = one.squared_distance_m2(other.platform_m);
+    let range = one
+        .squared_distance_m2(position_m)
+        .min(other.squared_distance_m2(position_m));
     let information = one.information + other.information;
-    match position_m {
-        Some(position_m) => {
-            let range = one.distance_m(position_m).min(other.distance_m(position_m));
-            apart * apart / (8.0 * range * range).max(f64::MIN_POSITIVE) * information.sqrt()
-        }
-        None => apart * apart * information,
-    }
+    let limit = 8.0 * LOSS_MAX * range;
+    apart * apart * information < limit * limit
 }
 
 #[cfg(test)]
@@ -124,20 +129,23 @@ mod tests {
 
     #[test]
     fn neighbours_become_one_where_nothing_is_lost() {
-        let mut window = Window::EMPTY;
-        for east in [0.0, 100.0, 110.0, 300.0] {
-            window.push(at(east));
-        }
-        assert!(window.merge(Some([0.0, 10e3]), false));
-        assert_eq!(window.all().len(), 3);
-        assert_eq!(window.all()[1].platform_m, [105.0, 0.0]);
-        assert_eq!(window.all()[1].information, 200.0);
-        assert_eq!(window.all()[1].time_ns, 105_000_000_000);
+        let window = || {
+            let mut window = Window::EMPTY;
+            for east in [0.0, 10.0, 30.0, 4_000.0, 8_000.0] {
+                window.push(at(east));
+            }
+            window
+        };
+        let mut far = window();
+        assert_eq!(far.merge(Some([0.0, 1e3])), 1);
+        assert_eq!(far.all()[0].platform_m, [5.0, 0.0]);
+        assert_eq!(far.all()[0].information, 200.0);
+        assert_eq!(far.all()[0].time_ns, 5_000_000_000);
+        assert_eq!(far.all()[3], at(8_000.0));
         // Near an emitter no two are alike.
-        assert!(!window.merge(Some([100.0, 50.0]), false));
-        assert_eq!(window.all().len(), 3);
-        assert!(!window.merge(Some([100.0, 50.0]), true));
-        assert_eq!(window.all().len(), 2);
+        assert_eq!(window().merge(Some([20.0, 5.0])), 0);
+        // As long as nobody knows where it is, there is no other way.
+        assert_eq!(window().merge(None), 2);
     }
 
     #[test]
@@ -146,7 +154,7 @@ mod tests {
         for east in [0.0, 1.0, 2.0] {
             window.push(at(east));
         }
-        window.use_last(2, false);
+        window.take_back(1, Some(1_000_000_000));
         assert!(window.forget_unused() && window.forget_unused() && !window.forget_unused());
         assert_eq!(window.all(), [at(0.0)]);
     }

@@ -11,7 +11,7 @@
 //! [locating.selection]
 //! select = "staged"           # auto, none, interval, minimum or staged
 //! position_sigma_max_m = 500.0
-//! interval_s = 200.0
+//! interval_s = 250.0
 //! ```
 
 use std::path::Path;
@@ -79,8 +79,8 @@ struct RawMotion {
     speed_sigma_mps: f64,
     wandering_noise_m2ps: f64,
     manoeuvring_noise_m2ps3: f64,
-    comparison_bearings: f64,
-    choice_margin: f64,
+    evidence_min: f64,
+    evidence_bearings: u32,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -157,8 +157,8 @@ impl RawLocating {
                 speed_sigma_mps: motion.speed_sigma_mps,
                 wandering_noise_m2ps: motion.wandering_noise_m2ps,
                 manoeuvring_noise_m2ps3: motion.manoeuvring_noise_m2ps3,
-                comparison_bearings: motion.comparison_bearings,
-                choice_margin: motion.choice_margin,
+                evidence_min: motion.evidence_min,
+                evidence_bearings: motion.evidence_bearings,
             },
             consistency: ConsistencySettings {
                 limit: consistency.limit,
@@ -218,8 +218,8 @@ impl Default for RawMotion {
             speed_sigma_mps: of.speed_sigma_mps,
             wandering_noise_m2ps: of.wandering_noise_m2ps,
             manoeuvring_noise_m2ps3: of.manoeuvring_noise_m2ps3,
-            comparison_bearings: of.comparison_bearings,
-            choice_margin: of.choice_margin,
+            evidence_min: of.evidence_min,
+            evidence_bearings: of.evidence_bearings,
         }
     }
 }
