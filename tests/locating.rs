@@ -15,7 +15,7 @@ use rustix::process::Signal;
 /// Numbers of the sources in the configuration.
 const RADAR: u16 = 0;
 const FINDER: u16 = 1;
-/// Ships, so that nothing manoeuvres; bearings so many and so good that positions come within seconds.
+/// Ships that drift, and bearings so many and so good that positions come within seconds.
 const SITE: &str = r#"name = "test"
 [frame]
 latitude_deg = 34.75
@@ -27,16 +27,17 @@ terminal_share = 0.0
 holding_share = 0.0
 surface_share = 0.0
 ship_share = 1.0
+ship_speed_max_mps = 1.0
 [[source]]
 name = "radar"
 period_s = 1.0
 fresh_s = 3.5
-assumed_height_m = 20.0
 [source.simulated]
 kind = "radar"
 period_s = 1.0
 height_min_m = -100.0
 identity = "none"
+height_sigma_m = 10.0
 [source.covariance]
 range_sigma_m = 50.0
 azimuth_sigma_deg = 0.069
@@ -52,9 +53,60 @@ speed_mps = 250.0
 period_s = 0.1
 bearing_sigma_rad = 0.0005
 [source.locator]
+[fusion.registration]
+enabled = false
 [recorder]
 enabled = false
 "#;
+
+/// The same without processes: bearings simulated into a file, and located from it.
+#[test]
+fn simulated_bearings_are_located_from_a_file() {
+    let home = Home::new();
+    std::fs::write(home.path("site.toml"), SITE).unwrap();
+    let succeed = |arguments: &str| {
+        let output = home.run(&arguments.split(' ').collect::<Vec<_>>());
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{arguments}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    };
+    succeed("simulate --scenario site.toml --seed 5 --for 60 --out simulated");
+    succeed("locate --bearings simulated/bearings_2.csv --out fixes.csv");
+    let rows = |name: &str| -> Vec<Vec<f64>> {
+        let text = std::fs::read_to_string(home.path(name)).unwrap();
+        let numbers = |line: &str| line.split(',').map(|field| field.parse().unwrap_or(f64::NAN)).collect();
+        text.lines().skip(1).map(numbers).collect()
+    };
+    let (truth, fixes) = (rows("simulated/truth.csv"), rows("fixes.csv"));
+    for ship in 0..4 {
+        let last = |table: &[Vec<f64>]| {
+            table
+                .iter()
+                .rfind(|row| row[1] == f64::from(ship))
+                .cloned()
+                .expect("is there")
+        };
+        let (there, found) = (last(&truth), last(&fixes));
+        let apart_m = (there[2] - found[2]).hypot(there[3] - found[3]);
+        assert!(apart_m < 500.0, "ship {ship}: {apart_m:.0} m apart");
+    }
+}
+
+#[test]
+fn the_example_is_sound() {
+    let home = Home::new();
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/maritime.toml");
+    let output = home.run(&["check", example]);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
 
 /// A transmitter on a simulated ship is located by bearings, and is one system track with what the radar sees of it, where
 /// the ship is.

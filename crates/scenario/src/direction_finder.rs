@@ -1,6 +1,6 @@
 //! A simulated direction finder: an aircraft that flies a racetrack and measures from where it hears transmitters.
 //!
-//! It measures bearings only, and knows where it is itself and where it is heading. Some of the targets carry a
+//! The flight begins with a leg. The finder measures bearings only, and knows where it is itself and where it is heading. Some of the targets carry a
 //! transmitter, each on a frequency of its own; the finder knows them apart. All bearings of a period are measured at one
 //! time. What an antenna array would make of phases is left out here: a bearing is the true one with a normal error.
 
@@ -91,9 +91,18 @@ impl DirectionFinderSettings {
         within("frequency_sigma_hz", self.frequency_sigma_hz, 0.0, 1e9)
     }
 
+    fn turn_radius_m(&self) -> f64 {
+        self.speed_mps.powi(2) / TURN_ACCELERATION_MPS2
+    }
+
+    /// Duration of the quarter turn with which the path begins: the platform is behind it when the scenario starts.
+    fn first_turn_s(&self) -> f64 {
+        std::f64::consts::FRAC_PI_2 * self.turn_radius_m() / self.speed_mps
+    }
+
     /// Two legs, as far apart as two turns need.
     fn path(&self) -> ClosedPath {
-        let turn_radius_m = self.speed_mps.powi(2) / TURN_ACCELERATION_MPS2;
+        let turn_radius_m = self.turn_radius_m();
         let (sin, cos) = self.course_rad.sin_cos();
         let half_length_m = 0.5 * self.leg_m + turn_radius_m;
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[along, across]| {
@@ -181,7 +190,7 @@ impl SimulatedDirectionFinder {
         let Kinematics {
             position_m,
             velocity_mps,
-        } = self.path.at(time_s);
+        } = self.path.at(time_s + self.settings.first_turn_s());
         PlatformPose {
             position_m,
             velocity_mps,

@@ -23,6 +23,8 @@ pub struct ScenarioSettings {
     pub surface_share: f64,
     /// Share of targets that are ships, which keep their course for hours (0).
     pub ship_share: f64,
+    /// Greatest speed of ships, m/s, 0.1 to 30; the slowest goes a third of it (12).
+    pub ship_speed_max_mps: f64,
     /// Share of the en-route targets that meet another one, crossing its path at the same time in every lap (0.3).
     pub crossing_share: f64,
 }
@@ -36,6 +38,7 @@ impl Default for ScenarioSettings {
             holding_share: 0.1,
             surface_share: 0.2,
             ship_share: 0.0,
+            ship_speed_max_mps: 12.0,
             crossing_share: 0.3,
         }
     }
@@ -64,6 +67,7 @@ impl ScenarioSettings {
         within("holding_share", self.holding_share, 0.0, 1.0)?;
         within("surface_share", self.surface_share, 0.0, 1.0)?;
         within("ship_share", self.ship_share, 0.0, 1.0)?;
+        within("ship_speed_max_mps", self.ship_speed_max_mps, 0.1, 30.0)?;
         within("crossing_share", self.crossing_share, 0.0, 1.0)?;
         let sum = self.terminal_share + self.holding_share + self.surface_share + self.ship_share;
         if sum > 1.0 + 1e-9 {

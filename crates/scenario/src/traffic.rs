@@ -58,7 +58,7 @@ pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
         } else if index < count - ships {
             surface_target(&mut random)
         } else {
-            ship_target(&mut random, settings.half_width_m)
+            ship_target(&mut random, settings)
         };
         targets.push(with_identity(target, index, seed));
     }
@@ -236,8 +236,9 @@ fn surface_target(random: &mut ChaCha8Rng) -> Target {
 }
 
 /// A round trip of hours between four places at sea, all of the way at one speed.
-fn ship_target(random: &mut ChaCha8Rng, half_width_m: f64) -> Target {
-    let speed_mps = random.random_range(4.0..12.0);
+fn ship_target(random: &mut ChaCha8Rng, settings: &ScenarioSettings) -> Target {
+    let half_width_m = settings.half_width_m;
+    let speed_mps = random.random_range(1.0 / 3.0..1.0) * settings.ship_speed_max_mps;
     let centre_m = [0; 2].map(|_| random.random_range(-0.5..0.5) * half_width_m);
     let direction_rad = random.random_range(0.0..std::f64::consts::TAU);
     let half_length_m = random.random_range(0.1..0.3) * half_width_m;

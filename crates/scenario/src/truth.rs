@@ -30,7 +30,7 @@ impl TargetKind {
             Self::Terminal => 200.0,
             Self::Holding => 130.0,
             Self::Surface => 20.0,
-            Self::Ship => 13.0,
+            Self::Ship => 30.0,
         }
     }
 }
