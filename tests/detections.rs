@@ -122,9 +122,15 @@ impl Radar {
         (self.state >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Sends the plots of a turn that begins now: targets, each seen nine times out of ten, and false ones.
+    /// Sends the plots of a turn that begins now, and waits for its end.
     fn turn(&mut self) {
-        let begin_ns = utc_ns();
+        let (socket, to) = (self.socket.try_clone().unwrap(), self.to);
+        self.plots(utc_ns(), &mut |block| drop(socket.send_to(block, to)));
+        std::thread::sleep(PERIOD);
+    }
+
+    /// The plots of a turn: targets, each seen nine times out of ten, and false ones.
+    fn plots(&mut self, begin_ns: i64, send: &mut dyn FnMut(&[u8])) {
         let mut plots = Vec::new();
         for target in 0..TARGETS {
             let [off_east, off_north, seen] = [self.random(), self.random(), self.random()];
@@ -138,17 +144,14 @@ impl Radar {
             let place = [80e3 * (self.random() - 0.5), 80e3 * (self.random() - 0.5), 5000.0];
             plots.push((place, false));
         }
-        let (socket, to) = (&self.socket, self.to);
-        let mut send = |block: &[u8]| drop(socket.send_to(block, to));
-        self.reports.status(begin_ns, &mut send);
+        self.reports.status(begin_ns, send);
         for (number, (place, height)) in (1..).zip(plots) {
             // Several of one time, as azimuths allow.
             self.reports
-                .plot(begin_ns + 8_000_000 * (number / 2), place, height, &mut send);
+                .plot(begin_ns + 8_000_000 * (number / 2), place, height, send);
         }
-        self.reports.flush(&mut send);
+        self.reports.flush(send);
         self.scans += 1;
-        std::thread::sleep(PERIOD);
     }
 
     /// Turns until something holds.
@@ -252,6 +255,58 @@ fn an_adapter_that_is_killed_goes_on_with_new_numbers() {
     let last = of_first.iter().map(number).max().unwrap();
     assert!(after.iter().all(|row| number(row) > last), "no number is given twice");
     assert!(written(&system) > 100);
+    site.home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn a_recording_of_plots_is_tracked_at_any_speed() {
+    let (mut site, mut recording) = (Site::new(), Vec::new());
+    for scan in 0..60 {
+        site.radar.plots(1_000_000_000 * (43_200 + 4 * scan), &mut |block| {
+            recording.extend_from_slice(block)
+        });
+    }
+    fs::write(site.home.path("plots.ast"), recording).unwrap();
+    let text = site.read("site.toml");
+    let recorded = "[source.recorded]\nfile = \"plots.ast\"\n";
+    let text = text.replacen("[source.live]\nreceiver = \"lan\"\n", recorded, 1);
+    let begin = text.find("[[receiver]]").unwrap();
+    let text = text.replacen(&text[begin..text.find("[[source]]").unwrap()], "", 1);
+    let time = "[time]\norder = \"time\"\ndate = \"2026-05-10\"\n";
+    let text = text.replacen("period_s = 0.2", "period_s = 4.0", 1) + time;
+    fs::write(site.home.path("site.toml"), text).unwrap();
+    let mut earlier: Option<(String, String)> = None;
+    for (speed, out) in [("max", "out"), ("200", "slow")] {
+        let up = [
+            "up",
+            "site.toml",
+            "--data",
+            ".",
+            "--speed",
+            speed,
+            "--instance",
+            "test",
+            "--out",
+            out,
+        ];
+        let output = site.home.run(&up);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let files = ["sensor_tracks_radar.csv", "detections_radar.csv"].map(|name| site.read(&format!("{out}/{name}")));
+        let [tracks, detections] = files;
+        assert!(
+            tracks.lines().count() > 150 && detections.lines().count() > 400,
+            "{}",
+            tracks.lines().count()
+        );
+        assert!(
+            earlier.is_none_or(|earlier| earlier == (tracks.clone(), detections.clone())),
+            "{speed}"
+        );
+        earlier = Some((tracks, detections));
+    }
+    let (tracks, detections) = earlier.unwrap();
+    let detections: Vec<&str> = detections.lines().skip(1).collect();
+    assert!(site.tracked("all.csv", &detections, "site.toml") == rows(&tracks));
     site.home.assert_nothing_is_left("test");
 }
 

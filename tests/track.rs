@@ -398,3 +398,41 @@ fn decisions_are_explained() {
         assert!(confirmed.contains(&numbers[row]), "{why}");
     }
 }
+
+#[test]
+fn a_recording_of_the_ferry_is_read_as_it_is() {
+    let folder = Folder::new();
+    let mut json = Vec::new();
+    for scan in 0..20 {
+        let time = 1_600_000_000.5 + f64::from(scan);
+        let (north, east) = (30.0 + 2.0 * f64::from(scan), 40.0);
+        json.push(format!(
+            r#"{{"sensorID": 2, "ownshipPosition": [-10, 20], "time": {time}, "measurement": [{north}, {east}]}}"#
+        ));
+    }
+    folder.write("ferry.json", &format!("[{}]", json.join(",\n")));
+    let line = folder.refusal("--detections ferry.json --out tracks.csv");
+    assert!(
+        line.contains("no detection of sensor 2 states standard deviations"),
+        "{line}"
+    );
+    let near = "[initiation]\nspeed_sigma_mps = 5.0\n";
+    folder.write(
+        "ferry.toml",
+        &format!("[[sensor]]\nid = 2\nsigmas = [3.0, 3.0]\nclutter_density = 1e-6\n{near}"),
+    );
+    let said = folder.track("--detections ferry.json --config ferry.toml --out tracks.csv");
+    assert_eq!((&said["tracks"], &said["scans"]), (&1.into(), &20.into()));
+    let tracks = folder.read("tracks.csv");
+    let last = |name: &str| column(&tracks, name).last().unwrap().parse::<f64>().unwrap();
+    assert!(
+        (last("x") - 60.0).abs() < 1.0 && (last("y") - 58.0).abs() < 1.0,
+        "{tracks}"
+    );
+    // 2020-09-13, 12:26:40.5 and 19 s.
+    assert!((last("time_s") - 44_819.5).abs() < 1e-3, "{tracks}");
+    folder.write("broken.json", "[{\"sensorID\": 9}]");
+    let _ = fs::remove_file(folder.path("tracks.csv"));
+    let line = folder.refusal("--detections broken.json --config ferry.toml --out tracks.csv");
+    assert!(line.contains("broken.json: detections: missing field"), "{line}");
+}

@@ -245,19 +245,20 @@ impl Agent for Replay {
         }
         let Some(clock) = self.clock else {
             self.start(now);
-            // Says where the source begins, so that the others need not wait for its first report.
-            self.publish(0, now)?;
+            if self.recording.peek().is_some() {
+                // Says where the source begins, so that the others need not wait for its first report.
+                self.publish(0, now)?;
+            }
             return Ok(Turn::Worked);
         };
-        // Detections first: up to the next report, and all of them when there is none any more.
-        let next_ns = self
-            .recording
-            .peek()
-            .map_or(i64::MAX, |next| next.time_of_measurement_ns);
-        if let Some(turn) = self.publish_detections(next_ns.min(self.until_ns(clock, now)), now)? {
+        let count = self.due(clock, now);
+        // Detections first: those up to the last of these reports, and all that are left before the end is said.
+        let is_last = self.recording.peek_nth(count).is_none();
+        let last_ns = count.checked_sub(1).and_then(|last| self.recording.peek_nth(last));
+        let last_ns = last_ns.map_or(i64::MIN, |last| last.time_of_measurement_ns);
+        if let Some(turn) = self.publish_detections(if is_last { i64::MAX } else { last_ns }, now)? {
             return Ok(turn);
         }
-        let count = self.due(clock, now);
         if count == 0 && self.recording.peek().is_some() {
             return Ok(Turn::Idle(self.until_due(clock, now)));
         }

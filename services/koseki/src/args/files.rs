@@ -170,7 +170,8 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          deviations; p: where the sensor was; all in metres, radians, m/s, and what a kind does not measure left empty.
          Detections with the same sensor_id and scan are one scan: what the sensor saw in a turn or an image. A scan number
          that is left out is a scan without detections. Several files are merged by time. Rows that cannot be used are left
-         out and counted.
+         out and counted. A recording of the Autoferry data set (scenarioN_detections.json) is read as it is: sensors 1 lidar,
+         2 radar (position2), 3 infrared camera, 4 camera (bearing); it states no standard deviations, so --config must.
 --out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,hypotheses,reliability    a row for each confirmed
          track after each scan; state is confirmed, or coasted after a scan without it; sensor_id is 0, the tracker.
 --explain what became of each scan, cluster, hypothesis and track, and why; docs/tracking.md says what the columns are
@@ -211,7 +212,7 @@ The same files and options give the same bytes.";
 /// `koseki track`.
 #[derive(Debug, Args)]
 pub(crate) struct Track {
-    /// Detections: CSV files
+    /// Detections: CSV files, or recordings of the Autoferry data set
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) detections: Vec<PathBuf>,
     /// What is known of the sensors, and settings of the tracker: a TOML file

@@ -1,11 +1,14 @@
-//! Detections of one or several files.
+//! Detections of one or several files: tables, and recordings of the Autoferry data set, which begin with a bracket.
 
-use std::io::BufReader;
+use std::fs::File;
+use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
+use formats::autoferry;
 use formats::csv_table::CsvError;
 use formats::detection::Detection;
 use formats::detections_csv::DetectionReader;
+use frames::time::NS_PER_DAY;
 use runtime::config::SeenDetections;
 use tracking::Settings;
 use tracking::scans::ScanOfDetections;
@@ -48,8 +51,19 @@ impl Input {
     }
 
     fn read_file(&mut self, path: &Path) -> Result<(), InputError> {
-        let file = open(path)?;
+        let mut file = open(path)?;
         self.octets += file.metadata().map_or(0, |found| found.len());
+        let failed = |error: std::io::Error| InputError::new(path, format!("cannot be read: {error}"));
+        let mut first = [0];
+        let begun = file.read(&mut first).map_err(failed)?;
+        if begun == 1 && first[0] == b'[' {
+            return self.read_autoferry(path, file, &first);
+        }
+        // What cannot be read twice, a pipe, is read on behind its first octet.
+        let file = match file.seek(SeekFrom::Start(0)) {
+            Ok(_) => first[..0].chain(file),
+            Err(_) => first[..begun].chain(file),
+        };
         let reader = DetectionReader::new(BufReader::with_capacity(BUFFER_OCTETS, file), 0);
         for row in reader.map_err(|error| InputError::new(path, error))? {
             match row {
@@ -59,6 +73,23 @@ impl Input {
                 }
                 Err(error) => return Err(InputError::new(path, error)),
             }
+        }
+        Ok(())
+    }
+
+    /// Times count from midnight of the first scan's day.
+    fn read_autoferry(&mut self, path: &Path, mut file: File, begun: &[u8]) -> Result<(), InputError> {
+        let mut json = begun.to_vec();
+        file.read_to_end(&mut json)
+            .map_err(|error| InputError::new(path, format!("cannot be read: {error}")))?;
+        let scans = autoferry::read_detections(&json).map_err(|error| InputError::new(path, error))?;
+        let first_ns = scans.iter().map(|scan| scan.time_of_measurement_ns).min();
+        let day_ns = first_ns.unwrap_or_default().div_euclid(NS_PER_DAY) * NS_PER_DAY;
+        for detection in scans.into_iter().flat_map(|scan| scan.detections) {
+            self.detections.push(Detection {
+                time_of_measurement_ns: detection.time_of_measurement_ns - day_ns,
+                ..detection
+            });
         }
         Ok(())
     }
