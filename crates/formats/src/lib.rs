@@ -12,7 +12,9 @@
 //! - [`reports`]: what such records and lines mean to the pipeline: checked sensor tracks in the system frame;
 //! - [`detection`]: single measurements, for sensors whose tracks are made here; [`autoferry`] reads a public data set
 //!   of them; [`wide_area`]: how many targets a remote sensor has seen;
-//! - [`sensor_tracks_csv`], [`detections_csv`]: both kinds of input as rows of text, by the rules of [`csv_table`];
+//! - [`bearing`]: directions of emitters, for sensors that measure nothing else;
+//! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`]: these inputs as rows of text, by the rules of
+//!   [`csv_table`];
 //! - [`outgoing`]: the way back, tracks as data blocks for other systems;
 //! - [`tracks_csv`]: sensor tracks and system tracks as output.
 
@@ -20,6 +22,8 @@
 
 pub mod asterix;
 pub mod autoferry;
+pub mod bearing;
+pub mod bearings_csv;
 pub mod containers;
 pub mod csv_table;
 pub mod detection;

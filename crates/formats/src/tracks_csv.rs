@@ -205,8 +205,11 @@ fn state_word(code: u8) -> &'static str {
     TrackState::from_code(code).map_or("", TrackState::word)
 }
 
-/// Seconds, as few decimals as are exact.
-pub(crate) fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
+/// Writes a time in seconds, with as few decimals as are exact.
+///
+/// # Errors
+/// If the writer fails.
+pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
     let (whole, mut rest) = (ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
     write!(out, "{}{whole}", if ns < 0 { "-" } else { "" })?;
     if rest == 0 {

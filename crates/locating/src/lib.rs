@@ -1,3 +1,73 @@
 //! Where a transmitter is, from bearings alone (EL).
+//!
+//! A platform that flies past a transmitter and measures only its direction can still tell where it is: the direction
+//! changes as the platform moves. How well it can tell depends on how the platform flies, and what filters make of it
+//! wanders in arcs and jumps. This crate makes a trustworthy, smooth position of it, for many emitters at once.
+//!
+//! # A bearing's way
+//!
+//! 1. [`Locator::bearing`] checks it and finds its emitter: by the id that it carries, or by frequency and direction.
+//! 2. Each model of the emitter's motion takes it: is it a fixed point, does it move straight on, does it manoeuvre?
+//!    (`smoother` has the method, and what is done with bearings that are wrong.) `bank` believes one of them.
+//! 3. If the geometry allows a fix, its position, velocity and variance go through the [`selection`], a state
+//!    machine that knows nothing of bearings, and becomes the output.
+//!
+//! ```
+//! use formats::bearing::Bearing;
+//! use locating::{Locator, Settings};
+//!
+//! let mut locator = Locator::new(Settings::default())?;
+//! let emitter = [2_000.0_f64, 9_000.0_f64];
+//! let mut last = None;
+//! for second in 0..100 {
+//!     let platform_m = [100.0 * f64::from(second), 0.0, 3_000.0];
+//!     let report = locator.bearing(&Bearing {
+//!         time_of_measurement_ns: i64::from(second) * 1_000_000_000,
+//!         emitter_id: Some(7),
+//!         bearing_rad: (emitter[0] - platform_m[0]).atan2(emitter[1] - platform_m[1]),
+//!         sigma_rad: 0.02,
+//!         platform_m,
+//!         heading_rad: None,
+//!         frequency_hz: None,
+//!     })?;
+//!     last = report.or(last);
+//! }
+//! let report = last.expect("ten kilometres of baseline are enough");
+//! assert!((report.output.position_m[0] - emitter[0]).abs() < 1.0);
+//! assert!((report.output.position_m[1] - emitter[1]).abs() < 1.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Bearings are measured from the phases between antennas by [`music`], where no direction finder delivers them ready-made.
+//!
+//! # Frame and limits
+//!
+//! Everything is in the plane, east and north of the system frame; a bearing is a horizontal angle, so height is not observed.
+//! Over the distances of such measurements the plane and the earth differ by less than the bearings' errors.
+//!
+//! # Memory and time
+//!
+//! All memory is allocated in [`Locator::new`], some 20 kB per emitter. The cost of a bearing is bounded: each model keeps
+//! [`SIGHTINGS_MAX`] sightings at most. Nothing here performs I/O or reads a clock; the same bearings give the same bits.
 
 #![forbid(unsafe_code)]
+
+mod bank;
+mod counts;
+mod explanation;
+mod linear;
+mod locator;
+pub mod music;
+pub mod selection;
+pub mod settings;
+mod sighting;
+mod smoother;
+mod triangulation;
+mod window;
+
+pub use bank::{Motion, RawFix};
+pub use counts::Counts;
+pub use explanation::{Decision, DecisionKind};
+pub use locator::{EmitterReport, Locator, OWN_NUMBERS, Refusal};
+pub use settings::Settings;
+pub use window::WINDOW_MAX as SIGHTINGS_MAX;

@@ -5,7 +5,7 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SCHEMA = 0x7dad979c3092fea0  # Every BatchHeader.schema must equal this.
+SCHEMA = 0x643787d4d1252df1  # Every BatchHeader.schema must equal this.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
 COUNTERS_MAX = 0x40  # Length of Health.counters.
 IDENTITY_ADDRESS = 0x1  # Bit of a flags or valid field.
@@ -21,6 +21,14 @@ SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # Bit of a flags or valid field.
 SENSOR_TRACK_TRACE = 0x80  # Bit of a flags or valid field.
 SENSOR_DETECTION_RANGE_RATE = 0x1  # Bit of a flags or valid field.
 SENSOR_DETECTION_SIGMAS = 0x2  # Bit of a flags or valid field.
+SENSOR_BEARING_EMITTER = 0x1  # Bit of a flags or valid field.
+SENSOR_BEARING_HEADING = 0x2  # Bit of a flags or valid field.
+SENSOR_BEARING_FREQUENCY = 0x4  # Bit of a flags or valid field.
+PLATFORM_STATE_VELOCITY = 0x1  # Bit of a flags or valid field.
+PLATFORM_STATE_HEADING = 0x2  # Bit of a flags or valid field.
+PLATFORM_STATE_ATTITUDE = 0x4  # Bit of a flags or valid field.
+PLATFORM_STATE_POSITION_SIGMA = 0x8  # Bit of a flags or valid field.
+PLATFORM_STATE_HEADING_SIGMA = 0x10  # Bit of a flags or valid field.
 CONTRIBUTION_FRESH = 0x1  # Bit of a flags or valid field.
 CONTRIBUTION_SCORED = 0x2  # Bit of a flags or valid field.
 ALERT_SPECIAL_IDENTIFICATION = 0x1  # Bit of a flags or valid field.
@@ -203,6 +211,78 @@ assert SensorDetection.source.offset == 144
 assert SensorDetection.kind.offset == 146
 assert SensorDetection.valid.offset == 147
 assert SensorDetection.reserved.offset == 148
+
+
+class SensorBearing(ctypes.Structure):
+    _fields_ = [
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The bearing's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("bearing_rad", ctypes.c_double),  # Direction, radians clockwise from north.
+        ("sigma_rad", ctypes.c_double),  # Standard deviation of that, radians.
+        ("platform_m", ctypes.c_double * 3),  # Where the platform was, metres east, north and up.
+        ("heading_rad", ctypes.c_double),  # Where its nose pointed, radians clockwise from north.
+        ("frequency_hz", ctypes.c_double),  # Frequency of the emission, hertz.
+        ("emitter_id", ctypes.c_uint32),  # Number of the transmitter at its source.
+        ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
+        ("valid", ctypes.c_uint16),  # Which fields hold something: see `sensor_bearing_bits`.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "SensorBearing"
+
+
+assert ctypes.sizeof(SensorBearing) == 112
+assert SensorBearing.time_of_measurement_ns.offset == 0
+assert SensorBearing.sequence.offset == 8
+assert SensorBearing.stages.offset == 16
+assert SensorBearing.bearing_rad.offset == 48
+assert SensorBearing.sigma_rad.offset == 56
+assert SensorBearing.platform_m.offset == 64
+assert SensorBearing.heading_rad.offset == 88
+assert SensorBearing.frequency_hz.offset == 96
+assert SensorBearing.emitter_id.offset == 104
+assert SensorBearing.source.offset == 108
+assert SensorBearing.valid.offset == 110
+
+
+class PlatformState(ctypes.Structure):
+    _fields_ = [
+        ("time_ns", ctypes.c_int64),  # Time at which the platform was there, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The state's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("position_m", ctypes.c_double * 3),  # Position east, north, up in the system frame, metres.
+        ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
+        ("heading_rad", ctypes.c_double),  # Where its nose points, radians clockwise from north.
+        ("pitch_rad", ctypes.c_double),  # Nose above the horizon, radians.
+        ("roll_rad", ctypes.c_double),  # Right wing below the horizon, radians.
+        ("position_sigma_m", ctypes.c_double),  # Standard deviation of each coordinate of the position, metres.
+        ("heading_sigma_rad", ctypes.c_double),  # Standard deviation of the heading, radians.
+        ("source", ctypes.c_uint16),  # Source whose sensor it carries: its number in the configuration (TI-2).
+        ("valid", ctypes.c_uint16),  # Which fields hold something: see `platform_state_bits`.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "PlatformState"
+
+
+assert ctypes.sizeof(PlatformState) == 144
+assert PlatformState.time_ns.offset == 0
+assert PlatformState.sequence.offset == 8
+assert PlatformState.stages.offset == 16
+assert PlatformState.position_m.offset == 48
+assert PlatformState.velocity_mps.offset == 72
+assert PlatformState.heading_rad.offset == 96
+assert PlatformState.pitch_rad.offset == 104
+assert PlatformState.roll_rad.offset == 112
+assert PlatformState.position_sigma_m.offset == 120
+assert PlatformState.heading_sigma_rad.offset == 128
+assert PlatformState.source.offset == 136
+assert PlatformState.valid.offset == 138
+assert PlatformState.reserved.offset == 140
 
 
 class Contribution(ctypes.Structure):

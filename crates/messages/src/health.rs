@@ -285,4 +285,5 @@ counters! {
     Detections = "detections", "Detections published, of which the source's adapter makes tracks.";
     DetectionsRefused = "detections_refused", "Detections for which the adapter's tracker had no room or no use.";
     Scans = "scans", "Scans that the adapter's tracker worked off, silent ones included.";
+    DetectionsWithoutFix = "detections_without_fix", "Bearings of transmitters whose place the geometry does not yet allow to be told.";
 }

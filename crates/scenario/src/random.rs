@@ -26,6 +26,10 @@ pub(crate) enum Purpose {
     FalseTarget,
     /// False plots of one delivery.
     FalsePlots,
+    /// Whether a target transmits, and on which frequency.
+    Transmitter,
+    /// One look of a direction finder at a transmitter.
+    Bearing,
 }
 
 /// The stream for `purpose` at `source`, of the thing numbered (`first`, `second`).

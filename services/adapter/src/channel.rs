@@ -1,8 +1,9 @@
 //! One source's way from observations to its topics.
 
 use bus::{Mark, Publisher, SharedMemory};
+use formats::bearing::Bearing;
 use formats::reports::{Observation, Service};
-use messages::{COUNTERS_MAX, Counter, SensorDetection, SensorTrack};
+use messages::{COUNTERS_MAX, Counter, PlatformState, SensorBearing, SensorDetection, SensorTrack};
 use runtime::clock::mono_ns;
 use runtime::config::Source;
 use runtime::{HealthEntry, Process};
@@ -22,6 +23,9 @@ pub(crate) struct Channel {
     publisher: Publisher<SharedMemory, SensorTrack>,
     /// For sources whose tracks are made of detections.
     detections: Option<Publisher<SharedMemory, SensorDetection>>,
+    /// For sources whose tracks are made of bearings: these, and where their platform was.
+    bearings: Option<Publisher<SharedMemory, SensorBearing>>,
+    platforms: Option<Publisher<SharedMemory, PlatformState>>,
     gathered: Made,
 }
 
@@ -30,15 +34,23 @@ impl Channel {
         let topic = messages::sensor_tracks(&source.name);
         let detections = messages::sensor_detections(&source.name);
         let open = |_| process.bus.publisher(&detections, process.incarnation);
+        let (bearings, platforms) = (
+            messages::sensor_bearings(&source.name),
+            messages::platform_states(&source.name),
+        );
+        let open_bearings = |_| process.bus.publisher(&bearings, process.incarnation);
+        let open_platforms = |_| process.bus.publisher(&platforms, process.incarnation);
         Ok(Self {
             source: source.number,
             name: source.name.clone(),
             stage: Stage::new(source, process.first_day_ns())?,
             publisher: process.bus.publisher(&topic, process.incarnation)?,
             detections: source.tracker.as_ref().map(open).transpose()?,
+            bearings: source.locator.as_ref().map(open_bearings).transpose()?,
+            platforms: source.locator.as_ref().map(open_platforms).transpose()?,
             gathered: Made {
                 tracks: Vec::with_capacity(GATHERED_MAX),
-                detections: Vec::new(),
+                ..Made::default()
             },
         })
     }
@@ -51,6 +63,12 @@ impl Channel {
     /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
     pub(crate) fn take(&mut self, observation: &Observation, ingested_ns: i64) -> anyhow::Result<()> {
         self.stage.take(observation, ingested_ns, &mut self.gathered);
+        self.publish_many()
+    }
+
+    /// Takes a bearing that came in at `ingested_ns`.
+    pub(crate) fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64) -> anyhow::Result<()> {
+        self.stage.bearing(bearing, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
@@ -67,13 +85,34 @@ impl Channel {
             sent_ns: mono_ns(),
             end: false,
         };
-        let Made { tracks, detections } = &self.gathered;
+        let Made {
+            tracks,
+            detections,
+            bearings,
+            platforms,
+        } = &self.gathered;
         if let Some(publisher) = self.detections.as_mut().filter(|_| !detections.is_empty()) {
             publisher.send(mark, detections.len(), |index, sequence| {
                 let mut detection = detections[index];
                 detection.sequence = sequence;
                 detection.stages.published_ns = mark.sent_ns;
                 detection
+            })?;
+        }
+        if let Some(publisher) = self.platforms.as_mut().filter(|_| !platforms.is_empty()) {
+            publisher.send(mark, platforms.len(), |index, sequence| {
+                let mut platform = platforms[index];
+                platform.sequence = sequence;
+                platform.stages.published_ns = mark.sent_ns;
+                platform
+            })?;
+        }
+        if let Some(publisher) = self.bearings.as_mut().filter(|_| !bearings.is_empty()) {
+            publisher.send(mark, bearings.len(), |index, sequence| {
+                let mut bearing = bearings[index];
+                bearing.sequence = sequence;
+                bearing.stages.published_ns = mark.sent_ns;
+                bearing
             })?;
         }
         if !tracks.is_empty() {
@@ -86,6 +125,8 @@ impl Channel {
         }
         self.gathered.tracks.clear();
         self.gathered.detections.clear();
+        self.gathered.bearings.clear();
+        self.gathered.platforms.clear();
         Ok(())
     }
 
@@ -107,7 +148,7 @@ impl Channel {
     }
 
     fn publish_many(&mut self) -> anyhow::Result<()> {
-        match self.gathered.tracks.len() < GATHERED_MAX {
+        match self.gathered.tracks.len().max(self.gathered.bearings.len()) < GATHERED_MAX {
             true => Ok(()),
             false => self.publish(),
         }

@@ -3,7 +3,7 @@
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
 //! that answer questions ([`check`], [`status`], [`top`]), measure ([`mod@bench`]), give orders ([`condition`]) or work on
-//! files ([`decode`], [`simulate`], [`fuse`], [`track`], [`compare`], [`score`]).
+//! files ([`decode`], [`simulate`], [`fuse`], [`track`], [`locate`], [`compare`], [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running; the latter two after one line on standard error (FM).
@@ -18,6 +18,7 @@ mod condition;
 mod decode;
 mod files;
 mod fuse;
+mod locate;
 mod offline;
 mod recordings;
 mod score;
@@ -92,6 +93,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Compare(compare) => compare::run(&compare),
         Command::Fuse(fuse) => fuse::run(&fuse),
         Command::Track(track) => track::run(&track),
+        Command::Locate(locate) => locate::run(&locate),
         Command::Simulate(simulate) => simulate::run(&simulate),
         Command::Score(score) => score::run(&score),
         Command::Bench(what) => bench::run(what),

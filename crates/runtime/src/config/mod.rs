@@ -8,6 +8,7 @@ mod check_monitor;
 mod check_network;
 mod check_rule;
 mod locate;
+mod locating;
 mod network;
 mod offline;
 mod raw;
@@ -29,6 +30,7 @@ use telemetry::Deadlines;
 use crate::cores::Placement;
 use raw::RawConfig;
 
+pub use locating::locating_settings;
 pub(crate) use network::loopback_of;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
@@ -97,6 +99,8 @@ pub struct Source {
     pub model: SourceModel,
     /// How its tracks are made of its detections; `None` if it delivers tracks.
     pub tracker: Option<SourceTracker>,
+    /// How its tracks are made of its bearings; `None` if it delivers something else.
+    pub locator: Option<::locating::Settings>,
 }
 
 /// Where a source's data come from.
@@ -115,10 +119,19 @@ pub enum Input {
 /// A simulated input.
 #[derive(Clone, Debug)]
 pub struct Simulated {
-    /// The sensor.
-    pub sensor: Box<scenario::SensorSettings>,
+    /// What it observes with.
+    pub instrument: Instrument,
     /// How what it sends is received.
     pub live: Live,
+}
+
+/// What a simulated source observes with.
+#[derive(Clone, Debug)]
+pub enum Instrument {
+    /// A sensor that tracks what it sees.
+    Sensor(Box<scenario::SensorSettings>),
+    /// A direction finder, whose bearings its adapter locates.
+    DirectionFinder(Box<scenario::DirectionFinderSettings>),
 }
 
 /// A recorded input.

@@ -2,18 +2,21 @@
 //!
 //! Whatever reads data, from a socket, a connection or a recording, hands observations to the [`Stage`] of their source; what
 //! comes out is the same for all, and is published. A sensor that delivers tracks has them checked and passed on. One that
-//! delivers less has its tracks made here: of detections by [`tracking`]. A further way to make tracks is a further kind of
+//! delivers less has its tracks made here: of detections by [`tracking`], of bearings by [`locating`]. A further way to make tracks is a further kind of
 //! stage: a file here, a variant of [`Kind`], a line in each of its methods.
 //!
-//! Every kind begins with the same checks, those of [`Converter`], and none of them reads a clock: what comes out depends
+//! What comes as records begins with the same checks, those of [`Converter`], whatever becomes of it; and none of them reads a clock: what comes out depends
 //! on what was read and in which order, never on when.
 
+mod locating;
 mod tracking;
 
+use formats::bearing::Bearing;
 use formats::reports::{Converter, Observation, Service};
-use messages::{COUNTERS_MAX, SensorDetection, SensorTrack};
+use messages::{COUNTERS_MAX, PlatformState, SensorBearing, SensorDetection, SensorTrack};
 use runtime::config::Source;
 
+use self::locating::Locating;
 use self::tracking::Tracking;
 
 /// What a stage has made.
@@ -23,6 +26,10 @@ pub(crate) struct Made {
     pub(crate) tracks: Vec<SensorTrack>,
     /// Detections of which tracks were made, to be published before these.
     pub(crate) detections: Vec<SensorDetection>,
+    /// Bearings of which tracks were made, to be published before these.
+    pub(crate) bearings: Vec<SensorBearing>,
+    /// Where their platform was.
+    pub(crate) platforms: Vec<PlatformState>,
 }
 
 /// One source's way from observations to sensor tracks.
@@ -39,6 +46,8 @@ enum Kind {
     Through,
     /// Tracks made of its detections.
     Tracking(Box<Tracking>),
+    /// Tracks made of its bearings.
+    Locating(Box<Locating>),
 }
 
 impl Stage {
@@ -47,9 +56,10 @@ impl Stage {
     /// # Errors
     /// If the configuration asks for what cannot be made.
     pub(crate) fn new(source: &Source, first_day_ns: i64) -> anyhow::Result<Self> {
-        let kind = match &source.tracker {
-            None => Kind::Through,
-            Some(tracker) => Kind::Tracking(Box::new(Tracking::new(source.number, tracker, first_day_ns)?)),
+        let kind = match (&source.tracker, &source.locator) {
+            (Some(tracker), _) => Kind::Tracking(Box::new(Tracking::new(source.number, tracker, first_day_ns)?)),
+            (None, Some(locator)) => Kind::Locating(Box::new(Locating::new(source, locator)?)),
+            (None, None) => Kind::Through,
         };
         Ok(Self {
             converter: Converter::new(source.model, first_day_ns),
@@ -61,6 +71,9 @@ impl Stage {
     /// What follows was received at `received_ns` (UTC, nanoseconds).
     pub(crate) fn received(&mut self, received_ns: i64) {
         self.converter.received(received_ns);
+        if let Kind::Locating(locating) = &mut self.kind {
+            locating.received(received_ns);
+        }
     }
 
     /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
@@ -77,6 +90,16 @@ impl Stage {
                     tracking.take(detection, ingested_ns, made);
                 }
             }
+            // Such a source has bearings only.
+            Kind::Locating(_) => {}
+        }
+        self.follow();
+    }
+
+    /// Takes a bearing that came in at `ingested_ns`.
+    pub(crate) fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64, made: &mut Made) {
+        if let Kind::Locating(locating) = &mut self.kind {
+            locating.take(bearing, ingested_ns, made);
         }
         self.follow();
     }
@@ -93,6 +116,7 @@ impl Stage {
                     tracking.passed(time_ns, service.turn_begins, ingested_ns, made);
                 }
             }
+            Kind::Locating(_) => {}
         }
         self.follow();
     }
@@ -100,7 +124,7 @@ impl Stage {
     /// The source's data have ended: what waits for more is worked off.
     pub(crate) fn end(&mut self, made: &mut Made) {
         match &mut self.kind {
-            Kind::Through => {}
+            Kind::Through | Kind::Locating(_) => {}
             Kind::Tracking(tracking) => tracking.end(made),
         }
         self.follow();
@@ -117,13 +141,17 @@ impl Stage {
         match &self.kind {
             Kind::Through => {}
             Kind::Tracking(tracking) => tracking.count(&mut counters),
+            Kind::Locating(locating) => locating.count(&mut counters),
         }
         counters
     }
 
     fn follow(&mut self) {
-        if let Kind::Tracking(tracking) = &self.kind {
-            self.progress_ns = self.progress_ns.max(tracking.progress_ns());
-        }
+        let progress_ns = match &self.kind {
+            Kind::Through => return,
+            Kind::Tracking(tracking) => tracking.progress_ns(),
+            Kind::Locating(locating) => locating.progress_ns(),
+        };
+        self.progress_ns = self.progress_ns.max(progress_ns);
     }
 }

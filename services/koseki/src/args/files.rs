@@ -229,6 +229,81 @@ pub(crate) struct Track {
     pub(crate) json: bool,
 }
 
+pub(super) const LOCATE_EXAMPLES: &str = "\
+Examples:
+  koseki locate --bearings flight.csv --out fixes.csv
+  koseki locate --bearings flight.csv --filter fixed --select staged --out fixes.csv --explain why.csv
+  koseki locate --bearings flight.csv --out fixes.csv --picture emitter7.svg --emitter 7
+
+FILE     time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency_hz]   a row per bearing, in the order of time
+         Radians clockwise from north, metres east, north and up; p is where the platform was. Any number of emitters in
+         one file. Where emitter_id is empty, bearings find their emitter by frequency and direction, and emitters are
+         numbered from 1000001 on. Rows that cannot be used are left out and counted.
+--filter auto      the data decide: fixed point, straight motion or manoeuvring, the simplest that explains the bearings
+         fixed     a fixed point, or one that wanders
+         straight  straight motion, or manoeuvring
+--select auto      every fix steers the output, which never jumps: the best there is for unknown data
+         none      fixes as they are
+         interval  a fix each interval sets the direction of the output, which moves in straight lines
+         minimum   … a fix at each minimum of the variance
+         staged    intervals at first, minima once they come often enough
+--out    time_s,emitter_id,x,y,z,vx,vy,vz,variance_m2,stage,selected,raw_x,raw_y,Pxx,Pxy,Pyy,raw_vx,raw_vy,motion,agreed
+         a row per bearing once the geometry allows a fix: the output; the trace of the filter's covariance; the filter's own
+         fix (raw) with its covariance; the model that is believed; 0 in agreed while its bearings are set aside.
+--explain time_s,emitter_id,decision,subject,reason,value,limit    value is what was compared with limit
+--config a TOML file; every key has a default:
+           [locating]
+           emitters_max = 20000
+           [locating.motion]
+           speed_sigma_mps = 30.0           # of an unknown emitter, along each axis
+           wandering_noise_m2ps = 400.0     # how fixed points wander, if they do
+           manoeuvring_noise_m2ps3 = 0.01
+           [locating.consistency]
+           limit = 3.5                      # standard deviations; bearings that are off together are set aside
+           disagreement_max_s = 90.0        # then it is the fix that is wrong
+           [locating.selection]
+           position_sigma_max_m = 500.0     # threshold: root of the variance value
+           interval_s = 250.0
+           above_threshold = \"continue\"    # or \"use-crossings\"
+           minimum_rise = 0.3               # a minimum counts when the variance has risen by this share
+           minimum_gap_s = 100.0            # … and that long after the last selection
+           minimum_wait_s = 750.0           # staged: intervals again when none has come for so long
+           steering_s = 30.0
+
+The same file and options give the same bytes. `koseki score fixes` scores them against a truth.";
+
+/// `koseki locate`.
+#[derive(Debug, Args)]
+pub(crate) struct Locate {
+    /// Bearings: a CSV file in the order of time
+    #[arg(long, value_name = "FILE")]
+    pub(crate) bearings: PathBuf,
+    /// How emitters may move: auto, fixed or straight [default: what --config says, else auto]
+    #[arg(long, value_name = "FILTER")]
+    pub(crate) filter: Option<String>,
+    /// Which fixes are used: auto, none, interval, minimum or staged [default: what --config says, else auto]
+    #[arg(long, value_name = "SELECTION")]
+    pub(crate) select: Option<String>,
+    /// Settings of filters and selection: a TOML file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// File for the fixes
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// File for what was decided and why, a row per decision
+    #[arg(long, value_name = "FILE")]
+    pub(crate) explain: Option<PathBuf>,
+    /// File for a picture (SVG) of one emitter's fixes and output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture: Option<PathBuf>,
+    /// The emitter of the picture [default: the first]
+    #[arg(long, value_name = "N", requires = "picture")]
+    pub(crate) emitter: Option<u32>,
+    /// Print what was read and found as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 pub(super) const COMPARE_EXAMPLES: &str = "\
 Examples:
   koseki compare --tracks radar.csv adsb.csv --truth truth.csv

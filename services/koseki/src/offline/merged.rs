@@ -5,8 +5,6 @@
 //! where the whole file cannot be what it should be, without one of the columns for example, reading ends.
 
 use std::cell::RefCell;
-use std::fs::File;
-use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -15,12 +13,12 @@ use formats::sensor_tracks_csv::SensorTrackReader;
 use fusion::settings::SOURCES_MAX;
 use messages::SensorTrack;
 
+use super::progress::Counting;
 use super::refusals::Refusals;
 use crate::files::{InputError, open};
 
 /// A row this much later than the one that follows it is taken for the damaged one of the two, nanoseconds.
 const LEAP_NS: i64 = 600_000_000_000;
-const BUFFER_OCTETS: usize = 1 << 18;
 
 /// Which source a `sensor_id` is.
 #[derive(Clone, Debug, Default)]
@@ -95,10 +93,7 @@ impl Merged {
         for path in files {
             let file = open(path)?;
             merged.octets_in_all += file.metadata().map_or(0, |found| found.len());
-            let input = Counting {
-                file: BufReader::with_capacity(BUFFER_OCTETS, file),
-                octets: Rc::clone(&merged.octets),
-            };
+            let input = Counting::new(file, Rc::clone(&merged.octets));
             let sensors = Rc::clone(&merged.sensors);
             let source_of: SourceOf = Box::new(move |id| sensors.borrow_mut().source(id));
             let reader = SensorTrackReader::new(input, 0, source_of);
@@ -185,20 +180,6 @@ impl Lane {
 
 fn seconds(ns: i64) -> f64 {
     frames::time::seconds(ns)
-}
-
-/// A file that counts what is read of it.
-struct Counting {
-    file: BufReader<File>,
-    octets: Rc<RefCell<u64>>,
-}
-
-impl Read for Counting {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.file.read(buffer)?;
-        *self.octets.borrow_mut() += count as u64;
-        Ok(count)
-    }
 }
 
 /// Refuses a file that is named twice: its reports would count twice.

@@ -1,9 +1,14 @@
 //! How far long work has got, on a terminal.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::cell::RefCell;
+use std::fs::File;
+use std::io::{BufReader, IsTerminal as _, Read, Write as _};
+use std::rc::Rc;
 
 /// Less than this is done before anybody wonders, octets.
 const SHOWN_OCTETS_MIN: u64 = 64 << 20;
+/// Octets that are read at a time.
+const BUFFER_OCTETS: usize = 1 << 18;
 
 /// A percentage that is written over itself on standard error.
 #[derive(Debug)]
@@ -37,5 +42,30 @@ impl Drop for Progress {
         if self.percent > 0 {
             let _ = write!(std::io::stderr(), "\r     \r");
         }
+    }
+}
+
+/// A file that counts what is read of it; several may count together.
+#[derive(Debug)]
+pub(crate) struct Counting {
+    file: BufReader<File>,
+    octets: Rc<RefCell<u64>>,
+}
+
+impl Counting {
+    /// Adds what is read to `octets`.
+    pub(crate) fn new(file: File, octets: Rc<RefCell<u64>>) -> Self {
+        Self {
+            file: BufReader::with_capacity(BUFFER_OCTETS, file),
+            octets,
+        }
+    }
+}
+
+impl Read for Counting {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        *self.octets.borrow_mut() += count as u64;
+        Ok(count)
     }
 }

@@ -33,6 +33,11 @@ impl Refusals {
         self.add("order of time".to_owned(), file, said);
     }
 
+    /// A row that was read, and that nobody can use.
+    pub(crate) fn refused(&mut self, reason: &str, file: &Path, line: u64, why: impl std::fmt::Display) {
+        self.add(reason.to_owned(), file, format!("line {line}: {why}"));
+    }
+
     /// All of them.
     pub(crate) fn rows(&self) -> u64 {
         self.by_reason.values().sum()

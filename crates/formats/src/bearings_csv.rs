@@ -1,0 +1,284 @@
+//! Bearings as CSV rows (FM-7).
+//!
+//! `time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz` and, where known, `heading_rad` and `frequency_hz`. An empty
+//! `emitter_id` says that the direction finder cannot tell its emitters apart.
+
+use std::f64::consts::TAU;
+use std::io::{self, Read, Write};
+
+use crate::bearing::Bearing;
+use crate::csv_table::{Column, CsvError, Row, Table};
+use crate::tracks_csv::write_time;
+
+/// A standard deviation beyond this says nothing about a direction, radians.
+const SIGMA_MAX_RAD: f64 = 1.0;
+
+/// Reads bearings, row by row.
+///
+/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
+#[derive(Debug)]
+pub struct BearingReader<R> {
+    table: Table<R>,
+    columns: Columns,
+    first_day_ns: i64,
+}
+
+#[derive(Debug)]
+struct Columns {
+    time: Column,
+    emitter: Column,
+    bearing: Column,
+    sigma: Column,
+    platform: [Column; 3],
+    heading: Option<Column>,
+    frequency: Option<Column>,
+}
+
+impl<R: Read> BearingReader<R> {
+    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// [`CsvError`] if a column is missing or the input fails.
+    pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
+        let table = Table::new(input)?;
+        let columns = Columns {
+            time: table.required("time_s")?,
+            emitter: table.required("emitter_id")?,
+            bearing: table.required("bearing_rad")?,
+            sigma: table.required("sigma_rad")?,
+            platform: table.all(["px", "py", "pz"])?,
+            heading: table.optional("heading_rad")?,
+            frequency: table.optional("frequency_hz")?,
+        };
+        Ok(Self {
+            table,
+            columns,
+            first_day_ns,
+        })
+    }
+
+    /// The line, from 1, of the row read last.
+    pub fn line(&self) -> u64 {
+        self.table.line()
+    }
+}
+
+impl<R: Read> Iterator for BearingReader<R> {
+    type Item = Result<Bearing, CsvError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let row = self.table.next_row()?;
+        Some(row.and_then(|row| self.columns.bearing(row, self.first_day_ns)))
+    }
+}
+
+impl Columns {
+    fn bearing(&self, row: Row<'_>, first_day_ns: i64) -> Result<Bearing, CsvError> {
+        let time_ns = row.time_ns(self.time)?;
+        let emitter_id = match row.text(self.emitter)? {
+            Some(_) => Some(row.whole(self.emitter)?),
+            None => None,
+        };
+        let mut platform_m = [0.0; 3];
+        for (place, column) in platform_m.iter_mut().zip(self.platform) {
+            *place = row.number(column)?;
+        }
+        let frequency_hz = row.number_or_empty(self.frequency)?;
+        if let (Some(column), Some(..=0.0)) = (self.frequency, frequency_hz) {
+            return Err(row.error(column, "must be greater than 0; a frequency is, in hertz"));
+        }
+        let heading_rad = match self.heading {
+            Some(column) if row.text(column)?.is_some() => Some(angle(row, column)?),
+            _ => None,
+        };
+        Ok(Bearing {
+            time_of_measurement_ns: first_day_ns.saturating_add(time_ns),
+            emitter_id,
+            bearing_rad: angle(row, self.bearing)?,
+            sigma_rad: self.sigma(row)?,
+            platform_m,
+            heading_rad,
+            frequency_hz,
+        })
+    }
+
+    fn sigma(&self, row: Row<'_>) -> Result<f64, CsvError> {
+        match row.number(self.sigma)? {
+            ..=0.0 => Err(row.error(self.sigma, "must be greater than 0; a standard deviation is")),
+            sigma if sigma > SIGMA_MAX_RAD => {
+                let reason = format!("is more than {SIGMA_MAX_RAD}, which is no direction; write radians, not degrees");
+                Err(row.error(self.sigma, reason))
+            }
+            sigma => Ok(sigma),
+        }
+    }
+}
+
+fn angle(row: Row<'_>, column: Column) -> Result<f64, CsvError> {
+    match row.number(column)? {
+        angle if angle.abs() > TAU => Err(row.error(column, "is more than a full turn; write radians, not degrees")),
+        angle => Ok(angle),
+    }
+}
+
+/// Writes bearings. What was written and read again is the same to the last bit.
+#[derive(Debug)]
+pub struct BearingWriter<W: Write> {
+    writer: W,
+    first_day_ns: i64,
+}
+
+impl<W: Write> BearingWriter<W> {
+    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// If `writer` fails.
+    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
+        writeln!(
+            writer,
+            "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz"
+        )?;
+        Ok(Self { writer, first_day_ns })
+    }
+
+    /// Writes one row.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub fn write(&mut self, bearing: &Bearing) -> io::Result<()> {
+        let out = &mut self.writer;
+        write_time(out, bearing.time_of_measurement_ns - self.first_day_ns)?;
+        match bearing.emitter_id {
+            Some(emitter_id) => write!(out, ",{emitter_id}")?,
+            None => write!(out, ",")?,
+        }
+        let [east, north, up] = bearing.platform_m;
+        write!(
+            out,
+            ",{},{},{east},{north},{up}",
+            bearing.bearing_rad, bearing.sigma_rad
+        )?;
+        for number in [bearing.heading_rad, bearing.frequency_hz] {
+            match number {
+                Some(number) => write!(out, ",{number}")?,
+                None => write!(out, ",")?,
+            }
+        }
+        writeln!(out)
+    }
+
+    /// What is written to.
+    pub fn get_ref(&self) -> &W {
+        &self.writer
+    }
+
+    /// What was written to; not flushed.
+    pub fn into_inner(self) -> W {
+        self.writer
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz";
+
+    fn read(rows: &str) -> Vec<Result<Bearing, String>> {
+        let text = format!("{HEADER}\n{rows}");
+        let reader = BearingReader::new(text.as_bytes(), 1_000).unwrap();
+        reader.map(|row| row.map_err(|error| error.to_string())).collect()
+    }
+
+    #[test]
+    fn rows_are_read_with_and_without_what_may_be_unknown() {
+        let found = read("2.5,7,1.5,0.02,10,20,3000,0.5,1.2e8\n3,,-1.5,0.02,10,20,3000,,\n");
+        let first = Bearing {
+            time_of_measurement_ns: 2_500_001_000,
+            emitter_id: Some(7),
+            bearing_rad: 1.5,
+            sigma_rad: 0.02,
+            platform_m: [10.0, 20.0, 3000.0],
+            heading_rad: Some(0.5),
+            frequency_hz: Some(1.2e8),
+        };
+        assert_eq!(found[0], Ok(first));
+        let second = Bearing {
+            time_of_measurement_ns: 3_000_001_000,
+            emitter_id: None,
+            bearing_rad: -1.5,
+            heading_rad: None,
+            frequency_hz: None,
+            ..first
+        };
+        assert_eq!(found[1], Ok(second));
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_refused_with_place_and_remedy() {
+        for (row, expected) in [
+            ("2,1.5,1,0.02,0,0,0,,", "column emitter_id: \"1.5\" is no whole number"),
+            (
+                "2,1,270,0.02,0,0,0,,",
+                "column bearing_rad: \"270\" is more than a full turn; write radians",
+            ),
+            ("2,1,,0.02,0,0,0,,", "column bearing_rad: \"\" is empty"),
+            ("2,1,1,0,0,0,0,,", "column sigma_rad: \"0\" must be greater than 0"),
+            ("2,1,1,2,0,0,0,,", "column sigma_rad: \"2\" is more than 1"),
+            ("2,1,1,NaN,0,0,0,,", "column sigma_rad: \"NaN\" is not finite"),
+            ("2,1,1,0.02,0,,0,,", "column py: \"\" is empty"),
+            (
+                "2,1,1,0.02,0,0,0,90,",
+                "column heading_rad: \"90\" is more than a full turn",
+            ),
+            (
+                "2,1,1,0.02,0,0,0,,0",
+                "column frequency_hz: \"0\" must be greater than 0",
+            ),
+        ] {
+            let [found] = &read(row)[..] else { panic!("{row}") };
+            let text = found.as_ref().unwrap_err();
+            assert!(text.starts_with("line 2, ") && text.contains(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn heading_and_frequency_may_be_missing_from_the_header() {
+        let text = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz\n1,2,3,0.1,4,5,6\n";
+        let found: Vec<_> = BearingReader::new(text.as_bytes(), 0).unwrap().collect();
+        assert_eq!(found.len(), 1);
+        assert!(found[0].is_ok());
+        let without = text.replace("sigma_rad", "sigma");
+        let error = BearingReader::new(without.as_bytes(), 0).unwrap_err();
+        assert!(error.to_string().contains("column sigma_rad is missing"));
+    }
+
+    #[test]
+    fn what_is_written_is_read_again_exactly() {
+        let first = Bearing {
+            time_of_measurement_ns: 86_400_123_456_789,
+            emitter_id: Some(7),
+            bearing_rad: 1.0 / 3.0,
+            sigma_rad: 0.1 + 0.2,
+            platform_m: [-1e-3, 2.0 / 7.0, 3e5],
+            heading_rad: Some(-0.7),
+            frequency_hz: Some(9.41e9),
+        };
+        let second = Bearing {
+            emitter_id: None,
+            heading_rad: None,
+            frequency_hz: None,
+            ..first
+        };
+        let mut writer = BearingWriter::begin(Vec::new(), 1_000).unwrap();
+        for bearing in [first, second] {
+            writer.write(&bearing).unwrap();
+        }
+        let written = writer.into_inner();
+        let found: Vec<_> = BearingReader::new(&written[..], 1_000)
+            .unwrap()
+            .map(Result::unwrap)
+            .collect();
+        assert_eq!(found, [first, second]);
+    }
+}

@@ -1,0 +1,435 @@
+//! Several models of one emitter's motion side by side; the bearings decide (EL-2).
+//!
+//! Nobody knows beforehand whether an emitter lies still. A filter for fixed points is wrong about one that moves, and one for
+//! straight motion pays for its freedom with accuracy: from a platform that flies straight on it cannot tell the range at
+//! all. So the models run side by side, and the simplest one is believed that nothing speaks against.
+//!
+//! | filter | in the order of simplicity |
+//! | --- | --- |
+//! | auto | fixed point, straight motion, manoeuvring |
+//! | fixed | fixed point, wandering |
+//! | straight | straight motion, manoeuvring |
+//!
+//! Two things speak against a model. Against the fixed point does the velocity that the straight motion has found, if rest is
+//! far from it (a Bayes factor, for some bearings in a row). Against each model without process noise do bearings
+//! that disagree for long while the platform does not turn. Then it begins anew: one for straight motion where the manoeuvring one
+//! is, a fixed point with its last sightings. It is believed again when its bearings have agreed for a while, twice
+//! as many after each such failure. Meanwhile the model with process noise stands in.
+//!
+//! While the simplest model only lacks geometry, nothing is said: a model with more freedom cannot know more.
+
+use nalgebra::Matrix4;
+
+use crate::explanation::DecisionKind;
+use crate::settings::{ConsistencySettings, FilterChoice, MotionSettings};
+use crate::sighting::Sighting;
+use crate::smoother::{Bounds, Model, Smoother, Taken};
+
+/// A model of an emitter's motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// A fixed point.
+    Fixed,
+    /// A point that wanders.
+    Wandering,
+    /// Straight and uniform.
+    Straight,
+    /// Straight, with small accelerations.
+    Manoeuvring,
+}
+
+/// Most models of one emitter.
+pub(crate) const MODELS_MAX: usize = 3;
+/// Bearings that have to agree with a model that failed, the first time and at most.
+const PATIENCE_MIN: u32 = 128;
+const PATIENCE_MAX: u32 = 1024;
+
+impl Motion {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Wandering => "wandering",
+            Self::Straight => "straight",
+            Self::Manoeuvring => "manoeuvring",
+        }
+    }
+
+    /// The models that compete, simplest first.
+    fn of(choice: FilterChoice) -> &'static [Self] {
+        match choice {
+            FilterChoice::Auto => &[Self::Fixed, Self::Straight, Self::Manoeuvring],
+            FilterChoice::Fixed => &[Self::Fixed, Self::Wandering],
+            FilterChoice::Straight => &[Self::Straight, Self::Manoeuvring],
+        }
+    }
+
+    fn model(self, settings: &MotionSettings) -> Model {
+        let process_noise = match self {
+            Self::Fixed | Self::Straight => 0.0,
+            Self::Wandering => settings.wandering_noise_m2ps,
+            Self::Manoeuvring => settings.manoeuvring_noise_m2ps3,
+        };
+        Model {
+            process_noise,
+            range_sigma_m: settings.range_sigma_m,
+            speed_sigma_mps: settings.speed_sigma_mps,
+        }
+    }
+}
+
+/// What the filters know of an emitter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawFix {
+    /// East and north, metres.
+    pub position_m: [f64; 2],
+    /// East and north, metres per second; 0 for a fixed point.
+    pub velocity_mps: [f64; 2],
+    /// Of (east, north, velocity east, velocity north): m², m²/s and m²/s².
+    pub covariance: Matrix4<f64>,
+    /// By which model.
+    pub motion: Motion,
+    /// Whether the bearings agree with it; without that it is older ones' fix.
+    pub is_agreed: bool,
+}
+
+impl RawFix {
+    /// The variance value: sum of the position's variances over east and north, m² (EL-3).
+    pub fn variance_m2(&self) -> f64 {
+        self.covariance[(0, 0)] + self.covariance[(1, 1)]
+    }
+}
+
+/// A filter of either kind.
+#[derive(Clone, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "both are windows of sightings; the rest is little"
+)]
+enum Filter {
+    Point(Smoother<2>),
+    Motion(Smoother<4>),
+}
+
+/// The same question to either kind.
+macro_rules! either {
+    ($filter:expr, $inner:ident => $answer:expr) => {
+        match $filter {
+            Filter::Point($inner) => $answer,
+            Filter::Motion($inner) => $answer,
+        }
+    };
+}
+
+/// A model with its filter.
+#[derive(Clone, Debug)]
+struct Member {
+    motion: Motion,
+    filter: Filter,
+    /// How long, and for how many bearings, bearings have disagreed without a turn.
+    disagreed_s: f64,
+    disagreed: u32,
+    /// For how many bearings in a row they have agreed, and have to.
+    agreed: u32,
+    patience: u32,
+}
+
+/// The filters of one emitter.
+#[derive(Clone, Debug)]
+pub(crate) struct Bank {
+    members: [Option<Member>; MODELS_MAX],
+    chosen: Option<usize>,
+    /// Whether the emitter moves, by the evidence, and for how many bearings the evidence has said the opposite.
+    is_moving: bool,
+    doubts: u32,
+}
+
+/// What a bank decided on a bearing; room for two decisions per model and one more.
+pub(crate) type Notes = crate::explanation::Notes<{ 2 * MODELS_MAX + 1 }>;
+
+impl Bank {
+    pub(crate) fn new(settings: &MotionSettings) -> Self {
+        let motions = Motion::of(settings.filter);
+        Self {
+            members: std::array::from_fn(|place| motions.get(place).map(|motion| Member::new(*motion, settings))),
+            chosen: None,
+            is_moving: false,
+            doubts: 0,
+        }
+    }
+
+    /// Begins anew, with another emitter.
+    pub(crate) fn reset(&mut self, settings: &MotionSettings) {
+        *self = Self::new(settings);
+    }
+
+    /// What is known at a time; `None` while the geometry does not allow a fix.
+    pub(crate) fn fix_at(&self, time_ns: i64) -> Option<RawFix> {
+        let member = self.members[self.chosen?].as_ref()?;
+        if !member.filter.is_located() {
+            return None;
+        }
+        let (position_m, velocity_mps, covariance) = member.filter.state_at(time_ns);
+        Some(RawFix {
+            position_m,
+            velocity_mps,
+            covariance,
+            motion: member.motion,
+            is_agreed: !member.filter.is_distrusting(),
+        })
+    }
+
+    /// How a sighting compares with the fix: squared normalised innovation, logarithm of its variance.
+    pub(crate) fn compare(&self, sighting: &Sighting) -> Option<(f64, f64)> {
+        self.members[self.chosen?].as_ref()?.filter.compare(sighting)
+    }
+
+    /// Takes the next sighting, `after_s` seconds after the last one.
+    pub(crate) fn add(
+        &mut self,
+        sighting: &Sighting,
+        after_s: f64,
+        turning_since_ns: Option<i64>,
+        (motion, consistency): (&MotionSettings, &ConsistencySettings),
+        notes: &mut Notes,
+    ) {
+        let is_turning = turning_since_ns.is_some();
+        let bounds = Bounds {
+            limit: match is_turning {
+                true => consistency.limit_turning,
+                false => consistency.limit,
+            },
+            turning_since_ns,
+        };
+        // The believed model first: while the platform turns, what it sets aside is wrong for all.
+        let believed = self.chosen;
+        let verdict = believed.map(|place| self.add_to(place, sighting, bounds, notes));
+        let is_wrong = is_turning && verdict.is_some_and(|taken| !taken.is_used());
+        let since_ns = turning_since_ns.filter(|_| matches!(verdict, Some(Taken::Distrusted(_))));
+        for place in (0..MODELS_MAX).filter(|place| Some(*place) != believed) {
+            match (is_wrong, &mut self.members[place]) {
+                (true, Some(member)) => member.filter.set_aside(sighting, since_ns),
+                _ => _ = self.add_to(place, sighting, bounds, notes),
+            }
+        }
+        for place in 0..MODELS_MAX {
+            let Some(member) = &mut self.members[place] else {
+                continue;
+            };
+            member.count_agreement(after_s, is_turning);
+            if member.has_disagreed_too_long(consistency) {
+                notes.note(
+                    DecisionKind::ModelRestarted(member.motion),
+                    member.disagreed_s,
+                    consistency.disagreement_max_s,
+                );
+                self.restart(place);
+            }
+        }
+        self.begin_stand_in();
+        self.reconsider(sighting);
+        let evidence = self.weigh_motion(motion);
+        self.choose(evidence, motion.evidence_min, notes);
+    }
+
+    /// Gives a model the sighting.
+    fn add_to(&mut self, place: usize, sighting: &Sighting, bounds: Bounds, notes: &mut Notes) -> Taken {
+        let Some(member) = &mut self.members[place] else {
+            return Taken::Used;
+        };
+        let taken = member.filter.add(sighting, bounds);
+        match taken {
+            Taken::Distrusted(sum) => {
+                notes.note(DecisionKind::BearingsSetAside(member.motion), sum.abs(), bounds.limit);
+            }
+            Taken::Trusted => {
+                let disagreed = f64::from(member.disagreed);
+                notes.note(DecisionKind::BearingsAgree(member.motion), disagreed, f64::NAN);
+            }
+            Taken::Used | Taken::SetAside => {}
+        }
+        taken
+    }
+
+    /// The model with process noise begins where the one without is, as soon as that has settled.
+    fn begin_stand_in(&mut self) {
+        let [.., one, other] = match &mut self.members {
+            [first, second, None] => [None, first.as_mut(), second.as_mut()],
+            [first, second, third] => [first.as_mut(), second.as_mut(), third.as_mut()],
+        };
+        match (one.map(|member| &member.filter), other.map(|member| &mut member.filter)) {
+            (Some(Filter::Point(base)), Some(Filter::Point(filter))) if !filter.is_settled() => {
+                filter.restart_like(base);
+            }
+            (Some(Filter::Motion(base)), Some(Filter::Motion(filter))) if !filter.is_settled() => {
+                filter.restart_like(base);
+            }
+            _ => {}
+        }
+    }
+
+    /// Shows the straight motion where the fixed point is, if there is one.
+    fn reconsider(&mut self, latest: &Sighting) {
+        let fixed = self
+            .members
+            .iter()
+            .flatten()
+            .find(|member| member.motion == Motion::Fixed);
+        let position_m = fixed
+            .filter(|member| member.filter.is_located() && !member.filter.is_distrusting())
+            .map(|member| member.filter.state_at(latest.time_ns).0);
+        for member in self.members.iter_mut().flatten() {
+            if let Filter::Motion(filter) = &mut member.filter {
+                filter.reconsider(position_m, latest);
+            }
+        }
+    }
+
+    /// Whether the emitter moves, once the evidence has said so for long enough, and the other way round.
+    fn weigh_motion(&mut self, settings: &MotionSettings) -> f64 {
+        let straight = self
+            .members
+            .iter()
+            .flatten()
+            .find(|member| member.motion == Motion::Straight);
+        let Some(evidence) = straight
+            .filter(|member| !member.filter.is_distrusting())
+            .and_then(|member| member.filter.evidence_of_motion())
+        else {
+            return f64::NAN;
+        };
+        let is_doubtful = match self.is_moving {
+            true => evidence < 0.0,
+            false => evidence > settings.evidence_min,
+        };
+        self.doubts = if is_doubtful { self.doubts + 1 } else { 0 };
+        if self.doubts >= settings.evidence_bearings {
+            self.is_moving = !self.is_moving;
+            self.doubts = 0;
+        }
+        evidence
+    }
+
+    /// The simplest model that nothing speaks against; if there is none, the one that was, or the one with most freedom.
+    fn choose(&mut self, evidence: f64, evidence_min: f64, notes: &mut Notes) {
+        let is_moving = self.is_moving;
+        let speaks_against = |member: &Member| member.motion == Motion::Fixed && is_moving;
+        let mut located = (0..MODELS_MAX).filter(|place| self.is_located(*place));
+        let good = located.clone().find(|place| {
+            let member = self.members[*place].as_ref();
+            member.is_some_and(|member| member.agreed >= member.patience && !speaks_against(member))
+        });
+        let first = self.members[0].as_ref();
+        let is_open = self.chosen.is_none() && first.is_some_and(|member| member.is_open());
+        let best = match self.chosen.filter(|chosen| self.is_located(*chosen)) {
+            Some(chosen) => good.or(Some(chosen)),
+            None => good.or_else(|| located.next_back()),
+        };
+        if best == self.chosen || is_open {
+            return;
+        }
+        if let Some(member) = best.and_then(|best| self.members[best].as_ref()) {
+            notes.note(DecisionKind::ModelChosen(member.motion), evidence, evidence_min);
+            self.chosen = best;
+        }
+    }
+
+    fn is_located(&self, place: usize) -> bool {
+        self.members[place]
+            .as_ref()
+            .is_some_and(|member| member.filter.is_located())
+    }
+
+    fn restart(&mut self, place: usize) {
+        let like = self.members.iter().flatten().find_map(|member| match &member.filter {
+            Filter::Motion(filter) if member.motion == Motion::Manoeuvring => Some(filter.clone()),
+            _ => None,
+        });
+        let Some(member) = &mut self.members[place] else { return };
+        if member.motion == Motion::Straight {
+            // What it said of the velocity is void.
+            (self.is_moving, self.doubts) = (false, 0);
+        }
+        match &mut member.filter {
+            Filter::Motion(filter) => {
+                if !like.is_some_and(|like| filter.restart_like(&like)) {
+                    filter.restart();
+                }
+            }
+            Filter::Point(filter) => filter.restart(),
+        }
+        (member.disagreed_s, member.disagreed, member.agreed) = (0.0, 0, 0);
+        member.patience = (2 * member.patience).clamp(PATIENCE_MIN, PATIENCE_MAX);
+    }
+}
+
+impl Member {
+    fn new(motion: Motion, settings: &MotionSettings) -> Self {
+        let model = motion.model(settings);
+        let filter = match motion {
+            Motion::Fixed | Motion::Wandering => Filter::Point(Smoother::new(model)),
+            Motion::Straight | Motion::Manoeuvring => Filter::Motion(Smoother::new(model)),
+        };
+        Self {
+            motion,
+            filter,
+            disagreed_s: 0.0,
+            disagreed: 0,
+            agreed: 0,
+            patience: 0,
+        }
+    }
+
+    /// Whether it only lacks geometry.
+    fn is_open(&self) -> bool {
+        self.filter.is_open() && self.patience == 0
+    }
+
+    fn count_agreement(&mut self, after_s: f64, is_turning: bool) {
+        if !self.filter.is_distrusting() {
+            (self.disagreed_s, self.disagreed) = (0.0, 0);
+            self.agreed = self.agreed.saturating_add(u32::from(self.filter.is_located()));
+        } else if !is_turning {
+            self.disagreed_s += after_s;
+            self.disagreed += 1;
+        }
+    }
+
+    fn has_disagreed_too_long(&self, settings: &ConsistencySettings) -> bool {
+        self.disagreed >= settings.disagreement_bearings && self.disagreed_s >= settings.disagreement_max_s
+    }
+}
+
+impl Filter {
+    fn add(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
+        either!(self, filter => filter.add(sighting, bounds))
+    }
+
+    fn set_aside(&mut self, sighting: &Sighting, since_ns: Option<i64>) {
+        either!(self, filter => filter.set_aside(sighting, since_ns));
+    }
+
+    fn compare(&self, sighting: &Sighting) -> Option<(f64, f64)> {
+        either!(self, filter => filter.compare(sighting))
+    }
+
+    fn is_located(&self) -> bool {
+        either!(self, filter => filter.is_located())
+    }
+
+    fn is_distrusting(&self) -> bool {
+        either!(self, filter => filter.is_distrusting())
+    }
+
+    fn is_open(&self) -> bool {
+        either!(self, filter => filter.is_open())
+    }
+
+    fn evidence_of_motion(&self) -> Option<f64> {
+        either!(self, filter => filter.evidence_of_motion())
+    }
+
+    fn state_at(&self, time_ns: i64) -> ([f64; 2], [f64; 2], Matrix4<f64>) {
+        either!(self, filter => filter.state_at(time_ns))
+    }
+}

@@ -1,0 +1,26 @@
+//! What was done, and what was refused.
+
+/// Counters; they only rise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Bearings taken.
+    pub bearings: u64,
+    /// Bearings refused: a value that is no number, or no standard deviation.
+    pub unusable: u64,
+    /// Bearings refused: older than the emitter's last one.
+    pub out_of_order: u64,
+    /// Bearings refused: of a new emitter, and there is no place for it.
+    pub table_full: u64,
+    /// Emitters seen.
+    pub emitters: u64,
+    /// Emitters whose place was given to another.
+    pub emitters_dropped: u64,
+    /// Bearings that found their emitter by frequency and direction.
+    pub associated: u64,
+    /// Bearings of emitters without a fix: the geometry does not allow one.
+    pub without_fix: u64,
+    /// Bearings that the model which is believed has set aside.
+    pub set_aside: u64,
+    /// Fixes given out.
+    pub fixes: u64,
+}

@@ -1,0 +1,104 @@
+//! Why the output is what it is: a record per decision (`--explain`).
+
+use crate::bank::Motion;
+use crate::selection::{Reason, Stage};
+
+/// One decision on one emitter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decision {
+    /// Time of the bearing at which it was made, nanoseconds.
+    pub time_ns: i64,
+    /// The emitter's number.
+    pub emitter: u32,
+    /// What was decided.
+    pub kind: DecisionKind,
+    /// What was compared, …
+    pub value: f64,
+    /// … and with what; both not a number where nothing was.
+    pub limit: f64,
+}
+
+/// What was decided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DecisionKind {
+    /// An emitter was seen for the first time. Value: emitters there are; limit: places.
+    EmitterStarted,
+    /// The place of an emitter that had been silent (value, seconds) was given to another.
+    EmitterDropped,
+    /// Another model is believed. Value: evidence that the emitter moves (2 ln of the Bayes factor); limit: what is enough.
+    ModelChosen(Motion),
+    /// A model's bearings disagree, and are set aside from now on: running sum of innovations in standard deviations.
+    BearingsSetAside(Motion),
+    /// They agree again, after so many without a turn.
+    BearingsAgree(Motion),
+    /// A model begins anew: its bearings disagreed for so many seconds without a turn.
+    ModelRestarted(Motion),
+    /// The selection went to another stage, used a fix, or did not. Value: the fix's variance, m²; limit: its threshold;
+    /// or the times that were compared, seconds.
+    Selection(Stage, Reason),
+}
+
+impl DecisionKind {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::EmitterStarted => "emitter_started",
+            Self::EmitterDropped => "emitter_dropped",
+            Self::ModelChosen(_) => "model_chosen",
+            Self::BearingsSetAside(_) => "bearings_set_aside",
+            Self::BearingsAgree(_) => "bearings_agree",
+            Self::ModelRestarted(_) => "model_restarted",
+            Self::Selection(..) => "selection",
+        }
+    }
+
+    /// What it was about: the model or the stage.
+    pub fn subject(self) -> &'static str {
+        match self {
+            Self::EmitterStarted | Self::EmitterDropped => "",
+            Self::ModelChosen(motion)
+            | Self::BearingsSetAside(motion)
+            | Self::BearingsAgree(motion)
+            | Self::ModelRestarted(motion) => motion.word(),
+            Self::Selection(stage, _) => stage.word(),
+        }
+    }
+
+    /// Why.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::EmitterStarted => "first bearing of it",
+            Self::EmitterDropped => "silent, and its place was needed",
+            Self::ModelChosen(_) => "the simplest that nothing speaks against",
+            Self::BearingsSetAside(_) => "they are off to one side together",
+            Self::BearingsAgree(_) => "they are where they are expected",
+            Self::ModelRestarted(_) => "bearings disagreed for long without a turn",
+            Self::Selection(_, reason) => reason.sentence(),
+        }
+    }
+}
+
+/// A few decisions, before time and emitter are written on them. Further ones are dropped: nobody makes more.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Notes<const N: usize> {
+    notes: [Option<(DecisionKind, f64, f64)>; N],
+    len: usize,
+}
+
+impl<const N: usize> Notes<N> {
+    pub(crate) const EMPTY: Self = Self {
+        notes: [None; N],
+        len: 0,
+    };
+
+    pub(crate) fn note(&mut self, kind: DecisionKind, value: f64, limit: f64) {
+        if let Some(place) = self.notes.get_mut(self.len) {
+            *place = Some((kind, value, limit));
+            self.len += 1;
+        }
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (DecisionKind, f64, f64)> {
+        self.notes.iter().flatten().copied()
+    }
+}

@@ -1,0 +1,414 @@
+//! All emitters: whose a bearing is, and what follows from it.
+
+use formats::bearing::Bearing;
+use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
+
+use crate::bank::{Bank, Notes, RawFix};
+use crate::counts::Counts;
+use crate::explanation::{Decision, DecisionKind};
+use crate::selection::{Fix, Output, Selector};
+use crate::settings::{Fault, Settings};
+use crate::sighting::Sighting;
+
+/// Emitters that the locator tells apart itself are numbered from here on.
+pub const OWN_NUMBERS: u32 = 1_000_001;
+/// Decisions on one bearing at most.
+const DECISIONS_MAX: usize = 16;
+/// A direction with a greater standard deviation is none, radians.
+const SIGMA_MAX_RAD: f64 = 1.0;
+/// Greatest coordinate of a platform, metres; beyond, differences lose their millimetres.
+const COORDINATE_MAX_M: f64 = 1e9;
+/// Heights are not observed: standard deviation, metres.
+const HEIGHT_SIGMA_M: f64 = 1e4;
+/// Frequencies that were not measured fit all.
+const ANY_FREQUENCY_HZ: f64 = 0.0;
+
+/// Where an emitter is, after a bearing of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmitterReport {
+    /// The emitter: the bearings' id, or from [`OWN_NUMBERS`] on.
+    pub number: u32,
+    /// Time of the bearing, nanoseconds.
+    pub time_ns: i64,
+    /// What the filters say.
+    pub raw: RawFix,
+    /// What is put out (EL-4 … EL-10).
+    pub output: Output,
+}
+
+impl EmitterReport {
+    /// As a report of the source numbered `source`, with the numbers of the source's own at 0 (EL-11).
+    ///
+    /// The covariance is the raw fix's, and as much more as the output is apart from it. Height is not observed.
+    pub fn sensor_track(&self, source: u16) -> SensorTrack {
+        let apart: [f64; 2] = std::array::from_fn(|axis| self.output.position_m[axis] - self.raw.position_m[axis]);
+        let faster: [f64; 2] = std::array::from_fn(|axis| self.output.velocity_mps[axis] - self.raw.velocity_mps[axis]);
+        let off = [apart[0], apart[1], faster[0], faster[1]];
+        let mut covariance = Covariance::default();
+        // East and north, then their velocities, among the six components of a message.
+        const PLACES: [usize; 4] = [0, 1, 3, 4];
+        for (row, to_row) in PLACES.into_iter().enumerate() {
+            for (column, to_column) in PLACES.into_iter().enumerate().skip(row) {
+                let value = self.raw.covariance[(row, column)] + off[row] * off[column];
+                covariance.set(to_row, to_column, value);
+            }
+        }
+        covariance.set(2, 2, HEIGHT_SIGMA_M * HEIGHT_SIGMA_M);
+        let state = match self.raw.is_agreed {
+            true => TrackState::Confirmed,
+            false => TrackState::Coasted,
+        };
+        SensorTrack {
+            time_of_measurement_ns: self.time_ns,
+            track_number: self.number,
+            source,
+            valid: sensor_track_bits::VELOCITY | sensor_track_bits::OWN_COVARIANCE,
+            position_m: self.output.position_m,
+            velocity_mps: self.output.velocity_mps,
+            covariance,
+            state: state as u8,
+            ..SensorTrack::default()
+        }
+    }
+}
+
+/// Why a bearing was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// A value is no number or cannot be.
+    Unusable(&'static str),
+    /// It is older than the emitter's last one.
+    OutOfOrder,
+    /// It is of a new emitter, and there is no place for it.
+    TableFull,
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Unusable(what) => write!(formatter, "{what}"),
+            Self::OutOfOrder => write!(
+                formatter,
+                "is older than the emitter's last bearing; sort the bearings by time"
+            ),
+            Self::TableFull => write!(
+                formatter,
+                "is of a new emitter, and all places are taken; configure a greater emitters_max"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+/// One emitter.
+#[derive(Clone, Debug)]
+struct Emitter {
+    number: u32,
+    /// Whether its bearings carry its number.
+    is_labelled: bool,
+    frequency_hz: f64,
+    last: Sighting,
+    last_heading_rad: Option<f64>,
+    turning_since_ns: Option<i64>,
+    bank: Bank,
+    selector: Selector,
+}
+
+/// Locates emitters from bearings.
+#[derive(Debug)]
+pub struct Locator {
+    settings: Settings,
+    /// In the order of (is_labelled, number).
+    index: Vec<(bool, u32, u32)>,
+    emitters: Vec<Emitter>,
+    next_number: u32,
+    decisions: Vec<Decision>,
+    counts: Counts,
+}
+
+impl Locator {
+    /// A locator that has seen nothing. All memory is allocated here.
+    ///
+    /// # Errors
+    /// What is wrong with the settings.
+    pub fn new(settings: Settings) -> Result<Self, Fault> {
+        if let Some(fault) = settings.fault() {
+            return Err(fault);
+        }
+        Ok(Self {
+            settings,
+            index: Vec::with_capacity(settings.emitters_max),
+            emitters: Vec::with_capacity(settings.emitters_max),
+            next_number: OWN_NUMBERS,
+            decisions: Vec::with_capacity(DECISIONS_MAX),
+            counts: Counts::default(),
+        })
+    }
+
+    /// Takes a bearing. `None`: the geometry does not allow a fix yet.
+    ///
+    /// # Errors
+    /// If it cannot be used; it is counted, and changes nothing.
+    pub fn bearing(&mut self, bearing: &Bearing) -> Result<Option<EmitterReport>, Refusal> {
+        self.decisions.clear();
+        if let Some(fault) = fault(bearing) {
+            self.counts.unusable += 1;
+            return Err(Refusal::Unusable(fault));
+        }
+        let sighting = Sighting::new(bearing);
+        let found = match bearing.emitter_id {
+            Some(id) => self.place(true, id).ok(),
+            None => self.associated(bearing, &sighting),
+        };
+        let (slot, is_new) = match found {
+            Some(place) => (self.index[place].2 as usize, false),
+            None => (self.begin(bearing, &sighting)?, true),
+        };
+        let emitter = &mut self.emitters[slot];
+        if sighting.time_ns < emitter.last.time_ns {
+            self.counts.out_of_order += 1;
+            return Err(Refusal::OutOfOrder);
+        }
+        self.counts.bearings += 1;
+        self.counts.associated += u64::from(bearing.emitter_id.is_none() && !is_new);
+        Ok(self.take(slot, bearing, &sighting))
+    }
+
+    /// What was decided on the last bearing, in order.
+    pub fn decisions(&self) -> &[Decision] {
+        &self.decisions
+    }
+
+    /// What was done so far.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Emitters there are.
+    pub fn emitters(&self) -> usize {
+        self.emitters.len()
+    }
+
+    /// What it was built from.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn take(&mut self, slot: usize, bearing: &Bearing, sighting: &Sighting) -> Option<EmitterReport> {
+        let (settings, emitter) = (&self.settings, &mut self.emitters[slot]);
+        let after_s = sighting.after_s(emitter.last.time_ns);
+        emitter.watch_heading(bearing.heading_rad, sighting, settings.consistency.turning_rad_per_s);
+        let mut notes = Notes::EMPTY;
+        let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
+        emitter
+            .bank
+            .add(sighting, after_s, turning_since_ns, models, &mut notes);
+        emitter.last = *sighting;
+        let (number, time_ns) = (emitter.number, sighting.time_ns);
+        let fix = emitter.bank.fix_at(time_ns);
+        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns)));
+        for (kind, value, limit) in notes.iter() {
+            self.decide(time_ns, number, kind, value, limit);
+        }
+        let (Some(raw), Some(output)) = (fix, output) else {
+            self.counts.without_fix += 1;
+            return None;
+        };
+        if let Some((reason, value, limit)) = output.decision {
+            self.decide(
+                time_ns,
+                number,
+                DecisionKind::Selection(output.stage, reason),
+                value,
+                limit,
+            );
+        }
+        self.counts.fixes += 1;
+        self.counts.set_aside += u64::from(!raw.is_agreed);
+        Some(EmitterReport {
+            number,
+            time_ns,
+            raw,
+            output,
+        })
+    }
+
+    /// The place of an emitter in the index, or where it belongs.
+    fn place(&self, is_labelled: bool, number: u32) -> Result<usize, usize> {
+        self.index
+            .binary_search_by_key(&(is_labelled, number), |&(is_labelled, number, _)| {
+                (is_labelled, number)
+            })
+    }
+
+    /// The place in the index of the emitter without id that a bearing fits best, by frequency and gate.
+    fn associated(&self, bearing: &Bearing, sighting: &Sighting) -> Option<usize> {
+        let settings = &self.settings.association;
+        let frequency_hz = bearing.frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
+        let mut best: Option<(f64, usize)> = None;
+        // Those without id stand first.
+        for (place, (is_labelled, _, slot)) in self.index.iter().enumerate() {
+            if *is_labelled {
+                break;
+            }
+            let emitter = &self.emitters[*slot as usize];
+            let is_either_unknown = frequency_hz == ANY_FREQUENCY_HZ || emitter.frequency_hz == ANY_FREQUENCY_HZ;
+            let apart_hz = (frequency_hz - emitter.frequency_hz).abs();
+            if !is_either_unknown && apart_hz > settings.frequency_tolerance_hz {
+                continue;
+            }
+            let (squared, log_variance) = emitter.compare(sighting, settings.rate_max_rad_per_s);
+            let cost = squared + log_variance;
+            if squared <= settings.gate * settings.gate && best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, place));
+            }
+        }
+        best.map(|(_, place)| place)
+    }
+
+    /// A new emitter's place in the table.
+    fn begin(&mut self, bearing: &Bearing, sighting: &Sighting) -> Result<usize, Refusal> {
+        let (is_labelled, number) = match bearing.emitter_id {
+            Some(id) => (true, id),
+            None => (false, self.next_number),
+        };
+        let slot = if self.emitters.len() < self.settings.emitters_max {
+            self.emitters.push(Emitter {
+                number,
+                is_labelled,
+                frequency_hz: ANY_FREQUENCY_HZ,
+                last: *sighting,
+                last_heading_rad: None,
+                turning_since_ns: None,
+                bank: Bank::new(&self.settings.motion),
+                selector: Selector::new(self.settings.selection),
+            });
+            self.emitters.len() - 1
+        } else {
+            let Some(slot) = self.given_up(sighting.time_ns) else {
+                self.counts.table_full += 1;
+                return Err(Refusal::TableFull);
+            };
+            slot
+        };
+        let emitter = &mut self.emitters[slot];
+        emitter.number = number;
+        emitter.is_labelled = is_labelled;
+        emitter.frequency_hz = bearing.frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
+        emitter.last = *sighting;
+        (emitter.last_heading_rad, emitter.turning_since_ns) = (None, None);
+        if let Err(place) = self.place(is_labelled, number) {
+            self.index.insert(place, (is_labelled, number, slot as u32));
+        }
+        if !is_labelled {
+            self.next_number = self.next_number.checked_add(1).unwrap_or(OWN_NUMBERS);
+        }
+        self.counts.emitters += 1;
+        let (there_are, places) = (self.emitters.len() as f64, self.settings.emitters_max as f64);
+        self.decide(
+            sighting.time_ns,
+            number,
+            DecisionKind::EmitterStarted,
+            there_are,
+            places,
+        );
+        Ok(slot)
+    }
+
+    /// The slot of the emitter that was silent longest, if that was long enough; it is emptied.
+    fn given_up(&mut self, time_ns: i64) -> Option<usize> {
+        let (slot, emitter) = (self.emitters.iter_mut().enumerate()).min_by_key(|(_, emitter)| emitter.last.time_ns)?;
+        let silent_s = (time_ns - emitter.last.time_ns) as f64 * 1e-9;
+        if silent_s < self.settings.association.silent_max_s {
+            return None;
+        }
+        let (is_labelled, number) = (emitter.is_labelled, emitter.number);
+        emitter.bank.reset(&self.settings.motion);
+        emitter.selector = Selector::new(self.settings.selection);
+        if let Ok(place) = self.place(is_labelled, number) {
+            self.index.remove(place);
+        }
+        self.counts.emitters_dropped += 1;
+        let limit_s = self.settings.association.silent_max_s;
+        self.decide(time_ns, number, DecisionKind::EmitterDropped, silent_s, limit_s);
+        Some(slot)
+    }
+
+    fn decide(&mut self, time_ns: i64, emitter: u32, kind: DecisionKind, value: f64, limit: f64) {
+        if self.decisions.len() < DECISIONS_MAX {
+            self.decisions.push(Decision {
+                time_ns,
+                emitter,
+                kind,
+                value,
+                limit,
+            });
+        }
+    }
+}
+
+impl Emitter {
+    /// How a bearing without id fits: squared normalised difference, logarithm of its variance.
+    fn compare(&self, sighting: &Sighting, rate_max_rad_per_s: f64) -> (f64, f64) {
+        if let Some(compared) = self.bank.compare(sighting) {
+            return compared;
+        }
+        // Without a fix it is expected where it was last, or as far off as its bearing can have gone.
+        let after_s = sighting.after_s(self.last.time_ns).abs();
+        let may_have_gone = rate_max_rad_per_s * after_s;
+        let variance = 1.0 / sighting.information + 1.0 / self.last.information + may_have_gone * may_have_gone;
+        let across = sighting.sine * self.last.cosine - sighting.cosine * self.last.sine;
+        let along = sighting.cosine * self.last.cosine + sighting.sine * self.last.sine;
+        let difference = across.atan2(along);
+        (difference * difference / variance, variance.ln())
+    }
+
+    /// Whether the platform turns, and since when: by the heading at the sighting after the last one.
+    fn watch_heading(&mut self, heading_rad: Option<f64>, sighting: &Sighting, turning_rad_per_s: f64) {
+        let after_s = sighting.after_s(self.last.time_ns);
+        if let (Some(heading_rad), Some(last)) = (heading_rad, self.last_heading_rad) {
+            if after_s <= 0.0 {
+                // Two at one time tell nothing new.
+                return;
+            }
+            let change = (heading_rad - last).sin().atan2((heading_rad - last).cos());
+            self.turning_since_ns = match change.abs() / after_s > turning_rad_per_s {
+                true => self.turning_since_ns.or(Some(sighting.time_ns)),
+                false => None,
+            };
+        } else {
+            self.turning_since_ns = None;
+        }
+        self.last_heading_rad = heading_rad;
+    }
+}
+
+/// What is wrong with a bearing, if anything.
+fn fault(bearing: &Bearing) -> Option<&'static str> {
+    let coordinates = bearing.platform_m.iter().all(|value| value.abs() < COORDINATE_MAX_M);
+    let angles = bearing.bearing_rad.is_finite() && bearing.heading_rad.is_none_or(f64::is_finite);
+    if !angles {
+        Some("an angle is no number")
+    } else if !(bearing.sigma_rad > 0.0 && bearing.sigma_rad <= SIGMA_MAX_RAD) {
+        Some("the standard deviation is not between 0 and 1 rad")
+    } else if !coordinates {
+        Some("the platform's position is no number, or farther away than 1e9 m")
+    } else if bearing
+        .frequency_hz
+        .is_some_and(|frequency| !(frequency > 0.0 && frequency.is_finite()))
+    {
+        Some("the frequency is not greater than 0")
+    } else {
+        None
+    }
+}
+
+fn selectable(raw: &RawFix, time_ns: i64) -> Fix {
+    Fix {
+        time_s: time_ns as f64 * 1e-9,
+        position_m: [raw.position_m[0], raw.position_m[1], 0.0],
+        velocity_mps: [raw.velocity_mps[0], raw.velocity_mps[1], 0.0],
+        variance_m2: raw.variance_m2(),
+    }
+}

@@ -1,0 +1,584 @@
+//! Which fixes are used, and the smooth path that is made of them (EL-4 … EL-10).
+//!
+//! The fixes of a bearings-only filter wander in arcs, because range comes slowly, and jump when bearings are wrong. This keeps
+//! only some of them, those that can be trusted, and joins them by straight, continuous motion. It knows nothing of bearings:
+//! it sees time, position and variance, so fixes of any other origin will do (ultrasound, radar; EL-12).
+//!
+//! # One rule
+//!
+//! Let S(n) be the fix that is selected at t(n), and P(n) where the output is then. From there the output moves on with
+//!
+//! ```text
+//! V(n) = (S(n) − P(n−1)) / (t(n) − t(n−1))          the way from where the output was to where the emitter is
+//! ```
+//!
+//! This is EL-6, P(n+1) = P(n) + S(n) − P(n−1), for selections a fixed interval apart, and EL-9, for those at minima of the
+//! variance, in one. What differs is when a fix is selected, and what stands for S(n) and P(n−1) when its variance is too
+//! large: nothing does (option a: V stays), or the motion up to where the variance rose above its threshold, and
+//! from where it fell below it (option b, EL-7 and EL-8).
+//!
+//! # States
+//!
+//! ```text
+//!                        below the threshold               next selection, below
+//!  ┌─────────┐ (minimum: a minimum below it) ┌───────┐ ─────────────┬────────────▶ ┌──────────┐
+//!  │ passing │ ────────────────────────────▶ │ first │              │              │ interval │
+//!  └─────────┘                               └───────┘              │              └──────────┘
+//!       │ steered: below the threshold                              │   staged: minima │ ▲ staged: no
+//!       ▼                                                           │     come often   ▼ │ minimum for long
+//!  ┌─────────┐                                                      │              ┌──────────┐
+//!  │ steered │                                                      └────────────▶ │ minimum  │
+//!  └─────────┘                                                        minimum      └──────────┘
+//! ```
+//!
+//! In `passing` and `first` fixes are passed on as they are. In all other states the output is continuous: each step is
+//! exactly its own velocity times the time. A filter whose variance only falls has no minimum; then minimum selection passes its
+//! fixes on, and staged selection stays with intervals.
+//!
+//! # What it costs
+//!
+//! With equal intervals and S(n) = truth + e(n), the error of the output obeys p(n+1) − p(n) + p(n−1) = e(n). Its free
+//! oscillation, of period six intervals, is not damped: an interval of a sixth of the period in which the filter's errors
+//! come back (often that of the platform's circles) makes them resonate. Longer intervals, or minima, do not. `Steered` is
+//! our own answer for filters that are good already: at every fix the output is headed to where the filter says that the
+//! emitter will be a little later. It does not oscillate, and never jumps either.
+//!
+//! Source: patent JP7553304B2.
+
+use crate::settings::Fault;
+
+/// When fixes are selected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Select {
+    /// The best there is for unknown data: every fix steers the output.
+    Auto,
+    /// Fixes are passed on.
+    None,
+    /// One each interval (EL-5).
+    Interval,
+    /// One at each minimum of the variance (EL-9).
+    Minimum,
+    /// Each interval at first, then at minima (EL-10).
+    Staged,
+}
+
+impl Select {
+    /// Every way.
+    pub const ALL: [Self; 5] = [Self::Auto, Self::None, Self::Interval, Self::Minimum, Self::Staged];
+
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::None => "none",
+            Self::Interval => "interval",
+            Self::Minimum => "minimum",
+            Self::Staged => "staged",
+        }
+    }
+}
+
+/// What is done while the variance is above its threshold (EL-7, EL-8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AboveThreshold {
+    /// Option a: direction and speed stay as they are.
+    Continue,
+    /// Option b: they become those up to the fix at which the variance rose, and after it fell.
+    UseCrossings,
+}
+
+/// How fixes are selected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SelectionSettings {
+    /// When.
+    pub select: Select,
+    /// Threshold of the variance value, m².
+    pub variance_max_m2: f64,
+    /// Time between selections, seconds; longer than between fixes.
+    pub interval_s: f64,
+    /// What is done above the threshold.
+    pub above: AboveThreshold,
+    /// A minimum counts once the variance has risen by this share above it; 0: every one does.
+    pub minimum_rise: f64,
+    /// Minima sooner after the last selection do not count, seconds.
+    pub minimum_gap_s: f64,
+    /// Staged: minima are used after so many below the threshold, one soon enough after the other …
+    pub settled_minima: u32,
+    /// … and no longer, once none has come for so long, seconds.
+    pub minimum_wait_s: f64,
+    /// Steered: the output is headed to where the emitter will be so much later, seconds.
+    pub steering_s: f64,
+}
+
+impl Default for SelectionSettings {
+    fn default() -> Self {
+        Self {
+            select: Select::Auto,
+            variance_max_m2: 250_000.0,
+            interval_s: 250.0,
+            above: AboveThreshold::Continue,
+            minimum_rise: 0.3,
+            minimum_gap_s: 100.0,
+            settled_minima: 2,
+            minimum_wait_s: 750.0,
+            steering_s: 30.0,
+        }
+    }
+}
+
+impl SelectionSettings {
+    /// What is wrong with them, if anything.
+    pub fn fault(&self) -> Option<Fault> {
+        let above_zero = [
+            ("selection.variance_max_m2", self.variance_max_m2),
+            ("selection.interval_s", self.interval_s),
+            ("selection.minimum_wait_s", self.minimum_wait_s),
+            ("selection.steering_s", self.steering_s),
+        ];
+        let not_negative = [
+            ("selection.minimum_rise", self.minimum_rise),
+            ("selection.minimum_gap_s", self.minimum_gap_s),
+        ];
+        Fault::not_above_zero(&above_zero).or_else(|| Fault::negative(&not_negative))
+    }
+}
+
+/// A fix, of whatever origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// When, seconds.
+    pub time_s: f64,
+    /// Where, metres.
+    pub position_m: [f64; 3],
+    /// How it moves, m/s; 0 where that is not known. It is passed on with fixes that are, and steers.
+    pub velocity_mps: [f64; 3],
+    /// How uncertain it is (EL-3), m².
+    pub variance_m2: f64,
+}
+
+/// What is put out for a fix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// Where the emitter is, metres.
+    pub position_m: [f64; 3],
+    /// How the output moves on from here, m/s.
+    pub velocity_mps: [f64; 3],
+    /// State of the selection.
+    pub stage: Stage,
+    /// Whether a fix was selected.
+    pub is_selected: bool,
+    /// What was decided, with what was compared, if anything was.
+    pub decision: Option<(Reason, f64, f64)>,
+}
+
+/// States of the selection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// No fix is selected yet; fixes are passed on.
+    Passing,
+    /// One is, and fixes are passed on until the second.
+    First,
+    /// A straight line until the next interval is over.
+    Interval,
+    /// A straight line until the next minimum.
+    Minimum,
+    /// Headed to where the filter says.
+    Steered,
+}
+
+impl Stage {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Passing => "passing",
+            Self::First => "first",
+            Self::Interval => "interval",
+            Self::Minimum => "minimum",
+            Self::Steered => "steered",
+        }
+    }
+}
+
+/// Why something was decided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The variance is below its threshold for the first time.
+    FirstBelow,
+    /// The first minimum below the threshold.
+    FirstMinimum,
+    /// The second selection: the line begins.
+    Second,
+    /// The second selection would be due, and the variance is above.
+    SecondWaits,
+    /// An interval is over, and the fix is used.
+    IntervalOver,
+    /// A minimum, and the fix is used.
+    AtMinimum,
+    /// The variance is above: direction and speed stay.
+    HeldAbove,
+    /// The variance is above: motion up to the last fix below.
+    UpCrossing,
+    /// The variance is below again: motion since the first fix below.
+    DownCrossing,
+    /// Minima come often enough to be used.
+    Settled,
+    /// No minimum came for long.
+    MinimaRare,
+}
+
+impl Reason {
+    /// What it means.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::FirstBelow => "variance below its threshold for the first time",
+            Self::FirstMinimum => "first minimum of the variance below its threshold",
+            Self::Second => "second selection: the line begins",
+            Self::SecondWaits => "second selection waits: variance above its threshold",
+            Self::IntervalOver => "interval over: the fix is used",
+            Self::AtMinimum => "minimum of the variance: the fix is used",
+            Self::HeldAbove => "variance above its threshold: direction and speed stay",
+            Self::UpCrossing => "variance above its threshold: motion up to the last fix below it",
+            Self::DownCrossing => "variance below its threshold again: motion since the first fix below it",
+            Self::Settled => "minima come often enough: they are used from now on",
+            Self::MinimaRare => "no minimum for long: intervals are used from now on",
+        }
+    }
+}
+
+/// A position at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Point {
+    time_s: f64,
+    position_m: [f64; 3],
+}
+
+/// The state machine: fixes in, output out.
+#[derive(Clone, Debug)]
+pub struct Selector {
+    settings: SelectionSettings,
+    stage: Stage,
+    /// Where the present line begins, and how it goes on.
+    line: Point,
+    velocity_mps: [f64; 3],
+    /// t(n−1), and P(n−1); while there is one selection only, S1.
+    previous: Point,
+    /// When the next interval is over.
+    due_s: f64,
+    /// The fix before, and whether it was below the threshold.
+    last: Option<(Point, bool)>,
+    was_above_at_selection: bool,
+    /// Last fix before the variance rose above its threshold, first one after it fell below.
+    up: Option<Point>,
+    down: Option<Point>,
+    valley: Valley,
+    /// Staged: the last minimum below the threshold, and how many have come one soon after the other.
+    last_minimum_s: f64,
+    minima: u32,
+}
+
+impl Selector {
+    /// A selector that has seen no fix. Settings must be without [`fault`](SelectionSettings::fault).
+    pub fn new(settings: SelectionSettings) -> Self {
+        let nowhere = Point {
+            time_s: 0.0,
+            position_m: [0.0; 3],
+        };
+        Self {
+            settings,
+            stage: Stage::Passing,
+            line: nowhere,
+            velocity_mps: [0.0; 3],
+            previous: nowhere,
+            due_s: f64::INFINITY,
+            last: None,
+            was_above_at_selection: false,
+            up: None,
+            down: None,
+            valley: Valley::default(),
+            last_minimum_s: f64::NEG_INFINITY,
+            minima: 0,
+        }
+    }
+
+    /// Takes the next fix. `None`, and no change, for one that is older than the last, or has a value that is no number.
+    pub fn fix(&mut self, fix: &Fix) -> Option<Output> {
+        let values = fix.position_m.iter().chain(&fix.velocity_mps);
+        let is_finite = values.chain([&fix.time_s]).all(|value| value.is_finite());
+        let is_late = self.last.is_some_and(|(last, _)| fix.time_s < last.time_s);
+        if !is_finite || fix.variance_m2.is_nan() || is_late {
+            return None;
+        }
+        let seen = Point {
+            time_s: fix.time_s,
+            position_m: fix.position_m,
+        };
+        let is_below = fix.variance_m2 < self.settings.variance_max_m2;
+        self.note_crossing(seen, is_below);
+        let before = self.output_at(seen);
+        let minimum = self
+            .valley
+            .next(self.settings.minimum_rise, fix.variance_m2, seen, before);
+        let decision = match self.settings.select {
+            Select::None => None,
+            Select::Auto => self.steer(fix, before, is_below),
+            Select::Interval => self.at_interval(fix, seen, before, is_below),
+            Select::Minimum => self.at_minimum(fix, minimum, before),
+            Select::Staged => self.staged(fix, seen, before, is_below, minimum),
+        };
+        self.last = Some((seen, is_below));
+        let after = self.output_at(seen);
+        let is_line = !matches!(self.stage, Stage::Passing | Stage::First);
+        Some(Output {
+            position_m: after.position_m,
+            velocity_mps: if is_line { self.velocity_mps } else { fix.velocity_mps },
+            stage: self.stage,
+            is_selected: match decision {
+                Some((reason, ..)) => reason.uses_fix(),
+                None => self.stage == Stage::Steered,
+            },
+            decision,
+        })
+    }
+
+    /// Where the output is at the time of a fix.
+    fn output_at(&self, seen: Point) -> Point {
+        let position_m = match self.stage {
+            Stage::Passing | Stage::First => seen.position_m,
+            _ => moved(self.line.position_m, self.velocity_mps, seen.time_s - self.line.time_s),
+        };
+        Point { position_m, ..seen }
+    }
+
+    fn note_crossing(&mut self, seen: Point, is_below: bool) {
+        match self.last {
+            Some((last, true)) if !is_below => self.up = Some(last),
+            Some((_, false)) | None if is_below => self.down = Some(seen),
+            _ => {}
+        }
+    }
+
+    /// Every fix heads the output to where the emitter will be a steering time later.
+    fn steer(&mut self, fix: &Fix, before: Point, is_below: bool) -> Option<(Reason, f64, f64)> {
+        let is_first = self.stage != Stage::Steered;
+        if is_first && !is_below {
+            return None;
+        }
+        // The next fix must not come after the output has passed its aim.
+        let last_step_s = self.last.map_or(0.0, |(last, _)| fix.time_s - last.time_s);
+        let steering_s = self.settings.steering_s.max(2.0 * last_step_s);
+        self.stage = Stage::Steered;
+        self.line = before;
+        self.velocity_mps = std::array::from_fn(|axis| {
+            fix.velocity_mps[axis] + (fix.position_m[axis] - before.position_m[axis]) / steering_s
+        });
+        is_first.then_some((Reason::FirstBelow, fix.variance_m2, self.settings.variance_max_m2))
+    }
+
+    /// EL-4 … EL-8.
+    fn at_interval(&mut self, fix: &Fix, seen: Point, before: Point, is_below: bool) -> Option<(Reason, f64, f64)> {
+        let found = |reason| Some((reason, fix.variance_m2, self.settings.variance_max_m2));
+        if self.stage == Stage::Passing {
+            if !is_below {
+                return None;
+            }
+            let found = found(Reason::FirstBelow);
+            self.stage = Stage::First;
+            self.previous = seen;
+            self.due_s = fix.time_s + self.settings.interval_s;
+            return found;
+        }
+        if fix.time_s < self.due_s {
+            return None;
+        }
+        self.due_s = next_due(self.due_s, self.settings.interval_s, fix.time_s);
+        if self.stage == Stage::First {
+            if !is_below {
+                return found(Reason::SecondWaits);
+            }
+            let found = found(Reason::Second);
+            self.turn(Stage::Interval, before, Some((self.previous, seen)), before);
+            return found;
+        }
+        let (reason, way) = self.way(seen, is_below);
+        let found = found(reason);
+        self.was_above_at_selection = !is_below;
+        self.turn(Stage::Interval, before, way, before);
+        found
+    }
+
+    /// From where to where the output's next velocity is taken, at a selection time; `None`: it stays.
+    fn way(&self, seen: Point, is_below: bool) -> (Reason, Option<(Point, Point)>) {
+        let crossings = self.settings.above == AboveThreshold::UseCrossings;
+        if !is_below {
+            let rose = self.up.filter(|up| up.time_s > self.previous.time_s);
+            return match rose.filter(|_| crossings && !self.was_above_at_selection) {
+                Some(up) => (Reason::UpCrossing, Some((self.previous, up))),
+                None => (Reason::HeldAbove, None),
+            };
+        }
+        let fell = self.down.filter(|down| down.time_s < seen.time_s);
+        match fell.filter(|_| crossings && self.was_above_at_selection) {
+            Some(down) => (Reason::DownCrossing, Some((down, seen))),
+            None => (Reason::IntervalOver, Some((self.previous, seen))),
+        }
+    }
+
+    /// EL-9. A minimum is known once the variance has risen: the output turns then, by what it was at the minimum.
+    fn at_minimum(&mut self, fix: &Fix, minimum: Option<Minimum>, now: Point) -> Option<(Reason, f64, f64)> {
+        let minimum = minimum?;
+        let limit = self.settings.variance_max_m2;
+        let is_below = minimum.variance_m2 < limit;
+        let found = |reason| Some((reason, minimum.variance_m2, limit));
+        match self.stage {
+            Stage::Passing if is_below => {
+                self.stage = Stage::First;
+                self.previous = minimum.seen;
+                found(Reason::FirstMinimum)
+            }
+            Stage::Passing => None,
+            _ if minimum.seen.time_s - self.previous.time_s <= self.settings.minimum_gap_s => None,
+            Stage::First if !is_below => found(Reason::SecondWaits),
+            Stage::First => {
+                // Fixes are passed on up to now, so the line begins at the present one.
+                let begin = Point {
+                    time_s: fix.time_s,
+                    position_m: fix.position_m,
+                };
+                self.turn(
+                    Stage::Minimum,
+                    begin,
+                    Some((self.previous, minimum.seen)),
+                    minimum.output,
+                );
+                found(Reason::Second)
+            }
+            _ if is_below => {
+                self.turn(Stage::Minimum, now, Some((self.previous, minimum.seen)), minimum.output);
+                found(Reason::AtMinimum)
+            }
+            _ => {
+                self.turn(Stage::Minimum, now, None, minimum.output);
+                found(Reason::HeldAbove)
+            }
+        }
+    }
+
+    /// EL-10.
+    fn staged(
+        &mut self,
+        fix: &Fix,
+        seen: Point,
+        before: Point,
+        is_below: bool,
+        minimum: Option<Minimum>,
+    ) -> Option<(Reason, f64, f64)> {
+        let wait_s = self.settings.minimum_wait_s;
+        if let Some(minimum) = minimum.filter(|minimum| minimum.variance_m2 < self.settings.variance_max_m2) {
+            let is_soon = minimum.seen.time_s - self.last_minimum_s <= wait_s;
+            self.minima = if is_soon { self.minima + 1 } else { 1 };
+            self.last_minimum_s = minimum.seen.time_s;
+        }
+        if self.stage == Stage::Minimum {
+            let silent_s = fix.time_s - self.last_minimum_s;
+            if silent_s <= wait_s {
+                return self.at_minimum(fix, minimum, before);
+            }
+            self.minima = 0;
+            self.due_s = fix.time_s;
+            let (_, way) = self.way(seen, is_below);
+            self.was_above_at_selection = !is_below;
+            self.turn(Stage::Interval, before, way, before);
+            self.due_s = fix.time_s + self.settings.interval_s;
+            return Some((Reason::MinimaRare, silent_s, wait_s));
+        }
+        if self.stage == Stage::Interval && minimum.is_some() && self.minima >= self.settings.settled_minima {
+            self.stage = Stage::Minimum;
+            // One that comes too soon after the last interval changes the stage, and not yet the direction.
+            self.at_minimum(fix, minimum, before);
+            let needed = f64::from(self.settings.settled_minima);
+            return Some((Reason::Settled, f64::from(self.minima), needed));
+        }
+        self.at_interval(fix, seen, before, is_below)
+    }
+
+    /// The output goes on from `begin` with the velocity of a way, or as it did; `p` is P(n).
+    fn turn(&mut self, stage: Stage, begin: Point, way: Option<(Point, Point)>, p: Point) {
+        if let Some((from, to)) = way {
+            let duration_s = to.time_s - from.time_s;
+            if duration_s > 0.0 {
+                self.velocity_mps =
+                    std::array::from_fn(|axis| (to.position_m[axis] - from.position_m[axis]) / duration_s);
+            }
+        }
+        self.stage = stage;
+        self.line = begin;
+        self.previous = p;
+    }
+}
+
+impl Reason {
+    fn uses_fix(self) -> bool {
+        !matches!(self, Self::SecondWaits | Self::HeldAbove | Self::UpCrossing)
+    }
+}
+
+fn moved(position_m: [f64; 3], velocity_mps: [f64; 3], after_s: f64) -> [f64; 3] {
+    std::array::from_fn(|axis| position_m[axis] + velocity_mps[axis] * after_s)
+}
+
+/// The first selection time after `now_s`; intervals that passed without a fix are passed over.
+fn next_due(due_s: f64, interval_s: f64, now_s: f64) -> f64 {
+    due_s + interval_s * (((now_s - due_s) / interval_s).floor() + 1.0)
+}
+
+/// A minimum of the variance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Minimum {
+    variance_m2: f64,
+    /// The fix then.
+    seen: Point,
+    /// The output then.
+    output: Point,
+}
+
+/// Finds minima: where the variance has fallen, and then risen by a share.
+#[derive(Clone, Copy, Debug, Default)]
+struct Valley {
+    /// The least since it last fell; `None` while it rises.
+    least: Option<Minimum>,
+    /// The greatest while it rises.
+    greatest: Option<f64>,
+}
+
+impl Valley {
+    fn next(&mut self, rise: f64, variance_m2: f64, seen: Point, output: Point) -> Option<Minimum> {
+        let here = Minimum {
+            variance_m2,
+            seen,
+            output,
+        };
+        if let Some(least) = self.least {
+            if variance_m2 <= least.variance_m2 {
+                self.least = Some(here);
+            } else if variance_m2 > least.variance_m2 * (1.0 + rise) {
+                *self = Self {
+                    least: None,
+                    greatest: Some(variance_m2),
+                };
+                return Some(least);
+            }
+            return None;
+        }
+        // The first fix of all is no minimum: nothing has fallen to it.
+        let greatest = self.greatest.map_or(variance_m2, |greatest| greatest.max(variance_m2));
+        self.greatest = Some(greatest);
+        if variance_m2 * (1.0 + rise) < greatest {
+            self.least = Some(here);
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+#[path = "selection_tests.rs"]
+mod tests;

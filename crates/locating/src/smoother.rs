@@ -1,0 +1,733 @@
+//! The filter: all bearings at once for as long as it matters, then one after the other (EL-2).
+//!
+//! A bearing says nothing about range; range comes from how the bearings change while the platform flies. The obvious
+//! filter, an extended Kalman filter, linearises each bearing once, where it believes the emitter to be at that time. At
+//! first it believes a triangulation of a few nearly parallel bearings, which may be wrong by its own size. What it then
+//! takes the bearings to say of the range is wrong, and nothing undoes it: with an emitter 50 km away the filter ends seven
+//! times worse than the bearings allow, and is sure of itself.
+//!
+//! Here nothing is linearised for good while it matters. The last sightings are kept ([`crate::window`]); what they say together
+//! is found by Gauss–Newton iteration, that is, with all of them linearised anew where the emitter is believed to be *now*
+//! (the maximum-likelihood estimate). Only sightings for which the position is known to a fiftieth of their range go
+//! into a Gaussian prior for good, and for them the linearisation is exact enough.
+//!
+//! An emitter is a fixed point (two components: position) or moves straight on (four: velocity, too). Without process noise
+//! the state at a reference time holds all there is, and no bearing is ever forgotten. With process noise, for emitters
+//! that wander or manoeuvre, it is the extended Kalman filter; that works well once it knows the range, so it is begun where
+//! the model without noise has settled.
+//!
+//! # Bearings that are wrong
+//!
+//! One that is off by more than four standard deviations counts the less the farther off it is (as in Huber's
+//! estimator). But a platform that turns gives bearings that are wrong *together*: each by little, all to one side, and a
+//! filter averages them in. A running sum of the normalised innovations, in which the last ten or so count, sees that: it
+//! is Gaussian with known variance as long as bearings and state are right. When it leaves its bounds, the last
+//! sightings are taken back and new ones set aside until they agree again. If they never do, it is the state that is wrong;
+//! [`crate::bank`] decides that.
+//!
+//! Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (Wiley,
+//! 2001), chapters 3 and 10; B. M. Bell, F. W. Cathey, *The iterated Kalman filter update as a Gauss–Newton method*,
+//! IEEE Transactions on Automatic Control 38 (1993).
+
+use nalgebra::{Matrix2, Matrix4, SMatrix, SVector};
+
+use crate::linear::Factor;
+use crate::sighting::Sighting;
+use crate::triangulation::crossing;
+use crate::window::Window;
+
+/// The geometry allows a fix when the longest half-axis of its error ellipse is below this share of the range.
+const LOCATED_SHARE: f64 = 0.3;
+/// From this share on the linearisation is good enough to judge bearings one by one.
+const SETTLED_SHARE: f64 = 0.05;
+/// From this share on a sighting may be linearised for good.
+const LINEAR_SHARE: f64 = 0.02;
+/// Sightings that go into the prior at a time.
+const FOLDED_AT_ONCE: usize = 16;
+/// Bearings after which a settled filter linearises its window anew.
+const RELINEARISED_EVERY: u64 = 8;
+/// Before that, after this share of all bearings.
+const SEARCHED_EVERY: u64 = 16;
+/// Rounds of the search for a first fix, and of its improvement.
+const ROUNDS_FIRST: usize = 20;
+const ROUNDS: usize = 3;
+/// Steps of less than this squared statistical length are not worth another round.
+const STEP_SQUARED_MIN: f64 = 1e-4;
+/// Fewest sightings of a fix.
+const SIGHTINGS_MIN: usize = 3;
+
+/// A first fix is believed if its cost is at most so many standard deviations more than expected.
+const COST_SIGMAS: f64 = 4.0;
+/// … and if at most one in so many sightings is far off.
+const SIGHTINGS_PER_OUTLIER: usize = 10;
+
+/// Normalised innovations beyond this count less.
+const DEVIATION_MAX: f64 = 4.0;
+/// What is kept of the running sum of innovations at each bearing, and the sum's standard deviation.
+const SUM_KEPT: f64 = 0.85;
+const SUM_SIGMA: f64 = 1.898_315_991;
+/// Sightings that are taken back when the sum leaves its bounds.
+const TAKEN_BACK: usize = 8;
+/// A fix by which fewer bearings than this were judged is no match for bearings that disagree.
+const YOUNG: u64 = 32;
+/// A sum within this many standard deviations, and an innovation within its own, let bearings in again.
+const AGREE_SUM: f64 = 2.0;
+const AGREE_ONE: f64 = 2.5;
+
+/// How an emitter is assumed to move, and what is known of it before the first bearing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Model {
+    /// Fixed point: m²/s; straight motion: m²/s³.
+    pub(crate) process_noise: f64,
+    /// Standard deviation of an unknown emitter's position about the platform, metres.
+    pub(crate) range_sigma_m: f64,
+    /// … of its speed along each axis, m/s; of no meaning for fixed points.
+    pub(crate) speed_sigma_mps: f64,
+}
+
+/// What the running sum of innovations may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bounds {
+    /// In standard deviations.
+    pub(crate) limit: f64,
+    /// Since when the platform turns.
+    pub(crate) turning_since_ns: Option<i64>,
+}
+
+/// What became of a bearing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Taken {
+    /// Used.
+    Used,
+    /// Not used: it disagrees, or those before it do.
+    SetAside,
+    /// The first that was set aside; the sum of innovations in standard deviations.
+    Distrusted(f64),
+    /// The first that agrees again.
+    Trusted,
+}
+
+impl Taken {
+    /// Whether the bearing counts.
+    pub(crate) fn is_used(self) -> bool {
+        matches!(self, Self::Used | Self::Trusted)
+    }
+}
+
+/// Filter of one emitter for one model, of D components: position and, if D is 4, velocity.
+#[derive(Clone, Debug)]
+pub(crate) struct Smoother<const D: usize> {
+    model: Model,
+    /// Time of prior and estimate.
+    reference_ns: i64,
+    prior_mean: SVector<f64, D>,
+    prior_information: SMatrix<f64, D, D>,
+    window: Window,
+    estimate: SVector<f64, D>,
+    covariance: SMatrix<f64, D, D>,
+    /// Bearings so far, and since the window was linearised.
+    bearings: u64,
+    since_linearised: u64,
+    /// For how many bearings it has been settled.
+    settled_for: u64,
+    stage: Stage,
+    /// Whether the sightings of a search have no place in common.
+    is_misfit: bool,
+    /// By how much a velocity explains the window better than rest at the fixed point's fix.
+    lead_over_rest: Option<f64>,
+    sum: f64,
+    is_distrusting: bool,
+}
+
+/// How much is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Stage {
+    /// Nothing yet.
+    Empty,
+    /// Sightings, and no place that explains them.
+    Searching,
+    /// A place, and the geometry does not allow to say it.
+    Vague,
+    /// A fix.
+    Located,
+    /// … by which bearings can be judged.
+    Settled,
+}
+
+/// The window and the prior, linearised at a state.
+struct System<const D: usize> {
+    information: SMatrix<f64, D, D>,
+    gradient: SVector<f64, D>,
+    cost: f64,
+    sightings: usize,
+    /// Of them those that are far off.
+    outliers: usize,
+}
+
+impl<const D: usize> System<D> {
+    /// Whether the sightings fit together: few are far off, and the cost is chi-square with about as many degrees of
+    /// freedom as there are sightings.
+    fn is_plausible(&self) -> bool {
+        let freedom = self.sightings as f64;
+        self.outliers <= self.sightings / SIGHTINGS_PER_OUTLIER
+            && self.cost < freedom + COST_SIGMAS * (2.0 * freedom).sqrt() + COST_SIGMAS
+    }
+}
+
+impl<const D: usize> Smoother<D> {
+    pub(crate) fn new(model: Model) -> Self {
+        const { assert!(D == 2 || D == 4, "position, or position and velocity") };
+        Self {
+            model,
+            reference_ns: 0,
+            prior_mean: SVector::zeros(),
+            prior_information: SMatrix::zeros(),
+            window: Window::EMPTY,
+            estimate: SVector::zeros(),
+            covariance: SMatrix::zeros(),
+            bearings: 0,
+            since_linearised: 0,
+            settled_for: 0,
+            stage: Stage::Empty,
+            is_misfit: false,
+            lead_over_rest: None,
+            sum: 0.0,
+            is_distrusting: false,
+        }
+    }
+
+    /// Whether there is a fix.
+    pub(crate) fn is_located(&self) -> bool {
+        self.stage >= Stage::Located
+    }
+
+    /// Whether bearings are judged by the fix.
+    pub(crate) fn is_settled(&self) -> bool {
+        self.stage == Stage::Settled
+    }
+
+    /// Whether bearings are set aside.
+    pub(crate) fn is_distrusting(&self) -> bool {
+        self.is_distrusting
+    }
+
+    /// Position and velocity at a time, and their covariance.
+    pub(crate) fn state_at(&self, time_ns: i64) -> ([f64; 2], [f64; 2], Matrix4<f64>) {
+        let after_s = seconds(time_ns - self.reference_ns);
+        let (state, covariance) = self.moved(after_s);
+        let mut full = Matrix4::zeros();
+        full.fixed_view_mut::<D, D>(0, 0).copy_from(&covariance);
+        let velocity = match D {
+            4 => [state[2], state[3]],
+            _ => [0.0; 2],
+        };
+        ([state[0], state[1]], velocity, full)
+    }
+
+    /// Whether the search goes on, and nothing speaks against its success yet.
+    pub(crate) fn is_open(&self) -> bool {
+        self.stage < Stage::Located && !self.is_misfit
+    }
+
+    /// How much likelier the bearings are with the velocity than at rest: 2 ln of the Bayes factor (Savage and Dickey: how
+    /// much the bearings have lowered the probability density of rest); `None` for a model without velocity.
+    pub(crate) fn evidence_of_motion(&self) -> Option<f64> {
+        if D != 4 || self.stage != Stage::Settled {
+            return None;
+        }
+        let covariance = self.covariance.fixed_view::<2, 2>(2, 2).into_owned();
+        let factor = Factor::of(&covariance)?;
+        let velocity = SVector::<f64, 2>::new(self.estimate[2], self.estimate[3]);
+        let log_prior = 4.0 * self.model.speed_sigma_mps.ln();
+        let squared = velocity.dot(&factor.solve(&velocity));
+        // Far from a straight line of states the local Gaussian exaggerates; the true cost of rest, where it is known, does not.
+        let lead = self.lead_over_rest.map_or(squared, |lead| lead.min(squared));
+        Some(lead + factor.log_determinant() - log_prior)
+    }
+
+    /// How a sighting compares with what is expected: squared normalised innovation, and the logarithm of the innovation's
+    /// variance; `None` where nothing is expected.
+    pub(crate) fn compare(&self, sighting: &Sighting) -> Option<(f64, f64)> {
+        if !self.is_located() {
+            return None;
+        }
+        let (state, covariance) = self.moved(sighting.after_s(self.reference_ns));
+        let residual = sighting.residual([state[0], state[1]])?;
+        let [east, north] = residual.gradient;
+        let p = &covariance;
+        let spread = east * east * p[(0, 0)] + 2.0 * east * north * p[(0, 1)] + north * north * p[(1, 1)];
+        let variance = spread + 1.0 / sighting.information;
+        Some((
+            residual.innovation_rad * residual.innovation_rad / variance,
+            variance.ln(),
+        ))
+    }
+
+    /// Takes the next sighting. A model with process noise takes none before it is told where to begin.
+    pub(crate) fn add(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
+        if self.is_recursive() {
+            return self.add_recursively(sighting);
+        }
+        if self.stage == Stage::Empty {
+            self.begin(sighting);
+        }
+        self.bearings += 1;
+        self.since_linearised += 1;
+        let taken = match self.stage {
+            Stage::Settled => self.judge(sighting, bounds),
+            _ => Taken::Used,
+        };
+        self.settled_for = match self.stage {
+            Stage::Settled => self.settled_for + 1,
+            _ => 0,
+        };
+        let is_used = taken.is_used();
+        if is_used {
+            self.improve(sighting);
+        }
+        self.keep(Sighting { is_used, ..*sighting });
+        let is_distrusted = matches!(taken, Taken::Distrusted(_));
+        if is_distrusted || self.is_due() {
+            self.linearise();
+        }
+        if is_distrusted && (self.settled_for < YOUNG || self.share(sighting) > LOCATED_SHARE) {
+            // The fix is young, or rests on what was taken back: it is the fix that is wrong.
+            self.restart();
+        }
+        self.look_at_geometry(sighting);
+        taken
+    }
+
+    /// Sets the next sighting aside, because a model that knows more than this one does. `since_ns`: with all since then,
+    /// because it has only now found out.
+    pub(crate) fn set_aside(&mut self, sighting: &Sighting, since_ns: Option<i64>) {
+        if self.is_recursive() {
+            // What it has taken in cannot be taken back.
+            if since_ns.is_some() {
+                self.stage = Stage::Empty;
+            }
+            return;
+        }
+        if self.stage == Stage::Empty {
+            self.begin(sighting);
+        }
+        if since_ns.is_some() {
+            self.window.take_back(TAKEN_BACK, since_ns);
+            self.linearise();
+        }
+        self.keep(Sighting {
+            is_used: false,
+            ..*sighting
+        });
+    }
+
+    /// The extended Kalman filter.
+    fn add_recursively(&mut self, sighting: &Sighting) -> Taken {
+        if self.stage != Stage::Settled {
+            return Taken::Used;
+        }
+        // With process noise it is always the state that is wrong, and the bearings put it right.
+        self.advance(sighting.time_ns);
+        self.improve(sighting);
+        Taken::Used
+    }
+
+    /// Whether the window is to be linearised anew: at every bearing at first, then less often.
+    fn is_due(&self) -> bool {
+        let wait = match self.stage {
+            Stage::Settled => RELINEARISED_EVERY,
+            _ => (self.bearings / SEARCHED_EVERY).min(RELINEARISED_EVERY),
+        };
+        self.since_linearised >= wait.max(1)
+    }
+
+    /// Begins anew: with the sightings of the window, and nothing else.
+    pub(crate) fn restart(&mut self) {
+        let Some(first) = self.window.all().first().copied() else {
+            self.stage = Stage::Empty;
+            return;
+        };
+        self.begin(&first);
+        self.window.use_all();
+        self.stage = Stage::Searching;
+        self.linearise();
+    }
+
+    /// Begins anew where another filter of the same kind is, if that knows; whether it does.
+    pub(crate) fn restart_like(&mut self, other: &Self) -> bool {
+        let Some(factor) = Factor::of(&other.covariance).filter(|_| other.is_settled() && !other.is_distrusting) else {
+            return false;
+        };
+        self.reference_ns = other.reference_ns;
+        self.estimate = other.estimate;
+        self.covariance = other.covariance;
+        self.prior_mean = other.estimate;
+        self.prior_information = factor.inverse();
+        self.window.clear();
+        self.stage = Stage::Settled;
+        (self.sum, self.is_distrusting) = (0.0, false);
+        self.lead_over_rest = None;
+        true
+    }
+
+    /// Considers that the emitter rests where a fixed point is, and goes on from there should that explain prior and window
+    /// better: a search that began before there were many bearings may have ended where nothing is.
+    pub(crate) fn reconsider(&mut self, position_m: Option<[f64; 2]>, latest: &Sighting) {
+        if self.is_recursive() || self.since_linearised > 0 || self.stage < Stage::Vague {
+            return;
+        }
+        self.lead_over_rest = None;
+        let Some(position_m) = position_m else { return };
+        let mut at = SVector::zeros();
+        at[0] = position_m[0];
+        at[1] = position_m[1];
+        let cost = |at| self.system(at, self.window.all()).cost;
+        let lead = cost(&at) - cost(&self.estimate);
+        self.lead_over_rest = Some(lead);
+        if lead < 0.0 {
+            self.estimate = at;
+            self.stage = Stage::Vague;
+            self.linearise();
+            self.look_at_geometry(latest);
+        }
+    }
+
+    fn is_recursive(&self) -> bool {
+        self.model.process_noise > 0.0
+    }
+
+    fn begin(&mut self, first: &Sighting) {
+        self.reference_ns = first.time_ns;
+        self.prior_mean = SVector::zeros();
+        self.prior_information = SMatrix::zeros();
+        for axis in 0..D {
+            let sigma = match axis {
+                0 | 1 => self.model.range_sigma_m,
+                _ => self.model.speed_sigma_mps,
+            };
+            self.prior_information[(axis, axis)] = 1.0 / (sigma * sigma);
+        }
+        self.prior_mean[0] = first.platform_m[0];
+        self.prior_mean[1] = first.platform_m[1];
+        self.stage = Stage::Searching;
+        (self.sum, self.is_distrusting) = (0.0, false);
+    }
+
+    /// Whether a sighting is to be believed, by what the settled filter expects.
+    fn judge(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
+        let Some((squared, _)) = self.compare(sighting) else {
+            return Taken::SetAside;
+        };
+        let residual = sighting.residual(self.position_at(sighting.time_ns));
+        let sign = residual.map_or(0.0, |residual| residual.innovation_rad.signum());
+        let deviation = sign * squared.sqrt();
+        self.sum = SUM_KEPT * self.sum + deviation.clamp(-DEVIATION_MAX, DEVIATION_MAX);
+        let sum = self.sum / SUM_SIGMA;
+        if self.is_distrusting {
+            if sum.abs() < AGREE_SUM && deviation.abs() < AGREE_ONE {
+                self.is_distrusting = false;
+                return Taken::Trusted;
+            }
+            return Taken::SetAside;
+        }
+        if sum.abs() > bounds.limit {
+            self.is_distrusting = true;
+            self.window.take_back(TAKEN_BACK, bounds.turning_since_ns);
+            return Taken::Distrusted(sum);
+        }
+        match deviation.abs() > DEVIATION_MAX {
+            true => Taken::SetAside,
+            false => Taken::Used,
+        }
+    }
+
+    /// The extended Kalman filter's update; until the next linearisation it is what there is.
+    fn improve(&mut self, sighting: &Sighting) {
+        if self.stage < Stage::Vague {
+            return;
+        }
+        let after_s = sighting.after_s(self.reference_ns);
+        let Some(residual) = sighting.residual(position(&self.estimate, after_s)) else {
+            return;
+        };
+        let h = sensitivity::<D>(residual.gradient, after_s);
+        let spread = self.covariance * h;
+        let expected = h.dot(&spread);
+        let mut variance = 1.0 / sighting.information;
+        // An outlier is taken for what it is: a bearing as bad as that.
+        let squared = residual.innovation_rad * residual.innovation_rad / (expected + variance);
+        variance *= (squared / (DEVIATION_MAX * DEVIATION_MAX)).max(1.0);
+        let gain = spread / (expected + variance);
+        self.estimate += gain * residual.innovation_rad;
+        let covariance = self.covariance - gain * spread.transpose();
+        self.covariance = (covariance + covariance.transpose()) * 0.5;
+    }
+
+    /// Puts a sighting into the window, making room as lossless as can be.
+    fn keep(&mut self, sighting: Sighting) {
+        if self.window.is_full() && !self.window.forget_unused() {
+            let place = (self.stage >= Stage::Vague).then(|| self.position_at(sighting.time_ns));
+            if self.is_settled() && self.may_fold(FOLDED_AT_ONCE) {
+                self.fold(FOLDED_AT_ONCE);
+            } else if self.stage == Stage::Searching && self.is_misfit {
+                self.window.forget_first(FOLDED_AT_ONCE);
+            } else if self.window.merge(place) == 0 {
+                match self.is_located() {
+                    true => self.fold(FOLDED_AT_ONCE),
+                    false => _ = self.window.merge(None),
+                }
+            }
+            if self.window.is_full() {
+                // Nothing could be folded or merged: what is used and what is not alternate.
+                self.window.forget_first(1);
+            }
+        }
+        self.window.push(sighting);
+    }
+
+    /// Whether the first `count` sightings are so far from the emitter that they may be linearised for good.
+    fn may_fold(&self, count: usize) -> bool {
+        let error_m = self.error_m(self.reference_ns);
+        self.window.all()[..count].iter().all(|sighting| {
+            let position_m = position(&self.estimate, sighting.after_s(self.reference_ns));
+            error_m < LINEAR_SHARE * sighting.distance_m(position_m)
+        })
+    }
+
+    /// Makes the first `count` sightings part of the prior, which moves to the time of the last of them.
+    fn fold(&mut self, count: usize) {
+        let folded = &self.window.all()[..count];
+        let system = self.system(&self.estimate, folded);
+        let Some(factor) = Factor::of(&system.information) else {
+            return;
+        };
+        let mean = self.estimate + factor.solve(&system.gradient);
+        let time_ns = folded[count - 1].time_ns;
+        let after_s = seconds(time_ns - self.reference_ns);
+        let (back, forth) = (transition::<D>(-after_s), transition::<D>(after_s));
+        self.prior_mean = forth * mean;
+        self.prior_information = back.transpose() * system.information * back;
+        self.estimate = forth * self.estimate;
+        self.covariance = forth * self.covariance * forth.transpose();
+        self.reference_ns = time_ns;
+        self.window.forget_first(count);
+    }
+
+    /// Searches the state that explains prior and window best, linearising all of it where that is.
+    fn linearise(&mut self) {
+        self.since_linearised = 0;
+        let is_first = self.stage == Stage::Searching;
+        let Some(mut at) = self.start() else { return };
+        let mut system = self.system(&at, self.window.all());
+        let rounds = if is_first { ROUNDS_FIRST } else { ROUNDS };
+        let mut has_converged = false;
+        for _ in 0..rounds {
+            let Some(factor) = Factor::of(&system.information) else {
+                return;
+            };
+            let step = factor.solve(&system.gradient);
+            if system.gradient.dot(&step) < STEP_SQUARED_MIN {
+                has_converged = true;
+                at += step;
+                break;
+            }
+            let Some((next, there)) = self.descend(&at, &step, &system) else {
+                break;
+            };
+            (at, system) = (next, there);
+        }
+        let Some(factor) = Factor::of(&system.information) else {
+            return;
+        };
+        if is_first {
+            self.is_misfit = has_converged && !system.is_plausible();
+        }
+        if (is_first && (!has_converged || self.is_misfit)) || !at.iter().all(|value| value.is_finite()) {
+            return;
+        }
+        self.estimate = at;
+        self.covariance = factor.inverse();
+        if is_first {
+            self.stage = Stage::Vague;
+        }
+    }
+
+    /// Where to begin the search.
+    fn start(&self) -> Option<SVector<f64, D>> {
+        if self.stage != Stage::Searching {
+            return Some(self.estimate);
+        }
+        if self.window.all().iter().filter(|sighting| sighting.is_used).count() < SIGHTINGS_MIN {
+            return None;
+        }
+        let crossing = crossing(self.window.all())?;
+        let mut start = SVector::zeros();
+        start[0] = crossing[0];
+        start[1] = crossing[1];
+        Some(start)
+    }
+
+    /// A step along `step` after which prior and sightings fit better; it goes at most half of the way to the platform.
+    fn descend(
+        &self,
+        at: &SVector<f64, D>,
+        step: &SVector<f64, D>,
+        system: &System<D>,
+    ) -> Option<(SVector<f64, D>, System<D>)> {
+        let range = self
+            .window
+            .all()
+            .last()
+            .map_or(f64::MAX, |last| last.distance_m([at[0], at[1]]));
+        let length = step[0].hypot(step[1]);
+        let mut share = (0.5 * range / length.max(f64::MIN_POSITIVE)).min(1.0);
+        for _ in 0..5 {
+            let next = at + step * share;
+            let there = self.system(&next, self.window.all());
+            if there.cost <= system.cost {
+                return Some((next, there));
+            }
+            share *= 0.4;
+        }
+        None
+    }
+
+    fn system(&self, at: &SVector<f64, D>, sightings: &[Sighting]) -> System<D> {
+        let offset = self.prior_mean - at;
+        let gradient = self.prior_information * offset;
+        let mut system = System {
+            information: self.prior_information,
+            gradient,
+            cost: offset.dot(&gradient),
+            sightings: 0,
+            outliers: 0,
+        };
+        for sighting in sightings.iter().filter(|sighting| sighting.is_used) {
+            let after_s = sighting.after_s(self.reference_ns);
+            let Some(residual) = sighting.residual(position(at, after_s)) else {
+                continue;
+            };
+            let h = sensitivity::<D>(residual.gradient, after_s);
+            let squared = residual.innovation_rad * residual.innovation_rad * sighting.information;
+            let (cost, weight) = robust(squared);
+            let information = weight * sighting.information;
+            system.cost += cost;
+            system.sightings += 1;
+            system.outliers += usize::from(weight < 1.0);
+            system.gradient += h * (information * residual.innovation_rad);
+            let scaled = h * information;
+            for column in 0..D {
+                for row in 0..D {
+                    system.information[(row, column)] += scaled[row] * h[column];
+                }
+            }
+        }
+        system
+    }
+
+    /// What the geometry allows to say.
+    fn look_at_geometry(&mut self, latest: &Sighting) {
+        if self.stage < Stage::Vague || self.is_settled() {
+            return;
+        }
+        let share = self.share(latest);
+        if share < LOCATED_SHARE {
+            self.stage = self.stage.max(Stage::Located);
+        }
+        if share < SETTLED_SHARE {
+            self.stage = Stage::Settled;
+        }
+    }
+
+    /// Longest half-axis of the error ellipse over the range.
+    fn share(&self, latest: &Sighting) -> f64 {
+        let range = |sighting: &Sighting| sighting.distance_m(self.position_at(sighting.time_ns));
+        let range_m = self.window.all().first().map_or(0.0, range).max(range(latest));
+        self.error_m(latest.time_ns) / range_m
+    }
+
+    /// Longest half-axis of the position's error ellipse at a time, metres.
+    fn error_m(&self, time_ns: i64) -> f64 {
+        let (_, covariance) = self.moved(seconds(time_ns - self.reference_ns));
+        longest_half_axis(&covariance.fixed_view::<2, 2>(0, 0).into_owned())
+    }
+
+    fn position_at(&self, time_ns: i64) -> [f64; 2] {
+        position(&self.estimate, seconds(time_ns - self.reference_ns))
+    }
+
+    /// State and covariance moved to another time, with the process noise of the way.
+    fn moved(&self, after_s: f64) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
+        if after_s == 0.0 {
+            return (self.estimate, self.covariance);
+        }
+        let forth = transition::<D>(after_s);
+        let mut covariance = forth * self.covariance * forth.transpose();
+        add_process_noise(&mut covariance, self.model.process_noise, after_s.max(0.0));
+        (forth * self.estimate, covariance)
+    }
+
+    fn advance(&mut self, time_ns: i64) {
+        (self.estimate, self.covariance) = self.moved(seconds(time_ns - self.reference_ns));
+        self.reference_ns = time_ns;
+    }
+}
+
+/// Cost and weight of a squared normalised innovation.
+fn robust(squared: f64) -> (f64, f64) {
+    const KNEE: f64 = DEVIATION_MAX * DEVIATION_MAX;
+    if squared <= KNEE {
+        (squared, 1.0)
+    } else {
+        (KNEE * (1.0 + (squared / KNEE).ln()), KNEE / squared)
+    }
+}
+
+fn position<const D: usize>(state: &SVector<f64, D>, after_s: f64) -> [f64; 2] {
+    match D {
+        4 => [state[0] + after_s * state[2], state[1] + after_s * state[3]],
+        _ => [state[0], state[1]],
+    }
+}
+
+/// How a bearing after so many seconds depends on the state.
+fn sensitivity<const D: usize>(gradient: [f64; 2], after_s: f64) -> SVector<f64, D> {
+    SVector::from_fn(|axis, _| match axis {
+        0 | 1 => gradient[axis],
+        _ => gradient[axis - 2] * after_s,
+    })
+}
+
+fn transition<const D: usize>(after_s: f64) -> SMatrix<f64, D, D> {
+    let mut transition = SMatrix::identity();
+    if D == 4 {
+        transition[(0, 2)] = after_s;
+        transition[(1, 3)] = after_s;
+    }
+    transition
+}
+
+/// White noise in the velocity of a point, or in the acceleration of a straight motion.
+fn add_process_noise<const D: usize>(covariance: &mut SMatrix<f64, D, D>, density: f64, after_s: f64) {
+    let q = density * after_s;
+    for axis in 0..2 {
+        if D == 4 {
+            covariance[(axis, axis)] += q * after_s * after_s / 3.0;
+            covariance[(axis, axis + 2)] += q * after_s / 2.0;
+            covariance[(axis + 2, axis)] += q * after_s / 2.0;
+            covariance[(axis + 2, axis + 2)] += q;
+        } else {
+            covariance[(axis, axis)] += q;
+        }
+    }
+}
+
+fn longest_half_axis(covariance: &Matrix2<f64>) -> f64 {
+    let mean = 0.5 * (covariance[(0, 0)] + covariance[(1, 1)]);
+    let half = 0.5 * (covariance[(0, 0)] - covariance[(1, 1)]);
+    (mean + half.hypot(covariance[(0, 1)])).sqrt()
+}
+
+fn seconds(ns: i64) -> f64 {
+    ns as f64 * 1e-9
+}

@@ -1,0 +1,92 @@
+//! A first guess of where bearings cross: total least squares.
+//!
+//! A bearing β from p says that n·(x − p) = 0 with n = (cos β, −sin β). Solving these equations by ordinary least squares
+//! takes the n as exact. They are not, and the error is always to one side: for an emitter far away the solution lies at
+//! a fraction of its range, and a filter that starts there believes it. Total least squares lets all coefficients be
+//! wrong: with (x, 1) in homogeneous coordinates, it is the direction in which the equations together are least, the last
+//! eigenvector of a 3×3 matrix (S. C. Nardone, A. G. Lindgren, K. F. Gong, *Fundamental properties and performance of
+//! conventional bearings-only target motion analysis*, IEEE Transactions on Automatic Control 29, 1984, for the bias).
+//! It is a start for a search, and nothing more: how good it is, the search's result tells.
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+use crate::sighting::Sighting;
+
+/// A platform that has moved less than this has seen the emitter from one place, metres.
+const BASELINE_MIN_M: f64 = 1.0;
+
+/// Where the sightings that count cross, metres east and north; `None` if the platform did not move, or they cross behind
+/// it or nowhere.
+pub(crate) fn crossing(sightings: &[Sighting]) -> Option<[f64; 2]> {
+    let used = || sightings.iter().filter(|sighting| sighting.is_used);
+    let weight: f64 = used().map(|sighting| sighting.information).sum();
+    let mean = |axis: usize| used().map(|s| s.information * s.platform_m[axis]).sum::<f64>() / weight;
+    let centre = [mean(0), mean(1)];
+    let spread: f64 = used().map(|s| s.information * s.distance_m(centre).powi(2)).sum();
+    // Lengths in units of the baseline, so that all three coefficients are about equally uncertain.
+    let scale_m = (spread / weight).sqrt();
+    if !scale_m.is_finite() || scale_m < BASELINE_MIN_M {
+        return None;
+    }
+    let mut squares = Matrix3::zeros();
+    for sighting in used() {
+        let [east, north] = [0, 1].map(|axis| (sighting.platform_m[axis] - centre[axis]) / scale_m);
+        let row = Vector3::new(
+            sighting.cosine,
+            -sighting.sine,
+            sighting.sine * north - sighting.cosine * east,
+        );
+        squares += row * row.transpose() * (sighting.information / weight);
+    }
+    let eigen = SymmetricEigen::new(squares);
+    let least = eigen.eigenvectors.column(eigen.eigenvalues.imin());
+    let place = [0, 1].map(|axis| centre[axis] + scale_m * least[axis] / least[2]);
+    let ahead = |sighting: &Sighting| {
+        let [east, north] = [0, 1].map(|axis| place[axis] - sighting.platform_m[axis]);
+        east * sighting.sine + north * sighting.cosine > 0.0
+    };
+    let in_front: f64 = used().filter(|s| ahead(s)).map(|s| s.information).sum();
+    (place.iter().all(|value| value.is_finite()) && in_front > 0.5 * weight).then_some(place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(platform_m: [f64; 2], place: [f64; 2], error_rad: f64) -> Sighting {
+        let bearing = (place[0] - platform_m[0]).atan2(place[1] - platform_m[1]) + error_rad;
+        Sighting {
+            platform_m,
+            sine: bearing.sin(),
+            cosine: bearing.cos(),
+            information: 1e4,
+            is_used: true,
+            ..Sighting::NONE
+        }
+    }
+
+    #[test]
+    fn exact_bearings_cross_where_the_emitter_is() {
+        let place = [3e3, 50e3];
+        let sightings: Vec<_> = (0..10).map(|k| seen([f64::from(k) * 1e3, 0.0], place, 0.0)).collect();
+        let found = crossing(&sightings).unwrap();
+        assert!(
+            (found[0] - place[0]).abs() < 1e-3 && (found[1] - place[1]).abs() < 1e-2,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn parallel_diverging_and_unmoved_bearings_do_not_cross() {
+        let parallel: Vec<_> = (0..5)
+            .map(|k| seen([f64::from(k) * 1e3, 0.0], [f64::from(k) * 1e3, 1e3], 0.0))
+            .collect();
+        assert!(crossing(&parallel).is_none_or(|found| found[1].abs() > 1e9));
+        let diverging: Vec<_> = (0..5)
+            .map(|k| seen([f64::from(k) * 1e3, 0.0], [f64::from(k) * 2e3, 1e3], 0.0))
+            .collect();
+        assert_eq!(crossing(&diverging), None);
+        assert_eq!(crossing(&[seen([5.0, 5.0], [0.0, 1e3], 0.0); 4]), None);
+        assert_eq!(crossing(&[]), None);
+    }
+}

@@ -1,0 +1,161 @@
+//! The last sightings, in bounded memory.
+//!
+//! Sightings that are kept can be looked at again when the emitter turns out to be somewhere else than was thought. A
+//! direction finder may give ten a second, though, and it may take minutes until the platform has flown far enough. So
+//! neighbours become one where nothing is lost by it: two bearings taken a distance s apart, of an emitter at range r,
+//! are as good as their mean taken half-way, but for s²/8r² radians.
+
+use crate::sighting::Sighting;
+
+/// Most sightings that a filter keeps.
+pub const WINDOW_MAX: usize = 64;
+/// An error of the mean of so much of its standard deviation is none.
+const LOSS_MAX: f64 = 0.05;
+
+/// Sightings in the order of time.
+#[derive(Clone, Debug)]
+pub(crate) struct Window {
+    sightings: [Sighting; WINDOW_MAX],
+    len: usize,
+}
+
+impl Window {
+    pub(crate) const EMPTY: Self = Self {
+        sightings: [Sighting::NONE; WINDOW_MAX],
+        len: 0,
+    };
+
+    pub(crate) fn all(&self) -> &[Sighting] {
+        &self.sightings[..self.len]
+    }
+
+    pub(crate) fn is_full(&self) -> bool {
+        self.len == WINDOW_MAX
+    }
+
+    /// Adds the latest; there must be room.
+    pub(crate) fn push(&mut self, sighting: Sighting) {
+        debug_assert!(!self.is_full(), "the caller makes room");
+        self.sightings[self.len] = sighting;
+        self.len += 1;
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Forgets the first `count`.
+    pub(crate) fn forget_first(&mut self, count: usize) {
+        self.sightings.copy_within(count..self.len, 0);
+        self.len -= count;
+    }
+
+    /// Forgets the first that does not count; whether there was one.
+    pub(crate) fn forget_unused(&mut self) -> bool {
+        let Some(place) = self.all().iter().position(|sighting| !sighting.is_used) else {
+            return false;
+        };
+        self.remove(place);
+        true
+    }
+
+    /// Lets all count.
+    pub(crate) fn use_all(&mut self) {
+        for sighting in &mut self.sightings[..self.len] {
+            sighting.is_used = true;
+        }
+    }
+
+    /// Takes back the last `count`, and all since a time.
+    pub(crate) fn take_back(&mut self, count: usize, since_ns: Option<i64>) {
+        let first = self.len.saturating_sub(count);
+        for (place, sighting) in self.sightings[..self.len].iter_mut().enumerate() {
+            if place >= first || since_ns.is_some_and(|since_ns| sighting.time_ns >= since_ns) {
+                sighting.is_used = false;
+            }
+        }
+    }
+
+    /// Makes one of two neighbours wherever nothing is lost by it, with the emitter at `position_m` (`None`: nobody knows,
+    /// then everywhere); how many places that has given.
+    pub(crate) fn merge(&mut self, position_m: Option<[f64; 2]>) -> usize {
+        let (before, mut kept, mut next) = (self.len, 0, 0);
+        while next < before {
+            let one = self.sightings[next];
+            let other = (next + 1 < before).then(|| self.sightings[next + 1]);
+            let merged = other.filter(|other| may_merge(&one, other, position_m));
+            self.sightings[kept] = merged.map_or(one, |other| one.merged(&other));
+            kept += 1;
+            next += if merged.is_some() { 2 } else { 1 };
+        }
+        self.len = kept;
+        before - kept
+    }
+
+    fn remove(&mut self, place: usize) {
+        self.sightings.copy_within(place + 1..self.len, place);
+        self.len -= 1;
+    }
+}
+
+/// Whether the error of the mean is small beside its standard deviation.
+fn may_merge(one: &Sighting, other: &Sighting, position_m: Option<[f64; 2]>) -> bool {
+    if one.is_used != other.is_used {
+        return false;
+    }
+    let Some(position_m) = position_m else { return true };
+    let apart = one.squared_distance_m2(other.platform_m);
+    let range = one
+        .squared_distance_m2(position_m)
+        .min(other.squared_distance_m2(position_m));
+    let information = one.information + other.information;
+    let limit = 8.0 * LOSS_MAX * range;
+    apart * apart * information < limit * limit
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(east_m: f64) -> Sighting {
+        Sighting {
+            time_ns: (east_m * 1e9) as i64,
+            platform_m: [east_m, 0.0],
+            information: 100.0,
+            is_used: true,
+            ..Sighting::NONE
+        }
+    }
+
+    #[test]
+    fn neighbours_become_one_where_nothing_is_lost() {
+        let window = || {
+            let mut window = Window::EMPTY;
+            for east in [0.0, 10.0, 30.0, 4_000.0, 8_000.0] {
+                window.push(at(east));
+            }
+            window
+        };
+        let mut far = window();
+        assert_eq!(far.merge(Some([0.0, 1e3])), 1);
+        assert_eq!(far.all()[0].platform_m, [5.0, 0.0]);
+        assert_eq!(far.all()[0].information, 200.0);
+        assert_eq!(far.all()[0].time_ns, 5_000_000_000);
+        assert_eq!(far.all()[3], at(8_000.0));
+        // Near an emitter no two are alike.
+        assert_eq!(window().merge(Some([20.0, 5.0])), 0);
+        // As long as nobody knows where it is, there is no other way.
+        assert_eq!(window().merge(None), 2);
+    }
+
+    #[test]
+    fn what_does_not_count_is_forgotten_first() {
+        let mut window = Window::EMPTY;
+        for east in [0.0, 1.0, 2.0] {
+            window.push(at(east));
+        }
+        window.take_back(1, Some(1_000_000_000));
+        assert!(window.forget_unused() && window.forget_unused() && !window.forget_unused());
+        assert_eq!(window.all(), [at(0.0)]);
+    }
+}

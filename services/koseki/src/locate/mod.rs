@@ -1,0 +1,196 @@
+//! `koseki locate`: bearings of emitters into their positions (FM-7).
+//!
+//! The locator is the one of the live adapters; here a file is read, row by row, and what comes of it is written. A file may
+//! hold any number of emitters; of each only what its filters keep is in memory.
+
+mod decisions;
+mod picture;
+mod rows;
+mod summary;
+
+use std::cell::RefCell;
+use std::io::Write as _;
+use std::path::Path;
+use std::rc::Rc;
+
+use anyhow::Context as _;
+use formats::bearing::Bearing;
+use formats::bearings_csv::BearingReader;
+use locating::selection::Select;
+use locating::settings::{FilterChoice, Settings};
+use locating::{Locator, Refusal};
+
+use crate::args::{Locate, Usage};
+use crate::files::{InputError, OutputFile, is_same_file, open};
+use crate::offline::{Counting, Progress, Refusals};
+use decisions::Decisions;
+use picture::Paths;
+use summary::Summary;
+
+/// Places for emitters where no configuration says how many: more than any file of measurements has. Memory is taken
+/// when they come.
+const EMITTERS_MAX: usize = 20_000;
+
+/// Locates.
+///
+/// # Errors
+/// If what is asked for makes no sense, or a file cannot be read or written.
+pub(crate) fn run(locate: &Locate) -> anyhow::Result<()> {
+    check_out(locate)?;
+    let mut locator = Locator::new(settings(locate)?).map_err(|fault| Usage(fault.to_string()))?;
+    let mut input = Input::open(&locate.bearings)?;
+    let mut out = OutputFile::begin(&locate.out)?;
+    let unwritten = || format!("{} cannot be written", locate.out.display());
+    writeln!(out, "{}", rows::HEADER).with_context(unwritten)?;
+    let mut decisions = locate.explain.as_deref().map(Decisions::begin).transpose()?;
+    let mut paths = locate.picture.as_ref().map(|_| Paths::new(locate.emitter));
+    let mut summary = Summary::default();
+    let mut progress = Progress::new(input.octets);
+    while let Some((line, bearing)) = input.next()? {
+        let begin_ns = runtime::clock::mono_ns();
+        let taken = locator.bearing(&bearing);
+        summary.locator_ns += runtime::clock::mono_ns() - begin_ns;
+        match taken {
+            Ok(report) => {
+                if let Some(report) = &report {
+                    rows::write(&mut out, report).with_context(unwritten)?;
+                    summary.emitters.insert(report.number);
+                }
+                if let Some(paths) = &mut paths {
+                    paths.take(&bearing, report.as_ref());
+                }
+            }
+            Err(refusal) => input.refuse(line, refusal),
+        }
+        if let Some(table) = &mut decisions {
+            table.write(locator.decisions())?;
+        }
+        summary.count(locator.decisions());
+        progress.at(*input.octets_read.borrow());
+    }
+    drop(progress);
+    out.finish()?;
+    if let Some(table) = decisions {
+        table.finish()?;
+    }
+    if let (Some(paths), Some(file)) = (paths, &locate.picture) {
+        paths.draw(file)?;
+    }
+    summary.show(locate, &locator, &input.refusals)
+}
+
+/// What the command line and the configuration say.
+fn settings(locate: &Locate) -> anyhow::Result<Settings> {
+    let mut settings = match &locate.config {
+        Some(path) => {
+            let text = std::fs::read_to_string(path);
+            let text = text.map_err(|error| InputError::new(path, format!("cannot be read: {error}")))?;
+            runtime::config::locating_settings(path, &text)?
+        }
+        None => Settings {
+            emitters_max: EMITTERS_MAX,
+            ..Settings::default()
+        },
+    };
+    if let Some(word) = &locate.filter {
+        let words = FilterChoice::ALL.map(FilterChoice::word);
+        settings.motion.filter = chosen("--filter", word, FilterChoice::ALL, words)?;
+    }
+    if let Some(word) = &locate.select {
+        let words = Select::ALL.map(Select::word);
+        settings.selection.select = chosen("--select", word, Select::ALL, words)?;
+    }
+    Ok(settings)
+}
+
+fn chosen<T, const N: usize>(option: &str, word: &str, all: [T; N], words: [&str; N]) -> Result<T, Usage> {
+    let found = all.into_iter().zip(words).find(|(_, known)| *known == word);
+    found
+        .map(|(choice, _)| choice)
+        .ok_or_else(|| Usage(format!("{option} {word}: there are {}", words.join(", "))))
+}
+
+/// What is read must not be written over, nor one output over the other.
+fn check_out(locate: &Locate) -> Result<(), Usage> {
+    let written = [
+        ("--out", Some(&locate.out)),
+        ("--explain", locate.explain.as_ref()),
+        ("--picture", locate.picture.as_ref()),
+    ];
+    for (place, (option, file)) in written.iter().enumerate() {
+        let Some(file) = file else { continue };
+        if is_same_file(file, &locate.bearings)
+            || locate.config.as_ref().is_some_and(|config| is_same_file(file, config))
+        {
+            let what = format!("{option} {} is an input; name another file", file.display());
+            return Err(Usage(what));
+        }
+        for (other_option, other) in &written[place + 1..] {
+            if other.is_some_and(|other| other == *file || is_same_file(other, file)) {
+                return Err(Usage(format!("{option} and {other_option} name one file; name two")));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The file of bearings. Rows that cannot be used are left out and counted.
+struct Input<'a> {
+    path: &'a Path,
+    reader: BearingReader<Counting>,
+    octets: u64,
+    octets_read: Rc<RefCell<u64>>,
+    refusals: Refusals,
+    rows: u64,
+}
+
+impl<'a> Input<'a> {
+    fn open(path: &'a Path) -> Result<Self, InputError> {
+        let file = open(path)?;
+        let octets = file.metadata().map_or(0, |found| found.len());
+        let octets_read = Rc::default();
+        let reader = BearingReader::new(Counting::new(file, Rc::clone(&octets_read)), 0);
+        Ok(Self {
+            path,
+            reader: reader.map_err(|error| InputError::new(path, error))?,
+            octets,
+            octets_read,
+            refusals: Refusals::default(),
+            rows: 0,
+        })
+    }
+
+    /// The next row that can be read, with its line.
+    fn next(&mut self) -> Result<Option<(u64, Bearing)>, InputError> {
+        for row in &mut self.reader {
+            match row {
+                Ok(bearing) => {
+                    self.rows += 1;
+                    return Ok(Some((self.reader.line(), bearing)));
+                }
+                Err(error @ formats::csv_table::CsvError::Input { .. }) => {
+                    return Err(InputError::new(self.path, error));
+                }
+                Err(error) => self.refusals.unreadable(self.path, &error),
+            }
+        }
+        if self.rows == 0 {
+            let why = self
+                .refusals
+                .first
+                .first()
+                .map_or("the file has a header only", String::as_str);
+            return Err(InputError::new(self.path, format!("no row can be used: {why}")));
+        }
+        Ok(None)
+    }
+
+    fn refuse(&mut self, line: u64, refusal: Refusal) {
+        let reason = match refusal {
+            Refusal::Unusable(_) => "a value that cannot be",
+            Refusal::OutOfOrder => "order of time",
+            Refusal::TableFull => "want of places",
+        };
+        self.refusals.refused(reason, self.path, line, refusal);
+    }
+}

@@ -1,0 +1,171 @@
+//! One emitter's fixes as a picture: where the platform flew, what the filter said, and what was put out.
+
+use std::path::Path;
+
+use anyhow::anyhow;
+use formats::bearing::Bearing;
+use locating::EmitterReport;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+const SIZE: (u32, u32) = (960, 1040);
+/// Share of the picture for the map, in pixels.
+const MAP_HEIGHT: u32 = 680;
+const PLATFORM: RGBColor = RGBColor(170, 170, 170);
+const RAW: RGBColor = RGBColor(31, 119, 180);
+const OUTPUT: RGBColor = RGBColor(214, 39, 40);
+/// Room around what is drawn, as a share of it.
+const ROOM: f64 = 0.06;
+
+type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+/// What is drawn of an emitter.
+#[derive(Debug, Default)]
+pub(super) struct Paths {
+    /// Which; that of the first fix if nobody said.
+    emitter: Option<u32>,
+    platform_km: Vec<(f64, f64)>,
+    raw_km: Vec<(f64, f64)>,
+    output_km: Vec<(f64, f64)>,
+    /// Time and standard deviation of the position.
+    sigma_m: Vec<(f64, f64)>,
+    /// Where selections were made.
+    selected_km: Vec<(f64, f64)>,
+}
+
+impl Paths {
+    pub(super) fn new(emitter: Option<u32>) -> Self {
+        Self {
+            emitter,
+            ..Self::default()
+        }
+    }
+
+    /// Takes a bearing, and what came of it.
+    pub(super) fn take(&mut self, bearing: &Bearing, report: Option<&EmitterReport>) {
+        let number = report.map(|report| report.number).or(bearing.emitter_id);
+        if self.emitter.is_none() {
+            self.emitter = number;
+        }
+        if self.emitter.is_none() || self.emitter != number {
+            return;
+        }
+        let km = |[east, north, _]: [f64; 3]| (east * 1e-3, north * 1e-3);
+        self.platform_km.push(km(bearing.platform_m));
+        let Some(report) = report else { return };
+        let [east, north] = report.raw.position_m;
+        self.raw_km.push(km([east, north, 0.0]));
+        self.output_km.push(km(report.output.position_m));
+        let time_s = frames::time::seconds(report.time_ns);
+        self.sigma_m.push((time_s, report.raw.variance_m2().sqrt()));
+        if report.output.is_selected && report.output.decision.is_some() {
+            self.selected_km.push(km(report.output.position_m));
+        }
+    }
+
+    /// Draws it as SVG.
+    ///
+    /// # Errors
+    /// If there is nothing to draw, or the file cannot be written.
+    pub(super) fn draw(&self, file: &Path) -> anyhow::Result<()> {
+        if self.raw_km.is_empty() {
+            let what = match self.emitter {
+                Some(emitter) => format!("emitter {emitter} has no fix"),
+                None => "no emitter has a fix".to_owned(),
+            };
+            return Err(anyhow!("--picture {}: {what}", file.display()));
+        }
+        self.try_draw(file)
+            .map_err(|error| anyhow!("--picture {}: {error}", file.display()))
+    }
+
+    fn try_draw(&self, file: &Path) -> Drawn {
+        let root = SVGBackend::new(file, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        let (map, below) = root.split_vertically(MAP_HEIGHT);
+        self.draw_map(&map)?;
+        self.draw_sigma(&below)?;
+        root.present()?;
+        Ok(())
+    }
+
+    fn draw_map(&self, area: &Drawing<'_>) -> Drawn {
+        let fixes = || self.raw_km.iter().chain(&self.output_km);
+        // One scale for both axes; the platform is drawn as far as it comes near.
+        let (mut east, mut north) = (range(fixes().map(|at| at.0)), range(fixes().map(|at| at.1)));
+        let (width, height) = (f64::from(SIZE.0 - 110), f64::from(MAP_HEIGHT - 110));
+        let scale = ((east.1 - east.0) / width).max((north.1 - north.0) / height).max(1e-4);
+        widen(&mut east, scale * width);
+        widen(&mut north, scale * height);
+        let title = format!("Emitter {}: fixes and output", self.emitter.unwrap_or_default());
+        let mut chart = ChartBuilder::on(area)
+            .caption(title, ("sans-serif", 20))
+            .margin(16)
+            .x_label_area_size(40)
+            .y_label_area_size(60)
+            .build_cartesian_2d(east.0..east.1, north.0..north.1)?;
+        chart
+            .configure_mesh()
+            .x_desc("east, km")
+            .y_desc("north, km")
+            .light_line_style(RGBColor(235, 235, 235))
+            .draw()?;
+        let inside = |at: &(f64, f64)| (east.0..=east.1).contains(&at.0) && (north.0..=north.1).contains(&at.1);
+        let parts = self.platform_km.split(|at| !inside(at)).filter(|part| part.len() > 1);
+        for part in parts {
+            chart.draw_series(LineSeries::new(part.iter().copied(), PLATFORM))?;
+        }
+        for (name, path, colour, width) in [("filter", &self.raw_km, RAW, 1), ("output", &self.output_km, OUTPUT, 2)] {
+            chart
+                .draw_series(LineSeries::new(path.iter().copied(), colour.stroke_width(width)))?
+                .label(name)
+                .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], colour.stroke_width(width)));
+        }
+        chart.draw_series(self.selected_km.iter().map(|at| Circle::new(*at, 4, OUTPUT.filled())))?;
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperLeft)
+            .background_style(WHITE.mix(0.8))
+            .border_style(BLACK.mix(0.3))
+            .draw()?;
+        Ok(())
+    }
+
+    fn draw_sigma(&self, area: &Drawing<'_>) -> Drawn {
+        let time = range(self.sigma_m.iter().map(|at| at.0));
+        let sigma = range(self.sigma_m.iter().map(|at| at.1));
+        let mut chart = ChartBuilder::on(area)
+            .caption("Root of the variance value", ("sans-serif", 16))
+            .margin(16)
+            .x_label_area_size(40)
+            .y_label_area_size(60)
+            .build_cartesian_2d(
+                time.0..time.1,
+                (sigma.0.max(0.1) * 0.9..sigma.1.max(0.2) * 1.1).log_scale(),
+            )?;
+        chart
+            .configure_mesh()
+            .x_desc("time, s")
+            .y_desc("m")
+            .light_line_style(RGBColor(235, 235, 235))
+            .draw()?;
+        chart.draw_series(LineSeries::new(self.sigma_m.iter().copied(), RAW))?;
+        Ok(())
+    }
+}
+
+/// Least and greatest, with room around them.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    let room = ROOM * (high - low).max(1e-3);
+    (low - room, high + room)
+}
+
+/// Makes a range as long as `length`, about its middle.
+fn widen(range: &mut (f64, f64), length: f64) {
+    let middle = 0.5 * (range.0 + range.1);
+    *range = (middle - 0.5 * length, middle + 0.5 * length);
+}

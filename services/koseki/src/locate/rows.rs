@@ -1,0 +1,44 @@
+//! Fixes as rows (FM-7).
+
+use std::io::{self, Write};
+
+use locating::EmitterReport;
+
+/// Names of the columns.
+pub(super) const HEADER: &str =
+    "time_s,emitter_id,x,y,z,vx,vy,vz,variance_m2,stage,selected,raw_x,raw_y,Pxx,Pxy,Pyy,raw_vx,raw_vy,motion,agreed";
+
+/// Writes a row: millimetres, and velocities fine enough that an hour at them is as exact.
+///
+/// # Errors
+/// If the writer fails.
+pub(super) fn write(out: &mut impl Write, report: &EmitterReport) -> io::Result<()> {
+    let (raw, output) = (&report.raw, &report.output);
+    let [x, y, z] = output.position_m;
+    let [vx, vy, vz] = output.velocity_mps;
+    formats::tracks_csv::write_time(out, report.time_ns)?;
+    write!(out, ",{},{x:.3},{y:.3},{z:.3},{vx:.6},{vy:.6},{vz:.6}", report.number)?;
+    write!(
+        out,
+        ",{:.3},{},{}",
+        raw.variance_m2(),
+        output.stage.word(),
+        u8::from(output.is_selected)
+    )?;
+    let [raw_x, raw_y] = raw.position_m;
+    let [raw_vx, raw_vy] = raw.velocity_mps;
+    let p = &raw.covariance;
+    write!(
+        out,
+        ",{raw_x:.3},{raw_y:.3},{:.3},{:.3},{:.3}",
+        p[(0, 0)],
+        p[(0, 1)],
+        p[(1, 1)]
+    )?;
+    writeln!(
+        out,
+        ",{raw_vx:.6},{raw_vy:.6},{},{}",
+        raw.motion.word(),
+        u8::from(raw.is_agreed)
+    )
+}
