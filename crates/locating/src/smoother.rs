@@ -38,6 +38,8 @@ use crate::window::Window;
 
 /// The geometry allows a fix when the longest half-axis of its error ellipse is below this share of the range.
 const LOCATED_SHARE: f64 = 0.3;
+/// … and no longer above this one.
+const LOST_SHARE: f64 = 0.5;
 /// From this share on the linearisation is good enough to judge bearings one by one.
 const SETTLED_SHARE: f64 = 0.05;
 /// From this share on a sighting may be linearised for good.
@@ -160,17 +162,18 @@ struct System<const D: usize> {
     gradient: SVector<f64, D>,
     cost: f64,
     sightings: usize,
-    /// Of them those that are far off.
+    /// Of them those that are far off, and the cost of the others.
     outliers: usize,
+    cost_of_others: f64,
 }
 
 impl<const D: usize> System<D> {
-    /// Whether the sightings fit together: few are far off, and the cost is chi-square with about as many degrees of
-    /// freedom as there are sightings.
+    /// Whether the sightings fit together: few are far off, and the cost of the others is chi-square with about as
+    /// many degrees of freedom as there are sightings.
     fn is_plausible(&self) -> bool {
         let freedom = self.sightings as f64;
         self.outliers <= self.sightings / SIGHTINGS_PER_OUTLIER
-            && self.cost < freedom + COST_SIGMAS * (2.0 * freedom).sqrt() + COST_SIGMAS
+            && self.cost_of_others < freedom + COST_SIGMAS * (2.0 * freedom).sqrt() + COST_SIGMAS
     }
 }
 
@@ -539,10 +542,13 @@ impl<const D: usize> Smoother<D> {
         let Some(factor) = Factor::of(&system.information) else {
             return;
         };
-        if is_first {
-            self.is_misfit = has_converged && !system.is_plausible();
+        if !at.iter().all(|value| value.is_finite()) || (is_first && !has_converged) {
+            return;
         }
-        if (is_first && (!has_converged || self.is_misfit)) || !at.iter().all(|value| value.is_finite()) {
+        self.is_misfit = self.stage < Stage::Settled && !system.is_plausible();
+        if self.is_misfit {
+            // What was a place for a few bearings is none for all of them.
+            self.stage = Stage::Searching;
             return;
         }
         self.estimate = at;
@@ -601,6 +607,7 @@ impl<const D: usize> Smoother<D> {
             cost: offset.dot(&gradient),
             sightings: 0,
             outliers: 0,
+            cost_of_others: 0.0,
         };
         for sighting in sightings.iter().filter(|sighting| sighting.is_used) {
             let after_s = sighting.after_s(self.reference_ns);
@@ -613,7 +620,10 @@ impl<const D: usize> Smoother<D> {
             let information = weight * sighting.information;
             system.cost += cost;
             system.sightings += 1;
-            system.outliers += usize::from(weight < 1.0);
+            match weight < 1.0 {
+                true => system.outliers += 1,
+                false => system.cost_of_others += cost,
+            }
             system.gradient += h * (information * residual.innovation_rad);
             let scaled = h * information;
             for column in 0..D {
@@ -627,11 +637,13 @@ impl<const D: usize> Smoother<D> {
 
     /// What the geometry allows to say.
     fn look_at_geometry(&mut self, latest: &Sighting) {
-        if self.stage < Stage::Vague || self.is_settled() {
+        if self.stage < Stage::Vague {
             return;
         }
         let share = self.share(latest);
-        if share < LOCATED_SHARE {
+        if share > LOST_SHARE {
+            self.stage = Stage::Vague;
+        } else if share < LOCATED_SHARE {
             self.stage = self.stage.max(Stage::Located);
         }
         if share < SETTLED_SHARE {

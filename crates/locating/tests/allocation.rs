@@ -41,7 +41,7 @@ fn bearings_allocate_nothing() {
             ..Settings::default()
         };
         settings.selection.select = select;
-        settings.association.silent_max_s = 50.0;
+        settings.association.silent_max_s = 15.0;
         settings.consistency.disagreement_max_s = 20.0;
         settings.consistency.disagreement_bearings = 5;
         let mut locator = Locator::new(settings).unwrap();

@@ -39,6 +39,26 @@ pub struct Counts {
     pub hypotheses_merged: u64,
     /// Hypotheses dropped because of low reliability or number.
     pub hypotheses_dropped: u64,
+    /// Detections refused because of their age or accuracy, or kept with less weight (WA-1).
+    pub refused_detections: u64,
+    /// Scans that another sensor's at the same time outranks, repetitions after late scans included (WA-1).
+    pub outranked_scans: u64,
+    /// Wide-area reports taken.
+    pub wide_area_reports: u64,
+    /// Wide-area reports refused: no place, a negative or too long delay, too many targets, or no room.
+    pub wide_area_reports_refused: u64,
+    /// Wide-area reports, or groups of them, used by a scan, repetitions after late scans included.
+    pub wide_area_reports_used: u64,
+    /// Of these, those that no cluster was near enough to.
+    pub wide_area_reports_unmatched: u64,
+    /// Clusters whose hypotheses, or some hypothesis' children, were corrected (WA-4).
+    pub wide_area_corrections: u64,
+    /// Hypotheses whose children could not be corrected: too many ways to begin the tracks they lack.
+    pub wide_area_uncorrected: u64,
+    /// Tracks given up earlier because a wide-area report shows nothing there (WA-8).
+    pub wide_area_deletions: u64,
+    /// Tracks confirmed earlier because a wide-area report shows more (WA-6).
+    pub wide_area_confirmations: u64,
     /// Tracks confirmed.
     pub confirmed: u64,
     /// Detections that became one with another of the same scan, nearer than the sensor's resolution.

@@ -36,6 +36,8 @@ pub(crate) struct Plot {
     pub(crate) time_ns: i64,
     pub(crate) detection_id: u32,
     pub(crate) measurement: Measurement,
+    /// Logarithm of its weight (WA-1): 0 of nearly all.
+    pub(crate) log_weight: f64,
 }
 
 /// A track and a detection in its gate.

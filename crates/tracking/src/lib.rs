@@ -69,6 +69,9 @@ mod tracker;
 mod tracker_tests;
 mod turn;
 mod update;
+pub mod wide_area;
+#[cfg(test)]
+mod wide_area_tests;
 
 pub use counts::Counts;
 pub use field_of_view::FieldOfView;

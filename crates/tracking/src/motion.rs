@@ -13,6 +13,7 @@
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988).
 
 use estimation::{AxisNoise, PackedGaussian};
+use messages::STATE_LEN;
 
 use crate::initiation::{FirstGuess, first_state};
 use crate::measurement::{Innovation, Measurement};
@@ -190,6 +191,12 @@ impl Motion {
         PackedGaussian::mixture(&self.steady, &self.turning, self.turning_probability)
     }
 
+    /// Mean of both models together.
+    pub(crate) fn mean(&self) -> [f64; STATE_LEN] {
+        let (p, q) = (1.0 - self.turning_probability, self.turning_probability);
+        std::array::from_fn(|place| p * self.steady.mean[place] + q * self.turning.mean[place])
+    }
+
     /// Variances and covariance of the position in the plane by the wider model, and where it is.
     pub(crate) fn widest(&self) -> &PackedGaussian {
         if self.turning_probability == 0.0 {
@@ -224,7 +231,7 @@ impl Motion {
     }
 }
 
-fn noise(density_m2ps3: [f64; 2], seconds: f64) -> [AxisNoise; 3] {
+pub(crate) fn noise(density_m2ps3: [f64; 2], seconds: f64) -> [AxisNoise; 3] {
     let [horizontal, vertical] = density_m2ps3.map(|density| AxisNoise::white(density, seconds));
     [horizontal, horizontal, vertical]
 }

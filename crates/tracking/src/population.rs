@@ -78,6 +78,15 @@ impl Population {
         self.next_number = before.next_number;
     }
 
+    /// Makes it the same as `before`, its time too: a scan that counts as no look.
+    pub(crate) fn carry_on(&mut self, before: &Self) {
+        self.follow(before, before.time_ns);
+        self.tracks.extend_from_slice(&before.tracks);
+        self.hypotheses.extend_from_slice(&before.hypotheses);
+        self.members.extend_from_slice(&before.members);
+        self.clusters.extend_from_slice(&before.clusters);
+    }
+
     /// Whether so much fits in.
     pub(crate) fn has_room(&self, tracks: usize, hypotheses: usize, members: usize) -> bool {
         let fits = |used: usize, more: usize, room: usize| used + more <= room;

@@ -100,6 +100,7 @@ mod tests {
         let plot = |[east, north]: &[f64; 2]| Plot {
             time_ns: 0,
             detection_id: 0,
+            log_weight: 0.0,
             measurement: Measurement::of(&position(0, *east, *north), None).unwrap(),
         };
         places.iter().map(plot).collect()
@@ -140,6 +141,7 @@ mod tests {
             Plot {
                 time_ns: 0,
                 detection_id: 0,
+                log_weight: 0.0,
                 measurement: bearing
             };
             3
@@ -153,6 +155,7 @@ mod tests {
         let plot = |bearing: f64| Plot {
             time_ns: 0,
             detection_id: 0,
+            log_weight: 0.0,
             measurement: Measurement {
                 kind: DetectionKind::RangeBearing,
                 values: [100.0, bearing, 0.0],

@@ -143,6 +143,7 @@ mod tests {
         Plot {
             time_ns: 0,
             detection_id: 0,
+            log_weight: 0.0,
             measurement: Measurement::of(&detection, None).unwrap(),
         }
     }

@@ -6,6 +6,8 @@
 use crate::field_of_view::FieldOfView;
 use crate::initiation::FirstGuess;
 use crate::track::HISTORY_MAX;
+use crate::wide_area::WideArea;
+use crate::wide_area::selection::Selection;
 
 /// Everything.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +32,10 @@ pub struct Settings {
     pub deletion: Deletion,
     /// What is assumed of targets that split (SP-1 … SP-7).
     pub splitting: Splitting,
+    /// Which detections are used (WA-1).
+    pub selection: Selection,
+    /// How reports of a wide-area sensor are used (WA).
+    pub wide_area: WideArea,
     /// Sizes of the tables.
     pub capacity: Capacity,
 }
@@ -222,6 +228,8 @@ impl Default for Settings {
                 parents_motion: Some(4),
                 ..Splitting::default()
             },
+            selection: Selection::default(),
+            wide_area: WideArea::default(),
             capacity: Capacity {
                 tracks: 16_384,
                 detections: 16_384,
@@ -293,6 +301,13 @@ impl Settings {
         ];
         if let Some((_, sentence)) = checks.iter().find(|(holds, _)| !holds) {
             return Some((*sentence).to_owned());
+        }
+        if let Some(sentence) = self
+            .wide_area
+            .fault()
+            .or_else(|| self.selection.fault().map(str::to_owned))
+        {
+            return Some(sentence);
         }
         let faulty = self.sensors.iter().find(|sensor| {
             let density = match sensor.clutter {

@@ -8,7 +8,7 @@
 
 use estimation::PackedGaussian;
 use formats::detection::Detection;
-use messages::{SensorTrack, TrackState, sensor_track_bits};
+use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::clutter::log_density;
 use crate::counts::Counts;
@@ -17,12 +17,19 @@ use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gate::gates;
 use crate::gating::{Gating, Plot};
 use crate::measurement::Measurement;
+use crate::motion::noise;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::resolution::unite;
 use crate::sensor::Sensor;
-use crate::settings::{Clutter, SensorSettings, Settings};
+use crate::settings::{Clutter, MotionSettings, SensorSettings, Settings};
 use crate::track::Track;
 use crate::update::{self, Scan, Update};
+use crate::wide_area::cue::{Cue, cue};
+use crate::wide_area::expectation::{Expectation, Expectations};
+use crate::wide_area::group::Group;
+use crate::wide_area::report::{self, Reports};
+use crate::wide_area::selection::Selection;
+use crate::wide_area::{ReportRefusal, WideArea, WideAreaReport};
 
 /// How far a detection's time may be from its scan's, nanoseconds.
 const SCAN_HALF_NS: u64 = 60_000_000_000;
@@ -48,9 +55,23 @@ pub struct TrackReport {
     pub detections: u32,
     /// Scans since the last one.
     pub missed: u32,
+    /// Set if this is not a single target but several that are not told apart (WA-7).
+    pub group: Option<Group>,
+    /// Where a wide-area sensor says that the targets around came from, east and north in metres (WA-9).
+    pub origin_m: Option<[f64; 2]>,
 }
 
 impl TrackReport {
+    /// Carried on to `time_ns`, with accelerations of this spectral density (horizontal and vertical, m²/s³).
+    pub fn moved_to(&self, time_ns: i64, process_noise_m2ps3: [f64; 2]) -> Self {
+        let seconds = time_ns.saturating_sub(self.time_ns) as f64 / NS_PER_S;
+        Self {
+            time_ns,
+            estimate: self.estimate.moved(seconds, noise(process_noise_m2ps3, seconds)),
+            ..*self
+        }
+    }
+
     /// In the order of times; of one time, in that of the tracks' numbers.
     pub fn order(&self) -> (i64, u32) {
         (self.time_ns, self.number)
@@ -121,12 +142,16 @@ pub struct Tracker {
     populations: Vec<Population>,
     gating: Gating,
     update: Update,
+    wide_area: Reports,
+    expectations: Expectations,
+    /// Of the clusters after the latest scan.
+    described: Expectations,
     log_clutter: Vec<f64>,
     /// By detection of a scan: how many are united in it; by direction: which tracks claim it.
     united: Vec<u32>,
     claims: Vec<Claims>,
-    /// (number, track, cluster) of what is reported.
-    best: Vec<(u32, u32, u32)>,
+    /// (number, track) of what is reported of a cluster.
+    best: Vec<(u32, u32)>,
     reports: Vec<TrackReport>,
     counts: Counts,
 }
@@ -156,6 +181,9 @@ impl Tracker {
             populations: (0..capacity.open_scans + 2).map(population).collect(),
             gating: Gating::new(capacity.tracks, capacity.detections),
             update: Update::new(capacity.tracks, capacity.detections),
+            wide_area: Reports::new(),
+            expectations: Expectations::new(capacity.tracks),
+            described: Expectations::new(capacity.tracks),
             log_clutter: Vec::with_capacity(capacity.detections),
             united: vec![0; capacity.detections],
             claims: Vec::with_capacity(capacity.detections),
@@ -207,12 +235,16 @@ impl Tracker {
             self.open -= 1;
             place -= 1;
         }
+        let latest_ns = self.scans[..self.open]
+            .last()
+            .map_or(time_ns, |scan| scan.time_ns.max(time_ns));
         let scan = &mut self.scans[self.open];
         (scan.time_ns, scan.sensor) = (time_ns, sensor);
         admit(
             detections,
-            time_ns,
+            [time_ns, latest_ns],
             &self.settings.sensors[sensor],
+            &self.settings.selection,
             &mut scan.plots,
             &mut self.counts,
         );
@@ -222,16 +254,71 @@ impl Tracker {
         self.scans[place..=self.open].rotate_right(1);
         self.counts.late_scans += u64::from(place < self.open);
         self.open += 1;
-        for place in place..self.open {
+        for place in self.first_changed(place)..self.open {
             self.work_off(place, observer);
         }
         self.report();
         Ok(())
     }
 
+    /// Takes a report of a wide-area sensor at its arrival (WA-2). It is used in the first scan after that; scans that
+    /// came before it and are still open are worked off again, later ones of closed scans use it from the next scan on.
+    ///
+    /// # Errors
+    /// [`ReportRefusal`], counted, if the report cannot be used.
+    pub fn wide_area(&mut self, report: &WideAreaReport) -> Result<(), ReportRefusal> {
+        let settings = &self.settings.wide_area;
+        let closed_ns = self.closed_ns();
+        let mut report = *report;
+        let kept = report::fault(&report, settings).map_or(Ok(()), Err).and_then(|()| {
+            report.arrival_ns = report.arrival_ns.max(closed_ns.saturating_add(1));
+            self.wide_area.keep(report, closed_ns, settings)
+        });
+        kept.inspect_err(|_| self.counts.wide_area_reports_refused += 1)?;
+        self.counts.wide_area_reports += 1;
+        let first = self.scans[..self.open].partition_point(|scan| scan.time_ns < report.arrival_ns);
+        if first < self.open {
+            for place in first..self.open {
+                self.work_off(place, None);
+            }
+            self.report();
+        }
+        Ok(())
+    }
+
+    /// Time of the last scan that is never worked off again.
+    fn closed_ns(&self) -> i64 {
+        if self.open == self.scans.len() {
+            self.scans[0].time_ns
+        } else {
+            self.populations[0].time_ns
+        }
+    }
+
     /// The confirmed tracks after the latest scan, by their numbers.
     pub fn tracks(&self) -> &[TrackReport] {
         &self.reports
+    }
+
+    /// The confirmed tracks at `time_ns`, into `picture` (WA-11).
+    pub fn picture_at(&self, time_ns: i64, picture: &mut Vec<TrackReport>) {
+        let noise = self.settings.motion.process_noise_m2ps3;
+        picture.clear();
+        picture.extend(self.reports.iter().map(|track| track.moved_to(time_ns, noise)));
+    }
+
+    /// Where the sensor `sensor_id`, whose detections have a standard deviation of `sigma_m` metres, should look at
+    /// `time_ns` for each confirmed track, into `cues` (WA-12).
+    pub fn cues_at(&self, (sensor_id, time_ns): (u32, i64), sigma_m: f64, cues: &mut Vec<Cue>) {
+        let Settings {
+            motion,
+            gate_probability,
+            ..
+        } = &self.settings;
+        let look = (sensor_id, time_ns);
+        let all = self.reports.iter();
+        cues.clear();
+        cues.extend(all.map(|track| cue(track, look, sigma_m, *gate_probability, motion)));
     }
 
     /// What was done and refused so far.
@@ -269,11 +356,41 @@ impl Tracker {
         Ok((sensor, place))
     }
 
+    /// The first open scan that is to be worked off again because of the one at `place`: that itself, or one that it
+    /// outranks.
+    fn first_changed(&self, place: usize) -> usize {
+        let selection = &self.settings.selection;
+        if selection.priorities.is_empty() {
+            return place;
+        }
+        let earliest_ns = self.scans[place].time_ns.saturating_sub(selection.same_time_ns);
+        self.scans[..place].partition_point(|scan| scan.time_ns < earliest_ns)
+    }
+
+    /// Whether another open scan at the same time is of a sensor of higher priority (WA-1).
+    fn is_outranked(&self, place: usize) -> bool {
+        let selection = &self.settings.selection;
+        let sensor = |scan: &OpenScan| self.settings.sensors[scan.sensor].sensor_id;
+        let scan = &self.scans[place];
+        !selection.priorities.is_empty()
+            && self.scans[..self.open].iter().any(|other| {
+                let apart_ns = other.time_ns.saturating_sub(scan.time_ns);
+                selection.outranks(sensor(other), sensor(scan), apart_ns)
+            })
+    }
+
     /// Makes the population after the open scan at `place` of the one before it.
     fn work_off(&mut self, place: usize, observer: Option<&dyn Observer>) {
+        let is_outranked = self.is_outranked(place);
+        self.counts.outranked_scans += u64::from(is_outranked);
+        let log_kept_weight = self.settings.selection.log_kept_weight();
         let (before, after) = self.populations.split_at_mut(place + 1);
         let (before, next) = (&before[place], &mut after[0]);
         let OpenScan { time_ns, sensor, plots } = &self.scans[place];
+        if is_outranked && log_kept_weight.is_none() {
+            next.carry_on(before);
+            return;
+        }
         next.follow(before, *time_ns);
         next.next_serial = next.next_serial.wrapping_add(plots.len() as u32).max(1);
         let counts = &mut self.counts;
@@ -304,6 +421,14 @@ impl Tracker {
             let outside = outside(before, &self.gating, plots.len());
             next.sensors[*sensor].clutter.count(outside);
         }
+        self.expectations.find(
+            before,
+            *time_ns,
+            self.wide_area.list(),
+            &self.settings.wide_area,
+            self.settings.wide_area.lasts(),
+            counts,
+        );
         let scan = Scan {
             before,
             plots,
@@ -311,6 +436,8 @@ impl Tracker {
             gating: &self.gating,
             settings: &self.settings,
             sensor: &looking,
+            expectations: &self.expectations,
+            log_weight: log_kept_weight.filter(|_| is_outranked).unwrap_or(0.0),
             time_ns: *time_ns,
             first_serial: before.next_serial,
             observer,
@@ -347,27 +474,43 @@ impl Tracker {
     /// Of each confirmed ancestor the most reliable branch (HT-10).
     fn report(&mut self) {
         let population = &self.populations[self.open];
-        let settings = &self.settings;
-        let of = |track: u32| &population.tracks[track as usize];
-        self.best.clear();
-        for (cluster, place) in population.clusters.iter().zip(0..) {
+        let (settings, wide_area) = (&self.settings, &self.settings.wide_area);
+        let reports = self.wide_area.list();
+        let describes = wide_area.describes_tracks();
+        let counts = &mut self.counts;
+        self.described
+            .find(population, population.time_ns, reports, wide_area, describes, counts);
+        self.reports.clear();
+        for (number, cluster) in (0..).zip(&population.clusters) {
+            let tracks = &population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
+            let confirmed = tracks.iter().zip(cluster.tracks.clone());
+            let confirmed = confirmed.filter(|(track, _)| track.is_confirmed());
+            let expectation = self.described.of(number);
+            let report = |track: &Track| TrackReport {
+                origin_m: expectation.origin_m,
+                ..report_of(track, cluster, population.time_ns, settings)
+            };
+            if let Some(group) = group_of(population, cluster, &expectation, wide_area) {
+                let first = self.reports.len();
+                self.reports.extend(confirmed.map(|(track, _)| report(track)));
+                let joined = joined(&self.reports[first..], group, population.time_ns, &settings.motion);
+                self.reports.truncate(first);
+                self.reports.extend(joined);
+                continue;
+            }
             // All branches of an ancestor are in one cluster.
-            let first = self.best.len();
-            for track in cluster.tracks.clone().filter(|track| of(*track).is_confirmed()) {
-                let number = of(track).number;
-                match self.best[first..].iter_mut().find(|(other, ..)| *other == number) {
-                    Some((_, best, _)) if of(track).is_preferred_to(of(*best)) => *best = track,
+            self.best.clear();
+            for (track, place) in confirmed {
+                match self.best.iter_mut().find(|(number, _)| *number == track.number) {
+                    Some((_, best)) if track.is_preferred_to(&population.tracks[*best as usize]) => *best = place,
                     Some(_) => (),
-                    None => self.best.push((number, track, place)),
+                    None => self.best.push((track.number, place)),
                 }
             }
+            let best = self.best.iter().map(|(_, place)| &population.tracks[*place as usize]);
+            self.reports.extend(best.map(report));
         }
-        self.best.sort_unstable();
-        self.reports.clear();
-        self.reports.extend(self.best.iter().map(|&(_, track, cluster)| {
-            let cluster = &population.clusters[cluster as usize];
-            report_of(of(track), cluster, population.time_ns, settings)
-        }));
+        self.reports.sort_unstable_by_key(|report| report.number);
     }
 }
 
@@ -391,11 +534,64 @@ fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings: &Settings
         hypotheses: cluster.hypotheses.len() as u32,
         detections: track.detections,
         missed: track.missed,
+        group: None,
+        origin_m: None,
     }
 }
 
+/// WA-7: whether the cluster's targets are not told apart.
+fn group_of(
+    population: &Population,
+    cluster: &Cluster,
+    expectation: &Expectation,
+    settings: &WideArea,
+) -> Option<Group> {
+    let (groups, targets) = settings.groups.zip(expectation.targets)?;
+    let hypotheses = &population.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize];
+    let rated = hypotheses
+        .iter()
+        .map(|hypothesis| (hypothesis.log_reliability.exp(), hypothesis.members.len()));
+    groups.decide(rated, targets)
+}
+
+/// One track for several, branches included: their mean by reliability. `None` of none.
+fn joined(tracks: &[TrackReport], group: Group, time_ns: i64, motion: &MotionSettings) -> Option<TrackReport> {
+    let mut sum = 0.0;
+    let moved = tracks
+        .iter()
+        .map(|track| track.moved_to(time_ns, motion.process_noise_m2ps3));
+    let joined = moved.reduce(|all, track| {
+        sum = if sum == 0.0 { all.reliability } else { sum } + track.reliability;
+        let of_one = all.detections >= track.detections;
+        TrackReport {
+            number: all.number.min(track.number),
+            state: if all.missed.min(track.missed) == 0 {
+                TrackState::Confirmed
+            } else {
+                TrackState::Coasted
+            },
+            estimate: PackedGaussian::mixture(&all.estimate, &track.estimate, track.reliability / sum),
+            reliability: all.reliability.max(track.reliability),
+            missed: all.missed.min(track.missed),
+            detections: if of_one { all.detections } else { track.detections },
+            ..all
+        }
+    })?;
+    Some(TrackReport {
+        group: Some(group),
+        ..joined
+    })
+}
+
 /// Takes over the usable detections.
-fn admit(detections: &[Detection], time_ns: i64, sensor: &SensorSettings, plots: &mut Vec<Plot>, counts: &mut Counts) {
+fn admit(
+    detections: &[Detection],
+    [time_ns, latest_ns]: [i64; 2],
+    sensor: &SensorSettings,
+    selection: &Selection,
+    plots: &mut Vec<Plot>,
+    counts: &mut Counts,
+) {
     plots.clear();
     for detection in detections {
         let near = detection.time_of_measurement_ns.abs_diff(time_ns) <= SCAN_HALF_NS;
@@ -407,11 +603,20 @@ fn admit(detections: &[Detection], time_ns: i64, sensor: &SensorSettings, plots:
             counts.crowded_out_detections += 1;
             continue;
         }
+        let age_ns = latest_ns.saturating_sub(detection.time_of_measurement_ns);
+        let is_refused = selection.refuses(&measurement, age_ns);
+        counts.refused_detections += u64::from(is_refused);
+        let log_weight = match selection.log_kept_weight() {
+            _ if !is_refused => 0.0,
+            Some(log_weight) => log_weight,
+            None => continue,
+        };
         counts.detections += 1;
         plots.push(Plot {
             time_ns: detection.time_of_measurement_ns,
             detection_id: detection.detection_id,
             measurement,
+            log_weight,
         });
     }
 }
@@ -428,9 +633,10 @@ fn outside(before: &Population, gating: &Gating, plots: usize) -> usize {
 
 /// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
 fn begin_cluster(scan: &Scan<'_>, plot: u32, next: &mut Population, counts: &mut Counts) {
-    let share = scan.settings.new_target_share;
+    let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
+    let share = scan.settings.new_target_share * weight;
     let reliability = share / (1.0 + share);
-    if reliability < scan.settings.reduction.reliability_min {
+    if reliability <= 0.0 || reliability < scan.settings.reduction.reliability_min {
         return;
     }
     let Some(mut track) = update::begin(scan, plot, None, next.next_root) else {

@@ -529,6 +529,8 @@ impl Chosen<'_> {
                 },
             },
             capacity: self.capacity(&key("capacity"))?,
+            selection: tracking::wide_area::selection::Selection::default(),
+            wide_area: tracking::wide_area::WideArea::default(),
         })
     }
 
