@@ -67,11 +67,12 @@ Examples:
 NAME  demo      a busy airport and its surroundings, seen by four sensors: what `koseki demo` shows
       en-route  the same sensors; all targets fly en route, and all of them meet another one on their way
       dense     demo with 400 targets
-FILE  a deployment with [scenario] and simulated sources, as config/demo.toml
+FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or config/maritime.toml
 
 DIR/truth.csv            a row per whole second and target that some sensor could see there
 DIR/sensor_tracks_K.csv  what sensor K reports, for `koseki fuse`
 DIR/detections_K.csv     what it detected before its own tracker made tracks of it; truth_id -1 is a false target
+DIR/bearings_K.csv       in place of both, what direction finder K hears, for `koseki locate`; emitter_id is the target's
 Times begin at 0. The same scenario and seed give the same bytes.";
 
 /// `koseki simulate`.
