@@ -80,7 +80,7 @@ fn flight(seconds: u32) -> String {
         let (px, py) = (6e3 * angle.sin(), 6e3 * angle.cos());
         for (id, east, north) in [(4, 1e3, 500.0), (9, -1e3 + 4.0 * time, 200.0)] {
             let bearing = f64::atan2(east - px, north - py) + error();
-            let heading = (angle + 1.5708) % 6.2832;
+            let heading = (angle + std::f64::consts::FRAC_PI_2) % std::f64::consts::TAU;
             writeln!(text, "{time},{id},{bearing:.9},0.02,{px:.3},{py:.3},3000,{heading:.6}").unwrap();
         }
     }
