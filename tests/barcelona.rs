@@ -74,7 +74,7 @@ fn decode_inputs(data: &Path) -> Inputs {
             panic!("not recorded")
         };
         let bytes = std::fs::read(data.join(&recorded.file)).unwrap();
-        let mut recording = Recording::new(bytes, recorded, source.model, first_day_ns).unwrap();
+        let mut recording = Recording::new(bytes, recorded, source, first_day_ns).unwrap();
         let mut reports: Vec<SensorTrack> = recording.by_ref().collect();
         for report in &mut reports {
             report.time_of_measurement_ns -= first_day_ns;

@@ -49,7 +49,7 @@ fn recorded(data: &Path) -> Recorded {
             panic!("not recorded")
         };
         let bytes = std::fs::read(data.join(&recorded.file)).unwrap();
-        reports.extend(Recording::new(bytes, recorded, source.model, config.first_day_ns.unwrap()).unwrap());
+        reports.extend(Recording::new(bytes, recorded, source, config.first_day_ns.unwrap()).unwrap());
     }
     reports.sort_by_key(|report| report.time_of_measurement_ns);
     Recorded {

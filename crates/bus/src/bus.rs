@@ -31,6 +31,10 @@ use crate::waiter::{WaitMode, Waiter};
 
 /// How long a topic that does not exist (yet) is asked for.
 const OPEN_PATIENCE: Duration = Duration::from_millis(500);
+/// Publishers of a topic that may leave between two looks of a subscriber without loss: all that there can be.
+pub(crate) const LEAVERS_MAX: usize = 128;
+/// Of a topic with few publishers.
+const FEW_LEAVERS: usize = 8;
 /// Pause between two tries.
 const OPEN_PAUSE: Duration = Duration::from_millis(10);
 
@@ -50,6 +54,20 @@ impl<S: Transport> Bus<S> {
     /// # Errors
     /// [`BusError::NotRunning`] if no process has claimed the instance (not asked [in process](crate::InProcess)).
     pub fn open(root: &Root, process: &str) -> Result<Self, BusError> {
+        Self::open_keeping(root, process, LEAVERS_MAX)
+    }
+
+    /// The same for a process that reads topics of few publishers each, and often: at most eight of a topic may leave
+    /// between two looks, else slices that they have left behind are lost (and counted). iceoryx2 looks at the places
+    /// of all that may have left on every look, which is most of what a look costs.
+    ///
+    /// # Errors
+    /// As [`Bus::open`].
+    pub fn open_for_few(root: &Root, process: &str) -> Result<Self, BusError> {
+        Self::open_keeping(root, process, FEW_LEAVERS)
+    }
+
+    fn open_keeping(root: &Root, process: &str, leavers: usize) -> Result<Self, BusError> {
         tame_logging();
         if S::CROSSES_PROCESSES && root.holder()?.is_none() {
             return Err(BusError::NotRunning {
@@ -66,7 +84,7 @@ impl<S: Transport> Bus<S> {
         let node = NodeBuilder::new()
             .name(&name)
             .signal_handling_mode(SignalHandlingMode::Disabled)
-            .config(&root.config()?)
+            .config(&root.config(leavers)?)
             .create::<S>()
             .map_err(|error| refused(error.to_string()))?;
         Ok(Self {

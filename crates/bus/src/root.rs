@@ -28,6 +28,7 @@ use iceoryx2::node::{Node, NodeState, NodeView as _};
 use iceoryx2::prelude::{CallbackProgression, Config, FileName, SemanticString as _};
 use rustix::fs::{FlockOperation, flock};
 
+use crate::bus::LEAVERS_MAX;
 use crate::error::BusError;
 use crate::transport::SharedMemory;
 
@@ -184,7 +185,7 @@ impl Root {
     pub fn processes(&self) -> Result<Vec<Process>, BusError> {
         tame_logging();
         let mut processes = Vec::new();
-        let config = self.config()?;
+        let config = self.config(LEAVERS_MAX)?;
         let listed = Node::<SharedMemory>::list(&config, |state| {
             match state {
                 NodeState::Alive(view) => processes.push(match view.details() {
@@ -238,7 +239,8 @@ impl Root {
 
     /// iceoryx2's settings for this instance. No file is read: what the machine's administrator configured for other
     /// users of iceoryx2 does not apply.
-    pub(crate) fn config(&self) -> Result<Config, BusError> {
+    /// Subscribers keep what `leavers` publishers left unread.
+    pub(crate) fn config(&self, leavers: usize) -> Result<Config, BusError> {
         let unusable = |error: String| io_error("use", &self.path)(io::Error::other(error));
         let path = self.path.as_os_str().as_encoded_bytes();
         let path = iceoryx2::prelude::Path::new(path).map_err(|e| unusable(format!("{e:?}")))?;
@@ -246,6 +248,7 @@ impl Root {
         config.global.set_root_path(&path);
         config.global.prefix = FileName::new(self.prefix.as_bytes()).map_err(|e| unusable(format!("{e:?}")))?;
         config.global.creation_timeout = CREATION_TIMEOUT;
+        config.defaults.publish_subscribe.subscriber_expired_connection_buffer = leavers;
         // Dead processes are removed when somebody asks for it, not whenever any process comes or goes.
         config.global.service.cleanup_dead_nodes_on_open = false;
         config.global.node.cleanup_dead_nodes_on_creation = false;

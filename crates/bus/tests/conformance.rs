@@ -38,6 +38,7 @@ suite! {
     a_budget_is_kept
     a_restarted_publisher_starts_a_new_sequence
     two_publishers_are_counted_apart
+    what_eight_leavers_left_is_read
     another_layout_is_refused
     lagging_subscribers_never_exhaust_the_memory
     what_is_taken_or_lost_is_what_was_sent
@@ -235,6 +236,20 @@ fn two_publishers_are_counted_apart<S: Transport>() {
     let counts = subscriber.counts();
     assert_eq!((counts.taken, counts.lost, counts.out_of_order), (7, 2, 0));
     assert_eq!(heard(&subscriber), [(10, 5), (20, 4)]);
+}
+
+fn what_eight_leavers_left_is_read<S: Transport>() {
+    let home = Home::new();
+    let line = Line::<S>::new(&home, "a", 8, 4);
+    let bus = Bus::<S>::open_for_few(home.root(), "reader").unwrap();
+    let mut subscriber = bus.subscriber(&line.topic, || 5).unwrap();
+    for incarnation in 10..18 {
+        let mut publisher = line.publisher(incarnation);
+        assert!(!subscriber.has_slices() || incarnation > 10); // it has looked, and is connected
+        send(&mut publisher, 2);
+    }
+    assert_eq!(take_all(&mut subscriber), [0, 1].repeat(8));
+    assert_eq!(subscriber.counts().lost, 0);
 }
 
 fn another_layout_is_refused<S: Transport>() {

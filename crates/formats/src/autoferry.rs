@@ -140,7 +140,7 @@ struct RawTruth {
 /// # Errors
 /// [`AutoferryError`] at the first value that is not what it should be.
 pub fn read(detections: &[u8], ground_truth: &[u8]) -> Result<Vec<Scan>, AutoferryError> {
-    let scans: Vec<RawScan> = parse(DETECTIONS, detections)?;
+    let mut scans = read_detections(detections)?;
     let truths: Vec<Vec<RawTruth>> = parse(TRUTH, ground_truth)?;
     if scans.len() != truths.len() {
         return Err(AutoferryError::Lengths {
@@ -148,17 +148,27 @@ pub fn read(detections: &[u8], ground_truth: &[u8]) -> Result<Vec<Scan>, Autofer
             truths: truths.len(),
         });
     }
+    for (entry, (scan, truths)) in scans.iter_mut().zip(&truths).enumerate() {
+        scan.truth = truths.iter().map(|truth| truth.read(entry)).collect::<Result<_, _>>()?;
+    }
+    Ok(scans)
+}
+
+/// Reads the detections of a scenario alone, in the order of recording; the scans have no truth then.
+///
+/// # Errors
+/// [`AutoferryError`] at the first value that is not what it should be.
+pub fn read_detections(detections: &[u8]) -> Result<Vec<Scan>, AutoferryError> {
+    let scans: Vec<RawScan> = parse(DETECTIONS, detections)?;
     let mut next_numbers = [0; Sensor::ALL.len()];
-    let pairs = scans.iter().zip(&truths).enumerate();
-    pairs
-        .map(|(entry, (scan, truths))| {
+    let scans = scans.iter().enumerate();
+    scans
+        .map(|(entry, scan)| {
             let sensor = Sensor::from_id(scan.sensor)
                 .ok_or_else(|| fault(DETECTIONS, entry, "sensorID", scan.sensor, "is no sensor; 1 to 4 are"))?;
             let number = next_numbers[sensor as usize];
             next_numbers[sensor as usize] += 1;
-            let mut scan = scan.read(entry, sensor, number)?;
-            scan.truth = truths.iter().map(|truth| truth.read(entry)).collect::<Result<_, _>>()?;
-            Ok(scan)
+            scan.read(entry, sensor, number)
         })
         .collect()
 }

@@ -4,10 +4,11 @@
 //! `emitter_id` says that the direction finder cannot tell its emitters apart.
 
 use std::f64::consts::TAU;
-use std::io::Read;
+use std::io::{self, Read, Write};
 
 use crate::bearing::Bearing;
 use crate::csv_table::{Column, CsvError, Row, Table};
+use crate::tracks_csv::write_time;
 
 /// A standard deviation beyond this says nothing about a direction, radians.
 const SIGMA_MAX_RAD: f64 = 1.0;
@@ -120,6 +121,63 @@ fn angle(row: Row<'_>, column: Column) -> Result<f64, CsvError> {
     }
 }
 
+/// Writes bearings. What was written and read again is the same to the last bit.
+#[derive(Debug)]
+pub struct BearingWriter<W: Write> {
+    writer: W,
+    first_day_ns: i64,
+}
+
+impl<W: Write> BearingWriter<W> {
+    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// If `writer` fails.
+    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
+        writeln!(
+            writer,
+            "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz"
+        )?;
+        Ok(Self { writer, first_day_ns })
+    }
+
+    /// Writes one row.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub fn write(&mut self, bearing: &Bearing) -> io::Result<()> {
+        let out = &mut self.writer;
+        write_time(out, bearing.time_of_measurement_ns - self.first_day_ns)?;
+        match bearing.emitter_id {
+            Some(emitter_id) => write!(out, ",{emitter_id}")?,
+            None => write!(out, ",")?,
+        }
+        let [east, north, up] = bearing.platform_m;
+        write!(
+            out,
+            ",{},{},{east},{north},{up}",
+            bearing.bearing_rad, bearing.sigma_rad
+        )?;
+        for number in [bearing.heading_rad, bearing.frequency_hz] {
+            match number {
+                Some(number) => write!(out, ",{number}")?,
+                None => write!(out, ",")?,
+            }
+        }
+        writeln!(out)
+    }
+
+    /// What is written to.
+    pub fn get_ref(&self) -> &W {
+        &self.writer
+    }
+
+    /// What was written to; not flushed.
+    pub fn into_inner(self) -> W {
+        self.writer
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,5 +251,34 @@ mod tests {
         let without = text.replace("sigma_rad", "sigma");
         let error = BearingReader::new(without.as_bytes(), 0).unwrap_err();
         assert!(error.to_string().contains("column sigma_rad is missing"));
+    }
+
+    #[test]
+    fn what_is_written_is_read_again_exactly() {
+        let first = Bearing {
+            time_of_measurement_ns: 86_400_123_456_789,
+            emitter_id: Some(7),
+            bearing_rad: 1.0 / 3.0,
+            sigma_rad: 0.1 + 0.2,
+            platform_m: [-1e-3, 2.0 / 7.0, 3e5],
+            heading_rad: Some(-0.7),
+            frequency_hz: Some(9.41e9),
+        };
+        let second = Bearing {
+            emitter_id: None,
+            heading_rad: None,
+            frequency_hz: None,
+            ..first
+        };
+        let mut writer = BearingWriter::begin(Vec::new(), 1_000).unwrap();
+        for bearing in [first, second] {
+            writer.write(&bearing).unwrap();
+        }
+        let written = writer.into_inner();
+        let found: Vec<_> = BearingReader::new(&written[..], 1_000)
+            .unwrap()
+            .map(Result::unwrap)
+            .collect();
+        assert_eq!(found, [first, second]);
     }
 }

@@ -8,6 +8,10 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use messages::{SensorDetection, StageTimes, sensor_detection_bits as bits};
+
+use crate::tracks_csv::sensor_id;
+
 /// Most quantities that a detection holds beside the range rate.
 pub const QUANTITIES_MAX: usize = 3;
 
@@ -82,8 +86,54 @@ pub enum Truth {
     Merged,
 }
 
+impl Detection {
+    /// As a sample of the source numbered `source`; sequence number and time of publication are left to the publisher.
+    pub fn sample(&self, source: u16, ingested_ns: i64) -> SensorDetection {
+        let mut valid = 0;
+        valid |= if self.range_rate_mps.is_some() {
+            bits::RANGE_RATE
+        } else {
+            0
+        };
+        valid |= if self.sigmas.is_some() { bits::SIGMAS } else { 0 };
+        SensorDetection {
+            time_of_measurement_ns: self.time_of_measurement_ns,
+            stages: StageTimes {
+                ingested_ns,
+                ..StageTimes::default()
+            },
+            scan: self.scan,
+            detection_id: self.detection_id,
+            values: self.values,
+            range_rate_mps: self.range_rate_mps.unwrap_or_default(),
+            sigmas: self.sigmas.unwrap_or_default(),
+            platform_m: self.platform_m,
+            source,
+            kind: self.kind as u8,
+            valid,
+            ..SensorDetection::default()
+        }
+    }
+
+    /// What a sample holds, to the last bit; `None` for a kind of another schema.
+    pub fn of_sample(sample: &SensorDetection) -> Option<Self> {
+        Some(Self {
+            time_of_measurement_ns: sample.time_of_measurement_ns,
+            sensor_id: sensor_id(sample.source),
+            scan: sample.scan,
+            detection_id: sample.detection_id,
+            kind: *DetectionKind::ALL.get(usize::from(sample.kind))?,
+            values: sample.values,
+            range_rate_mps: (sample.valid & bits::RANGE_RATE != 0).then_some(sample.range_rate_mps),
+            sigmas: (sample.valid & bits::SIGMAS != 0).then_some(sample.sigmas),
+            platform_m: sample.platform_m,
+            truth: None,
+        })
+    }
+}
+
 impl DetectionKind {
-    /// Every kind.
+    /// Every kind, in the order of its code in [`SensorDetection`].
     pub const ALL: [Self; 6] = [
         Self::Position2,
         Self::Position3,
@@ -149,6 +199,30 @@ mod tests {
             assert!((1..=QUANTITIES_MAX).contains(&kind.quantities().len()));
         }
         assert_eq!(DetectionKind::from_word("Bearing"), None);
+    }
+
+    #[test]
+    fn a_sample_holds_a_detection_to_the_last_bit() {
+        for kind in DetectionKind::ALL {
+            for (range_rate_mps, sigmas) in [(None, None), (Some(-3.5), Some([1.0, 0.1, 0.3, 2.0]))] {
+                let detection = Detection {
+                    time_of_measurement_ns: 1_700_000_000_123_456_789,
+                    sensor_id: 5,
+                    scan: 77,
+                    detection_id: 3,
+                    kind,
+                    values: [0.1, 0.2, 1.0 / 3.0],
+                    range_rate_mps,
+                    sigmas,
+                    platform_m: [1.0, 2.0, 3.0],
+                    truth: None,
+                };
+                let sample = detection.sample(4, 9);
+                assert_eq!(Detection::of_sample(&sample), Some(detection));
+                assert_eq!(sample.stages.ingested_ns, 9);
+                assert_eq!(Detection::of_sample(&SensorDetection { kind: 6, ..sample }), None);
+            }
+        }
     }
 
     #[test]

@@ -188,6 +188,11 @@ pub struct DetectionWriter<W: Write> {
 }
 
 impl<W: Write> DetectionWriter<W> {
+    /// Goes on writing to something that has its header line.
+    pub fn resume(writer: W, first_day_ns: i64) -> Self {
+        Self { writer, first_day_ns }
+    }
+
     /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
     ///
     /// # Errors

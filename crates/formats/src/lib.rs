@@ -11,7 +11,7 @@
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`reports`]: what such records and lines mean to the pipeline: checked sensor tracks in the system frame;
 //! - [`detection`]: single measurements, for sensors whose tracks are made here; [`autoferry`] reads a public data set
-//!   of them;
+//!   of them; [`wide_area`]: how many targets a remote sensor has seen;
 //! - [`bearing`]: directions of emitters, for sensors that measure nothing else;
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`]: these inputs as rows of text, by the rules of
 //!   [`csv_table`];
@@ -34,3 +34,4 @@ pub mod reports;
 pub mod sbs;
 pub mod sensor_tracks_csv;
 pub mod tracks_csv;
+pub mod wide_area;

@@ -26,12 +26,8 @@ impl<W: Write> SensorTrackWriter<W> {
     /// # Errors
     /// If `writer` fails.
     pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
-        write!(writer, "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,")?;
-        write_covariance_names(&mut writer)?;
-        writeln!(
-            writer,
-            ",state,address,mode_3a,callsign,method,trace,height_valid,velocity_valid"
-        )?;
+        write_sensor_track_names(&mut writer)?;
+        writeln!(writer)?;
         Ok(Self { writer, first_day_ns })
     }
 
@@ -40,24 +36,8 @@ impl<W: Write> SensorTrackWriter<W> {
     /// # Errors
     /// If the writer fails.
     pub fn write(&mut self, track: &SensorTrack) -> io::Result<()> {
-        let out = &mut self.writer;
-        write_time(out, track.time_of_measurement_ns - self.first_day_ns)?;
-        write!(out, ",{},{}", sensor_id(track.source), track.track_number)?;
-        write_kinematics(out, &track.position_m, &track.velocity_mps)?;
-        write_covariance(out, &track.covariance.upper)?;
-        write!(out, ",{}", state_word(track.state))?;
-        write_identity(out, &track.identity)?;
-        write!(out, ",{},", track.method)?;
-        if track.has(sensor_track_bits::TRACE) {
-            write!(out, "{:.4}", track.trace_m2)?;
-        }
-        let flag = |bit: u16| u8::from(track.has(bit));
-        writeln!(
-            out,
-            ",{},{}",
-            flag(sensor_track_bits::HEIGHT),
-            flag(sensor_track_bits::VELOCITY)
-        )
+        write_sensor_track(&mut self.writer, self.first_day_ns, sensor_id(track.source), track)?;
+        writeln!(self.writer)
     }
 
     /// Flushes the writer.
@@ -66,6 +46,43 @@ impl<W: Write> SensorTrackWriter<W> {
     /// If it fails.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
+    }
+
+    /// What was written to; not flushed.
+    pub fn into_inner(self) -> W {
+        self.writer
+    }
+}
+
+/// Writes tracks that were made of detections (FM-6): sensor tracks with what their tracker thinks of them.
+#[derive(Debug)]
+pub struct TrackerTrackWriter<W: Write> {
+    writer: W,
+    first_day_ns: i64,
+}
+
+impl<W: Write> TrackerTrackWriter<W> {
+    /// The `sensor_id` of the tracker itself.
+    pub const SENSOR_ID: u32 = 0;
+
+    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// If `writer` fails.
+    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
+        write_sensor_track_names(&mut writer)?;
+        writeln!(writer, ",hypotheses,reliability")?;
+        Ok(Self { writer, first_day_ns })
+    }
+
+    /// Writes one row: a track, the number of hypotheses of its cluster, and the sum of the reliabilities of those that
+    /// contain it.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub fn write(&mut self, track: &SensorTrack, hypotheses: u32, reliability: f64) -> io::Result<()> {
+        write_sensor_track(&mut self.writer, self.first_day_ns, Self::SENSOR_ID, track)?;
+        writeln!(self.writer, ",{hypotheses},{reliability:.6}")
     }
 
     /// What was written to; not flushed.
@@ -204,6 +221,35 @@ pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
         width -= 1;
     }
     write!(out, ".{rest:0width$}")
+}
+
+fn write_sensor_track_names(out: &mut impl Write) -> io::Result<()> {
+    write!(out, "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,")?;
+    write_covariance_names(out)?;
+    write!(
+        out,
+        ",state,address,mode_3a,callsign,method,trace,height_valid,velocity_valid"
+    )
+}
+
+fn write_sensor_track(out: &mut impl Write, first_day_ns: i64, sensor_id: u32, track: &SensorTrack) -> io::Result<()> {
+    write_time(out, track.time_of_measurement_ns.saturating_sub(first_day_ns))?;
+    write!(out, ",{sensor_id},{}", track.track_number)?;
+    write_kinematics(out, &track.position_m, &track.velocity_mps)?;
+    write_covariance(out, &track.covariance.upper)?;
+    write!(out, ",{}", state_word(track.state))?;
+    write_identity(out, &track.identity)?;
+    write!(out, ",{},", track.method)?;
+    if track.has(sensor_track_bits::TRACE) {
+        write!(out, "{:.4}", track.trace_m2)?;
+    }
+    let flag = |bit: u16| u8::from(track.has(bit));
+    write!(
+        out,
+        ",{},{}",
+        flag(sensor_track_bits::HEIGHT),
+        flag(sensor_track_bits::VELOCITY)
+    )
 }
 
 fn write_kinematics(out: &mut impl Write, position_m: &[f64; 3], velocity_mps: &[f64; 3]) -> io::Result<()> {

@@ -107,7 +107,9 @@ fn convert(bytes: &[u8]) -> (Vec<Seen>, [u64; COUNTERS_MAX]) {
                     seen.push(Seen { plot, track, sent });
                 }
             }
-            Reading::Service(time_of_day_ns) => converters.last_mut().unwrap().service(time_of_day_ns),
+            Reading::Service(service) => {
+                let _ = converters.last_mut().unwrap().service(service.time_of_day_ns);
+            }
             Reading::Other => panic!("{record:?}"),
         }
     }

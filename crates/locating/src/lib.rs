@@ -38,6 +38,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! Bearings are measured from the phases between antennas by [`music`], where no direction finder delivers them ready-made.
+//!
 //! # Frame and limits
 //!
 //! Everything is in the plane, east and north of the system frame; a bearing is a horizontal angle, so height is not observed.
@@ -55,6 +57,7 @@ mod counts;
 mod explanation;
 mod linear;
 mod locator;
+pub mod music;
 pub mod selection;
 pub mod settings;
 mod sighting;

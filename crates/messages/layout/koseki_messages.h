@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SCHEMA UINT64_C(0x533b03e17ac9c235) /* Every BatchHeader.schema must equal this. */
+#define KOSEKI_SCHEMA UINT64_C(0x643787d4d1252df1) /* Every BatchHeader.schema must equal this. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
 #define KOSEKI_COUNTERS_MAX UINT64_C(0x40) /* Length of Health.counters. */
 #define KOSEKI_IDENTITY_ADDRESS UINT64_C(0x1) /* Bit of a flags or valid field. */
@@ -20,6 +20,16 @@
 #define KOSEKI_SENSOR_TRACK_ON_GROUND UINT64_C(0x20) /* Bit of a flags or valid field. */
 #define KOSEKI_SENSOR_TRACK_DERIVED_VELOCITY UINT64_C(0x40) /* Bit of a flags or valid field. */
 #define KOSEKI_SENSOR_TRACK_TRACE UINT64_C(0x80) /* Bit of a flags or valid field. */
+#define KOSEKI_SENSOR_DETECTION_RANGE_RATE UINT64_C(0x1) /* Bit of a flags or valid field. */
+#define KOSEKI_SENSOR_DETECTION_SIGMAS UINT64_C(0x2) /* Bit of a flags or valid field. */
+#define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* Bit of a flags or valid field. */
+#define KOSEKI_SENSOR_BEARING_HEADING UINT64_C(0x2) /* Bit of a flags or valid field. */
+#define KOSEKI_SENSOR_BEARING_FREQUENCY UINT64_C(0x4) /* Bit of a flags or valid field. */
+#define KOSEKI_PLATFORM_STATE_VELOCITY UINT64_C(0x1) /* Bit of a flags or valid field. */
+#define KOSEKI_PLATFORM_STATE_HEADING UINT64_C(0x2) /* Bit of a flags or valid field. */
+#define KOSEKI_PLATFORM_STATE_ATTITUDE UINT64_C(0x4) /* Bit of a flags or valid field. */
+#define KOSEKI_PLATFORM_STATE_POSITION_SIGMA UINT64_C(0x8) /* Bit of a flags or valid field. */
+#define KOSEKI_PLATFORM_STATE_HEADING_SIGMA UINT64_C(0x10) /* Bit of a flags or valid field. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* Bit of a flags or valid field. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* Bit of a flags or valid field. */
 #define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Bit of a flags or valid field. */
@@ -124,6 +134,92 @@ static_assert(offsetof(KosekiSensorTrack, state) == 320, "offset");
 static_assert(offsetof(KosekiSensorTrack, method) == 321, "offset");
 static_assert(offsetof(KosekiSensorTrack, alerts) == 322, "offset");
 static_assert(offsetof(KosekiSensorTrack, reserved) == 323, "offset");
+
+typedef struct KosekiSensorDetection {
+    int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The detection's sequence number at its publisher. */
+    KosekiStageTimes stages; /* Stages passed so far. */
+    uint32_t scan; /* The sensor's scan, turn or frame; it rises with time. */
+    uint32_t detection_id; /* Number of the detection, unique within its scan. */
+    double values[3]; /* Measured values in the order of the kind: metres, radians; 0 beyond. */
+    double range_rate_mps; /* Speed away from the sensor, metres per second. */
+    double sigmas[4]; /* Standard deviations of the values and, last, of the range rate. */
+    double platform_m[3]; /* Where the sensor was, metres east, north and up. */
+    uint16_t source; /* Source: its number in the configuration (TI-2). */
+    uint8_t kind; /* Which quantities were measured: 0 position2, 1 position3, 2 range_bearing, 3 range_bearing_elevation, 4 bearing, 5 bearing_elevation. */
+    uint8_t valid; /* Which fields hold something: see `sensor_detection_bits`. */
+    uint32_t reserved; /* Reserved, 0. */
+} KosekiSensorDetection;
+static_assert(sizeof(KosekiSensorDetection) == 152, "size");
+static_assert(offsetof(KosekiSensorDetection, time_of_measurement_ns) == 0, "offset");
+static_assert(offsetof(KosekiSensorDetection, sequence) == 8, "offset");
+static_assert(offsetof(KosekiSensorDetection, stages) == 16, "offset");
+static_assert(offsetof(KosekiSensorDetection, scan) == 48, "offset");
+static_assert(offsetof(KosekiSensorDetection, detection_id) == 52, "offset");
+static_assert(offsetof(KosekiSensorDetection, values) == 56, "offset");
+static_assert(offsetof(KosekiSensorDetection, range_rate_mps) == 80, "offset");
+static_assert(offsetof(KosekiSensorDetection, sigmas) == 88, "offset");
+static_assert(offsetof(KosekiSensorDetection, platform_m) == 120, "offset");
+static_assert(offsetof(KosekiSensorDetection, source) == 144, "offset");
+static_assert(offsetof(KosekiSensorDetection, kind) == 146, "offset");
+static_assert(offsetof(KosekiSensorDetection, valid) == 147, "offset");
+static_assert(offsetof(KosekiSensorDetection, reserved) == 148, "offset");
+
+typedef struct KosekiSensorBearing {
+    int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The bearing's sequence number at its publisher. */
+    KosekiStageTimes stages; /* Stages passed so far. */
+    double bearing_rad; /* Direction, radians clockwise from north. */
+    double sigma_rad; /* Standard deviation of that, radians. */
+    double platform_m[3]; /* Where the platform was, metres east, north and up. */
+    double heading_rad; /* Where its nose pointed, radians clockwise from north. */
+    double frequency_hz; /* Frequency of the emission, hertz. */
+    uint32_t emitter_id; /* Number of the transmitter at its source. */
+    uint16_t source; /* Source: its number in the configuration (TI-2). */
+    uint16_t valid; /* Which fields hold something: see `sensor_bearing_bits`. */
+} KosekiSensorBearing;
+static_assert(sizeof(KosekiSensorBearing) == 112, "size");
+static_assert(offsetof(KosekiSensorBearing, time_of_measurement_ns) == 0, "offset");
+static_assert(offsetof(KosekiSensorBearing, sequence) == 8, "offset");
+static_assert(offsetof(KosekiSensorBearing, stages) == 16, "offset");
+static_assert(offsetof(KosekiSensorBearing, bearing_rad) == 48, "offset");
+static_assert(offsetof(KosekiSensorBearing, sigma_rad) == 56, "offset");
+static_assert(offsetof(KosekiSensorBearing, platform_m) == 64, "offset");
+static_assert(offsetof(KosekiSensorBearing, heading_rad) == 88, "offset");
+static_assert(offsetof(KosekiSensorBearing, frequency_hz) == 96, "offset");
+static_assert(offsetof(KosekiSensorBearing, emitter_id) == 104, "offset");
+static_assert(offsetof(KosekiSensorBearing, source) == 108, "offset");
+static_assert(offsetof(KosekiSensorBearing, valid) == 110, "offset");
+
+typedef struct KosekiPlatformState {
+    int64_t time_ns; /* Time at which the platform was there, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The state's sequence number at its publisher. */
+    KosekiStageTimes stages; /* Stages passed so far. */
+    double position_m[3]; /* Position east, north, up in the system frame, metres. */
+    double velocity_mps[3]; /* Velocity east, north, up, metres per second. */
+    double heading_rad; /* Where its nose points, radians clockwise from north. */
+    double pitch_rad; /* Nose above the horizon, radians. */
+    double roll_rad; /* Right wing below the horizon, radians. */
+    double position_sigma_m; /* Standard deviation of each coordinate of the position, metres. */
+    double heading_sigma_rad; /* Standard deviation of the heading, radians. */
+    uint16_t source; /* Source whose sensor it carries: its number in the configuration (TI-2). */
+    uint16_t valid; /* Which fields hold something: see `platform_state_bits`. */
+    uint32_t reserved; /* Reserved, 0. */
+} KosekiPlatformState;
+static_assert(sizeof(KosekiPlatformState) == 144, "size");
+static_assert(offsetof(KosekiPlatformState, time_ns) == 0, "offset");
+static_assert(offsetof(KosekiPlatformState, sequence) == 8, "offset");
+static_assert(offsetof(KosekiPlatformState, stages) == 16, "offset");
+static_assert(offsetof(KosekiPlatformState, position_m) == 48, "offset");
+static_assert(offsetof(KosekiPlatformState, velocity_mps) == 72, "offset");
+static_assert(offsetof(KosekiPlatformState, heading_rad) == 96, "offset");
+static_assert(offsetof(KosekiPlatformState, pitch_rad) == 104, "offset");
+static_assert(offsetof(KosekiPlatformState, roll_rad) == 112, "offset");
+static_assert(offsetof(KosekiPlatformState, position_sigma_m) == 120, "offset");
+static_assert(offsetof(KosekiPlatformState, heading_sigma_rad) == 128, "offset");
+static_assert(offsetof(KosekiPlatformState, source) == 136, "offset");
+static_assert(offsetof(KosekiPlatformState, valid) == 138, "offset");
+static_assert(offsetof(KosekiPlatformState, reserved) == 140, "offset");
 
 typedef struct KosekiContribution {
     int64_t time_of_measurement_ns; /* Time of measurement of the source's latest report, UTC, nanoseconds. */
@@ -251,7 +347,7 @@ typedef struct KosekiProgress {
     uint64_t done_sequence; /* Samples of that source worked off: all with a sequence number below this. */
     uint64_t done_batches; /* Slices of that publisher taken since the consumer joined. */
     int64_t progress_ns; /* How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown. */
-    uint16_t source; /* Source number of the topic; 65535 for the system tracks. */
+    uint16_t source; /* Source number of the topic, plus 32768 for that of its detections; 65535 for the system tracks. */
     uint16_t consumer; /* The consumer: a `ProcessKind` code. */
     uint16_t reserved[2]; /* Reserved, 0. */
     int64_t said_ns; /* Monotonic time at which this was said, nanoseconds. */

@@ -5,7 +5,7 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SCHEMA = 0x533b03e17ac9c235  # Every BatchHeader.schema must equal this.
+SCHEMA = 0x643787d4d1252df1  # Every BatchHeader.schema must equal this.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
 COUNTERS_MAX = 0x40  # Length of Health.counters.
 IDENTITY_ADDRESS = 0x1  # Bit of a flags or valid field.
@@ -19,6 +19,16 @@ SENSOR_TRACK_MEASURED = 0x10  # Bit of a flags or valid field.
 SENSOR_TRACK_ON_GROUND = 0x20  # Bit of a flags or valid field.
 SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # Bit of a flags or valid field.
 SENSOR_TRACK_TRACE = 0x80  # Bit of a flags or valid field.
+SENSOR_DETECTION_RANGE_RATE = 0x1  # Bit of a flags or valid field.
+SENSOR_DETECTION_SIGMAS = 0x2  # Bit of a flags or valid field.
+SENSOR_BEARING_EMITTER = 0x1  # Bit of a flags or valid field.
+SENSOR_BEARING_HEADING = 0x2  # Bit of a flags or valid field.
+SENSOR_BEARING_FREQUENCY = 0x4  # Bit of a flags or valid field.
+PLATFORM_STATE_VELOCITY = 0x1  # Bit of a flags or valid field.
+PLATFORM_STATE_HEADING = 0x2  # Bit of a flags or valid field.
+PLATFORM_STATE_ATTITUDE = 0x4  # Bit of a flags or valid field.
+PLATFORM_STATE_POSITION_SIGMA = 0x8  # Bit of a flags or valid field.
+PLATFORM_STATE_HEADING_SIGMA = 0x10  # Bit of a flags or valid field.
 CONTRIBUTION_FRESH = 0x1  # Bit of a flags or valid field.
 CONTRIBUTION_SCORED = 0x2  # Bit of a flags or valid field.
 ALERT_SPECIAL_IDENTIFICATION = 0x1  # Bit of a flags or valid field.
@@ -163,6 +173,116 @@ assert SensorTrack.state.offset == 320
 assert SensorTrack.method.offset == 321
 assert SensorTrack.alerts.offset == 322
 assert SensorTrack.reserved.offset == 323
+
+
+class SensorDetection(ctypes.Structure):
+    _fields_ = [
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The detection's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("scan", ctypes.c_uint32),  # The sensor's scan, turn or frame; it rises with time.
+        ("detection_id", ctypes.c_uint32),  # Number of the detection, unique within its scan.
+        ("values", ctypes.c_double * 3),  # Measured values in the order of the kind: metres, radians; 0 beyond.
+        ("range_rate_mps", ctypes.c_double),  # Speed away from the sensor, metres per second.
+        ("sigmas", ctypes.c_double * 4),  # Standard deviations of the values and, last, of the range rate.
+        ("platform_m", ctypes.c_double * 3),  # Where the sensor was, metres east, north and up.
+        ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
+        ("kind", ctypes.c_uint8),  # Which quantities were measured: 0 position2, 1 position3, 2 range_bearing, 3 range_bearing_elevation, 4 bearing, 5 bearing_elevation.
+        ("valid", ctypes.c_uint8),  # Which fields hold something: see `sensor_detection_bits`.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "SensorDetection"
+
+
+assert ctypes.sizeof(SensorDetection) == 152
+assert SensorDetection.time_of_measurement_ns.offset == 0
+assert SensorDetection.sequence.offset == 8
+assert SensorDetection.stages.offset == 16
+assert SensorDetection.scan.offset == 48
+assert SensorDetection.detection_id.offset == 52
+assert SensorDetection.values.offset == 56
+assert SensorDetection.range_rate_mps.offset == 80
+assert SensorDetection.sigmas.offset == 88
+assert SensorDetection.platform_m.offset == 120
+assert SensorDetection.source.offset == 144
+assert SensorDetection.kind.offset == 146
+assert SensorDetection.valid.offset == 147
+assert SensorDetection.reserved.offset == 148
+
+
+class SensorBearing(ctypes.Structure):
+    _fields_ = [
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The bearing's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("bearing_rad", ctypes.c_double),  # Direction, radians clockwise from north.
+        ("sigma_rad", ctypes.c_double),  # Standard deviation of that, radians.
+        ("platform_m", ctypes.c_double * 3),  # Where the platform was, metres east, north and up.
+        ("heading_rad", ctypes.c_double),  # Where its nose pointed, radians clockwise from north.
+        ("frequency_hz", ctypes.c_double),  # Frequency of the emission, hertz.
+        ("emitter_id", ctypes.c_uint32),  # Number of the transmitter at its source.
+        ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
+        ("valid", ctypes.c_uint16),  # Which fields hold something: see `sensor_bearing_bits`.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "SensorBearing"
+
+
+assert ctypes.sizeof(SensorBearing) == 112
+assert SensorBearing.time_of_measurement_ns.offset == 0
+assert SensorBearing.sequence.offset == 8
+assert SensorBearing.stages.offset == 16
+assert SensorBearing.bearing_rad.offset == 48
+assert SensorBearing.sigma_rad.offset == 56
+assert SensorBearing.platform_m.offset == 64
+assert SensorBearing.heading_rad.offset == 88
+assert SensorBearing.frequency_hz.offset == 96
+assert SensorBearing.emitter_id.offset == 104
+assert SensorBearing.source.offset == 108
+assert SensorBearing.valid.offset == 110
+
+
+class PlatformState(ctypes.Structure):
+    _fields_ = [
+        ("time_ns", ctypes.c_int64),  # Time at which the platform was there, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The state's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("position_m", ctypes.c_double * 3),  # Position east, north, up in the system frame, metres.
+        ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
+        ("heading_rad", ctypes.c_double),  # Where its nose points, radians clockwise from north.
+        ("pitch_rad", ctypes.c_double),  # Nose above the horizon, radians.
+        ("roll_rad", ctypes.c_double),  # Right wing below the horizon, radians.
+        ("position_sigma_m", ctypes.c_double),  # Standard deviation of each coordinate of the position, metres.
+        ("heading_sigma_rad", ctypes.c_double),  # Standard deviation of the heading, radians.
+        ("source", ctypes.c_uint16),  # Source whose sensor it carries: its number in the configuration (TI-2).
+        ("valid", ctypes.c_uint16),  # Which fields hold something: see `platform_state_bits`.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "PlatformState"
+
+
+assert ctypes.sizeof(PlatformState) == 144
+assert PlatformState.time_ns.offset == 0
+assert PlatformState.sequence.offset == 8
+assert PlatformState.stages.offset == 16
+assert PlatformState.position_m.offset == 48
+assert PlatformState.velocity_mps.offset == 72
+assert PlatformState.heading_rad.offset == 96
+assert PlatformState.pitch_rad.offset == 104
+assert PlatformState.roll_rad.offset == 112
+assert PlatformState.position_sigma_m.offset == 120
+assert PlatformState.heading_sigma_rad.offset == 128
+assert PlatformState.source.offset == 136
+assert PlatformState.valid.offset == 138
+assert PlatformState.reserved.offset == 140
 
 
 class Contribution(ctypes.Structure):
@@ -324,7 +444,7 @@ class Progress(ctypes.Structure):
         ("done_sequence", ctypes.c_uint64),  # Samples of that source worked off: all with a sequence number below this.
         ("done_batches", ctypes.c_uint64),  # Slices of that publisher taken since the consumer joined.
         ("progress_ns", ctypes.c_int64),  # How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown.
-        ("source", ctypes.c_uint16),  # Source number of the topic; 65535 for the system tracks.
+        ("source", ctypes.c_uint16),  # Source number of the topic, plus 32768 for that of its detections; 65535 for the system tracks.
         ("consumer", ctypes.c_uint16),  # The consumer: a `ProcessKind` code.
         ("reserved", ctypes.c_uint16 * 2),  # Reserved, 0.
         ("said_ns", ctypes.c_int64),  # Monotonic time at which this was said, nanoseconds.

@@ -282,4 +282,8 @@ counters! {
     TracesUnusable = "traces_unusable", "Times a covariance trace was asked for and missing or no trace; the configured weights held.";
     CovariancesRepaired = "covariances_repaired", "Times a covariance was not positive definite, and was repaired or left out.";
     StagesLate = "stages_late", "Stages of reports that took longer than their configured deadline, as the monitor has seen it.";
+    Detections = "detections", "Detections published, of which the source's adapter makes tracks.";
+    DetectionsRefused = "detections_refused", "Detections for which the adapter's tracker had no room or no use.";
+    Scans = "scans", "Scans that the adapter's tracker worked off, silent ones included.";
+    DetectionsWithoutFix = "detections_without_fix", "Bearings of transmitters whose place the geometry does not yet allow to be told.";
 }

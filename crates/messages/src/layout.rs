@@ -109,6 +109,9 @@ pub const ALL: &[Layout] = &[
     crate::Covariance::LAYOUT,
     crate::BatchHeader::LAYOUT,
     crate::SensorTrack::LAYOUT,
+    crate::SensorDetection::LAYOUT,
+    crate::SensorBearing::LAYOUT,
+    crate::PlatformState::LAYOUT,
     crate::Contribution::LAYOUT,
     crate::SystemTrack::LAYOUT,
     crate::Registration::LAYOUT,
@@ -192,7 +195,10 @@ fn size_of_name(name: &str) -> Option<usize> {
 
 /// The constants a reader in another language needs, by name.
 fn constants() -> Vec<(String, u64, &'static str)> {
-    use crate::{alert_bits, contribution_bits, identity_bits, registration_bits, sensor_track_bits};
+    use crate::{
+        alert_bits, contribution_bits, identity_bits, platform_state_bits, registration_bits, sensor_bearing_bits,
+        sensor_detection_bits, sensor_track_bits,
+    };
     let mut list = vec![
         (
             "SCHEMA".to_owned(),
@@ -210,9 +216,12 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             "Length of Health.counters.",
         ),
     ];
-    let groups: [(&str, &[(&str, u64)]); 5] = [
+    let groups: [(&str, &[(&str, u64)]); 8] = [
         ("IDENTITY", identity_bits::NAMES),
         ("SENSOR_TRACK", sensor_track_bits::NAMES),
+        ("SENSOR_DETECTION", sensor_detection_bits::NAMES),
+        ("SENSOR_BEARING", sensor_bearing_bits::NAMES),
+        ("PLATFORM_STATE", platform_state_bits::NAMES),
         ("CONTRIBUTION", contribution_bits::NAMES),
         ("ALERT", alert_bits::NAMES),
         ("REGISTRATION", registration_bits::NAMES),

@@ -20,7 +20,10 @@ mod covariance;
 mod health;
 mod identity;
 pub mod layout;
+mod platform_state;
 mod registration;
+mod sensor_bearing;
+mod sensor_detection;
 mod sensor_track;
 mod stages;
 mod system_track;
@@ -31,15 +34,21 @@ pub use control::{Control, Progress};
 pub use covariance::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
 pub use health::{COUNTERS_MAX, Counter, Health, HealthName, LifeState, NO_SOURCE, PROCESS_KINDS, ProcessKind};
 pub use identity::{Callsign, Identity, identity_bits};
+pub use platform_state::{PlatformState, platform_state_bits};
 pub use registration::{Registration, registration_bits};
+pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
+pub use sensor_detection::{SensorDetection, sensor_detection_bits};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
 pub use stages::StageTimes;
 pub use system_track::{CONTRIBUTIONS_MAX, Contribution, SystemTrack, contribution_bits};
-pub use topics::{Capacity, Topic, TopicName, control, health, progress, sensor_tracks, system_tracks};
+pub use topics::{
+    Capacity, Topic, TopicName, control, detections_number, health, platform_states, progress, sensor_bearings,
+    sensor_detections, sensor_tracks, system_tracks,
+};
 
 /// Changes whenever any layout or the meaning of any field changes; carried by every batch and checked by every
 /// subscriber.
-pub const SCHEMA_VERSION: u32 = 3;
+pub const SCHEMA_VERSION: u32 = 4;
 
 /// Number of nanoseconds in a second.
 pub const NS_PER_S: f64 = 1e9;

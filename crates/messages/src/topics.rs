@@ -5,7 +5,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use crate::{Control, Health, Progress, SensorTrack, SystemTrack};
+use crate::{Control, Health, PlatformState, Progress, SensorBearing, SensorDetection, SensorTrack, SystemTrack};
 
 /// Name of a topic in shared memory.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -66,6 +66,45 @@ pub fn sensor_tracks(source_name: &str) -> Topic<SensorTrack> {
         subscribers: 16,
     };
     Topic::new(format!("sensor/{source_name}/tracks"), capacity)
+}
+
+/// Detections of one source whose adapter makes tracks of them: a scan at a time, before the tracks that it led to.
+pub fn sensor_detections(source_name: &str) -> Topic<SensorDetection> {
+    let capacity = Capacity {
+        depth: 256,
+        slice_len: 64,
+        publishers: 4,
+        subscribers: 16,
+    };
+    Topic::new(format!("sensor/{source_name}/detections"), capacity)
+}
+
+/// By what number [`Progress`] speaks of the detections of a source.
+pub fn detections_number(source: u16) -> u16 {
+    source | 1 << 15
+}
+
+/// Bearings of one source whose adapter locates their transmitters, before the tracks that they led to.
+pub fn sensor_bearings(source_name: &str) -> Topic<SensorBearing> {
+    let capacity = Capacity {
+        depth: 256,
+        slice_len: 64,
+        publishers: 4,
+        subscribers: 16,
+    };
+    Topic::new(format!("sensor/{source_name}/bearings"), capacity)
+}
+
+/// Where a platform is, whose sensors need to know: published by whoever knows it, the adapter of its sensor or a process of
+/// its own.
+pub fn platform_states(platform_name: &str) -> Topic<PlatformState> {
+    let capacity = Capacity {
+        depth: 64,
+        slice_len: 16,
+        publishers: 4,
+        subscribers: 16,
+    };
+    Topic::new(format!("platform/{platform_name}/state"), capacity)
 }
 
 /// The fused picture: one slice per worked-off batch, in the order of fusion.

@@ -126,6 +126,13 @@ trait Visit {
 fn each_topic(config: &Config, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
     for source in &config.sources {
         visit.visit(&messages::sensor_tracks(&source.name), ONE_AND_ITS_SUCCESSOR)?;
+        if source.tracker.is_some() {
+            visit.visit(&messages::sensor_detections(&source.name), ONE_AND_ITS_SUCCESSOR)?;
+        }
+        if source.locator.is_some() {
+            visit.visit(&messages::sensor_bearings(&source.name), ONE_AND_ITS_SUCCESSOR)?;
+            visit.visit(&messages::platform_states(&source.name), ONE_AND_ITS_SUCCESSOR)?;
+        }
     }
     visit.visit(&messages::system_tracks(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;

@@ -91,7 +91,12 @@ impl Process {
             cores::stay_away_from(core);
         }
         let root = Root::new(&options.instance)?;
-        let bus = Bus::open(&root, &format!("{}-{name}", kind.word()))?;
+        let process = format!("{}-{name}", kind.word());
+        // Fusion reads one publisher per topic, and again and again.
+        let bus = match kind {
+            ProcessKind::Fusion => Bus::open_for_few(&root, &process)?,
+            _ => Bus::open(&root, &process)?,
+        };
         Ok(Self {
             config,
             options,

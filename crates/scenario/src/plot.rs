@@ -3,8 +3,13 @@
 //! A tracker that is to be tried takes these instead of the sensor's tracks. They know nothing of earlier looks, and of
 //! which target they are only the truth knows.
 
+use rand::RngExt as _;
+use rand_distr::{Distribution as _, Poisson};
+
 use crate::measurement::Measurement;
-use crate::sensor_settings::{MeasurementErrors, PlaneErrors};
+use crate::random::{Purpose, stream};
+use crate::schedule::Slot;
+use crate::sensor_settings::{Checked, MeasurementErrors, PlaneErrors};
 
 /// One detection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +56,32 @@ impl Plot {
                 } => Some([range_sigma_m, azimuth_sigma_rad]),
                 PlaneErrors::Cartesian { .. } => None,
             },
+        }
+    }
+
+    /// What a radar takes for targets in one delivery: anywhere in its coverage, without a reply and so without a height.
+    pub(crate) fn false_ones(
+        settings: &Checked,
+        (seed, source): (u64, u16),
+        slot: &Slot,
+        mut each: impl FnMut(f64, Measurement),
+    ) {
+        let (schedule, coverage) = (&settings.schedule, &settings.coverage);
+        let mean = settings.false_plots_per_period / f64::from(schedule.deliveries);
+        // A mean of zero has no distribution, and no plots.
+        let Ok(poisson) = Poisson::new(mean) else { return };
+        let mut random = stream(seed, Purpose::FalsePlots, source, slot.number, 0);
+        let count = poisson.sample(&mut random) as usize;
+        for _ in 0..count {
+            let time_s = slot.time_within_s(random.random_range(0.0..1.0));
+            let turned = (time_s - schedule.phase_s) / schedule.period_s;
+            let (sin, cos) = (std::f64::consts::TAU * turned.fract()).sin_cos();
+            let range = coverage.range_max_m * random.random_range(0.0..1.0f64).sqrt();
+            let [east, north, _] = coverage.position_m;
+            let place = [east + range * sin, north + range * cos, 0.0];
+            let mut found = settings.errors.measure(coverage.position_m, place, &mut random);
+            (found.height, found.position_m[2], found.covariance_m2[(2, 2)]) = (false, 0.0, 0.0);
+            each(time_s, found);
         }
     }
 

@@ -24,6 +24,12 @@ pub(crate) enum Purpose {
     FalseCount,
     /// One false target.
     FalseTarget,
+    /// False plots of one delivery.
+    FalsePlots,
+    /// Whether a target transmits, and on which frequency.
+    Transmitter,
+    /// One look of a direction finder at a transmitter.
+    Bearing,
 }
 
 /// The stream for `purpose` at `source`, of the thing numbered (`first`, `second`).

@@ -68,6 +68,11 @@ impl Slot {
         self.begin_s
     }
 
+    /// A time in this slot: 0 is its begin, 1 its end.
+    pub(crate) fn time_within_s(&self, share: f64) -> f64 {
+        self.begin_s + share * (self.end_s - self.begin_s)
+    }
+
     /// Number of the period, and of the slot within it.
     pub(crate) fn period(&self, settings: &Checked) -> (u64, u64) {
         let deliveries = u64::from(settings.schedule.deliveries);

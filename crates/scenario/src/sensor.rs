@@ -74,6 +74,13 @@ impl SimulatedSensor {
         self.slot.begin_s()
     }
 
+    /// When the period began, seconds from the scenario's start, if the next delivery is its first: a radar's antenna then
+    /// pointed north.
+    pub fn period_begins_s(&self) -> Option<f64> {
+        let (_, slot_of_period) = self.slot.period(&self.looks.settings);
+        (slot_of_period == 0).then_some(self.slot.begin_s())
+    }
+
     /// Time between two looks at one target, seconds.
     pub fn period_s(&self) -> f64 {
         self.looks.settings.schedule.period_s
@@ -95,7 +102,15 @@ impl SimulatedSensor {
     /// As [`SimulatedSensor::scan`], and appends to `plots` what the sensor detected, in order of the time too.
     pub fn scan_with_plots(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, plots: &mut Vec<Plot>) {
         let first = plots.len();
+        let slot = self.slot;
         self.scan_for(truth, out, &mut |plot| plots.push(plot));
+        let looks = &self.looks;
+        let settings = &looks.settings;
+        Plot::false_ones(settings, (looks.seed, looks.source), &slot, |time_s, found| {
+            let (time_ns, scan) = (looks.utc_ns(time_s), slot.period(settings).0);
+            let site_m = settings.coverage.position_m;
+            plots.push(Plot::new((time_ns, scan), None, &found, site_m, &settings.errors));
+        });
         // Of one time, targets come in the order of their numbers, false ones after them: the sort is stable.
         plots[first..].sort_by_key(|plot| plot.time_of_measurement_ns);
     }

@@ -85,6 +85,11 @@ pub struct SensorSettings {
     pub dropout_duration_s: Option<f64>,
     /// How many false tracks begin per period, on average, 0 to 20 (0; not for ADS-B).
     pub false_tracks_per_period: Option<f64>,
+    /// Whether it delivers what it detects, plots, and no tracks (no; radar only).
+    #[serde(default)]
+    pub plots: bool,
+    /// How many false plots it has per period, on average, 0 to 5000 (0; with `plots` only).
+    pub false_plots_per_period: Option<f64>,
     /// Spectral density of the acceleration that the sensor's own filter allows for, east and north, m²/s³; a tenth
     /// of it upwards (20: honest on straight legs and in turns at 25° of bank alike).
     pub acceleration_density_m2ps3: Option<f64>,
@@ -124,6 +129,8 @@ impl SensorSettings {
             dropouts_per_hour: None,
             dropout_duration_s: None,
             false_tracks_per_period: None,
+            plots: false,
+            false_plots_per_period: None,
             acceleration_density_m2ps3: None,
             first_speed_sigma_mps: None,
             confirming_hits: None,
@@ -188,6 +195,8 @@ impl SensorSettings {
         within("equipped_share", equipped_share, 0.0, 1.0)?;
         let false_tracks_per_period = self.false_tracks_per_period.unwrap_or(0.0);
         within("false_tracks_per_period", false_tracks_per_period, 0.0, 20.0)?;
+        let false_plots_per_period = self.false_plots_per_period.unwrap_or(0.0);
+        within("false_plots_per_period", false_plots_per_period, 0.0, 5000.0)?;
         Ok(Checked {
             kind: self.kind,
             schedule,
@@ -196,6 +205,7 @@ impl SensorSettings {
             detection_probability,
             equipped_share,
             false_tracks_per_period,
+            false_plots_per_period,
             identity: self.identity_or_usual(),
             dropouts: self.dropouts()?,
             tracking: self.tracking()?,
@@ -226,6 +236,14 @@ impl SensorSettings {
         if let (true, Some(value)) = (radar, self.horizontal_sigma_m) {
             let limit = "left out: a radar has range_sigma_m and azimuth_sigma_rad";
             return Err(SettingsError::new("horizontal_sigma_m", value, limit));
+        }
+        if let (false, Some(value)) = (self.plots, self.false_plots_per_period) {
+            let limit = "left out: only a sensor with plots = true has it";
+            return Err(SettingsError::new("false_plots_per_period", value, limit));
+        }
+        if self.plots && !radar {
+            let limit = "left out: only a radar delivers plots";
+            return Err(SettingsError::new("plots", self.plots, limit));
         }
         if let (SensorKind::AdsB, Some(value)) = (self.kind, self.false_tracks_per_period)
             && value != 0.0
@@ -377,6 +395,7 @@ pub(crate) struct Checked {
     pub(crate) detection_probability: f64,
     pub(crate) equipped_share: f64,
     pub(crate) false_tracks_per_period: f64,
+    pub(crate) false_plots_per_period: f64,
     pub(crate) identity: SensorIdentity,
     pub(crate) dropouts: Option<Dropouts>,
     pub(crate) tracking: Tracking,

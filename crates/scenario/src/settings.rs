@@ -21,6 +21,10 @@ pub struct ScenarioSettings {
     pub holding_share: f64,
     /// Share of targets that are vehicles on the airport's surface (0.2).
     pub surface_share: f64,
+    /// Share of targets that are ships, which keep their course for hours (0).
+    pub ship_share: f64,
+    /// Greatest speed of ships, m/s, 0.1 to 30; the slowest goes a third of it (12).
+    pub ship_speed_max_mps: f64,
     /// Share of the en-route targets that meet another one, crossing its path at the same time in every lap (0.3).
     pub crossing_share: f64,
 }
@@ -33,12 +37,25 @@ impl Default for ScenarioSettings {
             terminal_share: 0.2,
             holding_share: 0.1,
             surface_share: 0.2,
+            ship_share: 0.0,
+            ship_speed_max_mps: 12.0,
             crossing_share: 0.3,
         }
     }
 }
 
 impl ScenarioSettings {
+    /// The usual settings with nothing but en-route targets.
+    #[cfg(test)]
+    pub(crate) fn without_others() -> Self {
+        Self {
+            terminal_share: 0.0,
+            holding_share: 0.0,
+            surface_share: 0.0,
+            ..Self::default()
+        }
+    }
+
     /// Checks every value.
     ///
     /// # Errors
@@ -49,11 +66,13 @@ impl ScenarioSettings {
         within("terminal_share", self.terminal_share, 0.0, 1.0)?;
         within("holding_share", self.holding_share, 0.0, 1.0)?;
         within("surface_share", self.surface_share, 0.0, 1.0)?;
+        within("ship_share", self.ship_share, 0.0, 1.0)?;
+        within("ship_speed_max_mps", self.ship_speed_max_mps, 0.1, 30.0)?;
         within("crossing_share", self.crossing_share, 0.0, 1.0)?;
-        let sum = self.terminal_share + self.holding_share + self.surface_share;
+        let sum = self.terminal_share + self.holding_share + self.surface_share + self.ship_share;
         if sum > 1.0 + 1e-9 {
             return Err(SettingsError::new(
-                "terminal_share + holding_share + surface_share",
+                "terminal_share + holding_share + surface_share + ship_share",
                 sum,
                 "at most 1",
             ));
@@ -83,7 +102,7 @@ mod tests {
         );
         assert_eq!(
             refused("terminal_share = 0.75\nsurface_share = 0.5\nholding_share = 0"),
-            "terminal_share + holding_share + surface_share = 1.25: must be at most 1"
+            "terminal_share + holding_share + surface_share + ship_share = 1.25: must be at most 1"
         );
         assert!(toml::from_str::<ScenarioSettings>("target = 3").is_err(), "unknown key");
     }

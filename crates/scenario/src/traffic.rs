@@ -1,6 +1,6 @@
 //! Which paths the targets follow, and who they are.
 //!
-//! Turn radii follow from the speed at a bank angle of 25°, as aircraft fly them; vehicles turn on tens of metres.
+//! Turn radii follow from the speed at a bank angle of 25°, as aircraft fly them; vehicles turn on tens of metres, ships on hundreds.
 
 use messages::Callsign;
 use rand::RngExt as _;
@@ -20,6 +20,10 @@ const RUNWAY_RAD: f64 = 0.6;
 const LEVEL_M: f64 = 304.8;
 /// Where two stacks of holding patterns lie, as parts of the half width.
 const HOLDING_FIXES: [[f64; 2]; 2] = [[0.3, -0.25], [-0.28, 0.32]];
+/// Height of a ship's antennas, metres.
+const ANTENNA_HEIGHT_M: f64 = 20.0;
+/// Radius in which ships turn, metres.
+const SHIP_TURN_RADIUS_M: f64 = 600.0;
 /// Levels of one stack; further targets follow in the same pattern.
 const HOLDING_LEVELS: usize = 8;
 
@@ -30,7 +34,8 @@ pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
     let surface = share(settings.surface_share);
     let holding = share(settings.holding_share).min(count - surface);
     let terminal = share(settings.terminal_share).min(count - surface - holding);
-    let en_route = count - surface - holding - terminal;
+    let ships = share(settings.ship_share).min(count - surface - holding - terminal);
+    let en_route = count - surface - holding - terminal - ships;
     // Pairs take two numbers each, the first ones.
     let crossing = (settings.crossing_share * en_route as f64 / 2.0).round() as usize * 2;
 
@@ -50,8 +55,10 @@ pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
             terminal_target(&mut random, turn)
         } else if index < en_route + terminal + holding {
             holding_target(&mut random, index - en_route - terminal, settings.half_width_m)
-        } else {
+        } else if index < count - ships {
             surface_target(&mut random)
+        } else {
+            ship_target(&mut random, settings)
         };
         targets.push(with_identity(target, index, seed));
     }
@@ -228,6 +235,28 @@ fn surface_target(random: &mut ChaCha8Rng) -> Target {
     unnamed(TargetKind::Surface, ClosedPath::new(&waypoints), lead)
 }
 
+/// A round trip of hours between four places at sea, all of the way at one speed.
+fn ship_target(random: &mut ChaCha8Rng, settings: &ScenarioSettings) -> Target {
+    let half_width_m = settings.half_width_m;
+    let speed_mps = random.random_range(1.0 / 3.0..1.0) * settings.ship_speed_max_mps;
+    let centre_m = [0; 2].map(|_| random.random_range(-0.5..0.5) * half_width_m);
+    let direction_rad = random.random_range(0.0..std::f64::consts::TAU);
+    let half_length_m = random.random_range(0.1..0.3) * half_width_m;
+    let half_breadth_m = random.random_range(0.05..0.2) * half_width_m;
+    let waypoints = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[along, across]| {
+        let [x, y] = rotated([along * half_length_m, across * half_breadth_m], direction_rad);
+        Waypoint {
+            position_m: [x + centre_m[0], y + centre_m[1]],
+            height_m: ANTENNA_HEIGHT_M,
+            speed_mps,
+            turn_radius_m: SHIP_TURN_RADIUS_M,
+            stop_s: 0.0,
+        }
+    });
+    let lead = random.random_range(0.0..1.0);
+    unnamed(TargetKind::Ship, ClosedPath::new(&waypoints), lead)
+}
+
 /// A target that follows `path` and has flown the part `lead` of a lap at time 0.
 fn unnamed(kind: TargetKind, path: ClosedPath, lead: f64) -> Target {
     Target {
@@ -249,21 +278,22 @@ fn with_identity(target: Target, index: usize, seed: u64) -> Target {
     const CODES: u64 = 0o7400;
     let index = index as u64;
     let base = stream(seed, Purpose::Target, 0, u64::MAX, 0).random_range(0..ADDRESSES);
-    let surface = target.kind == TargetKind::Surface;
+    let kind = target.kind;
+    let without_transponder = matches!(kind, TargetKind::Surface | TargetKind::Ship);
     Target {
         address: ADDRESSES_FROM + ((index * 7919 + base) % ADDRESSES) as u32,
-        mode_3a: (!surface).then(|| 1 + ((index * 1009 + base) % CODES) as u16),
-        callsign: callsign(index, surface),
+        mode_3a: (!without_transponder).then(|| 1 + ((index * 1009 + base) % CODES) as u16),
+        callsign: callsign(index, kind),
         ..target
     }
 }
 
-fn callsign(index: u64, surface: bool) -> Callsign {
+fn callsign(index: u64, kind: TargetKind) -> Callsign {
     const OPERATORS: [&str; 6] = ["KSK", "AOI", "HYB", "MZK", "TNB", "YKG"];
-    let operator = if surface {
-        "VEH"
-    } else {
-        OPERATORS[(index % 6) as usize]
+    let operator = match kind {
+        TargetKind::Surface => "VEH",
+        TargetKind::Ship => "SEA",
+        _ => OPERATORS[(index % 6) as usize],
     };
     let text = format!("{:<8}", format!("{operator}{:03}", index + 1));
     let mut callsign = *b"        ";

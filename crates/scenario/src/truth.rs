@@ -18,6 +18,8 @@ pub enum TargetKind {
     Holding,
     /// A vehicle on the airport's surface.
     Surface,
+    /// A ship.
+    Ship,
 }
 
 impl TargetKind {
@@ -28,6 +30,7 @@ impl TargetKind {
             Self::Terminal => 200.0,
             Self::Holding => 130.0,
             Self::Surface => 20.0,
+            Self::Ship => 30.0,
         }
     }
 }
@@ -47,7 +50,7 @@ pub struct TargetState {
     pub address: u32,
     /// Callsign, padded with blanks; no two targets share one.
     pub callsign: Callsign,
-    /// Mode 3/A code; vehicles have none, and the codes of more than 3,840 targets repeat.
+    /// Mode 3/A code; vehicles and ships have none, and the codes of more than 3,840 targets repeat.
     pub mode_3a: Option<u16>,
     /// Whether it touches the ground.
     pub on_ground: bool,
@@ -203,12 +206,13 @@ mod tests {
         /// No draw of any seed and size makes a path that cannot be flown, or one that leaves its limits.
         #[test]
         fn every_draw_can_be_flown(
-            seed: u64, half_width_m in 40_000.0..400_000.0f64, surface in 0.0..0.5f64, start_s in 0.0..1e5f64,
+            seed: u64, half_width_m in 40_000.0..400_000.0f64, surface in 0.0..0.4f64, start_s in 0.0..1e5f64,
         ) {
             let settings = ScenarioSettings {
                 targets: 200,
                 half_width_m,
                 surface_share: surface,
+                ship_share: 0.1,
                 crossing_share: 1.0,
                 ..ScenarioSettings::default()
             };

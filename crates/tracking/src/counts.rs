@@ -39,8 +39,49 @@ pub struct Counts {
     pub hypotheses_merged: u64,
     /// Hypotheses dropped because of low reliability or number.
     pub hypotheses_dropped: u64,
+    /// Detections refused because of their age or accuracy, or kept with less weight (WA-1).
+    pub refused_detections: u64,
+    /// Scans that another sensor's at the same time outranks, repetitions after late scans included (WA-1).
+    pub outranked_scans: u64,
+    /// Wide-area reports taken.
+    pub wide_area_reports: u64,
+    /// Wide-area reports refused: no place, a negative or too long delay, too many targets, or no room.
+    pub wide_area_reports_refused: u64,
+    /// Wide-area reports, or groups of them, used by a scan, repetitions after late scans included.
+    pub wide_area_reports_used: u64,
+    /// Of these, those that no cluster was near enough to.
+    pub wide_area_reports_unmatched: u64,
+    /// Clusters whose hypotheses, or some hypothesis' children, were corrected (WA-4).
+    pub wide_area_corrections: u64,
+    /// Hypotheses whose children could not be corrected: too many ways to begin the tracks they lack.
+    pub wide_area_uncorrected: u64,
+    /// Tracks given up earlier because a wide-area report shows nothing there (WA-8).
+    pub wide_area_deletions: u64,
+    /// Tracks confirmed earlier because a wide-area report shows more (WA-6).
+    pub wide_area_confirmations: u64,
     /// Tracks confirmed.
     pub confirmed: u64,
+    /// Detections that became one with another of the same scan, nearer than the sensor's resolution.
+    pub united_detections: u64,
+    /// Updates of clusters: each is one cluster in one scan, after joining.
+    pub cluster_updates: u64,
     /// Largest share of a cluster's probability that was dropped in a scan, in [0, 1]: an upper bound.
     pub dropped_probability_max: f64,
+    /// Sum of those shares over all updates of clusters.
+    pub dropped_probability_sum: f64,
+}
+
+impl Counts {
+    /// Share of the probability that the bounds and thresholds cut off in the mean update of a cluster (HT-11), in [0, 1]:
+    /// an upper bound. 0 before the first.
+    pub fn dropped_probability_mean(&self) -> f64 {
+        self.dropped_probability_sum / self.cluster_updates.max(1) as f64
+    }
+
+    pub(crate) fn drop_probability(&mut self, share: f64) {
+        let share = share.clamp(0.0, 1.0);
+        self.cluster_updates += 1;
+        self.dropped_probability_max = self.dropped_probability_max.max(share);
+        self.dropped_probability_sum += share;
+    }
 }

@@ -14,9 +14,11 @@ use crate::motion::Motion;
 use crate::population::{Cluster, Population};
 use crate::testing::{S, position, settings};
 use crate::track::{HISTORY_MAX, NO_DETECTION, TENTATIVE, Track};
+use crate::wide_area::WideAreaReport;
+use crate::wide_area::correction::{Rule, correct};
 use crate::{HYPOTHESES_MAX, Settings, Tracker};
 
-/// Serial numbers of each track's detections, latest first, in order.
+/// Serial numbers of each track's detections, latest first.
 type Content = Vec<[u32; HISTORY_MAX]>;
 
 /// A hypothesis of the reference: its tracks and the logarithm of its likelihood.
@@ -98,11 +100,13 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
                     &settings.motion,
                 ),
                 time_ns,
+                seen_ns: time_ns,
                 root: 0,
                 number: TENTATIVE,
                 detections: 1,
                 in_company: 0,
                 missed: 0,
+                log_silence: 0.0,
                 log_likelihood_ratio: 0.0,
                 reliability: 0.0,
                 history: [NO_DETECTION; HISTORY_MAX],
@@ -115,17 +119,24 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
     found
 }
 
-/// All hypotheses after the scans, by their contents, with reliabilities that sum to 1.
-fn enumerated(scans: &[Vec<Detection>], settings: &Settings) -> Vec<(Content, f64)> {
+/// All hypotheses after the scans, by their contents, with reliabilities that sum to 1. A wide-area report of `targets` is
+/// due in the last scan.
+fn enumerated(scans: &[Vec<Detection>], settings: &Settings, targets: Option<f64>) -> Vec<(Content, f64)> {
     let mut hypotheses = vec![Whole {
         tracks: Vec::new(),
         log_likelihood: 0.0,
     }];
     let mut serial = 1;
     for (number, scan) in (0..).zip(scans) {
+        let due = targets.filter(|_| number as usize + 1 == scans.len());
+        correct_all(&mut hypotheses, due);
         let all = hypotheses.iter();
         hypotheses = all
-            .flat_map(|whole| children(whole, scan, number * S, serial, settings))
+            .flat_map(|whole| {
+                let mut own = children(whole, scan, number * S, serial, settings);
+                correct_all(&mut own, due);
+                own
+            })
             .collect();
         serial += scan.len() as u32;
     }
@@ -140,6 +151,22 @@ fn enumerated(scans: &[Vec<Detection>], settings: &Settings) -> Vec<(Content, f6
         .iter()
         .map(|whole| (content(whole), weight(whole) / total))
         .collect()
+}
+
+/// WA-4, written down.
+fn correct_all(hypotheses: &mut [Whole], due: Option<f64>) {
+    let Some(targets) = due else { return };
+    let best = hypotheses
+        .iter()
+        .map(|whole| whole.log_likelihood)
+        .fold(f64::MIN, f64::max);
+    let all = hypotheses.iter();
+    let mut reliabilities: Vec<f64> = all.map(|whole| (whole.log_likelihood - best).exp()).collect();
+    let tracks: Vec<u32> = hypotheses.iter().map(|whole| whole.tracks.len() as u32).collect();
+    correct(&mut reliabilities, &tracks, targets, Rule::Share(0.6));
+    for (whole, reliability) in hypotheses.iter_mut().zip(reliabilities) {
+        whole.log_likelihood = best + reliability.ln();
+    }
 }
 
 fn sorted(mut content: Content) -> Content {
@@ -210,7 +237,7 @@ proptest! {
     fn the_same_best_hypotheses_with_the_same_reliabilities(scans in any_scans()) {
         let settings = exact_settings();
         let tracker = run(&scans, &settings);
-        let mut expected = enumerated(&scans, &settings);
+        let mut expected = enumerated(&scans, &settings, None);
         let found = of_tracker(&tracker);
         // Where nothing was dropped, everything is there; where the last scan had more than 64 children, the best of them.
         let full = tracker.counts().dropped_probability_max > 0.0;
@@ -233,5 +260,44 @@ proptest! {
         // What is reported is a bound.
         let reported = tracker.counts().dropped_probability_max;
         prop_assert!(reported >= dropped - 1e-9, "{} dropped, {} reported", dropped, reported);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1_000, max_global_rejects: 50_000, ..ProptestConfig::default() })]
+    #[test]
+    fn the_same_corrections_by_a_wide_area_report(scans in any_scans(), targets in 1..5u32) {
+        let mut settings = exact_settings();
+        settings.wide_area.tracks_min = 0.0;
+        let before = run(&scans[..2], &settings);
+        // One cluster, which every detection of the last scan belongs to.
+        let reach = gates(settings.gate_probability)[1];
+        let in_gate = |detection: &Detection| {
+            let measurement = Measurement::of(detection, None).unwrap();
+            let tracks = &before.latest().tracks;
+            let predicted = tracks.iter().map(|track| track.motion_at(2 * S, &settings.motion));
+            predicted.into_iter().any(|motion| motion.innovation(&measurement).unwrap().squared_distance <= reach)
+        };
+        prop_assume!(before.clusters() == 1 && scans[2].iter().all(in_gate));
+        let mut tracker = run(&scans[..2], &settings);
+        let report = WideAreaReport {
+            time_ns: 0,
+            arrival_ns: 2 * S,
+            position_m: [0.0; 3],
+            velocity_mps: [0.0; 3],
+            targets,
+            origin_m: None,
+        };
+        tracker.wide_area(&report).unwrap();
+        tracker.scan(1, 2 * S, &scans[2]).unwrap();
+        prop_assert_eq!(tracker.counts().wide_area_reports_unmatched, 0);
+        prop_assume!(tracker.counts().dropped_probability_max == 0.0);
+        let expected = enumerated(&scans, &settings, Some(f64::from(targets)));
+        let found: BTreeMap<Content, f64> = of_tracker(&tracker).into_iter().collect();
+        prop_assert_eq!(found.len(), expected.len());
+        for (content, reliability) in &expected {
+            let found = found.get(content).copied().unwrap_or_default();
+            prop_assert!((found - reliability).abs() < 1e-9, "{} instead of {}", found, reliability);
+        }
     }
 }

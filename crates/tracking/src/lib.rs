@@ -17,6 +17,8 @@
 //!    more than can be kept (`ranked`, `update`). [`correlation`] holds the definition instead: every one of them.
 //! 4. Children that are the same are merged, unreliable ones dropped, tracks confirmed, clusters separated (`stage`).
 //!
+//! What was considered and decided can be had as records ([`explanation`]).
+//! Detections that come one by one are made into scans by [`cutting`], those of files by [`scans`].
 //! [`settings`] says what can be chosen; the options for targets that part are in `splitting`.
 //!
 //! # Memory and time
@@ -39,8 +41,12 @@
 mod clutter;
 pub mod correlation;
 mod counts;
+pub mod cutting;
+mod directions;
 #[cfg(test)]
 mod enumeration_tests;
+pub mod explanation;
+mod field_of_view;
 mod gate;
 mod gating;
 mod initiation;
@@ -49,7 +55,9 @@ mod motion;
 mod parents;
 mod population;
 mod ranked;
+mod resolution;
 pub mod scans;
+mod sensor;
 pub mod settings;
 mod splitting;
 mod stage;
@@ -59,9 +67,14 @@ mod track;
 mod tracker;
 #[cfg(test)]
 mod tracker_tests;
+mod turn;
 mod update;
+pub mod wide_area;
+#[cfg(test)]
+mod wide_area_tests;
 
 pub use counts::Counts;
+pub use field_of_view::FieldOfView;
 pub use gating::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
 pub use initiation::FirstGuess;
 pub use population::DETECTION_COUNTS;

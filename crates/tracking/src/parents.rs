@@ -5,13 +5,19 @@
 
 use std::ops::Range;
 
-use crate::population::{Cluster, Population};
+use crate::population::{Cluster, Hypothesis, Population};
 use crate::ranked::log_sum;
+use crate::wide_area::correction::{Gains, Rule, has_enough, lacking};
+use crate::wide_area::expectation::Expectation;
 
 /// A hypothesis before the scan.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Parent {
     pub(crate) log_reliability: f64,
+    /// How many tracks it lacks of those that a valid wide-area report has seen, and of those by which reliabilities are
+    /// corrected in this scan.
+    pub(crate) lacking: usize,
+    pub(crate) lacking_due: usize,
     /// Places in the list of members.
     members: Range<u32>,
 }
@@ -25,6 +31,8 @@ pub(crate) struct Parents {
     next: (Vec<Parent>, Vec<u32>),
     /// Logarithm of a product, with the two places that it comes from.
     products: Vec<(f64, u32, u32)>,
+    /// Whether a wide-area report changed their reliabilities.
+    pub(crate) corrected: bool,
 }
 
 impl Parents {
@@ -41,6 +49,7 @@ impl Parents {
             members,
             next: lists(),
             products: Vec::with_capacity(hypotheses_max * hypotheses_max),
+            corrected: false,
         }
     }
 
@@ -49,17 +58,22 @@ impl Parents {
     pub(crate) fn gather<'a>(
         &mut self,
         population: &'a Population,
-        clusters: impl Iterator<Item = &'a Cluster>,
+        clusters: impl Iterator<Item = (&'a Cluster, Expectation)>,
         hypotheses_max: usize,
+        correction: Option<Rule>,
     ) -> f64 {
         self.list.clear();
         self.members.clear();
+        self.corrected = false;
         self.list.push(Parent {
             log_reliability: 0.0,
+            lacking: 0,
+            lacking_due: 0,
             members: 0..0,
         });
-        for cluster in clusters {
-            self.multiply(population, cluster, hypotheses_max);
+        for (cluster, mut expectation) in clusters {
+            expectation.due = expectation.due.filter(|_| correction.is_some());
+            self.multiply(population, cluster, hypotheses_max, &expectation, correction);
         }
         let kept = log_sum(self.list.iter().map(|parent| parent.log_reliability));
         (1.0 - kept.exp()).max(0.0)
@@ -71,13 +85,34 @@ impl Parents {
         &self.members[range.start as usize..range.end as usize]
     }
 
-    fn multiply(&mut self, population: &Population, cluster: &Cluster, hypotheses_max: usize) {
+    fn multiply(
+        &mut self,
+        population: &Population,
+        cluster: &Cluster,
+        hypotheses_max: usize,
+        expectation: &Expectation,
+        correction: Option<Rule>,
+    ) {
         let range = cluster.hypotheses.start as usize..cluster.hypotheses.end as usize;
         let hypotheses = &population.hypotheses[range];
+        let is_enough = |hypothesis: &Hypothesis| {
+            expectation
+                .due
+                .is_none_or(|targets| has_enough(hypothesis.members.len(), targets))
+        };
+        let rated = hypotheses
+            .iter()
+            .map(|hypothesis| (hypothesis.log_reliability, is_enough(hypothesis)));
+        // WA-4, to the hypotheses themselves; their children follow once they are drawn.
+        let gains = correction
+            .filter(|_| expectation.due.is_some())
+            .map_or(Gains::NONE, |rule| Gains::of_all(rated, rule));
+        self.corrected |= gains != Gains::NONE;
         self.products.clear();
         for (one, parent) in (0..).zip(&self.list) {
             for (other, hypothesis) in (0..).zip(hypotheses) {
-                let product = parent.log_reliability + hypothesis.log_reliability;
+                let corrected = hypothesis.log_reliability + gains.gain(is_enough(hypothesis));
+                let product = parent.log_reliability + corrected;
                 self.products.push((product, one, other));
             }
         }
@@ -89,11 +124,15 @@ impl Parents {
         members.clear();
         for &(log_reliability, one, other) in &self.products {
             let begin = members.len() as u32;
-            let of_one = &self.list[one as usize].members;
-            members.extend_from_slice(&self.members[of_one.start as usize..of_one.end as usize]);
-            members.extend_from_slice(population.members_of(&hypotheses[other as usize]));
+            let parent = &self.list[one as usize];
+            members.extend_from_slice(&self.members[parent.members.start as usize..parent.members.end as usize]);
+            let of_other = population.members_of(&hypotheses[other as usize]);
+            members.extend_from_slice(of_other);
+            let lacking = |targets: Option<f64>| targets.map_or(0, |targets| lacking(of_other.len(), targets));
             list.push(Parent {
                 log_reliability,
+                lacking: parent.lacking + lacking(expectation.targets),
+                lacking_due: parent.lacking_due + lacking(expectation.due),
                 members: begin..members.len() as u32,
             });
         }

@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use crate::sensor::Memory;
 use crate::track::Track;
 
 /// Scans over which a cluster's detections are counted (SP-4).
@@ -41,7 +42,8 @@ pub(crate) struct Population {
     pub(crate) hypotheses: Vec<Hypothesis>,
     pub(crate) members: Vec<u32>,
     pub(crate) clusters: Vec<Cluster>,
-    pub(crate) clutter: Vec<crate::clutter::Estimate>,
+    /// By sensor.
+    pub(crate) sensors: Vec<Memory>,
     /// Serial number of the next detection, of the next track's root, of the next confirmed track.
     pub(crate) next_serial: u32,
     pub(crate) next_root: u32,
@@ -56,7 +58,7 @@ impl Population {
             hypotheses: Vec::with_capacity(2 * tracks_max + crate::HYPOTHESES_MAX),
             members: Vec::with_capacity(8 * tracks_max + crate::HYPOTHESES_MAX),
             clusters: Vec::with_capacity(tracks_max),
-            clutter: vec![crate::clutter::Estimate::default(); sensors],
+            sensors: vec![Memory::NONE; sensors],
             next_serial: 1,
             next_root: 1,
             next_number: 1,
@@ -70,10 +72,19 @@ impl Population {
         self.hypotheses.clear();
         self.members.clear();
         self.clusters.clear();
-        self.clutter.copy_from_slice(&before.clutter);
+        self.sensors.copy_from_slice(&before.sensors);
         self.next_serial = before.next_serial;
         self.next_root = before.next_root;
         self.next_number = before.next_number;
+    }
+
+    /// Makes it the same as `before`, its time too: a scan that counts as no look.
+    pub(crate) fn carry_on(&mut self, before: &Self) {
+        self.follow(before, before.time_ns);
+        self.tracks.extend_from_slice(&before.tracks);
+        self.hypotheses.extend_from_slice(&before.hypotheses);
+        self.members.extend_from_slice(&before.members);
+        self.clusters.extend_from_slice(&before.clusters);
     }
 
     /// Whether so much fits in.

@@ -70,6 +70,20 @@ struct Part {
     log_bound: f64,
 }
 
+impl Part {
+    /// All solutions of a problem.
+    fn whole(problem: usize) -> Self {
+        Self {
+            problem: problem as u16,
+            fixed: 0,
+            chosen: [0; ROWS_MAX],
+            forbidden: 0,
+            cost: 0.0,
+            log_bound: 0.0,
+        }
+    }
+}
+
 /// A place in the heap: cheapest first, then earliest made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Waiting {
@@ -212,6 +226,17 @@ impl Ranked {
         true
     }
 
+    /// Cost of a problem's cheapest solution; before [`Self::begin`].
+    pub(crate) fn best_cost(&mut self, number: usize) -> Option<f64> {
+        let problem = self.problems[number];
+        self.solve(&problem, &mut Part::whole(number))
+    }
+
+    /// Lets all solutions of a problem cost less by so much; before [`Self::begin`].
+    pub(crate) fn lower(&mut self, number: usize, by: f64) {
+        self.problems[number].base_cost -= by;
+    }
+
     /// Solves each problem once; before the first call of [`Self::next`].
     pub(crate) fn begin(&mut self) {
         self.log_rest.resize(self.rows.len(), 0.0);
@@ -222,14 +247,7 @@ impl Ranked {
                 rest += self.log_row(row, 0, |_| false);
                 self.log_rest[row] = rest;
             }
-            self.submit(Part {
-                problem: number as u16,
-                fixed: 0,
-                chosen: [0; ROWS_MAX],
-                forbidden: 0,
-                cost: 0.0,
-                log_bound: 0.0,
-            });
+            self.submit(Part::whole(number));
         }
     }
 

@@ -24,9 +24,17 @@ pub struct ScanOfDetections {
     pub detections: Range<usize>,
 }
 
-/// Sorts `detections` by sensors and scans, and returns the scans in order of time, then of sensors.
+/// Sorts `detections` by sensors, scans, times and numbers, so that their order does not matter, and returns the scans in order of time, then of sensors.
 pub fn scans_of(detections: &mut [Detection]) -> Vec<ScanOfDetections> {
-    detections.sort_by_key(|detection| (detection.sensor_id, detection.scan, detection.time_of_measurement_ns));
+    detections.sort_by_key(|detection| {
+        let Detection { sensor_id, scan, .. } = *detection;
+        (
+            sensor_id,
+            scan,
+            detection.time_of_measurement_ns,
+            detection.detection_id,
+        )
+    });
     let mut scans: Vec<ScanOfDetections> = Vec::new();
     let (mut begin, mut before) = (0, None);
     for same in detections.chunk_by(|one, other| (one.sensor_id, one.scan) == (other.sensor_id, other.scan)) {
@@ -52,18 +60,26 @@ pub fn scans_of(detections: &mut [Detection]) -> Vec<ScanOfDetections> {
 /// The scans between two of the same sensor.
 fn silent(
     sensor_id: u32,
-    (scan_before, time_before): (u32, i64),
-    (scan, time_ns): (u32, i64),
+    before: (u32, i64),
+    after: (u32, i64),
     place: usize,
 ) -> impl Iterator<Item = ScanOfDetections> {
-    let gap = scan - scan_before;
-    let step_ns = time_ns.saturating_sub(time_before) / i64::from(gap.max(1));
-    let missing = if gap <= SILENT_SCANS_MAX + 1 { 1..gap } else { 1..1 };
-    missing.map(move |number| ScanOfDetections {
+    silent_times_ns(before, after).map(move |time_ns| ScanOfDetections {
         sensor_id,
-        time_ns: time_before.saturating_add(step_ns.saturating_mul(i64::from(number))),
+        time_ns,
         detections: place..place,
     })
+}
+
+/// Times of the scans without detections between two of a sensor that follow each other: (number, time in nanoseconds).
+pub fn silent_times_ns(
+    (scan_before, time_before): (u32, i64),
+    (scan, time_ns): (u32, i64),
+) -> impl Iterator<Item = i64> {
+    let gap = scan.saturating_sub(scan_before);
+    let step_ns = time_ns.saturating_sub(time_before) / i64::from(gap.max(1));
+    let missing = if gap <= SILENT_SCANS_MAX + 1 { 1..gap } else { 1..1 };
+    missing.map(move |number| time_before.saturating_add(step_ns.saturating_mul(i64::from(number))))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The hypotheses of one cluster while a scan is worked off: reduction, confirmation, separation (HT-4, HT-9, HT-10).
 //!
 //! The children that were drawn are first merged: those of the same tracks, and, if so configured, those whose
-//! associations over the last scans are the same and that hold the same confirmed tracks; of these the more reliable one
+//! associations over the last scans are the same and that hold as many confirmed tracks; of these the more reliable one
 //! stays and takes over the other's reliability. Two hypotheses in which two targets have exchanged their past, for
 //! example, become one that way once the exchange is old enough: which was which will never be known.
 //!
@@ -113,6 +113,16 @@ impl Stage {
         room
     }
 
+    /// Logarithm of the reliability of the hypothesis completed as number `child`, until they are reduced.
+    pub(crate) fn log_reliability(&self, child: usize) -> f64 {
+        self.children[child].log_reliability
+    }
+
+    /// Raises it by so much, or lowers it.
+    pub(crate) fn raise(&mut self, child: usize, gain: f64) {
+        self.children[child].log_reliability += gain;
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.children.len()
     }
@@ -201,6 +211,15 @@ impl Stage {
         }
     }
 
+    /// The hypotheses, most reliable first, with their tracks.
+    pub(crate) fn hypotheses(&self) -> impl Iterator<Item = (f64, impl Iterator<Item = &Track>)> {
+        self.children.iter().map(|child| {
+            let members = self.members_of(child).iter();
+            let tracks = members.map(|member| &self.tracks[*member as usize]);
+            (child.log_reliability.exp(), tracks)
+        })
+    }
+
     /// Sums up the tracks' reliabilities.
     fn rate(&mut self) {
         self.tracks.iter_mut().for_each(|track| track.reliability = 0.0);
@@ -227,7 +246,12 @@ impl Stage {
             let mut seen = NO_DETECTION;
             // Branches with the same detection mostly stand side by side; a few counted twice do no harm.
             for track in of_part {
-                let serial = stage.tracks[track].history[0];
+                let track = &stage.tracks[track];
+                let serial = if track.missed == 0 {
+                    track.history[0]
+                } else {
+                    NO_DETECTION
+                };
                 serials += usize::from(serial != NO_DETECTION && serial != seen);
                 seen = serial;
             }
@@ -420,12 +444,9 @@ fn standing_in(together: &mut [u32], track: u32) -> u32 {
 fn associations_key(track: &Track, scans: usize) -> u64 {
     let serials = track.history[..scans].iter();
     let associations = serials.fold(0x9e37_79b9_7f4a_7c15, |key, serial| mixed(key ^ u64::from(*serial)));
-    let number = if track.number == TENTATIVE {
-        0
-    } else {
-        mixed(u64::from(track.number))
-    };
-    // Sums of both over all tracks: who has which associations does not matter.
+    let number = if track.number == TENTATIVE { 0 } else { mixed(1) };
+    // Sums of both over all tracks: who has which associations does not matter. Nor does a confirmed track's number: of two
+    // numbers for the same associations one is too many.
     associations.wrapping_add(number.rotate_left(17))
 }
 

@@ -8,17 +8,28 @@
 
 use estimation::PackedGaussian;
 use formats::detection::Detection;
-use messages::{SensorTrack, TrackState, sensor_track_bits};
+use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::clutter::log_density;
 use crate::counts::Counts;
+use crate::directions::{Claims, Directions};
+use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gate::gates;
-use crate::gating::{Gating, Plot, Sensor};
+use crate::gating::{Gating, Plot};
 use crate::measurement::Measurement;
+use crate::motion::noise;
 use crate::population::{Cluster, Hypothesis, Population};
+use crate::resolution::unite;
+use crate::sensor::Sensor;
 use crate::settings::{Clutter, MotionSettings, SensorSettings, Settings};
 use crate::track::Track;
 use crate::update::{self, Scan, Update};
+use crate::wide_area::cue::{Cue, cue};
+use crate::wide_area::expectation::{Expectation, Expectations};
+use crate::wide_area::group::Group;
+use crate::wide_area::report::{self, Reports};
+use crate::wide_area::selection::Selection;
+use crate::wide_area::{ReportRefusal, WideArea, WideAreaReport};
 
 /// How far a detection's time may be from its scan's, nanoseconds.
 const SCAN_HALF_NS: u64 = 60_000_000_000;
@@ -34,6 +45,8 @@ pub struct TrackReport {
     pub time_ns: i64,
     /// Position and velocity then.
     pub estimate: PackedGaussian,
+    /// Whether any detection has told its height.
+    pub height_known: bool,
     /// Sum over the hypotheses that contain the branch.
     pub reliability: f64,
     /// Hypotheses of its cluster.
@@ -42,12 +55,31 @@ pub struct TrackReport {
     pub detections: u32,
     /// Scans since the last one.
     pub missed: u32,
+    /// Set if this is not a single target but several that are not told apart (WA-7).
+    pub group: Option<Group>,
+    /// Where a wide-area sensor says that the targets around came from, east and north in metres (WA-9).
+    pub origin_m: Option<[f64; 2]>,
 }
 
 impl TrackReport {
+    /// Carried on to `time_ns`, with accelerations of this spectral density (horizontal and vertical, m²/s³).
+    pub fn moved_to(&self, time_ns: i64, process_noise_m2ps3: [f64; 2]) -> Self {
+        let seconds = time_ns.saturating_sub(self.time_ns) as f64 / NS_PER_S;
+        Self {
+            time_ns,
+            estimate: self.estimate.moved(seconds, noise(process_noise_m2ps3, seconds)),
+            ..*self
+        }
+    }
+
+    /// In the order of times; of one time, in that of the tracks' numbers.
+    pub fn order(&self) -> (i64, u32) {
+        (self.time_ns, self.number)
+    }
+
     /// As a report of the source numbered `source`, with the numbers of the source's own at 0.
     pub fn sensor_track(&self, source: u16) -> SensorTrack {
-        SensorTrack {
+        let mut track = SensorTrack {
             time_of_measurement_ns: self.time_ns,
             track_number: self.number,
             source,
@@ -57,7 +89,14 @@ impl TrackReport {
             covariance: self.estimate.covariance,
             state: self.state as u8,
             ..SensorTrack::default()
+        };
+        if self.height_known {
+            track.valid |= sensor_track_bits::HEIGHT | sensor_track_bits::VERTICAL_RATE;
+        } else {
+            // What was never observed is not passed on.
+            (track.position_m[2], track.velocity_mps[2]) = (0.0, 0.0);
         }
+        track
     }
 }
 
@@ -103,7 +142,16 @@ pub struct Tracker {
     populations: Vec<Population>,
     gating: Gating,
     update: Update,
+    wide_area: Reports,
+    expectations: Expectations,
+    /// Of the clusters after the latest scan.
+    described: Expectations,
     log_clutter: Vec<f64>,
+    /// By detection of a scan: how many are united in it; by direction: which tracks claim it.
+    united: Vec<u32>,
+    claims: Vec<Claims>,
+    /// (number, track) of what is reported of a cluster.
+    best: Vec<(u32, u32)>,
     reports: Vec<TrackReport>,
     counts: Counts,
 }
@@ -119,12 +167,7 @@ impl Tracker {
         }
         let capacity = settings.capacity;
         let gates = gates(settings.gate_probability);
-        let sensor = |sensor: &SensorSettings| Sensor {
-            gates,
-            motion: settings.motion,
-            log_detection: sensor.detection_probability.ln(),
-            log_miss: (-sensor.detection_probability * settings.gate_probability).ln_1p(),
-        };
+        let sensor = |sensor: &SensorSettings| Sensor::new(sensor, &settings, gates);
         let population = |_| Population::new(capacity.tracks, settings.sensors.len());
         let scan = |_| OpenScan {
             time_ns: i64::MIN,
@@ -138,11 +181,28 @@ impl Tracker {
             populations: (0..capacity.open_scans + 2).map(population).collect(),
             gating: Gating::new(capacity.tracks, capacity.detections),
             update: Update::new(capacity.tracks, capacity.detections),
+            wide_area: Reports::new(),
+            expectations: Expectations::new(capacity.tracks),
+            described: Expectations::new(capacity.tracks),
             log_clutter: Vec::with_capacity(capacity.detections),
+            united: vec![0; capacity.detections],
+            claims: Vec::with_capacity(capacity.detections),
+            best: Vec::with_capacity(capacity.tracks),
             reports: Vec::with_capacity(capacity.tracks),
             counts: Counts::default(),
             settings,
         })
+    }
+
+    /// Lets confirmed tracks be numbered from `first` on (0 is taken for 1). A tracker that takes another one's place begins
+    /// beyond the numbers that the other may have given. To be said before the first scan; later it is not heard.
+    pub fn number_from(&mut self, first: u32) {
+        if self.counts.scans == 0 {
+            let first = first.max(1);
+            self.populations
+                .iter_mut()
+                .for_each(|population| population.next_number = first);
+        }
     }
 
     /// Works in a scan of the sensor `sensor_id` at `time_ns`. No detections at all say something, too.
@@ -150,6 +210,20 @@ impl Tracker {
     /// # Errors
     /// [`Refusal`], counted, if the scan cannot be used; single detections that cannot be used are left out and counted.
     pub fn scan(&mut self, sensor_id: u32, time_ns: i64, detections: &[Detection]) -> Result<(), Refusal> {
+        self.scan_explained(sensor_id, time_ns, detections, None)
+    }
+
+    /// As [`Self::scan`], and tells an observer what was considered and decided.
+    ///
+    /// # Errors
+    /// As [`Self::scan`].
+    pub fn scan_explained(
+        &mut self,
+        sensor_id: u32,
+        time_ns: i64,
+        detections: &[Detection],
+        observer: Option<&dyn Observer>,
+    ) -> Result<(), Refusal> {
         let place = self
             .place(sensor_id, time_ns)
             .inspect_err(|_| self.counts.refused_scans += 1)?;
@@ -161,28 +235,90 @@ impl Tracker {
             self.open -= 1;
             place -= 1;
         }
+        let latest_ns = self.scans[..self.open]
+            .last()
+            .map_or(time_ns, |scan| scan.time_ns.max(time_ns));
         let scan = &mut self.scans[self.open];
         (scan.time_ns, scan.sensor) = (time_ns, sensor);
         admit(
             detections,
-            time_ns,
+            [time_ns, latest_ns],
             &self.settings.sensors[sensor],
+            &self.settings.selection,
             &mut scan.plots,
             &mut self.counts,
         );
+        if let Some(resolution_m) = self.settings.sensors[sensor].resolution_m {
+            self.counts.united_detections += unite(&mut scan.plots, resolution_m, &mut self.united) as u64;
+        }
         self.scans[place..=self.open].rotate_right(1);
         self.counts.late_scans += u64::from(place < self.open);
         self.open += 1;
-        for place in place..self.open {
-            self.work_off(place);
+        for place in self.first_changed(place)..self.open {
+            self.work_off(place, observer);
         }
         self.report();
         Ok(())
     }
 
+    /// Takes a report of a wide-area sensor at its arrival (WA-2). It is used in the first scan after that; scans that
+    /// came before it and are still open are worked off again, later ones of closed scans use it from the next scan on.
+    ///
+    /// # Errors
+    /// [`ReportRefusal`], counted, if the report cannot be used.
+    pub fn wide_area(&mut self, report: &WideAreaReport) -> Result<(), ReportRefusal> {
+        let settings = &self.settings.wide_area;
+        let closed_ns = self.closed_ns();
+        let mut report = *report;
+        let kept = report::fault(&report, settings).map_or(Ok(()), Err).and_then(|()| {
+            report.arrival_ns = report.arrival_ns.max(closed_ns.saturating_add(1));
+            self.wide_area.keep(report, closed_ns, settings)
+        });
+        kept.inspect_err(|_| self.counts.wide_area_reports_refused += 1)?;
+        self.counts.wide_area_reports += 1;
+        let first = self.scans[..self.open].partition_point(|scan| scan.time_ns < report.arrival_ns);
+        if first < self.open {
+            for place in first..self.open {
+                self.work_off(place, None);
+            }
+            self.report();
+        }
+        Ok(())
+    }
+
+    /// Time of the last scan that is never worked off again.
+    fn closed_ns(&self) -> i64 {
+        if self.open == self.scans.len() {
+            self.scans[0].time_ns
+        } else {
+            self.populations[0].time_ns
+        }
+    }
+
     /// The confirmed tracks after the latest scan, by their numbers.
     pub fn tracks(&self) -> &[TrackReport] {
         &self.reports
+    }
+
+    /// The confirmed tracks at `time_ns`, into `picture` (WA-11).
+    pub fn picture_at(&self, time_ns: i64, picture: &mut Vec<TrackReport>) {
+        let noise = self.settings.motion.process_noise_m2ps3;
+        picture.clear();
+        picture.extend(self.reports.iter().map(|track| track.moved_to(time_ns, noise)));
+    }
+
+    /// Where the sensor `sensor_id`, whose detections have a standard deviation of `sigma_m` metres, should look at
+    /// `time_ns` for each confirmed track, into `cues` (WA-12).
+    pub fn cues_at(&self, (sensor_id, time_ns): (u32, i64), sigma_m: f64, cues: &mut Vec<Cue>) {
+        let Settings {
+            motion,
+            gate_probability,
+            ..
+        } = &self.settings;
+        let look = (sensor_id, time_ns);
+        let all = self.reports.iter();
+        cues.clear();
+        cues.extend(all.map(|track| cue(track, look, sigma_m, *gate_probability, motion)));
     }
 
     /// What was done and refused so far.
@@ -220,37 +356,106 @@ impl Tracker {
         Ok((sensor, place))
     }
 
+    /// The first open scan that is to be worked off again because of the one at `place`: that itself, or one that it
+    /// outranks.
+    fn first_changed(&self, place: usize) -> usize {
+        let selection = &self.settings.selection;
+        if selection.priorities.is_empty() {
+            return place;
+        }
+        let earliest_ns = self.scans[place].time_ns.saturating_sub(selection.same_time_ns);
+        self.scans[..place].partition_point(|scan| scan.time_ns < earliest_ns)
+    }
+
+    /// Whether another open scan at the same time is of a sensor of higher priority (WA-1).
+    fn is_outranked(&self, place: usize) -> bool {
+        let selection = &self.settings.selection;
+        let sensor = |scan: &OpenScan| self.settings.sensors[scan.sensor].sensor_id;
+        let scan = &self.scans[place];
+        !selection.priorities.is_empty()
+            && self.scans[..self.open].iter().any(|other| {
+                let apart_ns = other.time_ns.saturating_sub(scan.time_ns);
+                selection.outranks(sensor(other), sensor(scan), apart_ns)
+            })
+    }
+
     /// Makes the population after the open scan at `place` of the one before it.
-    fn work_off(&mut self, place: usize) {
+    fn work_off(&mut self, place: usize, observer: Option<&dyn Observer>) {
+        let is_outranked = self.is_outranked(place);
+        self.counts.outranked_scans += u64::from(is_outranked);
+        let log_kept_weight = self.settings.selection.log_kept_weight();
         let (before, after) = self.populations.split_at_mut(place + 1);
         let (before, next) = (&before[place], &mut after[0]);
         let OpenScan { time_ns, sensor, plots } = &self.scans[place];
+        if is_outranked && log_kept_weight.is_none() {
+            next.carry_on(before);
+            return;
+        }
         next.follow(before, *time_ns);
         next.next_serial = next.next_serial.wrapping_add(plots.len() as u32).max(1);
         let counts = &mut self.counts;
         counts.scans += 1;
         self.log_clutter.clear();
-        let estimate = &mut next.clutter[*sensor];
+        let memory = &mut next.sensors[*sensor];
+        let looking = self.sensors[*sensor].at(*time_ns, plots, memory);
+        let directions_only = memory.sees_directions_only();
+        let estimate = &mut memory.clutter;
         plots.iter().for_each(|plot| estimate.see(&plot.measurement));
         let density = match self.settings.sensors[*sensor].clutter {
             Clutter::Density(density) => density,
-            Clutter::Learned => estimate.density(plots.len()),
+            Clutter::Learned => estimate.density(plots.len(), looking.extent()),
         };
+        if let Some(observer) = observer {
+            observer.explain(&Explanation::Scan {
+                sensor_id: self.settings.sensors[*sensor].sensor_id,
+                time_ns: *time_ns,
+                detections: plots.len(),
+                clutter_density: density,
+            });
+        }
         let guess = &self.settings.first_guess;
         self.log_clutter
             .extend(plots.iter().map(|plot| log_density(&plot.measurement, density, guess)));
-        self.gating.run(before, plots, *time_ns, &self.sensors[*sensor], counts);
-        next.clutter[*sensor].count(outside(before, &self.gating, plots.len()));
+        if !directions_only {
+            self.gating.run(before, plots, *time_ns, &looking, counts);
+            let outside = outside(before, &self.gating, plots.len());
+            next.sensors[*sensor].clutter.count(outside);
+        }
+        self.expectations.find(
+            before,
+            *time_ns,
+            self.wide_area.list(),
+            &self.settings.wide_area,
+            self.settings.wide_area.lasts(),
+            counts,
+        );
         let scan = Scan {
             before,
             plots,
             log_clutter: &self.log_clutter,
             gating: &self.gating,
             settings: &self.settings,
-            sensor: &self.sensors[*sensor],
+            sensor: &looking,
+            expectations: &self.expectations,
+            log_weight: log_kept_weight.filter(|_| is_outranked).unwrap_or(0.0),
             time_ns: *time_ns,
             first_serial: before.next_serial,
+            observer,
         };
+        if directions_only {
+            self.claims.clear();
+            self.claims.resize(plots.len(), Claims::NONE);
+            let directions = Directions::of(&scan);
+            for track in before.tracks.iter().filter(|track| track.is_confirmed()) {
+                directions.claim(track, &mut self.claims);
+            }
+            for cluster in &before.clusters {
+                self.update.take_in(&scan, cluster, &self.claims, next, counts);
+            }
+            let outside = self.claims.iter().filter(|claims| !claims.are_made()).count();
+            next.sensors[*sensor].clutter.count(outside);
+            return;
+        }
         let mut of_none = &self.gating.plots[..];
         for group in self.gating.clusters.chunk_by(|one, other| one.0 == other.0) {
             let of_group = of_none
@@ -269,26 +474,52 @@ impl Tracker {
     /// Of each confirmed ancestor the most reliable branch (HT-10).
     fn report(&mut self) {
         let population = &self.populations[self.open];
-        let motion = self.settings.motion;
+        let (settings, wide_area) = (&self.settings, &self.settings.wide_area);
+        let reports = self.wide_area.list();
+        let describes = wide_area.describes_tracks();
+        let counts = &mut self.counts;
+        self.described
+            .find(population, population.time_ns, reports, wide_area, describes, counts);
         self.reports.clear();
-        for cluster in &population.clusters {
+        for (number, cluster) in (0..).zip(&population.clusters) {
             let tracks = &population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
-            let confirmed = tracks.iter().filter(|track| track.is_confirmed());
-            self.reports
-                .extend(confirmed.map(|track| report_of(track, cluster, population.time_ns, &motion)));
+            let confirmed = tracks.iter().zip(cluster.tracks.clone());
+            let confirmed = confirmed.filter(|(track, _)| track.is_confirmed());
+            let expectation = self.described.of(number);
+            let report = |track: &Track| TrackReport {
+                origin_m: expectation.origin_m,
+                ..report_of(track, cluster, population.time_ns, settings)
+            };
+            if let Some(group) = group_of(population, cluster, &expectation, wide_area) {
+                let first = self.reports.len();
+                self.reports.extend(confirmed.map(|(track, _)| report(track)));
+                let joined = joined(&self.reports[first..], group, population.time_ns, &settings.motion);
+                self.reports.truncate(first);
+                self.reports.extend(joined);
+                continue;
+            }
+            // All branches of an ancestor are in one cluster.
+            self.best.clear();
+            for (track, place) in confirmed {
+                match self.best.iter_mut().find(|(number, _)| *number == track.number) {
+                    Some((_, best)) if track.is_preferred_to(&population.tracks[*best as usize]) => *best = place,
+                    Some(_) => (),
+                    None => self.best.push((track.number, place)),
+                }
+            }
+            let best = self.best.iter().map(|(_, place)| &population.tracks[*place as usize]);
+            self.reports.extend(best.map(report));
         }
-        self.reports.sort_unstable_by(|one, other| {
-            let reliability = other.reliability.total_cmp(&one.reliability);
-            let place = one.estimate.mean[0].total_cmp(&other.estimate.mean[0]);
-            one.number.cmp(&other.number).then(reliability).then(place)
-        });
-        self.reports.dedup_by_key(|report| report.number);
+        self.reports.sort_unstable_by_key(|report| report.number);
     }
 }
 
-fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, motion: &MotionSettings) -> TrackReport {
+fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings: &Settings) -> TrackReport {
     let seen = track.missed == 0;
     let time_ns = if seen { track.time_ns } else { time_ns };
+    let estimate = track.motion_at(time_ns, &settings.motion).estimate();
+    // Without a height the first guess stands, or has grown.
+    let guessed_m = settings.first_guess.height_sigma_m;
     TrackReport {
         number: track.number,
         state: if seen {
@@ -297,16 +528,70 @@ fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, motion: &MotionSett
             TrackState::Coasted
         },
         time_ns,
-        estimate: track.motion_at(time_ns, motion).estimate(),
+        estimate,
+        height_known: estimate.covariance.get(2, 2) < (0.5 * guessed_m).powi(2),
         reliability: track.reliability.min(1.0),
         hypotheses: cluster.hypotheses.len() as u32,
         detections: track.detections,
         missed: track.missed,
+        group: None,
+        origin_m: None,
     }
 }
 
+/// WA-7: whether the cluster's targets are not told apart.
+fn group_of(
+    population: &Population,
+    cluster: &Cluster,
+    expectation: &Expectation,
+    settings: &WideArea,
+) -> Option<Group> {
+    let (groups, targets) = settings.groups.zip(expectation.targets)?;
+    let hypotheses = &population.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize];
+    let rated = hypotheses
+        .iter()
+        .map(|hypothesis| (hypothesis.log_reliability.exp(), hypothesis.members.len()));
+    groups.decide(rated, targets)
+}
+
+/// One track for several, branches included: their mean by reliability. `None` of none.
+fn joined(tracks: &[TrackReport], group: Group, time_ns: i64, motion: &MotionSettings) -> Option<TrackReport> {
+    let mut sum = 0.0;
+    let moved = tracks
+        .iter()
+        .map(|track| track.moved_to(time_ns, motion.process_noise_m2ps3));
+    let joined = moved.reduce(|all, track| {
+        sum = if sum == 0.0 { all.reliability } else { sum } + track.reliability;
+        let of_one = all.detections >= track.detections;
+        TrackReport {
+            number: all.number.min(track.number),
+            state: if all.missed.min(track.missed) == 0 {
+                TrackState::Confirmed
+            } else {
+                TrackState::Coasted
+            },
+            estimate: PackedGaussian::mixture(&all.estimate, &track.estimate, track.reliability / sum),
+            reliability: all.reliability.max(track.reliability),
+            missed: all.missed.min(track.missed),
+            detections: if of_one { all.detections } else { track.detections },
+            ..all
+        }
+    })?;
+    Some(TrackReport {
+        group: Some(group),
+        ..joined
+    })
+}
+
 /// Takes over the usable detections.
-fn admit(detections: &[Detection], time_ns: i64, sensor: &SensorSettings, plots: &mut Vec<Plot>, counts: &mut Counts) {
+fn admit(
+    detections: &[Detection],
+    [time_ns, latest_ns]: [i64; 2],
+    sensor: &SensorSettings,
+    selection: &Selection,
+    plots: &mut Vec<Plot>,
+    counts: &mut Counts,
+) {
     plots.clear();
     for detection in detections {
         let near = detection.time_of_measurement_ns.abs_diff(time_ns) <= SCAN_HALF_NS;
@@ -318,10 +603,20 @@ fn admit(detections: &[Detection], time_ns: i64, sensor: &SensorSettings, plots:
             counts.crowded_out_detections += 1;
             continue;
         }
+        let age_ns = latest_ns.saturating_sub(detection.time_of_measurement_ns);
+        let is_refused = selection.refuses(&measurement, age_ns);
+        counts.refused_detections += u64::from(is_refused);
+        let log_weight = match selection.log_kept_weight() {
+            _ if !is_refused => 0.0,
+            Some(log_weight) => log_weight,
+            None => continue,
+        };
         counts.detections += 1;
         plots.push(Plot {
             time_ns: detection.time_of_measurement_ns,
+            detection_id: detection.detection_id,
             measurement,
+            log_weight,
         });
     }
 }
@@ -338,9 +633,10 @@ fn outside(before: &Population, gating: &Gating, plots: usize) -> usize {
 
 /// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
 fn begin_cluster(scan: &Scan<'_>, plot: u32, next: &mut Population, counts: &mut Counts) {
-    let share = scan.settings.new_target_share;
+    let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
+    let share = scan.settings.new_target_share * weight;
     let reliability = share / (1.0 + share);
-    if reliability < scan.settings.reduction.reliability_min {
+    if reliability <= 0.0 || reliability < scan.settings.reduction.reliability_min {
         return;
     }
     let Some(mut track) = update::begin(scan, plot, None, next.next_root) else {
@@ -351,6 +647,14 @@ fn begin_cluster(scan: &Scan<'_>, plot: u32, next: &mut Population, counts: &mut
         return;
     }
     track.reliability = reliability;
+    if let Some(observer) = scan.observer {
+        observer.explain(&Explanation::Track {
+            event: TrackEvent::Started,
+            track: TrackRecord::of(&track, scan.plots, scan.first_serial),
+            value: reliability,
+            limit: f64::NAN,
+        });
+    }
     next.next_root = next.next_root.wrapping_add(1).max(1);
     let (place, hypothesis, member) = (
         next.tracks.len() as u32,

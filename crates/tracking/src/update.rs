@@ -14,21 +14,32 @@
 
 use std::ops::Range;
 
+use messages::NS_PER_S;
+
 use crate::counts::Counts;
-use crate::gating::{Gating, NONE, PAIRS_MAX, Plot, Sensor};
-use crate::initiation::first_state;
+use crate::directions::{Claims, Directions};
+use crate::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, TrackRecord};
+use crate::gating::{Gating, NONE, PAIRS_MAX, Plot};
 use crate::motion::Motion;
 use crate::parents::Parents;
 use crate::population::{Cluster, Population};
-use crate::ranked::{COLUMNS_MAX, Choice, OWN, ROWS_MAX, Ranked, Solution};
-use crate::settings::Settings;
+use crate::ranked::{COLUMNS_MAX, Choice, OWN, PROBLEMS_MAX, ROWS_MAX, Ranked, Solution};
+use crate::sensor::Sensor;
+use crate::settings::{Deletion, Settings};
 use crate::splitting::{DetectionCounts, Limits, company, mean_motion};
 use crate::stage::Stage;
 use crate::track::{HISTORY_MAX, NO_DETECTION, TENTATIVE, Track};
+use crate::wide_area::correction::{Gains, Rule, has_enough};
+use crate::wide_area::expectation::{Expectation, Expectations};
+use crate::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
 use crate::{CLUSTER_TRACKS_MAX, HYPOTHESES_MAX};
 
 /// Most children drawn for each that may be kept: some break the limits of SP-3 and SP-5.
 const DRAWN_PER_KEPT: usize = 8;
+/// Most children kept until they are reduced: twice as many where a wide-area report asks for those with enough tracks.
+const CHILDREN_MAX: usize = 2 * HYPOTHESES_MAX;
+/// Most ways to begin the tracks that a parent lacks of a wide-area report.
+const WAYS_MAX: u64 = 64;
 /// Meanings of choices that are no pairs.
 const FALSE: u32 = u32::MAX;
 const NEW: u32 = u32::MAX - 1;
@@ -46,9 +57,29 @@ pub(crate) struct Scan<'a> {
     pub(crate) gating: &'a Gating,
     pub(crate) settings: &'a Settings,
     pub(crate) sensor: &'a Sensor,
+    /// What wide-area reports say of the clusters before the scan.
+    pub(crate) expectations: &'a Expectations,
+    /// Logarithm of the weight of all its detections (WA-1).
+    pub(crate) log_weight: f64,
     pub(crate) time_ns: i64,
     /// Serial number of the first detection.
     pub(crate) first_serial: u32,
+    /// Whoever wants to know.
+    pub(crate) observer: Option<&'a dyn Observer>,
+}
+
+impl Scan<'_> {
+    fn explain(&self, event: TrackEvent, track: &Track, value: f64, limit: f64) {
+        if let Some(observer) = self.observer {
+            let track = TrackRecord::of(track, self.plots, self.first_serial);
+            observer.explain(&Explanation::Track {
+                event,
+                track,
+                value,
+                limit,
+            });
+        }
+    }
 }
 
 /// Working memory for one cluster after the other.
@@ -66,6 +97,10 @@ pub(crate) struct Update {
     updated: Vec<u32>,
     begun: [u32; ROWS_MAX],
     in_confirmed_gate: [bool; ROWS_MAX],
+    /// By problem: whose it is.
+    posed: Vec<Posed>,
+    /// By child that was made: its parent, and whether it has as many tracks as a wide-area report asks for.
+    kin: Vec<(usize, bool)>,
     /// (row, column, pair) of one hypothesis.
     entries: Vec<(u32, u32, u32)>,
     /// (number, reliability) of confirmed tracks.
@@ -83,6 +118,26 @@ struct Group<'a> {
     plots: &'a [(u32, u32)],
     has_confirmed: bool,
     limits: Limits,
+    /// WA-8: wide-area reports show nothing where any of the clusters is.
+    is_absent: bool,
+}
+
+/// A ranked problem: some of the children of a parent.
+#[derive(Clone, Copy, Debug)]
+struct Posed {
+    parent: usize,
+    /// Only those with as many tracks as a wide-area report asks for.
+    is_enough: bool,
+    /// By how much their costs were lowered, so that they come out in the order of their corrected reliabilities, nearly.
+    lowered: f64,
+}
+
+/// Whether a row starts a new track.
+#[derive(Clone, Copy, PartialEq)]
+enum Start {
+    May,
+    Must,
+    MayNot,
 }
 
 impl<'a> Group<'a> {
@@ -97,6 +152,27 @@ impl<'a> Group<'a> {
         self.clusters().flat_map(|cluster| cluster.tracks.clone())
     }
 
+    fn expectations(&self) -> impl Iterator<Item = Expectation> + use<'a> {
+        let expectations = self.scan.expectations;
+        self.clusters.iter().map(|(_, cluster)| expectations.of(*cluster))
+    }
+
+    /// WA-8: when tracks are given up where wide-area reports show none.
+    fn early_deletion(&self) -> Option<EarlyDeletion> {
+        self.scan.settings.wide_area.deletion.filter(|_| self.is_absent)
+    }
+
+    fn easier_confirmation(&self) -> Option<EarlyConfirmation> {
+        let early = self.scan.settings.wide_area.confirmation;
+        early.filter(|early| self.has_confirmed || !early.beside_confirmed_only)
+    }
+
+    /// WA-6: when tracks are believed, where wide-area reports show more targets than there are `confirmed` tracks.
+    fn early_confirmation(&self, confirmed: usize) -> Option<EarlyConfirmation> {
+        let targets: f64 = self.expectations().filter_map(|expectation| expectation.targets).sum();
+        self.easier_confirmation().filter(|_| !has_enough(confirmed, targets))
+    }
+
     fn pairs(&self, track: u32) -> Range<usize> {
         self.scan.gating.pairs_of(track)
     }
@@ -105,17 +181,19 @@ impl<'a> Group<'a> {
 impl Update {
     pub(crate) fn new(tracks_max: usize, plots_max: usize) -> Self {
         let staged_tracks = CLUSTER_TRACKS_MAX * (PAIRS_MAX + 1) + ROWS_MAX;
-        let members = HYPOTHESES_MAX * (CLUSTER_TRACKS_MAX + ROWS_MAX);
+        let members = CHILDREN_MAX * (CLUSTER_TRACKS_MAX + ROWS_MAX);
         Self {
             parents: Parents::new(HYPOTHESES_MAX, CLUSTER_TRACKS_MAX),
             ranked: Ranked::new(),
-            stage: Stage::new(staged_tracks, HYPOTHESES_MAX, members),
+            stage: Stage::new(staged_tracks, CHILDREN_MAX, members),
             row_of: vec![NONE; plots_max],
             taken: vec![NONE; tracks_max],
             missed: vec![UNMADE; tracks_max],
             updated: vec![UNMADE; 4 * tracks_max + PAIRS_MAX],
             begun: [UNMADE; ROWS_MAX],
             in_confirmed_gate: [false; ROWS_MAX],
+            posed: Vec::with_capacity(PROBLEMS_MAX),
+            kin: Vec::with_capacity(CHILDREN_MAX),
             entries: Vec::with_capacity(CLUSTER_TRACKS_MAX * PAIRS_MAX),
             numbers: Vec::with_capacity(CLUSTER_TRACKS_MAX),
             branches: Vec::with_capacity(CLUSTER_TRACKS_MAX),
@@ -137,20 +215,125 @@ impl Update {
             plots,
             has_confirmed: false,
             limits: Limits::NONE,
+            is_absent: false,
         };
+        group.is_absent = group.expectations().all(|expectation| expectation.is_absent);
+        let (counted, first_number) = (*counts, next.next_number);
         let detections = DetectionCounts::of(group.clusters(), plots.len());
         self.prepare(&mut group, &detections, counts);
         let reduction = &scan.settings.reduction;
+        let correction = scan.settings.wide_area.correction;
+        let clusters = group.clusters().zip(group.expectations());
         let mut dropped = self
             .parents
-            .gather(scan.before, group.clusters(), reduction.hypotheses_max);
+            .gather(scan.before, clusters, reduction.hypotheses_max, correction);
+        let confirmed = self.numbers.len();
         self.pose(&group, counts);
         dropped += self.draw(&group, next, counts);
+        self.correct_children(correction);
+        counts.wide_area_corrections += u64::from(self.parents.corrected);
         dropped += self.stage.reduce(reduction, counts);
-        counts.dropped_probability_max = counts.dropped_probability_max.max(dropped.min(1.0));
+        counts.drop_probability(dropped);
         let confirmation = &scan.settings.confirmation;
         self.stage.confirm(confirmation, &mut next.next_number, counts);
+        if let Some(early) = group.early_confirmation(confirmed) {
+            let before = counts.confirmed;
+            self.stage.confirm(&early.confirmation, &mut next.next_number, counts);
+            counts.wide_area_confirmations += counts.confirmed - before;
+        }
+        if let Some(observer) = scan.observer {
+            self.explain(&group, observer, first_number, (&counted, counts), dropped);
+        }
         self.stage.separate(next, reduction, &detections, counts);
+    }
+
+    /// Tells what became of the cluster: before its parts are separated, when all of it is still there.
+    fn explain(
+        &self,
+        group: &Group<'_>,
+        observer: &dyn Observer,
+        first_number: u32,
+        (before, after): (&Counts, &Counts),
+        dropped_probability: f64,
+    ) {
+        let scan = group.scan;
+        let record = |track: &Track| TrackRecord::of(track, scan.plots, scan.first_serial);
+        let staged = || self.stage.hypotheses().flat_map(|(_, tracks)| tracks);
+        let confirmation = &scan.settings.confirmation;
+        for (place, track) in self.stage.tracks.iter().enumerate() {
+            let earlier = &self.stage.tracks[..place];
+            let is_new = track.number >= first_number && !earlier.iter().any(|other| other.number == track.number);
+            if is_new {
+                let branches = self.stage.tracks.iter().filter(|other| other.number == track.number);
+                let best = branches.max_by(|one, other| one.reliability.total_cmp(&other.reliability));
+                let best = best.unwrap_or(track);
+                scan.explain(
+                    TrackEvent::Confirmed,
+                    best,
+                    best.reliability,
+                    confirmation.reliability_min,
+                );
+            }
+        }
+        for (place, number) in group.tracks().enumerate() {
+            let track = &scan.before.tracks[number as usize];
+            let root = |number: u32| scan.before.tracks[number as usize].root;
+            let is_first = !group.tracks().take(place).any(|earlier| root(earlier) == track.root);
+            if is_first && !staged().any(|left| left.root == track.root) {
+                scan.explain(TrackEvent::Ended, track, f64::NAN, f64::NAN);
+            }
+        }
+        let forbidden = |counts: &Counts| counts.too_many_new_tracks + counts.too_many_tentative_tracks;
+        observer.explain(&Explanation::Cluster(ClusterRecord {
+            plots: scan.plots,
+            of_cluster: group.plots,
+            tracks: group.tracks().count(),
+            hypotheses: group.clusters().map(|cluster| cluster.hypotheses.len()).sum(),
+            considered: after.hypotheses_drawn - before.hypotheses_drawn,
+            forbidden: forbidden(after) - forbidden(before),
+            merged: after.hypotheses_merged - before.hypotheses_merged,
+            dropped: after.hypotheses_dropped - before.hypotheses_dropped,
+            dropped_probability: dropped_probability.min(1.0),
+        }));
+        for (reliability, tracks) in self.stage.hypotheses() {
+            observer.explain(&Explanation::Hypothesis { reliability });
+            tracks.for_each(|track| observer.explain(&Explanation::Member(record(track))));
+        }
+    }
+
+    /// Lets the tracks of a cluster take the directions in their gates ([`crate::directions`]); its hypotheses stay, but for
+    /// the tracks that have been silent for too long.
+    pub(crate) fn take_in(
+        &mut self,
+        scan: &Scan<'_>,
+        cluster: &Cluster,
+        claims: &[Claims],
+        next: &mut Population,
+        counts: &mut Counts,
+    ) {
+        let directions = Directions::of(scan);
+        self.stage.clear();
+        for number in cluster.tracks.clone() {
+            let mut track = scan.before.tracks[number as usize];
+            directions.take_in(&mut track, claims);
+            self.missed[number as usize] = if is_gone(&track, &scan.settings.deletion, scan.time_ns) {
+                explain_end(scan, &track, &scan.settings.deletion);
+                REMOVED
+            } else {
+                self.stage.add_track(track).unwrap_or(UNMADE)
+            };
+        }
+        for hypothesis in &scan.before.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize] {
+            for member in scan.before.members_of(hypothesis) {
+                self.add_member(self.missed[*member as usize], counts);
+            }
+            self.stage.finish_child(hypothesis.log_reliability);
+        }
+        let detections = DetectionCounts {
+            detections: cluster.detections,
+            scans: cluster.scans,
+        };
+        self.stage.separate(next, &scan.settings.reduction, &detections, counts);
     }
 
     fn prepare(&mut self, group: &mut Group<'_>, detections: &DetectionCounts, counts: &mut Counts) {
@@ -185,45 +368,130 @@ impl Update {
         }
     }
 
-    /// Poses the problem of each hypothesis.
+    /// Poses the problem of each hypothesis; then, where a wide-area report asks for more tracks than it has, its children
+    /// with enough of them.
     fn pose(&mut self, group: &Group<'_>, counts: &mut Counts) {
         self.ranked.clear();
-        let (scan, sensor) = (group.scan, group.scan.sensor);
-        let splitting = &scan.settings.splitting;
-        let log_new = scan.settings.new_target_share.ln();
-        let log_split = splitting.new_target_share.map_or(log_new, f64::ln);
-        let guarded = group.has_confirmed && splitting.start_in_confirmed_gates;
+        self.posed.clear();
         for parent in 0..self.parents.list.len() {
             self.find_entries(group, parent, counts);
-            let misses = self.parents.members(parent).len() as f64 * sensor.log_miss;
-            let base = -self.parents.list[parent].log_reliability - misses;
-            if !self.ranked.begin_problem(base) {
+            if self.pose_problem(group, parent, |_| Start::May, counts).is_none() {
                 counts.refused_hypotheses += 1;
-                continue;
             }
-            let mut entry = 0;
-            for row in 0..group.plots.len() {
-                let plot = &scan.plots[group.plots[row].1 as usize];
-                let log_clutter = scan.log_clutter[group.plots[row].1 as usize];
-                self.ranked.begin_row();
-                let mut add = |column, meaning, cost| {
-                    let added = self.ranked.add(Choice { column, meaning, cost });
-                    counts.dropped_pairs += u64::from(!added);
-                };
-                add(OWN, FALSE, 0.0);
-                let may_split = self.in_confirmed_gate[row];
-                if plot.measurement.place().is_some() && (may_split || !guarded) {
-                    add(OWN, NEW, -if may_split { log_split } else { log_new });
-                }
-                while let Some(&(_, column, pair)) = self.entries.get(entry).filter(|(of, _, _)| *of == row as u32) {
-                    let log_likelihood = scan.gating.pairs[pair as usize].log_likelihood;
-                    let gain = sensor.log_detection + log_likelihood - log_clutter - sensor.log_miss;
-                    add(column as u16, pair, -gain);
-                    entry += 1;
-                }
+        }
+        for plain in 0..self.posed.len() {
+            let parent = self.posed[plain].parent;
+            let lacking = self.parents.list[parent].lacking_due;
+            if lacking > 0 {
+                self.find_entries(group, parent, counts);
+                self.pose_enough(group, plain, lacking, counts);
             }
         }
         self.ranked.begin();
+    }
+
+    /// Children that begin at least `lacking` new tracks, each of them once: the first so many rows that begin one are
+    /// given, and the rows between them do not (WA-4).
+    fn pose_enough(&mut self, group: &Group<'_>, plain: usize, lacking: usize, counts: &mut Counts) {
+        let rows = group.plots.len();
+        let ways = binomial(rows, lacking);
+        if ways > WAYS_MAX || self.posed.len() + ways as usize > PROBLEMS_MAX {
+            counts.wide_area_uncorrected += 1;
+            return;
+        }
+        let first = self.posed.len();
+        let mut starts = if ways == 0 { 0 } else { u64::MAX >> (64 - lacking) };
+        for _ in 0..ways {
+            let last = 63 - starts.leading_zeros() as usize;
+            let start = |row: usize| match starts >> row & 1 {
+                1 => Start::Must,
+                _ if row < last => Start::MayNot,
+                _ => Start::May,
+            };
+            self.pose_problem(group, self.posed[plain].parent, start, counts);
+            starts = next_of_as_many_bits(starts);
+        }
+        let best = (first..self.posed.len()).filter_map(|problem| self.ranked.best_cost(problem));
+        let best = best.fold(f64::INFINITY, f64::min);
+        let Some(lowered) = self.ranked.best_cost(plain).map(|plain| best - plain) else {
+            return;
+        };
+        if lowered.is_finite() {
+            for problem in first..self.posed.len() {
+                self.ranked.lower(problem, lowered);
+                self.posed[problem].lowered = lowered;
+                self.posed[problem].is_enough = true;
+            }
+        }
+    }
+
+    /// Poses a problem of the parent whose entries were found last. `None` if there is no room.
+    fn pose_problem(
+        &mut self,
+        group: &Group<'_>,
+        parent: usize,
+        start: impl Fn(usize) -> Start,
+        counts: &mut Counts,
+    ) -> Option<()> {
+        let (scan, sensor) = (group.scan, group.scan.sensor);
+        let members = self.parents.members(parent).iter();
+        let misses: f64 = members.map(|track| scan.gating.log_misses[*track as usize]).sum();
+        let base = -self.parents.list[parent].log_reliability - misses;
+        self.ranked.begin_problem(base).then_some(())?;
+        self.posed.push(Posed {
+            parent,
+            is_enough: false,
+            lowered: 0.0,
+        });
+        let mut entry = 0;
+        for row in 0..group.plots.len() {
+            let log_clutter = scan.log_clutter[group.plots[row].1 as usize];
+            let log_weight = scan.log_weight + scan.plots[group.plots[row].1 as usize].log_weight;
+            let log_share = self.log_share_of_new(group, parent, row);
+            self.ranked.begin_row();
+            let mut add = |column, meaning, cost| {
+                let added = self.ranked.add(Choice { column, meaning, cost });
+                counts.dropped_pairs += u64::from(!added);
+            };
+            let start = start(row);
+            let is_usable = log_weight > f64::NEG_INFINITY;
+            if start != Start::Must {
+                add(OWN, FALSE, 0.0);
+            }
+            if let Some(log_share) = log_share.filter(|_| start != Start::MayNot && is_usable) {
+                add(OWN, NEW, -log_share - log_weight);
+            }
+            while let Some(&(_, column, pair)) = self.entries.get(entry).filter(|(of, _, _)| *of == row as u32) {
+                entry += 1;
+                if start == Start::Must || !is_usable {
+                    continue;
+                }
+                let found = scan.gating.pairs[pair as usize];
+                let log_miss = scan.gating.log_misses[found.track as usize];
+                let gain = sensor.log_detection + found.log_likelihood - log_clutter - log_miss;
+                add(column as u16, pair, -gain - log_weight);
+            }
+        }
+        Some(())
+    }
+
+    /// Logarithm of how many new targets a row's detection is expected to be, per false detection; `None` if it may not
+    /// start a track.
+    fn log_share_of_new(&self, group: &Group<'_>, parent: usize, row: usize) -> Option<f64> {
+        let settings = group.scan.settings;
+        let splitting = &settings.splitting;
+        let plot = &group.scan.plots[group.plots[row].1 as usize];
+        let may_split = self.in_confirmed_gate[row];
+        let is_guarded = group.has_confirmed && splitting.start_in_confirmed_gates && !may_split;
+        if plot.measurement.place().is_none() || is_guarded {
+            return None;
+        }
+        let of_split = splitting.new_target_share.filter(|_| may_split);
+        let plain = of_split.unwrap_or(settings.new_target_share);
+        let early = group
+            .easier_confirmation()
+            .filter(|_| self.parents.list[parent].lacking > 0);
+        Some(early.map_or(plain, |early| early.new_target_share.max(plain)).ln())
     }
 
     /// The pairs of a hypothesis by rows, with columns numbered in the order of its tracks.
@@ -255,16 +523,22 @@ impl Update {
         let Some(best) = self.ranked.next_cost() else {
             return 0.0;
         };
+        self.kin.clear();
+        let corrects = self.posed.iter().any(|posed| posed.is_enough);
+        let children_max = if corrects { 2 } else { 1 } * reduction.hypotheses_max;
         let (mut drawn, mut taken, mut fallback) = (0, 0.0, None);
         while let Some(cost) = self.ranked.next_cost() {
-            let enough = self.stage.len() >= reduction.hypotheses_max;
+            let enough = self.stage.len() >= children_max;
             // Its reliability is below its share of it and the best one together.
             let unreliable = (best - cost).exp() < reduction.reliability_min;
-            if enough || unreliable || drawn >= DRAWN_PER_KEPT * reduction.hypotheses_max {
+            if enough || unreliable || drawn >= DRAWN_PER_KEPT * children_max {
                 break;
             }
             let Some(solution) = self.ranked.next() else { break };
             drawn += 1;
+            if self.is_drawn_elsewhere(solution) {
+                continue;
+            }
             taken += (best - cost).exp();
             if !self.make_child(group, solution, group.limits, next, counts) {
                 // Something must stay even if every child breaks the limits: the likeliest.
@@ -277,6 +551,39 @@ impl Update {
         }
         let left = (self.ranked.log_left() + best).exp();
         left / (left + taken)
+    }
+
+    /// Whether a child of a plain problem comes out of one that holds only those with enough tracks, too.
+    fn is_drawn_elsewhere(&self, solution: Solution) -> bool {
+        let posed = self.posed[solution.problem];
+        let of_parent = |other: &Posed| other.parent == posed.parent && other.is_enough;
+        !posed.is_enough && self.has_enough(solution) == Some(true) && self.posed.iter().any(of_parent)
+    }
+
+    /// Whether a child has as many tracks as a wide-area report asks for; `None` if none asks.
+    fn has_enough(&self, solution: Solution) -> Option<bool> {
+        let lacking = self.parents.list[self.posed[solution.problem].parent].lacking_due;
+        let new_tracks = self.ranked.meanings(solution).filter(|meaning| *meaning == NEW).count();
+        (lacking > 0).then_some(new_tracks >= lacking)
+    }
+
+    /// WA-4, to each parent's children.
+    fn correct_children(&mut self, correction: Option<Rule>) {
+        let Some(rule) = correction else { return };
+        for parent in 0..self.parents.list.len() {
+            if self.parents.list[parent].lacking_due == 0 {
+                continue;
+            }
+            let kin = || (0..self.kin.len()).filter(|child| self.kin[*child].0 == parent);
+            let rated = kin().map(|child| (self.stage.log_reliability(child), self.kin[child].1));
+            let gains = Gains::of_all(rated, rule);
+            self.parents.corrected |= gains != Gains::NONE;
+            for (child, (of, is_enough)) in self.kin.iter().enumerate() {
+                if *of == parent {
+                    self.stage.raise(child, gains.gain(*is_enough));
+                }
+            }
+        }
     }
 
     /// `false` if the child breaks the limits or finds no room.
@@ -297,12 +604,13 @@ impl Update {
             let track = group.scan.gating.pairs[meaning as usize].track;
             self.taken[track as usize] = meaning;
         }
+        let posed = self.posed[solution.problem];
         let mut room = true;
-        for place in 0..self.parents.members(solution.problem).len() {
-            let track = self.parents.members(solution.problem)[place];
+        for place in 0..self.parents.members(posed.parent).len() {
+            let track = self.parents.members(posed.parent)[place];
             let pair = std::mem::replace(&mut self.taken[track as usize], NONE);
             let staged = if pair == NONE {
-                self.missed_track(group, track)
+                self.missed_track(group, track, counts)
             } else {
                 self.updated_track(group, track, pair, counts)
             };
@@ -325,7 +633,12 @@ impl Update {
             counts.refused_hypotheses += 1;
             return false;
         }
-        self.stage.finish_child(-solution.cost)
+        let finished = self.stage.finish_child(-solution.cost - posed.lowered);
+        if finished {
+            let is_enough = self.has_enough(solution).unwrap_or(true);
+            self.kin.push((posed.parent, is_enough));
+        }
+        finished
     }
 
     /// `false` if there is no room.
@@ -341,17 +654,30 @@ impl Update {
     }
 
     /// The memory track (HT-3), unless it has been silent for too long.
-    fn missed_track(&mut self, group: &Group<'_>, number: u32) -> u32 {
+    fn missed_track(&mut self, group: &Group<'_>, number: u32, counts: &mut Counts) -> u32 {
         if self.missed[number as usize] == UNMADE {
             let scan = group.scan;
             let mut track = scan.before.tracks[number as usize];
+            let log_miss = scan.gating.log_misses[number as usize];
             track.missed += 1;
-            track.log_likelihood_ratio += scan.sensor.log_miss;
-            track.remember(NO_DETECTION);
-            let deletion = &scan.settings.deletion;
-            let silent_ns = scan.time_ns.saturating_sub(track.time_ns);
-            let gone = track.missed >= deletion.missed_scans || silent_ns >= deletion.silent_ns;
+            track.log_silence += log_miss;
+            track.log_likelihood_ratio += log_miss;
+            // A quick sensor that finds nothing here must not push out of the memory what a slow one has left open.
+            if !group.plots.is_empty() || scan.sensor.worth >= 1.0 {
+                track.remember(NO_DETECTION);
+            }
+            let usual = &scan.settings.deletion;
+            let in_time = is_gone(&track, usual, scan.time_ns);
+            let early = group.early_deletion().filter(|_| !in_time);
+            let early = early.filter(|early| is_gone(&track, &early.deletion, scan.time_ns));
+            counts.wide_area_deletions += u64::from(early.is_some());
+            let gone = in_time || early.is_some();
             let apart = self.lacks_company(group, &track);
+            if gone {
+                explain_end(scan, &track, &early.map_or(*usual, |early| early.deletion));
+            } else if apart {
+                explain_company(scan, &track);
+            }
             self.missed[number as usize] = if gone || apart {
                 REMOVED
             } else {
@@ -370,9 +696,9 @@ impl Update {
             let mut track = scan.before.tracks[number as usize];
             track.motion = track.motion_at(plot.time_ns, &scan.settings.motion);
             // It was compared before, so it can be done.
-            let _ = track.motion.update(&plot.measurement);
-            track.time_ns = plot.time_ns;
-            track.missed = 0;
+            let _ = track.motion.update(&plot.measurement.worth(scan.sensor.worth));
+            (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
+            (track.missed, track.log_silence) = (0, 0.0);
             track.detections += 1;
             track.in_company += u32::from(self.in_confirmed_gate[self.row_of[found.plot as usize] as usize]);
             track.log_likelihood_ratio +=
@@ -380,6 +706,7 @@ impl Update {
             track.remember(scan.first_serial.wrapping_add(found.plot));
             self.updated[pair as usize] = if self.lacks_company(group, &track) {
                 counts.out_of_company += 1;
+                explain_company(scan, &track);
                 REMOVED
             } else {
                 self.stage.add_track(track).unwrap_or(UNMADE)
@@ -450,21 +777,68 @@ impl Update {
     }
 }
 
+fn explain_end(scan: &Scan<'_>, track: &Track, deletion: &Deletion) {
+    if has_missed_too_much(track, deletion) {
+        let limit = deletion.missed_probability;
+        scan.explain(TrackEvent::MissedTooOften, track, track.log_silence.exp(), limit);
+    } else {
+        let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
+        let [silent_s, limit_s] = [silent_ns, deletion.silent_ns].map(|time_ns| time_ns as f64 / NS_PER_S);
+        scan.explain(TrackEvent::SilentTooLong, track, silent_s, limit_s);
+    }
+}
+
+/// In how many ways `chosen` of `all` can be chosen, or more than are ever wanted.
+fn binomial(all: usize, chosen: usize) -> u64 {
+    if chosen > all {
+        return 0;
+    }
+    let step = |ways: u64, k: usize| ways.saturating_mul((all - k) as u64) / (k as u64 + 1);
+    (0..chosen.min(all - chosen)).fold(1, step)
+}
+
+/// The next larger number with as many bits set (R. W. Gosper).
+fn next_of_as_many_bits(bits: u64) -> u64 {
+    let lowest = bits & bits.wrapping_neg();
+    let carried = bits.wrapping_add(lowest);
+    if lowest == 0 || carried == 0 {
+        return 0;
+    }
+    carried | (((bits ^ carried) >> 2) / lowest)
+}
+
+fn explain_company(scan: &Scan<'_>, track: &Track) {
+    let limit = scan.settings.splitting.company_min.unwrap_or(f64::NAN);
+    let share = company(track.in_company, track.detections);
+    scan.explain(TrackEvent::OutOfCompany, track, share, limit);
+}
+
+/// Whether so long a silence is too unlikely for a target that is still there.
+fn has_missed_too_much(track: &Track, deletion: &Deletion) -> bool {
+    track.log_silence <= deletion.missed_probability.ln()
+}
+
+/// Whether a track has been silent for too long (HT-10).
+fn is_gone(track: &Track, deletion: &Deletion, time_ns: i64) -> bool {
+    has_missed_too_much(track, deletion) || time_ns.saturating_sub(track.seen_ns) >= deletion.silent_ns
+}
+
 /// A new track, with an inherited motion or with what a first detection tells. `None` of a direction alone.
 pub(crate) fn begin(scan: &Scan<'_>, plot: u32, inherited: Option<Motion>, root: u32) -> Option<Track> {
     let found = &scan.plots[plot as usize];
     let settings = scan.settings;
     let updated = inherited.and_then(|mut motion| motion.update(&found.measurement).map(|_| motion));
-    let first = || first_state(&found.measurement, &settings.first_guess);
-    let motion = updated.or_else(|| Some(Motion::begun(first()?, &settings.motion)))?;
+    let motion = updated.or_else(|| Motion::first(&found.measurement, &settings.first_guess, &settings.motion))?;
     let mut track = Track {
         motion,
         time_ns: found.time_ns,
+        seen_ns: found.time_ns,
         root,
         number: TENTATIVE,
         detections: 1,
         in_company: 0,
         missed: 0,
+        log_silence: 0.0,
         log_likelihood_ratio: scan.settings.new_target_share.ln(),
         reliability: 0.0,
         history: [NO_DETECTION; HISTORY_MAX],

@@ -2,8 +2,12 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use formats::detection::{Detection, DetectionKind};
-use tracking::settings::{Capacity, Clutter, Limit, SensorSettings};
-use tracking::{Settings, Tracker};
+use tracking::settings::{Capacity, Limit, SensorSettings};
+use tracking::wide_area::WideAreaReport;
+use tracking::wide_area::distribution::Sharing;
+use tracking::wide_area::group::Groups;
+use tracking::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
+use tracking::{FieldOfView, Settings, Tracker};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -58,9 +62,13 @@ fn scans_allocate_nothing() {
     let mut settings = Settings {
         sensors: vec![SensorSettings {
             sensor_id: 1,
-            detection_probability: 0.9,
-            clutter: Clutter::Learned,
-            sigmas: None,
+            resolution_m: Some(2.0),
+            field_of_view: Some(FieldOfView {
+                range_m: [0.0, 2500.0],
+                sector_rad: Some([0.0, 1.5]),
+                position_m: None,
+            }),
+            ..SensorSettings::default()
         }],
         capacity: Capacity {
             tracks: 120,
@@ -73,6 +81,18 @@ fn scans_allocate_nothing() {
     settings.splitting.start_in_confirmed_gates = true;
     settings.splitting.tentative_tracks = Limit::Computed;
     settings.splitting.company_min = Some(0.3);
+    settings.wide_area.tracks_min = 0.0;
+    settings.wide_area.sharing = Some(Sharing::default());
+    settings.wide_area.groups = Some(Groups { probability_min: 0.3 });
+    settings.wide_area.confirmation = Some(EarlyConfirmation {
+        new_target_share: 1.0,
+        beside_confirmed_only: false,
+        confirmation: settings.confirmation,
+    });
+    settings.wide_area.deletion = Some(EarlyDeletion {
+        deletion: settings.deletion,
+        coverage: None,
+    });
     let mut tracker = Tracker::new(settings).unwrap();
     let mut state = 12345;
     for second in 0..60 {
@@ -83,12 +103,22 @@ fn scans_allocate_nothing() {
         } else {
             second * S
         };
+        let report = WideAreaReport {
+            time_ns: time_ns - S,
+            arrival_ns: time_ns,
+            position_m: [700.0 * random(&mut state), 700.0, 0.0],
+            velocity_mps: [0.0; 3],
+            targets: second as u32 % 9,
+            origin_m: None,
+        };
+        let taken = assert_no_alloc(|| tracker.wide_area(&report));
+        assert!(taken.is_ok());
         let result = assert_no_alloc(|| tracker.scan(1, time_ns, &scan));
         assert!(result.is_ok());
     }
     let counts = tracker.counts();
     assert!(
-        counts.refused_tracks > 0 && counts.late_scans > 0 && counts.confirmed > 0,
+        counts.refused_tracks > 0 && counts.late_scans > 0 && counts.confirmed > 0 && counts.wide_area_corrections > 0,
         "{counts:?}"
     );
 }

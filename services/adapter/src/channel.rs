@@ -1,80 +1,132 @@
-//! One source's way from observations to its topic.
+//! One source's way from observations to its topics.
 
 use bus::{Mark, Publisher, SharedMemory};
-use formats::reports::{Converter, Observation};
-use messages::{COUNTERS_MAX, Counter, SensorTrack};
+use formats::bearing::Bearing;
+use formats::reports::{Observation, Service};
+use messages::{COUNTERS_MAX, Counter, PlatformState, SensorBearing, SensorDetection, SensorTrack};
 use runtime::clock::mono_ns;
 use runtime::config::Source;
 use runtime::{HealthEntry, Process};
 
+use crate::stages::{Made, Stage};
+
 /// Reports that are gathered before they are published, at most: those of one batch of datagrams.
 const GATHERED_MAX: usize = 4096;
 
-/// Converts what is observed, gathers it, and publishes it in slices, in the order in which it came.
+/// Hands what is observed to the source's stage, gathers what comes out, and publishes it in slices, in the order in which it
+/// came.
 #[derive(Debug)]
 pub(crate) struct Channel {
     source: u16,
     name: String,
-    converter: Converter,
+    stage: Stage,
     publisher: Publisher<SharedMemory, SensorTrack>,
-    gathered: Vec<SensorTrack>,
-    newest_ns: i64,
+    /// For sources whose tracks are made of detections.
+    detections: Option<Publisher<SharedMemory, SensorDetection>>,
+    /// For sources whose tracks are made of bearings: these, and where their platform was.
+    bearings: Option<Publisher<SharedMemory, SensorBearing>>,
+    platforms: Option<Publisher<SharedMemory, PlatformState>>,
+    gathered: Made,
 }
 
 impl Channel {
     pub(crate) fn open(process: &Process, source: &Source) -> anyhow::Result<Self> {
         let topic = messages::sensor_tracks(&source.name);
+        let detections = messages::sensor_detections(&source.name);
+        let open = |_| process.bus.publisher(&detections, process.incarnation);
+        let (bearings, platforms) = (
+            messages::sensor_bearings(&source.name),
+            messages::platform_states(&source.name),
+        );
+        let open_bearings = |_| process.bus.publisher(&bearings, process.incarnation);
+        let open_platforms = |_| process.bus.publisher(&platforms, process.incarnation);
         Ok(Self {
             source: source.number,
             name: source.name.clone(),
-            converter: Converter::new(source.model, process.first_day_ns()),
+            stage: Stage::new(source, process.first_day_ns())?,
             publisher: process.bus.publisher(&topic, process.incarnation)?,
-            gathered: Vec::with_capacity(GATHERED_MAX),
-            newest_ns: i64::MIN,
+            detections: source.tracker.as_ref().map(open).transpose()?,
+            bearings: source.locator.as_ref().map(open_bearings).transpose()?,
+            platforms: source.locator.as_ref().map(open_platforms).transpose()?,
+            gathered: Made {
+                tracks: Vec::with_capacity(GATHERED_MAX),
+                ..Made::default()
+            },
         })
     }
 
     /// What follows was received at `received_ns` (UTC, nanoseconds).
     pub(crate) fn received(&mut self, received_ns: i64) {
-        self.converter.received(received_ns);
+        self.stage.received(received_ns);
     }
 
     /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
     pub(crate) fn take(&mut self, observation: &Observation, ingested_ns: i64) -> anyhow::Result<()> {
-        if let Some(report) = self.converter.convert(observation, ingested_ns) {
-            if self.gathered.len() == GATHERED_MAX {
-                self.publish()?;
-            }
-            self.newest_ns = self.newest_ns.max(report.time_of_measurement_ns);
-            self.gathered.push(report);
-        }
-        Ok(())
+        self.stage.take(observation, ingested_ns, &mut self.gathered);
+        self.publish_many()
+    }
+
+    /// Takes a bearing that came in at `ingested_ns`.
+    pub(crate) fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64) -> anyhow::Result<()> {
+        self.stage.bearing(bearing, ingested_ns, &mut self.gathered);
+        self.publish_many()
     }
 
     /// Takes a record that speaks of the sensor.
-    pub(crate) fn service(&mut self, time_of_day_ns: Option<i64>) {
-        self.converter.service(time_of_day_ns);
-        self.newest_ns = self.newest_ns.max(self.converter.running_ns().unwrap_or(i64::MIN));
+    pub(crate) fn service(&mut self, service: &Service, ingested_ns: i64) -> anyhow::Result<()> {
+        self.stage.service(service, ingested_ns, &mut self.gathered);
+        self.publish_many()
     }
 
     /// Publishes what has been gathered.
     pub(crate) fn publish(&mut self) -> anyhow::Result<()> {
-        if self.gathered.is_empty() {
-            return Ok(());
-        }
         let mark = Mark {
-            progress_ns: self.newest_ns,
+            progress_ns: self.stage.progress_ns(),
             sent_ns: mono_ns(),
             end: false,
         };
-        let gathered = &self.gathered;
-        self.publisher.send(mark, gathered.len(), |index, sequence| {
-            let mut report = gathered[index];
-            report.sequence = sequence;
-            report.stages.published_ns = mark.sent_ns;
-            report
-        })?;
-        self.gathered.clear();
+        let Made {
+            tracks,
+            detections,
+            bearings,
+            platforms,
+        } = &self.gathered;
+        if let Some(publisher) = self.detections.as_mut().filter(|_| !detections.is_empty()) {
+            publisher.send(mark, detections.len(), |index, sequence| {
+                let mut detection = detections[index];
+                detection.sequence = sequence;
+                detection.stages.published_ns = mark.sent_ns;
+                detection
+            })?;
+        }
+        if let Some(publisher) = self.platforms.as_mut().filter(|_| !platforms.is_empty()) {
+            publisher.send(mark, platforms.len(), |index, sequence| {
+                let mut platform = platforms[index];
+                platform.sequence = sequence;
+                platform.stages.published_ns = mark.sent_ns;
+                platform
+            })?;
+        }
+        if let Some(publisher) = self.bearings.as_mut().filter(|_| !bearings.is_empty()) {
+            publisher.send(mark, bearings.len(), |index, sequence| {
+                let mut bearing = bearings[index];
+                bearing.sequence = sequence;
+                bearing.stages.published_ns = mark.sent_ns;
+                bearing
+            })?;
+        }
+        if !tracks.is_empty() {
+            self.publisher.send(mark, tracks.len(), |index, sequence| {
+                let mut report = tracks[index];
+                report.sequence = sequence;
+                report.stages.published_ns = mark.sent_ns;
+                report
+            })?;
+        }
+        self.gathered.tracks.clear();
+        self.gathered.detections.clear();
+        self.gathered.bearings.clear();
+        self.gathered.platforms.clear();
         Ok(())
     }
 
@@ -82,8 +134,8 @@ impl Channel {
     pub(crate) fn health(&self, decoded: &[u64; COUNTERS_MAX]) -> HealthEntry {
         let mut entry = HealthEntry {
             source: self.source,
-            progress_ns: self.newest_ns,
-            counters: *self.converter.counters(),
+            progress_ns: self.stage.progress_ns(),
+            counters: self.stage.counters(),
             // Readers without the configuration, such as `koseki top`, know sources by their numbers only.
             note: self.name.clone(),
             ..HealthEntry::default()
@@ -93,5 +145,12 @@ impl Channel {
         }
         entry.set(Counter::Published, self.publisher.counts().samples);
         entry
+    }
+
+    fn publish_many(&mut self) -> anyhow::Result<()> {
+        match self.gathered.tracks.len().max(self.gathered.bearings.len()) < GATHERED_MAX {
+            true => Ok(()),
+            false => self.publish(),
+        }
     }
 }

@@ -57,7 +57,7 @@ impl Content {
                 for record in decoder.records(packed.next_block()).flatten() {
                     match observation::read(&record) {
                         Reading::Target(observed) => intake.observe(&observed),
-                        Reading::Service(time_of_day_ns) => intake.service(time_of_day_ns),
+                        Reading::Service(service) => intake.service(&service),
                         Reading::Other => {}
                     }
                 }

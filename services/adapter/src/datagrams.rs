@@ -106,9 +106,9 @@ impl Sources {
                         channel.received(received_ns);
                         channel.take(&observed, ingested_ns)?;
                     }
-                    Reading::Service(time_of_day_ns) => {
+                    Reading::Service(service) => {
                         self.channels[index].received(received_ns);
-                        self.channels[index].service(time_of_day_ns);
+                        self.channels[index].service(&service, ingested_ns)?;
                     }
                     Reading::Other => {}
                 }

@@ -3,21 +3,25 @@
 //!
 //! Where the data come from is one file each: `recording` and `content` decode a recorded file, and `replay` paces it by its own
 //! times;
-//! `datagrams` and `lines` receive from the network. `channel` is what they share: a source's way to its topic.
+//! `datagrams`, `lines` and `bearings` receive from the network. What they share is the way from there: the source's stage makes sensor
+//! tracks of what was observed (`stages`), and, for live sources, `channel` publishes them.
 
 #![forbid(unsafe_code)]
 
+mod bearings;
 mod channel;
 mod content;
 mod datagrams;
 mod lines;
 pub mod recording;
 mod replay;
+mod stages;
 
 use anyhow::Context as _;
 use runtime::config::{Input, Source, Transport};
 use runtime::{Agent, Process};
 
+use crate::bearings::Bearings;
 use crate::datagrams::Datagrams;
 use crate::lines::Lines;
 
@@ -30,7 +34,10 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let (config, name) = (&process.config, &process.name);
     let sources: Vec<&Source> = config.sources.iter().filter(|source| source.adapter == *name).collect();
     if let Some(receiver) = config.receiver(name) {
+        let has_bearings = sources.iter().any(|source| source.locator.is_some());
         let mut agent: Box<dyn Agent> = match &receiver.transport {
+            Transport::Udp(settings) if has_bearings => Box::new(Bearings::new(process, settings, &sources)?),
+            Transport::Loopback { port } if has_bearings => Box::new(Bearings::loopback(process, *port, &sources)?),
             Transport::Udp(settings) => Box::new(Datagrams::new(process, settings, &sources)?),
             Transport::Loopback { port } => Box::new(Datagrams::loopback(process, *port, &sources)?),
             Transport::Sbs { server, settings } => Box::new(Lines::new(process, *server, *settings, &sources)?),

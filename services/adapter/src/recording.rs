@@ -5,12 +5,12 @@
 
 use std::collections::VecDeque;
 
-use formats::csv_table::CsvError;
-use formats::reports::{Converter, Observation, Reorder, SourceModel};
-use messages::{COUNTERS_MAX, Counter, SensorTrack};
-use runtime::config::Recorded;
+use formats::reports::{Observation, Reorder, Service};
+use messages::{COUNTERS_MAX, Counter, SensorDetection, SensorTrack};
+use runtime::config::{Recorded, Source};
 
 use crate::content::Content;
+use crate::stages::{Made, Stage};
 
 /// Reports that are decoded ahead: more than any slice holds.
 pub(crate) const AHEAD: usize = 128;
@@ -22,13 +22,17 @@ pub struct Recording {
     intake: Intake,
     ready: VecDeque<SensorTrack>,
     next_number: u64,
+    /// Detections of which tracks were made, numbered by their place in the recording.
+    detections: VecDeque<SensorDetection>,
+    next_detection: u64,
 }
 
 /// Takes what a recording holds, and puts it into the order of its times.
 #[derive(Debug)]
 pub(crate) struct Intake {
     source: u16,
-    converter: Converter,
+    stage: Stage,
+    made: Made,
     reorder: Reorder,
     late: u64,
     tracks: u64,
@@ -37,16 +41,29 @@ pub(crate) struct Intake {
 impl Intake {
     /// A target report.
     pub(crate) fn observe(&mut self, observed: &Observation) {
-        if let Some(report) = self.converter.convert(observed, 0)
-            && !self.reorder.push(report)
-        {
-            self.late += 1;
-        }
+        self.stage.take(observed, 0, &mut self.made);
+        self.put_in_order();
     }
 
     /// A record that speaks of the sensor.
-    pub(crate) fn service(&mut self, time_of_day_ns: Option<i64>) {
-        self.converter.service(time_of_day_ns);
+    pub(crate) fn service(&mut self, service: &Service) {
+        self.stage.service(service, 0, &mut self.made);
+        self.put_in_order();
+    }
+
+    /// Nothing follows.
+    fn end(&mut self) {
+        self.stage.end(&mut self.made);
+        self.put_in_order();
+        self.reorder.finish();
+    }
+
+    fn put_in_order(&mut self) {
+        for track in self.made.tracks.drain(..) {
+            if !self.reorder.push(track) {
+                self.late += 1;
+            }
+        }
     }
 
     /// A sensor track, ready made.
@@ -63,22 +80,26 @@ impl Intake {
 }
 
 impl Recording {
-    /// The recording in `bytes`, whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds).
+    /// The recording in `bytes` of `source`, whose first report is of the day that begins at `first_day_ns` (UTC,
+    /// nanoseconds).
     ///
     /// # Errors
     /// If it is to be a table of sensor tracks and its header is none of such a table.
-    pub fn new(bytes: Vec<u8>, recorded: &Recorded, model: SourceModel, first_day_ns: i64) -> Result<Self, CsvError> {
+    pub fn new(bytes: Vec<u8>, recorded: &Recorded, source: &Source, first_day_ns: i64) -> anyhow::Result<Self> {
         let mut recording = Self {
             content: Content::open(bytes, recorded, first_day_ns)?,
             intake: Intake {
-                source: model.number,
-                converter: Converter::new(model, first_day_ns),
+                source: source.number,
+                stage: Stage::new(source, first_day_ns)?,
+                made: Made::default(),
                 reorder: Reorder::new(recorded.reorder_ns),
                 late: 0,
                 tracks: 0,
             },
             ready: VecDeque::with_capacity(2 * AHEAD),
             next_number: 0,
+            detections: VecDeque::new(),
+            next_detection: 0,
         };
         recording.decode_ahead();
         Ok(recording)
@@ -94,12 +115,22 @@ impl Recording {
         self.ready.get(ahead)
     }
 
+    /// The next detection without taking it: of those that the tracks decoded so far were made of.
+    pub(crate) fn peek_detection(&self) -> Option<&SensorDetection> {
+        self.detections.front()
+    }
+
+    /// The next detection.
+    pub(crate) fn next_detection(&mut self) -> Option<SensorDetection> {
+        self.detections.pop_front()
+    }
+
     /// What has been counted so far, indexed by [`Counter`].
     pub fn counters(&self) -> [u64; COUNTERS_MAX] {
         let intake = &self.intake;
-        let mut counters = *intake.converter.counters();
+        let mut counters = intake.stage.counters();
         self.content.count(&mut counters);
-        counters[Counter::RejectedLate as usize] = intake.late;
+        counters[Counter::RejectedLate as usize] += intake.late;
         counters[Counter::Reports as usize] += intake.tracks;
         counters[Counter::Reports as usize] -= intake.late;
         counters
@@ -109,7 +140,12 @@ impl Recording {
         while self.ready.len() < AHEAD && !self.content.is_exhausted() {
             self.content.read_piece(&mut self.intake);
             if self.content.is_exhausted() {
-                self.intake.reorder.finish();
+                self.intake.end();
+            }
+            for mut detection in self.intake.made.detections.drain(..) {
+                detection.sequence = self.next_detection;
+                self.next_detection += 1;
+                self.detections.push_back(detection);
             }
             while let Some(mut report) = self.intake.reorder.pop() {
                 report.sequence = self.next_number;

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Mark, Publisher, SharedMemory, WaitMode, Waiter};
-use messages::{Counter, ProcessKind, SensorTrack};
+use messages::{Counter, ProcessKind, SensorDetection, SensorTrack};
 use runtime::clock::mono_ns;
 use runtime::config::{Recorded, Source};
 use runtime::flow::Flow;
@@ -36,6 +36,14 @@ pub(crate) struct Replay {
     ended: bool,
     end_said_ns: i64,
     waited: u64,
+    detections: Option<Detections>,
+}
+
+/// The way out of the detections of which the tracks were made; only the recorder reads them all.
+#[derive(Debug)]
+struct Detections {
+    publisher: Publisher<SharedMemory, SensorDetection>,
+    flow: Flow<SharedMemory>,
 }
 
 /// Maps the machine's monotonic clock to the recording's time.
@@ -56,10 +64,14 @@ impl Replay {
         if process.config.recorder {
             consumers.push(ProcessKind::Recorder);
         }
+        let detections = match &source.tracker {
+            Some(_) => Some(Detections::open(process, source)?),
+            None => None,
+        };
         let mut waiter = process.bus.waiter(WaitMode::Event);
         waiter.watch(&process.bus, &messages::progress())?;
         Ok(Self {
-            recording: Recording::new(bytes, recorded, source.model, first_day_ns)
+            recording: Recording::new(bytes, recorded, source, first_day_ns)
                 .with_context(|| path.display().to_string())?,
             publisher: process.bus.publisher(&topic, process.incarnation)?,
             flow: Flow::new(
@@ -75,6 +87,7 @@ impl Replay {
             ended: false,
             end_said_ns: 0,
             waited: 0,
+            detections,
         })
     }
 
@@ -95,12 +108,61 @@ impl Replay {
         });
     }
 
-    /// How many reports, at most a slice, are due at `now`.
-    fn due(&self, clock: Clock, now: Now) -> usize {
-        let until_ns = match self.speed {
+    /// Publishes a slice of the detections that are due before the next reports; whether there were any, or they must
+    /// wait for the recorder. A recorder that still lacks some is given them again after a restart.
+    fn publish_detections(&mut self, until_ns: i64, now: Now) -> anyhow::Result<Option<Turn>> {
+        let Some(Detections { publisher, flow }) = &mut self.detections else {
+            return Ok(None);
+        };
+        let sent = publisher.counts().slices;
+        flow.update(sent)?;
+        let (recording, first_needed) = (&mut self.recording, flow.first_needed());
+        while recording
+            .peek_detection()
+            .is_some_and(|next| next.sequence < first_needed)
+        {
+            recording.next_detection();
+        }
+        let is_due = |next: &SensorDetection| next.time_of_measurement_ns <= until_ns;
+        if !recording.peek_detection().is_some_and(is_due) {
+            return Ok(None);
+        }
+        if !flow.may_send(sent) {
+            self.waited += 1;
+            return Ok(Some(Turn::Idle(PATIENCE)));
+        }
+        let mut slice = Vec::with_capacity(publisher.slice_len());
+        while slice.len() < publisher.slice_len()
+            && let Some(next) = recording.peek_detection().filter(|next| is_due(next))
+        {
+            slice.push(*next);
+            recording.next_detection();
+        }
+        let mark = Mark {
+            progress_ns: slice.last().map_or(i64::MIN, |last| last.time_of_measurement_ns),
+            sent_ns: mono_ns(),
+            end: false,
+        };
+        publisher.send(mark, slice.len(), |index, _| {
+            let mut detection = slice[index];
+            detection.stages.ingested_ns = now.mono_ns;
+            detection.stages.published_ns = mark.sent_ns;
+            detection
+        })?;
+        Ok(Some(Turn::Worked))
+    }
+
+    /// Up to what time of the data everything is due.
+    fn until_ns(&self, clock: Clock, now: Now) -> i64 {
+        match self.speed {
             Speed::Max => i64::MAX,
             Speed::Factor(factor) => clock.data_ns + ((now.mono_ns - clock.mono_ns) as f64 * factor) as i64,
-        };
+        }
+    }
+
+    /// How many reports, at most a slice, are due at `now`.
+    fn due(&self, clock: Clock, now: Now) -> usize {
+        let until_ns = self.until_ns(clock, now);
         let due = |ahead: &usize| {
             self.recording
                 .peek_nth(*ahead)
@@ -131,6 +193,9 @@ impl Replay {
         })?;
         self.ended = mark.end;
         self.end_said_ns = mark.sent_ns;
+        if let Some(detections) = self.detections.as_mut().filter(|_| mark.end) {
+            detections.publisher.send(mark, 0, |_, _| SensorDetection::default())?;
+        }
         Ok(())
     }
 
@@ -141,6 +206,26 @@ impl Replay {
         let data_ns = (next.time_of_measurement_ns - clock.data_ns) as f64 / factor;
         let wait_ns = clock.mono_ns as f64 + data_ns - now.mono_ns as f64;
         Duration::from_nanos(wait_ns.max(0.0) as u64).min(PATIENCE)
+    }
+}
+
+impl Detections {
+    fn open(process: &Process, source: &Source) -> anyhow::Result<Self> {
+        let topic = messages::sensor_detections(&source.name);
+        let consumers: &[ProcessKind] = match process.config.recorder {
+            true => &[ProcessKind::Recorder],
+            false => &[],
+        };
+        Ok(Self {
+            publisher: process.bus.publisher(&topic, process.incarnation)?,
+            flow: Flow::new(
+                &process.bus,
+                process.incarnation,
+                messages::detections_number(source.number),
+                topic.capacity.depth,
+                consumers,
+            )?,
+        })
     }
 }
 
@@ -160,11 +245,20 @@ impl Agent for Replay {
         }
         let Some(clock) = self.clock else {
             self.start(now);
-            // Says where the source begins, so that the others need not wait for its first report.
-            self.publish(0, now)?;
+            if self.recording.peek().is_some() {
+                // Says where the source begins, so that the others need not wait for its first report.
+                self.publish(0, now)?;
+            }
             return Ok(Turn::Worked);
         };
         let count = self.due(clock, now);
+        // Detections first: those up to the last of these reports, and all that are left before the end is said.
+        let is_last = self.recording.peek_nth(count).is_none();
+        let last_ns = count.checked_sub(1).and_then(|last| self.recording.peek_nth(last));
+        let last_ns = last_ns.map_or(i64::MIN, |last| last.time_of_measurement_ns);
+        if let Some(turn) = self.publish_detections(if is_last { i64::MAX } else { last_ns }, now)? {
+            return Ok(turn);
+        }
         if count == 0 && self.recording.peek().is_some() {
             return Ok(Turn::Idle(self.until_due(clock, now)));
         }

@@ -161,6 +161,7 @@ pub(crate) fn account(settings: &Settings, measured: &Measured) -> Account {
         sent: measured.sent(settings.batch),
         answers: received.answers,
         unanswered: measured.unanswered(),
+        flood_unanswered: measured.flood_unanswered(),
         beyond_one: measured.recorder.beyond_one(),
         untriggered: received.untriggered,
         unconfirmed: received.unconfirmed,
@@ -187,6 +188,7 @@ pub(crate) fn jitter_figures(jitter: &Jitter) -> JitterFigures {
 pub(crate) fn point(rate: f64, runs: Vec<Run>, merged: &Distributions) -> Point {
     let of = |figures: fn(&Run) -> Figures| Figures::median(&runs.iter().map(figures).collect::<Vec<_>>());
     let stage = |key: &str| Figures::median(&runs.iter().map(|run| run.stages[key]).collect::<Vec<_>>());
+    let lost_of_flood = runs.iter().map(|run| run.account.flood_unanswered).sum();
     Point {
         rate_per_s: rate,
         floor: of(|run| run.floor),
@@ -199,7 +201,7 @@ pub(crate) fn point(rate: f64, runs: Vec<Run>, merged: &Distributions) -> Point 
             lateness: of(|run| run.jitter.lateness),
             ..jitter_figures(&merged.jitter)
         },
-        flooded: (!merged.flooded.is_empty()).then(|| Figures::of(&merged.flooded, 0)),
+        flooded: (!merged.flooded.is_empty()).then(|| Figures::of(&merged.flooded, lost_of_flood)),
         runs,
     }
 }
@@ -225,6 +227,7 @@ fn assemble(
         jitter: first.jitter,
         verdicts: verdicts(
             settings.wait,
+            settings.batch,
             &first.floor,
             &first.pipeline,
             engine.ns_per_update,

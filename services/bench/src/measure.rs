@@ -91,9 +91,14 @@ impl Measured {
         self.driven.batches * batch as u64
     }
 
-    /// Of these, reports that nothing came back of.
+    /// Of these, reports that nothing came back of; not those of a source that floods.
     pub(crate) fn unanswered(&self) -> u64 {
         self.recorder.unanswered(self.driven.batches)
+    }
+
+    /// The same of a flooding source's share, which the others leave out.
+    pub(crate) fn flood_unanswered(&self) -> u64 {
+        self.recorder.flood_unanswered(self.driven.batches)
     }
 
     pub(crate) fn received(&self) -> Received {
@@ -128,12 +133,12 @@ pub(crate) fn relay(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Res
         settings.bench_place(),
         || running.check(),
         |abort| {
-            let bus = Bus::<SharedMemory>::open(root, "bench")?;
+            let bus = Bus::<SharedMemory>::open_for_few(root, "bench")?;
             let sender = ToRelay::open(&bus, bare)?;
             let mut exchange: Box<dyn Exchange> = match settings.wait {
                 Wait::Event => {
                     let root = root.clone();
-                    let receiver = move || FromRelay::open(&Bus::open(&root, "bench-reader")?, bare);
+                    let receiver = move || FromRelay::open(&Bus::open_for_few(&root, "bench-reader")?, bare);
                     Box::new(TwoThreads::new(sender, receiver, Arc::clone(abort))?)
                 }
                 Wait::Spin | Wait::Hybrid => {
@@ -170,12 +175,13 @@ pub(crate) fn running_pipeline(
         settings.bench_place(),
         || fusion.check(),
         |abort| {
-            let bus = Bus::<SharedMemory>::open(root, "bench")?;
+            let bus = Bus::<SharedMemory>::open_for_few(root, "bench")?;
             let sender = ToFusion::open(&bus, settings)?;
             let mut exchange: Box<dyn Exchange> = match settings.wait {
                 Wait::Event => {
                     let root = root.clone();
-                    let receiver = move || FromFusion::open(&Bus::open(&root, "bench-reader")?, Wait::Event.mode());
+                    let receiver =
+                        move || FromFusion::open(&Bus::open_for_few(&root, "bench-reader")?, Wait::Event.mode());
                     Box::new(TwoThreads::new(sender, receiver, Arc::clone(abort))?)
                 }
                 Wait::Spin | Wait::Hybrid => Box::new(OneThread {
@@ -309,5 +315,8 @@ fn load<'a>(
         rests: rests(settings),
         flood,
     };
-    (load, recorder.with_flooding(flood.map(|(source, _)| source)))
+    if let Some((source, _)) = flood {
+        recorder = recorder.with_flooding(source, traffic.sources());
+    }
+    (load, recorder)
 }

@@ -31,6 +31,8 @@ pub(crate) struct Recorder {
     batch: u16,
     /// Source whose reports are not counted with the others, because it floods.
     flooding: u16,
+    /// Sources that take turns.
+    sources: u64,
     stages: [Histogram<u64>; 5],
     flooded: Histogram<u64>,
     /// Of each batch: states that came back.
@@ -61,6 +63,7 @@ impl Recorder {
             pace,
             batch: batch as u16,
             flooding: NO_SOURCE,
+            sources: 1,
             stages: std::array::from_fn(|_| histogram()),
             flooded: histogram(),
             answers: vec![0; batches as usize],
@@ -74,9 +77,9 @@ impl Recorder {
         self.pace = pace;
     }
 
-    /// This recorder, keeping the latencies of `source` apart.
-    pub(crate) fn with_flooding(mut self, source: Option<u16>) -> Self {
-        self.flooding = source.unwrap_or(NO_SOURCE);
+    /// This recorder, keeping what belongs to `source` apart, one of `sources` that take turns.
+    pub(crate) fn with_flooding(mut self, source: u16, sources: u64) -> Self {
+        (self.flooding, self.sources) = (source, sources);
         self
     }
 
@@ -119,10 +122,21 @@ impl Recorder {
         self.counts
     }
 
-    /// Reports of the first `sent` batches that nothing came back of.
+    /// Reports of the first `sent` batches that nothing came back of, those of a flooding source excepted.
     pub(crate) fn unanswered(&self, sent: u64) -> u64 {
+        self.missing(sent, |source| source != u64::from(self.flooding))
+    }
+
+    /// The same of the flooding source's own share.
+    pub(crate) fn flood_unanswered(&self, sent: u64) -> u64 {
+        self.missing(sent, |source| source == u64::from(self.flooding))
+    }
+
+    fn missing(&self, sent: u64, counts: impl Fn(u64) -> bool) -> u64 {
         let missing = |answers: &u16| u64::from(self.batch.saturating_sub(*answers));
-        self.answers.iter().take(sent as usize).map(missing).sum()
+        let of_source = |(batch, _): &(u64, &u16)| counts(batch % self.sources);
+        let answers = (0..sent).zip(&self.answers).filter(of_source);
+        answers.map(|(_, answers)| missing(answers)).sum()
     }
 
     /// States beyond one for each report.

@@ -49,7 +49,7 @@ pub fn run(options: &RelayOptions) -> anyhow::Result<()> {
     if !signals::stop_with_parent(options.launcher).context("following the bench")? {
         anyhow::bail!("the bench (process {}) is gone", options.launcher);
     }
-    let bus = Bus::<SharedMemory>::open(&Root::new(&options.instance)?, "relay")?;
+    let bus = Bus::<SharedMemory>::open_for_few(&Root::new(&options.instance)?, "relay")?;
     let settings = relay_settings(options.slice_len, options.wait != WaitMode::Spin);
     let receiver = BareReceiver::<SensorTrack>::open(&bus, RELAY_IN, settings)?;
     let sender = BareSender::<SystemTrack>::open(&bus, RELAY_OUT, settings)?;

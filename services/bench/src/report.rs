@@ -94,8 +94,11 @@ pub struct Account {
     pub sent: u64,
     /// System tracks that came back of them.
     pub answers: u64,
-    /// Reports that nothing came back of.
+    /// Reports that nothing came back of; not those of a source that floods.
     pub unanswered: u64,
+    /// The same of the flooding source's share.
+    #[serde(default)]
+    pub flood_unanswered: u64,
     /// System tracks beyond one for each report.
     pub beyond_one: u64,
     /// System tracks that no report caused: coasting, ending.

@@ -123,6 +123,7 @@ pub(crate) fn odd(account: &Account) -> String {
         }
     };
     add(account.unanswered, "unanswered");
+    add(account.flood_unanswered, "of the flooding source's share unanswered");
     add(account.beyond_one, "states beyond one a report");
     add(account.unconfirmed, "unconfirmed");
     add(account.fusion.lost, "lost by fusion");

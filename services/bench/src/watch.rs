@@ -1,6 +1,7 @@
 //! `koseki bench watch`: what it costs to be watched.
 //!
-//! Something is added to a running fusion: a monitor, subscribers, one that has stopped reading. Its cost is far below the
+//! Something is added to a running fusion: a monitor, subscribers, one that has stopped reading; or one source sends many
+//! times as much, and what the others notice is measured. The cost is far below the
 //! machine's noise, so runs with and without it are paired, one directly after the other, in alternating order; of each
 //! pair only the ratio counts, and of the ratios the median with the interval that it lies in at 95 % (see `Ratio`).
 
@@ -15,7 +16,7 @@ use crate::figures::{Figures, Ratio};
 use crate::machine::{self, Machine};
 use crate::measure::{self, Plan};
 use crate::progress::say;
-use crate::settings::{Refused, Settings};
+use crate::settings::{Flood, Refused, Settings};
 use crate::site::{Fusion, Running, Site};
 use crate::subscribers::Subscribers;
 
@@ -32,6 +33,8 @@ pub enum Extra {
     StoppedSubscriber,
     /// So many subscribers that read.
     Subscribers(usize),
+    /// Source 0 sends so many times its share, which is not measured then.
+    Flood(u32),
 }
 
 impl std::fmt::Display for Extra {
@@ -40,6 +43,7 @@ impl std::fmt::Display for Extra {
             Self::Monitor => f.write_str("the monitor"),
             Self::StoppedSubscriber => f.write_str("a subscriber that has stopped reading"),
             Self::Subscribers(count) => write!(f, "{count} subscribers"),
+            Self::Flood(factor) => write!(f, "source 0 at {factor} times its rate"),
         }
     }
 }
@@ -64,6 +68,13 @@ struct Watched<'a> {
 /// If the machine cannot do it, a process fails, or the file cannot be written.
 pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> anyhow::Result<String> {
     settings.check()?;
+    if let Extra::Flood(factor) = with {
+        let flooded = Settings {
+            flood: Some(flood(factor)),
+            ..settings.clone()
+        };
+        flooded.check()?;
+    }
     if settings.runs < PAIRS_MIN {
         let what = format!(
             "--runs {}: fewer than {PAIRS_MIN} pairs give no interval at 95 %",
@@ -119,15 +130,27 @@ pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> 
 
 /// One measurement of a fresh fusion, with or without.
 fn one(site: &Site, settings: &Settings, plan: Plan, with: Option<Extra>) -> anyhow::Result<Figures> {
+    let mut settings = settings.clone();
+    if let Some(Extra::Flood(factor)) = with {
+        settings.flood = Some(flood(factor));
+    }
+    let settings = &settings;
     let fusion = site.start_fusion(settings, plan.rate_per_s)?;
     let (_monitor, _subscribers) = match with {
-        None => (None, None),
+        None | Some(Extra::Flood(_)) => (None, None),
         Some(Extra::Monitor) => (Some(monitor(site, &fusion)?), None),
         Some(Extra::StoppedSubscriber) => (None, Some(Subscribers::start(site, 1, false)?)),
         Some(Extra::Subscribers(count)) => (None, Some(Subscribers::start(site, count, true)?)),
     };
     let measured = measure::running_pipeline(site, fusion, settings, plan)?;
     Ok(Figures::of(measured.recorder.end_to_end(), measured.unanswered()))
+}
+
+fn flood(factor: u32) -> Flood {
+    Flood {
+        source: 0,
+        factor: f64::from(factor),
+    }
 }
 
 fn monitor<'a>(site: &'a Site, fusion: &Fusion<'_>) -> anyhow::Result<Running<'a>> {
@@ -172,7 +195,7 @@ fn shown(watched: &Watched<'_>) -> String {
     }
     text.push_str(&table.to_string());
     text.push_str(&format!(
-        "Unanswered reports: {} with, {} without.\n",
+        "Unanswered reports of all runs: {} with, {} without.\n",
         on.lost, off.lost
     ));
     text

@@ -8,6 +8,7 @@ use runtime::Config;
 use runtime::config::{Input, Monitor, MonitorWait, Order, Source};
 use telemetry::Stage;
 use telemetry::table::duration;
+use tracking::cutting::Boundaries;
 
 use crate::args::{self, Check};
 use crate::recordings::{self, Depth, Found};
@@ -100,7 +101,14 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
             )
         }
     };
-    format!("{}, every {period} s: {input}", source.name)
+    let tracked = source
+        .tracker
+        .as_ref()
+        .map_or("", |tracker| match tracker.cutter.boundaries {
+            Boundaries::Turn => "; its adapter makes tracks of its plots, turn by turn",
+            Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
+        });
+    format!("{}, every {period} s: {input}{tracked}", source.name)
 }
 
 fn wait(mode: WaitMode) -> &'static str {

@@ -3,7 +3,7 @@
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
 //! that answer questions ([`check`], [`status`], [`top`]), measure ([`mod@bench`]), give orders ([`condition`]) or work on
-//! files ([`decode`], [`simulate`], [`fuse`], [`locate`], [`compare`], [`score`]).
+//! files ([`decode`], [`simulate`], [`fuse`], [`track`], [`locate`], [`compare`], [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running; the latter two after one line on standard error (FM).
@@ -25,6 +25,7 @@ mod score;
 mod simulate;
 mod status;
 mod top;
+mod track;
 
 use std::io::Write as _;
 use std::path::Path;
@@ -91,6 +92,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Decode(decode) => decode::run(&decode),
         Command::Compare(compare) => compare::run(&compare),
         Command::Fuse(fuse) => fuse::run(&fuse),
+        Command::Track(track) => track::run(&track),
         Command::Locate(locate) => locate::run(&locate),
         Command::Simulate(simulate) => simulate::run(&simulate),
         Command::Score(score) => score::run(&score),

@@ -1,19 +1,21 @@
 //! `koseki simulate`: what simulated sensors see of a simulated world, as files (FM-9).
 //!
 //! The world and its sensors are those of the demonstration (`scenario`), without a clock: each sensor is asked for one
-//! delivery after the other. So a run of an hour takes seconds, and the same seed gives the same bytes.
+//! delivery after the other. So a run of an hour takes seconds, and the same seed gives the same bytes. Direction finders
+//! give a table of bearings (FM-7), in which a transmitter has the number of its target.
 
 use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context as _;
+use formats::bearings_csv::BearingWriter;
 use formats::detection::{Detection, DetectionKind, Truth as Of};
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, sensor_id};
 use messages::SensorTrack;
 use runtime::Config;
-use runtime::config::{BUILT_IN_DEMO, Input, Source};
-use scenario::{Plot, SensorSettings, SimulatedSensor, Truth};
+use runtime::config::{BUILT_IN_DEMO, Input, Instrument, Source};
+use scenario::{Plot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, TargetState, Truth};
 
 use crate::args::{Simulate, Usage};
 use crate::files::OutputFile;
@@ -39,8 +41,8 @@ const NAMED: [(&str, &[&str]); 3] = [
 /// If there is no such scenario, or a file cannot be written.
 pub(crate) fn run(simulate: &Simulate) -> anyhow::Result<()> {
     let config = config(&simulate.scenario)?;
-    let sensors: Vec<(&Source, &SensorSettings)> = config.sources.iter().filter_map(simulated).collect();
-    let (Some(world), false) = (&config.scenario, sensors.is_empty()) else {
+    let instruments: Vec<(&Source, &Instrument)> = config.sources.iter().filter_map(simulated).collect();
+    let (Some(world), false) = (&config.scenario, instruments.is_empty()) else {
         let what = "has no [scenario] with simulated sources; take config/demo.toml for a pattern";
         return Err(Usage(format!("--scenario {}: {what}", simulate.scenario.display())).into());
     };
@@ -49,13 +51,23 @@ pub(crate) fn run(simulate: &Simulate) -> anyhow::Result<()> {
     let truth = Truth::new(world, simulate.seed)?;
     let end_s = simulate.seconds.as_secs_f64();
     let mut said = String::new();
-    let mut observers = Vec::new();
-    for (source, settings) in sensors {
-        let mut sensor = SimulatedSensor::new(settings, simulate.seed, source.number, 0)?;
-        observers.push(sensor.clone());
-        let (reports, detections) = write_sensor(out, source.number, &mut sensor, &truth, end_s)?;
+    let mut observers = Observers::default();
+    for (source, instrument) in instruments {
         let (id, name) = (sensor_id(source.number), &source.name);
-        said += &format!("sensor {id} {name}: {reports} reports, {detections} detections\n");
+        match instrument {
+            Instrument::Sensor(settings) => {
+                let mut sensor = SimulatedSensor::new(settings, simulate.seed, source.number, 0)?;
+                observers.sensors.push(sensor.clone());
+                let (reports, detections) = write_sensor(out, source.number, settings, &mut sensor, &truth, end_s)?;
+                said += &format!("sensor {id} {name}: {reports} reports, {detections} detections\n");
+            }
+            Instrument::DirectionFinder(settings) => {
+                let mut finder = SimulatedDirectionFinder::new(settings, simulate.seed, source.number, 0)?;
+                observers.finders.push(finder.clone());
+                let bearings = write_bearings(out, source.number, &mut finder, &truth, end_s)?;
+                said += &format!("sensor {id} {name}: {bearings} bearings\n");
+            }
+        }
     }
     let rows = write_truth(&out.join("truth.csv"), &truth, &observers, end_s)?;
     said += &format!(
@@ -88,17 +100,18 @@ fn config(scenario: &Path) -> anyhow::Result<Config> {
     }
 }
 
-fn simulated(source: &Source) -> Option<(&Source, &SensorSettings)> {
+fn simulated(source: &Source) -> Option<(&Source, &Instrument)> {
     match &source.input {
-        Input::Simulated(simulated) => Some((source, &simulated.sensor)),
+        Input::Simulated(simulated) => Some((source, &simulated.instrument)),
         _ => None,
     }
 }
 
-/// Writes what one sensor reports and detects up to `end_s`; how much that is.
+/// Writes what one sensor reports and detects up to `end_s`; how much that is. One that delivers plots reports no tracks.
 fn write_sensor(
     folder: &Path,
     source: u16,
+    settings: &SensorSettings,
     sensor: &mut SimulatedSensor,
     truth: &Truth,
     end_s: f64,
@@ -116,7 +129,7 @@ fn write_sensor(
         sensor.scan_with_plots(truth, &mut reports, &mut plots);
         for report in reports
             .drain(..)
-            .filter(|report| report.time_of_measurement_ns <= end_ns)
+            .filter(|report| report.time_of_measurement_ns <= end_ns && !settings.plots)
         {
             tracks.write(&report).with_context(unwritten)?;
             report_count += 1;
@@ -131,6 +144,44 @@ fn write_sensor(
     tracks.into_inner().finish()?;
     detections.into_inner().finish()?;
     Ok((report_count, u64::from(plot_count)))
+}
+
+/// Writes what one direction finder hears up to `end_s`; how many bearings that is.
+fn write_bearings(
+    folder: &Path,
+    source: u16,
+    finder: &mut SimulatedDirectionFinder,
+    truth: &Truth,
+    end_s: f64,
+) -> anyhow::Result<u64> {
+    let path = folder.join(format!("bearings_{}.csv", sensor_id(source)));
+    let unwritten = || format!("{} cannot be written", path.display());
+    let mut table = BearingWriter::begin(OutputFile::begin(&path)?, 0).with_context(unwritten)?;
+    let (mut heard, mut count) = (Vec::new(), 0);
+    while finder.measured_s() <= end_s {
+        heard.clear();
+        finder.listen(truth, &mut heard);
+        for bearing in &heard {
+            table.write(bearing).with_context(unwritten)?;
+        }
+        count += heard.len() as u64;
+    }
+    table.into_inner().finish()?;
+    Ok(count)
+}
+
+/// Everything that observes the world.
+#[derive(Default)]
+struct Observers {
+    sensors: Vec<SimulatedSensor>,
+    finders: Vec<SimulatedDirectionFinder>,
+}
+
+impl Observers {
+    fn observe(&self, target: &TargetState) -> bool {
+        self.sensors.iter().any(|sensor| sensor.observes(target))
+            || self.finders.iter().any(|finder| finder.transmits(target))
+    }
 }
 
 /// A radar without height gives range and bearing; whoever measures height, a position.
@@ -167,14 +218,13 @@ fn detection(sensor_id: u32, number: u32, plot: &Plot) -> Detection {
 }
 
 /// Writes where the targets are that some sensor could see; how many rows that is.
-fn write_truth(path: &Path, truth: &Truth, observers: &[SimulatedSensor], end_s: f64) -> anyhow::Result<u64> {
+fn write_truth(path: &Path, truth: &Truth, observers: &Observers, end_s: f64) -> anyhow::Result<u64> {
     let unwritten = || format!("{} cannot be written", path.display());
     let mut out = OutputFile::begin(path)?;
     writeln!(out, "time_s,target_id,x,y,z,vx,vy,vz").with_context(unwritten)?;
     let mut rows = 0;
     for second in 0..=end_s as i64 {
-        let seen = |target: &scenario::TargetState| observers.iter().any(|sensor| sensor.observes(target));
-        for target in truth.at(second as f64).filter(seen) {
+        for target in truth.at(second as f64).filter(|target| observers.observe(target)) {
             let ([x, y, z], [vx, vy, vz]) = (target.position_m, target.velocity_mps);
             let id = target.id;
             writeln!(out, "{second},{id},{x:.3},{y:.3},{z:.3},{vx:.3},{vy:.3},{vz:.3}").with_context(unwritten)?;

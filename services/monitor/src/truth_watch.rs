@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use messages::{SystemTrack, TrackState};
 use runtime::Options;
-use runtime::config::{Config, Input};
+use runtime::config::{Config, Input, Instrument};
 use scenario::{Accuracy, AccuracyReport, PictureTrack, SimulatedSensor, TargetState, Truth};
 
 /// Time after the start that is left out.
@@ -45,9 +45,11 @@ impl TruthWatch {
         let start_ns = options.scenario_start_ns;
         let mut sensors = Vec::new();
         for source in &config.sources {
-            if let Input::Simulated(simulated) = &source.input {
-                let sensor = SimulatedSensor::new(&simulated.sensor, options.seed, source.number, start_ns)?;
-                sensors.push(sensor);
+            // What is only heard of is no part of the picture that has to be complete.
+            if let Input::Simulated(simulated) = &source.input
+                && let Instrument::Sensor(settings) = &simulated.instrument
+            {
+                sensors.push(SimulatedSensor::new(settings, options.seed, source.number, start_ns)?);
             }
         }
         let Some(world) = config.scenario.as_ref().filter(|_| !sensors.is_empty()) else {

@@ -7,8 +7,10 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
+use formats::detection::Detection;
+use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, SystemTrackWriter};
-use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SensorTrack, SystemTrack};
+use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SensorDetection, SensorTrack, SystemTrack};
 use runtime::config::Config;
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -25,6 +27,8 @@ const TURNS_AT_CLOSE: usize = 1000;
 #[derive(Debug)]
 pub struct RecorderAgent<S: Transport> {
     sources: Vec<SourceFile<S>>,
+    /// Of the sources whose tracks are made of detections.
+    detections: Vec<DetectionFile<S>>,
     system: SystemFile<S>,
     waiter: Waiter<S>,
     /// Recordings: says how far the recorder has got, so that nothing is lost.
@@ -40,6 +44,17 @@ struct SourceFile<S: Transport> {
     next_sequence: u64,
     /// Reports of a recording that were published but are in no row: a recorder died with them.
     missed: u64,
+    rows: u64,
+    ended: bool,
+}
+
+#[derive(Debug)]
+struct DetectionFile<S: Transport> {
+    source: u16,
+    subscriber: Subscriber<S, SensorDetection>,
+    writer: DetectionWriter<BufWriter<File>>,
+    /// As of sensor tracks.
+    next_sequence: u64,
     rows: u64,
     ended: bool,
 }
@@ -92,13 +107,34 @@ impl<S: Transport> RecorderAgent<S> {
                 ended: false,
             });
         }
+        let mut detections = Vec::new();
+        for source in config.sources.iter().filter(|source| source.tracker.is_some()) {
+            let topic = messages::sensor_detections(&source.name);
+            waiter.watch(bus, &topic)?;
+            let Opened { file, rows } = open(format!("detections_{}.csv", source.name))?;
+            let file = BufWriter::new(file);
+            detections.push(DetectionFile {
+                source: source.number,
+                subscriber: bus.subscriber(&topic, || incarnation)?,
+                writer: match rows {
+                    0 => DetectionWriter::begin(file, first_day_ns)?,
+                    _ => DetectionWriter::resume(file, first_day_ns),
+                },
+                next_sequence: rows,
+                rows: 0,
+                ended: false,
+            });
+        }
         waiter.watch(bus, &messages::system_tracks())?;
-        let topics: Vec<u16> = sources.iter().map(|source| source.source).chain([NO_SOURCE]).collect();
+        let of_sources = sources.iter().map(|source| source.source);
+        let of_detections = detections.iter().map(|file| messages::detections_number(file.source));
+        let topics: Vec<u16> = of_sources.chain([NO_SOURCE]).chain(of_detections).collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &topics);
         let Opened { file, rows } = open("system_tracks.csv".to_owned())?;
         let file = BufWriter::new(file);
         Ok(Self {
             sources,
+            detections,
             system: SystemFile {
                 subscriber: bus.subscriber(&messages::system_tracks(), || incarnation)?,
                 writer: match rows {
@@ -125,6 +161,13 @@ impl<S: Transport> RecorderAgent<S> {
                 }
             })?;
         }
+        for (file, index) in self.detections.iter_mut().zip(self.sources.len() + 1..) {
+            worked |= file.write_arrived(recorded, |header, next| {
+                if let Some(reached) = &mut self.reached {
+                    reached.done(index, header, next);
+                }
+            })?;
+        }
         let index = self.sources.len();
         worked |= self.system.write_arrived(|header, next| {
             if let Some(reached) = &mut self.reached {
@@ -135,7 +178,9 @@ impl<S: Transport> RecorderAgent<S> {
     }
 
     fn all_ended(&self) -> bool {
-        self.system.ended && self.sources.iter().all(|source| source.ended)
+        self.system.ended
+            && self.sources.iter().all(|source| source.ended)
+            && self.detections.iter().all(|file| file.ended)
     }
 }
 
@@ -164,6 +209,37 @@ impl<S: Transport> SourceFile<S> {
             done(header, *next_sequence);
         })?;
         failed.context("writing sensor tracks")?;
+        Ok(taken > 0)
+    }
+}
+
+impl<S: Transport> DetectionFile<S> {
+    fn write_arrived(&mut self, recorded: bool, mut done: impl FnMut(&BatchHeader, u64)) -> anyhow::Result<bool> {
+        let mut failed = Ok(());
+        let (writer, next_sequence, rows, ended) = (
+            &mut self.writer,
+            &mut self.next_sequence,
+            &mut self.rows,
+            &mut self.ended,
+        );
+        let source = self.source;
+        let taken = self.subscriber.take(SLICES_PER_TOPIC, |header, samples| {
+            for sample in samples {
+                if recorded && sample.sequence < *next_sequence {
+                    continue;
+                }
+                *next_sequence = sample.sequence + 1;
+                let sample = SensorDetection { source, ..*sample };
+                // A kind that is not known is of another schema, whose slices are not taken.
+                if let Some(detection) = Detection::of_sample(&sample) {
+                    *rows += 1;
+                    failed = std::mem::replace(&mut failed, Ok(())).and_then(|()| writer.write(&detection));
+                }
+            }
+            *ended |= header.flags & BatchHeader::END != 0;
+            done(header, *next_sequence);
+        })?;
+        failed.context("writing detections")?;
         Ok(taken > 0)
     }
 }
@@ -204,8 +280,12 @@ impl<S: Transport> Agent for RecorderAgent<S> {
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
-        let (sources, system) = (&self.sources, &self.system);
-        let has_work = || system.subscriber.has_slices() || sources.iter().any(|source| source.subscriber.has_slices());
+        let (sources, detections, system) = (&self.sources, &self.detections, &self.system);
+        let has_work = || {
+            system.subscriber.has_slices()
+                || sources.iter().any(|source| source.subscriber.has_slices())
+                || detections.iter().any(|file| file.subscriber.has_slices())
+        };
         self.waiter.wait(at_most, has_work)?;
         Ok(())
     }
@@ -237,8 +317,15 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                     counts.lost
                 },
             );
+            let of_source = |file: &&DetectionFile<S>| file.source == source.source;
+            let detections = self.detections.iter().find(of_source);
+            let lost = detections.map_or(0, |file| file.subscriber.counts().lost);
+            entry.set(Counter::Lost, entry.counters[Counter::Lost as usize] + lost);
             entry.set(Counter::SchemaMismatch, counts.schema_mismatch);
-            entry.set(Counter::RowsWritten, source.rows);
+            entry.set(
+                Counter::RowsWritten,
+                source.rows + detections.map_or(0, |file| file.rows),
+            );
             entries.push(entry);
         }
     }
@@ -254,6 +341,10 @@ impl<S: Transport> Agent for RecorderAgent<S> {
             .iter_mut()
             .try_for_each(|source| source.writer.flush())
             .context("writing sensor tracks")?;
+        self.detections
+            .iter_mut()
+            .try_for_each(|file| file.writer.flush())
+            .context("writing detections")?;
         self.system.writer.flush().context("writing system tracks")
     }
 }

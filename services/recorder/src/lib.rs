@@ -2,7 +2,8 @@
 //!
 //! One file per source, `sensor_tracks_<name>.csv`, in the order in which the source published, and one for the system
 //! tracks, `system_tracks.csv`, in the order of fusion. Neither order depends on scheduling when the inputs are recorded,
-//! so neither do the files: they carry the times of the data and none of the machine's.
+//! so neither do the files: they carry the times of the data and none of the machine's. Where an adapter makes a source's
+//! tracks of detections, `detections_<name>.csv` holds these, exactly: `koseki track` makes the same tracks of them (FM-6).
 
 #![forbid(unsafe_code)]
 

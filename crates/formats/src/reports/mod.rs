@@ -18,7 +18,7 @@ mod velocity;
 
 pub use atmosphere::STANDARD_PRESSURE_HPA;
 pub use converter::Converter;
-pub use observation::{Observation, Position};
+pub use observation::{Observation, Position, Service};
 pub use reorder::Reorder;
 pub use truncated_time::TRUNCATION_NS;
 

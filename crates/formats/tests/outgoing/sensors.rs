@@ -815,3 +815,39 @@ fn what_can_not_be_sent_is_named_with_what_can() {
     }
     assert_eq!((sender(radar, 128), sender(radar, 65_535)), (Ok(()), Ok(())));
 }
+
+#[test]
+fn a_radars_plot_has_neither_number_nor_track() {
+    let world = World::simple(45.0, 10.0);
+    let place = world.sensor.slant(50_000.0, 1.0, 3000.0);
+    for table in registry::REGISTRY.iter().copied().filter(|table| table.number == 48) {
+        let mut sender = SensorReports::new(table, 7, 9, world.sensor, world.system, 1400).unwrap();
+        let mut sent = Vec::new();
+        for height_known in [true, false] {
+            sender.plot(43_200_000_000_000, place, height_known, &mut |block| {
+                sent.extend_from_slice(block)
+            });
+        }
+        sender.flush(&mut |block| sent.extend_from_slice(block));
+        let found = records(table, &sent);
+        assert_eq!(found.len(), 2, "{table}");
+        for (record, height_known) in found.iter().zip([true, false]) {
+            let sent = Sent { record, table };
+            assert!(
+                (sent.quantity(&["040", "RHO"]) * NM_M - 50_000.0).abs() < 4.0,
+                "{table}"
+            );
+            assert!(
+                (sent.quantity(&["040", "THETA"]).to_radians() - 1.0).abs() < 1e-4,
+                "{table}"
+            );
+            assert_eq!(sent.has(&["090"]), height_known);
+            assert!(!sent.has(&["161"]) && !sent.has(&["042"]), "{table}");
+            sent.is(&["020", "TYP"], if height_known { 2u64 } else { 1 });
+        }
+    }
+    let table = registry::default_edition(20).unwrap();
+    let mut sender = SensorReports::new(table, 7, 9, world.sensor, world.system, 1400).unwrap();
+    sender.plot(0, place, true, &mut |_| panic!("multilateration has no plots"));
+    assert_eq!(sender.counts().withheld, 1);
+}

@@ -15,10 +15,11 @@ use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
 use super::check_rule::check_rule;
 use super::locate::line_of;
+use super::locating::{RawLocating, check_locating};
 use super::raw::{
     AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawPlace, RawRecorded, RawSource,
 };
-use super::{Config, ConfigError, Fusion, Input, Order, Recorded, RecordedFormat, Source};
+use super::{Config, ConfigError, Fusion, Input, Instrument, Order, Recorded, RecordedFormat, Source, SourceTracker};
 use crate::cores::{self, Placement};
 
 /// What is wrong with the value at a key.
@@ -170,11 +171,19 @@ fn check_source(
         360.0,
     )?;
     let mut origin = place(&key("place"), sensor_place)?;
-    let (input, adapter) = match (&raw.recorded, &raw.live, &raw.simulated, &raw.external) {
-        (Some(recorded), None, None, None) => (Input::Recorded(check_recorded(index, recorded)?), raw.name.clone()),
-        (None, Some(live), None, None) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
-        (None, None, None, Some(_)) => (Input::External, raw.name.clone()),
-        (None, None, Some(simulated), None) => {
+    let (input, adapter) = match (
+        &raw.recorded,
+        &raw.live,
+        &raw.simulated,
+        &raw.simulated_direction_finder,
+        &raw.external,
+    ) {
+        (Some(recorded), None, None, None, None) => {
+            (Input::Recorded(check_recorded(index, recorded)?), raw.name.clone())
+        }
+        (None, Some(live), None, None, None) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
+        (None, None, None, None, Some(_)) => (Input::External, raw.name.clone()),
+        (None, None, Some(simulated), None, None) => {
             simulated
                 .validate()
                 .map_err(|error| simulated_problem(&key("simulated"), &error))?;
@@ -183,12 +192,22 @@ fn check_source(
                 return Err(problem(key("place"), what));
             }
             origin = system.to_geodetic(simulated.position_m.unwrap_or_default());
-            let simulated = network.simulated(index, &raw.name, simulated);
+            let instrument = Instrument::Sensor(Box::new(simulated.clone()));
+            let simulated = network.simulated(index, &raw.name, instrument);
+            (Input::Simulated(simulated), raw.name.clone())
+        }
+        (None, None, None, Some(finder), None) => {
+            finder
+                .validate()
+                .map_err(|error| simulated_problem(&key("simulated_direction_finder"), &error))?;
+            let instrument = Instrument::DirectionFinder(Box::new(finder.clone()));
+            let simulated = network.simulated(index, &raw.name, instrument);
             (Input::Simulated(simulated), raw.name.clone())
         }
         _ => {
             let what = format!(
-                "\"{}\" needs exactly one of [source.recorded], [source.live], [source.simulated] and [source.external]",
+                "\"{}\" needs exactly one of [source.recorded], [source.live], [source.simulated], \
+                 [source.simulated_direction_finder] and [source.external]",
                 raw.name
             );
             return Err(problem(key("name"), what));
@@ -210,10 +229,14 @@ fn check_source(
         tracks: within(&key("limits.tracks"), limits.tracks as f64, 1.0, 1e6)? as usize,
     };
     let period_s = within(&key("period_s"), raw.period_s, 1e-3, 3600.0)?;
+    let tracker = check_tracker(index, raw, &input, network, period_s)?;
+    let locator = check_locator(index, raw, &input, network)?;
     let source = Source {
         number: index as u16,
         name: raw.name.clone(),
         technology: technology(raw.technology, &input, network),
+        tracker,
+        locator,
         input,
         adapter,
         model: SourceModel {
@@ -253,6 +276,61 @@ fn check_source(
         },
     };
     Ok((source, weighed))
+}
+
+fn check_tracker(
+    index: usize,
+    raw: &RawSource,
+    input: &Input,
+    network: &Network,
+    period_s: f64,
+) -> Checked<Option<SourceTracker>> {
+    let Some(tracker) = &raw.tracker else { return Ok(None) };
+    let key = || format!("source[{index}].tracker");
+    let has_detections = match input {
+        Input::Recorded(recorded) => recorded.format == RecordedFormat::Asterix,
+        Input::Live(live) => !network.is_sbs(&live.receiver),
+        Input::Simulated(simulated) => match &simulated.instrument {
+            Instrument::Sensor(sensor) => sensor.plots,
+            Instrument::DirectionFinder(_) => false,
+        },
+        Input::External => false,
+    };
+    if !has_detections {
+        let what = "takes plots in ASTERIX; leave it out where a source has tracks already, and give a simulated sensor \
+                    plots = true";
+        return Err(problem(key(), what));
+    }
+    tracker.checked(index as u16, period_s).map(Some)
+}
+
+/// A direction finder has bearings and nothing else, whether it is simulated or said to be one by its `[source.locator]`.
+fn check_locator(
+    index: usize,
+    raw: &RawSource,
+    input: &Input,
+    network: &Network,
+) -> Checked<Option<locating::Settings>> {
+    let key = format!("source[{index}].locator");
+    let may_have_bearings = match input {
+        Input::Live(live) => network.is_udp(&live.receiver),
+        Input::Simulated(simulated) => matches!(simulated.instrument, Instrument::DirectionFinder(_)),
+        Input::Recorded(_) | Input::External => false,
+    };
+    match (&raw.locator, input) {
+        (Some(_), _) if raw.tracker.is_some() => Err(problem(
+            key,
+            "bearings are located, detections are tracked: leave one of locator and tracker out",
+        )),
+        (Some(locator), _) if may_have_bearings => check_locating(locator, &key).map(Some),
+        (Some(_), _) => {
+            let what =
+                "takes bearings: of a [[receiver]] with [receiver.udp], or of a [source.simulated_direction_finder]";
+            Err(problem(key, what))
+        }
+        (None, Input::Simulated(_)) if may_have_bearings => check_locating(&RawLocating::default(), &key).map(Some),
+        (None, _) => Ok(None),
+    }
 }
 
 fn check_covariance(index: usize, raw: &RawSource) -> Checked<CovarianceModel> {

@@ -7,12 +7,12 @@ use formats::asterix::{Category, Edition, Mode, registry};
 use formats::outgoing::{HeightReference, Technology};
 use formats::sbs::SbsSettings;
 use net::{AllowedSenders, Interface, ReceiverSettings, SenderSettings};
-use scenario::{SensorKind, SensorSettings};
+use scenario::SensorKind;
 
 use super::check::{Checked, check_name, nanoseconds, problem, within};
 use super::network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 use super::raw::{RawGateway, RawHeights, RawLive, RawReceiver, RawTechnology, RawUdp};
-use super::{Input, RecordedFormat, Simulated, Source};
+use super::{Input, Instrument, RecordedFormat, Simulated, Source};
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
 const FIRST_SIMULATED_PORT: u16 = 30_001;
@@ -108,13 +108,19 @@ impl Network {
     }
 
     /// Whether the receiver called `name` reads SBS-1.
-    fn is_sbs(&self, name: &str) -> bool {
+    pub(super) fn is_sbs(&self, name: &str) -> bool {
         let is_it = |receiver: &Receiver| receiver.name == name && matches!(receiver.transport, Transport::Sbs { .. });
         self.receivers.iter().any(is_it)
     }
 
+    /// Whether the receiver called `name` takes datagrams.
+    pub(super) fn is_udp(&self, name: &str) -> bool {
+        let is_it = |receiver: &Receiver| receiver.name == name && matches!(receiver.transport, Transport::Udp(_));
+        self.receivers.iter().any(is_it)
+    }
+
     /// A simulated source, with a receiver of its own.
-    pub(super) fn simulated(&mut self, index: usize, name: &str, sensor: &SensorSettings) -> Simulated {
+    pub(super) fn simulated(&mut self, index: usize, name: &str, instrument: Instrument) -> Simulated {
         self.receivers.push(Receiver {
             name: name.to_owned(),
             transport: Transport::Loopback {
@@ -122,7 +128,7 @@ impl Network {
             },
         });
         Simulated {
-            sensor: Box::new(sensor.clone()),
+            instrument,
             live: Live {
                 receiver: name.to_owned(),
                 asterix: Asterix {
@@ -154,6 +160,13 @@ impl Network {
             if matches!(receiver.transport, Transport::Sbs { .. }) && behind.len() > 1 {
                 let what = format!(
                     "an SBS-1 feed is one source, but {} have receiver = \"{name}\"",
+                    behind.len()
+                );
+                return Err(problem(key, what));
+            }
+            if behind.len() > 1 && behind.iter().any(|source| source.locator.is_some()) {
+                let what = format!(
+                    "tables of bearings are of one source, but {} have receiver = \"{name}\"",
                     behind.len()
                 );
                 return Err(problem(key, what));
@@ -347,10 +360,13 @@ pub(super) fn technology(raw: Option<RawTechnology>, input: &Input, network: &Ne
         None => {}
     }
     match input {
-        Input::Simulated(simulated) => match simulated.sensor.kind {
-            SensorKind::Radar => Technology::Secondary,
-            SensorKind::Multilateration => Technology::Multilateration,
-            SensorKind::AdsB => Technology::AdsB,
+        Input::Simulated(simulated) => match &simulated.instrument {
+            Instrument::DirectionFinder(_) => Technology::Other,
+            Instrument::Sensor(sensor) => match sensor.kind {
+                SensorKind::Radar => Technology::Secondary,
+                SensorKind::Multilateration => Technology::Multilateration,
+                SensorKind::AdsB => Technology::AdsB,
+            },
         },
         Input::Live(live) if network.is_sbs(&live.receiver) => Technology::AdsB,
         Input::Live(live) => of_categories(&live.asterix),

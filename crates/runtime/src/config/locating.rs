@@ -63,7 +63,7 @@ struct RawFile {
 /// `[locating]`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct RawLocating {
+pub(crate) struct RawLocating {
     emitters_max: usize,
     motion: RawMotion,
     consistency: RawConsistency,

@@ -12,6 +12,7 @@ mod locating;
 mod network;
 mod offline;
 mod raw;
+mod tracker;
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -33,6 +34,7 @@ pub use locating::locating_settings;
 pub(crate) use network::loopback_of;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
+pub use tracker::{SeenDetections, SourceTracker, Tracking};
 
 /// Stands for the configuration of the demonstration, which is part of the executable.
 pub const BUILT_IN_DEMO: &str = "built-in:demo";
@@ -95,6 +97,10 @@ pub struct Source {
     pub technology: Technology,
     /// Where it stands, what its reports may contain, and how accurate they are.
     pub model: SourceModel,
+    /// How its tracks are made of its detections; `None` if it delivers tracks.
+    pub tracker: Option<SourceTracker>,
+    /// How its tracks are made of its bearings; `None` if it delivers something else.
+    pub locator: Option<::locating::Settings>,
 }
 
 /// Where a source's data come from.
@@ -113,10 +119,19 @@ pub enum Input {
 /// A simulated input.
 #[derive(Clone, Debug)]
 pub struct Simulated {
-    /// The sensor.
-    pub sensor: Box<scenario::SensorSettings>,
+    /// What it observes with.
+    pub instrument: Instrument,
     /// How what it sends is received.
     pub live: Live,
+}
+
+/// What a simulated source observes with.
+#[derive(Clone, Debug)]
+pub enum Instrument {
+    /// A sensor that tracks what it sees.
+    Sensor(Box<scenario::SensorSettings>),
+    /// A direction finder, whose bearings its adapter locates.
+    DirectionFinder(Box<scenario::DirectionFinderSettings>),
 }
 
 /// A recorded input.

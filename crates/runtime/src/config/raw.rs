@@ -8,6 +8,9 @@ use std::collections::BTreeMap;
 use formats::reports::{CovarianceFrom, PoorQuality};
 use serde::Deserialize;
 
+use super::locating::RawLocating;
+use super::tracker::RawSourceTracker;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawConfig {
@@ -70,7 +73,10 @@ pub(crate) struct RawSource {
     pub(crate) recorded: Option<RawRecorded>,
     pub(crate) live: Option<RawLive>,
     pub(crate) simulated: Option<scenario::SensorSettings>,
+    pub(crate) simulated_direction_finder: Option<scenario::DirectionFinderSettings>,
     pub(crate) external: Option<RawExternal>,
+    pub(crate) tracker: Option<RawSourceTracker>,
+    pub(crate) locator: Option<RawLocating>,
     #[serde(default)]
     pub(crate) limits: RawLimits,
     #[serde(default)]

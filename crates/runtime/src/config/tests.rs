@@ -400,3 +400,40 @@ fn metrics_are_served_to_this_machine_unless_made_public() {
     let public = metrics("prometheus = \"192.0.2.1:80\"\nprometheus_public = true");
     assert_eq!(public.as_deref(), Some("192.0.2.1:80"));
 }
+
+#[test]
+fn bearings_come_from_a_socket_or_a_simulated_finder() {
+    let frame = "name = \"x\"\n[frame]\nlatitude_deg = 1.0\nlongitude_deg = 2.0\n[scenario]\n";
+    let receiver = "[[receiver]]\nname = \"lan\"\n[receiver.udp]\nlisten = \"127.0.0.1:8700\"\n";
+    let live = "[[source]]\nname = \"a\"\n[source.live]\nreceiver = \"lan\"\n";
+    let finder = "[[source]]\nname = \"b\"\n[source.simulated_direction_finder]\n";
+    let locator = "[source.locator]\n[source.locator.motion]\nfilter = \"fixed\"\n";
+    let text = format!("{frame}{receiver}{live}{locator}{finder}");
+    let config = Config::parse(Path::new("test.toml"), &text, &[]).unwrap();
+    let filters = [0, 1].map(|source: usize| config.sources[source].locator.map(|locator| locator.motion.filter));
+    use ::locating::settings::FilterChoice;
+    assert_eq!(filters, [Some(FilterChoice::Fixed), Some(FilterChoice::Auto)]);
+    assert!(config.is_simulated());
+    for (text, expected) in [
+        (format!("{frame}{finder}speed_mps = 1.0\n"), "speed_mps"),
+        (
+            format!("{frame}{finder}{locator}speed_sigma_mps = -1.0\n"),
+            "source[0].locator.motion.speed_sigma_mps",
+        ),
+        (
+            format!("{frame}{finder}{locator}[source.tracker]\n"),
+            "leave one of locator and tracker out",
+        ),
+        (
+            format!("{frame}[[source]]\nname = \"a\"\n[source.external]\n{locator}"),
+            "[source.simulated_direction_finder]",
+        ),
+        (
+            format!("{frame}{receiver}{live}{locator}{}", live.replace("\"a\"", "\"c\"")),
+            "tables of bearings are of one source, but 2",
+        ),
+    ] {
+        let message = refused(&text);
+        assert!(message.contains(expected) && message.lines().count() == 1, "{message}");
+    }
+}

@@ -57,6 +57,7 @@ Examples:
   koseki bench watch --with monitor
   koseki bench watch --with stopped-subscriber --runs 21
   koseki bench watch --with subscribers=10 --seconds 5
+  koseki bench watch --with flood=100 --rate 4000           one source at 100 times its rate; the others count
 
 Of each pair only the ratio counts. An interval that contains 1 says: no effect that could be told from chance.";
 
@@ -271,7 +272,7 @@ impl Engine {
 /// `koseki bench watch`.
 #[derive(Debug, Args)]
 pub(crate) struct Watch {
-    /// What is added: monitor, stopped-subscriber, or subscribers=N
+    /// What is added: monitor, stopped-subscriber, subscribers=N, or flood=FACTOR (of source 0)
     #[arg(long, value_name = "EXTRA", value_parser = extra)]
     with: Extra,
     /// Reports per second, of all sources together [default: 20000; with --wait event 2000]
@@ -432,12 +433,15 @@ fn flood(text: &str) -> Result<Flood, String> {
 }
 
 fn extra(text: &str) -> Result<Extra, String> {
-    let count = text.strip_prefix("subscribers=").map(str::parse);
-    match (text, count) {
-        ("monitor", _) => Ok(Extra::Monitor),
-        ("stopped-subscriber", _) => Ok(Extra::StoppedSubscriber),
-        (_, Some(Ok(count @ 1..=20))) => Ok(Extra::Subscribers(count)),
-        _ => Err("write monitor, stopped-subscriber or subscribers=N (1 to 20)".to_owned()),
+    match text
+        .split_once('=')
+        .map_or((text, None), |(name, value)| (name, value.parse::<u32>().ok()))
+    {
+        ("monitor", None) => Ok(Extra::Monitor),
+        ("stopped-subscriber", None) => Ok(Extra::StoppedSubscriber),
+        ("subscribers", Some(count @ 1..=20)) => Ok(Extra::Subscribers(count as usize)),
+        ("flood", Some(factor @ 1..)) => Ok(Extra::Flood(factor)),
+        _ => Err("write monitor, stopped-subscriber, subscribers=N (1 to 20) or flood=FACTOR".to_owned()),
     }
 }
 
@@ -456,8 +460,17 @@ mod tests {
         );
         assert!(flood("3").is_err() && flood("x=1").is_err());
         assert_eq!(extra("subscribers=10"), Ok(Extra::Subscribers(10)));
+        assert_eq!(extra("flood=100"), Ok(Extra::Flood(100)));
         assert_eq!(extra("monitor"), Ok(Extra::Monitor));
-        for wrong in ["subscribers", "subscribers=0", "subscribers=21", "radar"] {
+        for wrong in [
+            "subscribers",
+            "subscribers=0",
+            "subscribers=21",
+            "radar",
+            "flood",
+            "flood=x",
+            "monitor=1",
+        ] {
             assert!(extra(wrong).is_err(), "{wrong}");
         }
     }

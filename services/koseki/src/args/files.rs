@@ -158,6 +158,77 @@ pub(crate) struct OfflineInput {
     pub(crate) config: Option<PathBuf>,
 }
 
+pub(super) const TRACK_EXAMPLES: &str = "\
+Examples:
+  koseki track --detections radar.csv --out tracks.csv
+  koseki track --detections radar.csv lidar.csv camera.csv --config sensors.toml --out tracks.csv
+  koseki track --detections radar.csv --out tracks.csv --explain why.csv --json
+
+FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz      a row per detection, in any order
+         kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
+         bearing, bearing_elevation; m: values in that order, m3 the range rate where there is one; s: their standard
+         deviations; p: where the sensor was; all in metres, radians, m/s, and what a kind does not measure left empty.
+         Detections with the same sensor_id and scan are one scan: what the sensor saw in a turn or an image. A scan number
+         that is left out is a scan without detections. Several files are merged by time. Rows that cannot be used are left
+         out and counted. A recording of the Autoferry data set (scenarioN_detections.json) is read as it is: sensors 1 lidar,
+         2 radar (position2), 3 infrared camera, 4 camera (bearing); it states no standard deviations, so --config must.
+--out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,hypotheses,reliability    a row for each confirmed
+         track after each scan; state is confirmed, or coasted after a scan without it; sensor_id is 0, the tracker.
+--explain what became of each scan, cluster, hypothesis and track, and why; docs/tracking.md says what the columns are
+--config a deployment as for `koseki up` (sensor_id 1 is its first source, whose [source.tracker] holds), or the
+         following alone. Nothing of it has to be given; what is said of a sensor are facts, the rest serves all alike:
+           [[sensor]]
+           id = 1                        # the sensor_id of the files
+           detection_probability = 0.9   # that a target is detected in a scan
+           clutter_density = 2e-8        # false detections per scan and m² (of directions alone: per rad) [learned]
+           sigmas = [50.0, 0.002]        # of detections that state none, in the order of their quantities
+           range_rate_sigma_mps = 1.0
+           field_of_view = { range_m = [0, 400], sector_deg = [-30, 30], position_m = [0, 0] }    # the last two may be left out
+           resolution_m = 5.0            # detections nearer to each other are of one target
+           [gate]
+           probability = 0.99            # that a target's detection lies in its gate
+           [motion]
+           process_noise_m2ps3 = [5.0, 1.0]                                     # horizontal, vertical
+           manoeuvres = { process_noise_m2ps3 = [100.0, 10.0], durations_s = [60.0, 10.0] }    # or { enabled = false };
+                                         # turn = { rate_sigma_radps = 0.05, rate_noise_rad2ps3 = 1e-5 } besides
+           [initiation]
+           new_target_share = 0.02       # new targets per false detection
+           speed_sigma_mps = 100.0       # of targets; slow_sigma_mps = 10.0, climb_sigma_mps = 10.0, height_sigma_m = 5000.0
+           [confirmation]
+           reliability_min = 0.99        # detections_min = 2, log_likelihood_ratio_min (not tested)
+           [deletion]
+           missed_probability = 2e-5     # silent_s = 60.0, coherence_s = 1.0
+           [reduction]
+           hypotheses_max = 30           # merge_scans = 2, reliability_min = 0.001
+           [splitting]
+           new_target_share = 1.0        # parents_motion = 4, start_in_confirmed_gates = false, and \"off\" unless given:
+                                         # new_tracks_max, tentative_tracks (a number or \"computed\"), company_min
+           [capacity]
+           tracks = 16384                # detections = 16384 in a scan, open_scans = 0
+         docs/tracking.md says when to choose what.
+
+The same files and options give the same bytes.";
+
+/// `koseki track`.
+#[derive(Debug, Args)]
+pub(crate) struct Track {
+    /// Detections: CSV files, or recordings of the Autoferry data set
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) detections: Vec<PathBuf>,
+    /// What is known of the sensors, and settings of the tracker: a TOML file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// File for the tracks
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// File for what was considered and decided
+    #[arg(long, value_name = "FILE")]
+    pub(crate) explain: Option<PathBuf>,
+    /// Print what was read and found as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 pub(super) const LOCATE_EXAMPLES: &str = "\
 Examples:
   koseki locate --bearings flight.csv --out fixes.csv

@@ -14,9 +14,13 @@ use runtime::{ConfigError, Now, Options, Speed};
 
 use bench::BENCH_EXAMPLES;
 pub(crate) use bench::{Bench, BenchRelay};
-use files::{COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, LOCATE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES};
+use files::{
+    COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, LOCATE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES,
+    TRACK_EXAMPLES,
+};
 pub(crate) use files::{
     ChosenEdition, Compare, Decode, Fuse, Locate, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
+    Track,
 };
 use values::{interval, seconds, speed};
 
@@ -46,6 +50,7 @@ Examples:
   koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
   koseki bench latency --rate 20000             what a report takes through fusion, and what of it is the machine's
   koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into one picture
+  koseki track --detections radar.csv --out tracks.csv            files of detections into tracks
   koseki locate --bearings flight.csv --out fixes.csv             where transmitters are, from bearings alone
 
 Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
@@ -80,6 +85,9 @@ pub(crate) enum Command {
     /// Fuse files of sensor tracks into one file of system tracks
     #[command(after_help = FUSE_EXAMPLES)]
     Fuse(Fuse),
+    /// Track targets in files of detections
+    #[command(after_help = TRACK_EXAMPLES)]
+    Track(Track),
     /// Locate emitters from files of bearings, measured by a moving platform
     #[command(after_help = LOCATE_EXAMPLES)]
     Locate(Locate),

@@ -9,6 +9,7 @@ mod setup;
 mod survey;
 
 pub(crate) use drive::{Driven, drive};
+pub(crate) use merged::named_twice;
 pub(crate) use progress::{Counting, Progress};
 pub(crate) use refusals::Refusals;
 pub(crate) use setup::{Setup, rule};

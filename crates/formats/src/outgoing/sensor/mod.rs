@@ -132,6 +132,23 @@ impl SensorReports {
         self.outbox.push(self.record.finish(), send);
     }
 
+    /// Sends a radar's plot: what it measured at `time_ns` (UTC, nanoseconds), at a place in the system frame, whose height
+    /// it knows from the target's reply or not at all. Other sensors report no plots.
+    pub fn plot(&mut self, time_ns: i64, position_m: [f64; 3], height_known: bool, send: &mut SendBlock<'_>) {
+        let place = Place::new(&self.site.system, position_m).ok_or(Unsent::Position);
+        let written = match &self.form {
+            Form::Radar(form) => place.and_then(|place| {
+                let height_m = height_known.then(|| place.geodetic.height_m());
+                form.write_plot(&self.site, time_ns, position_m, height_m, &mut self.record)
+            }),
+            _ => Err(Unsent::Withheld),
+        };
+        match written {
+            Ok(()) => self.outbox.push(self.record.finish(), send),
+            Err(reason) => self.outbox.count(reason),
+        }
+    }
+
     /// Hands over the block that is being filled.
     pub fn flush(&mut self, send: &mut SendBlock<'_>) {
         self.outbox.flush(send);

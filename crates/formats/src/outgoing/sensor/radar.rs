@@ -13,6 +13,8 @@
 //! | 210 | `covariance` | if all four deviations fit |
 //! | 230 | alerts, ground state | with Mode S targets, as the document wants |
 //!
+//! A plot has the first four of these items (010, 140, 020, 040) and its flight level, if it has one.
+//!
 //! **Type of detection.** A sensor track does not say which part of the radar saw it, but its identity does: an address
 //! comes from Mode S, a code or a height from a reply to secondary radar, and without any of them it was primary radar. A
 //! coasted track is "no detection", with its extrapolated position. That a primary radar saw the target too is not known
@@ -114,12 +116,7 @@ impl Form {
             record.item(POLAR_POSITION).bits(range, 16).bits(azimuth, 16);
         }
         items::mode_3a(record, MODE_3A, &track.identity, report.is_received());
-        let level = report.height_m().filter(|_| report.is_received());
-        if let Some(level) = level.and_then(|height_m| items::level(height_m, 14))
-            && (level >= 0 || self.level_is_signed)
-        {
-            record.item(FLIGHT_LEVEL).bits(0, 2).signed(level, 14);
-        }
+        self.flight_level(report.height_m().filter(|_| report.is_received()), record);
         items::address(record, ADDRESS, &track.identity);
         if let Some(call_sign) = items::call_sign(&track.identity) {
             record.item(IDENTIFICATION).bits(call_sign, 48);
@@ -146,6 +143,38 @@ impl Form {
             items::flight_status(record, FLIGHT_STATUS, &track.identity, track.alerts, report.on_ground());
         }
         Ok(())
+    }
+
+    pub(super) fn write_plot(
+        &self,
+        site: &Site,
+        time_ns: i64,
+        position_m: [f64; 3],
+        height_m: Option<f64>,
+        record: &mut RecordWriter,
+    ) -> Result<(), Unsent> {
+        let sighting = site.frame.sighting(position_m);
+        let range = quantity::unsigned(sighting.slant_range_m, RANGE_LSB_M, 16).ok_or(Unsent::Position)?;
+        items::source(record, SOURCE, site.source);
+        items::time_of_day(record, TIME, time_ns);
+        let kind: u8 = if height_m.is_some() { 2 } else { 1 };
+        record
+            .item(DESCRIPTOR)
+            .extended(&[kind << 4 | u8::from(site.simulated) << 3]);
+        record
+            .item(POLAR_POSITION)
+            .bits(range, 16)
+            .bits(quantity::turn(sighting.azimuth_rad, 16), 16);
+        self.flight_level(height_m, record);
+        Ok(())
+    }
+
+    fn flight_level(&self, height_m: Option<f64>, record: &mut RecordWriter) {
+        if let Some(level) = height_m.and_then(|height_m| items::level(height_m, 14))
+            && (level >= 0 || self.level_is_signed)
+        {
+            record.item(FLIGHT_LEVEL).bits(0, 2).signed(level, 14);
+        }
     }
 }
 

@@ -1,4 +1,6 @@
-//! An observation into a sensor track of the pipeline, checked.
+//! An observation into a sensor track of the pipeline, or into a detection, checked.
+
+mod detecting;
 
 use frames::SensorFrame;
 use frames::time::DayUnroller;
@@ -71,12 +73,10 @@ impl Converter {
         self.day.as_ref().map(DayUnroller::running_ns)
     }
 
-    /// A record that is no target report, with its time of day.
-    pub fn service(&mut self, time_of_day_ns: Option<i64>) {
+    /// A record that is no target report, with its time of day; gives its UTC (nanoseconds) if it has one that can be.
+    pub fn service(&mut self, time_of_day_ns: Option<i64>) -> Option<i64> {
         self.count(Counter::ServiceMessages);
-        if let Some(time_of_day_ns) = time_of_day_ns {
-            let _ = self.utc(time_of_day_ns);
-        }
+        self.utc(time_of_day_ns?).ok()
     }
 
     /// The sensor track that `observation` reports; `None` if it was refused.
@@ -102,14 +102,7 @@ impl Converter {
     }
 
     fn try_convert(&mut self, observation: &Observation, ingested_ns: i64) -> Result<SensorTrack, Counter> {
-        self.admit(observation)?;
-        let time_ns = self.time(observation)?;
-        if observation.field_monitor {
-            return Err(Counter::RejectedFieldMonitor);
-        }
-        if observation.test {
-            return Err(Counter::RejectedTestTarget);
-        }
+        let time_ns = self.pass(observation)?;
         let number = observation.track_number.ok_or(Counter::RejectedNoTrackNumber)?;
         let height = self.height(observation, number, time_ns);
         let Some(used) = self.position(observation) else {
@@ -141,6 +134,19 @@ impl Converter {
         }
         describe(&mut track, observation);
         Ok(track)
+    }
+
+    /// UTC of a report of a target, from a sender that is wanted.
+    fn pass(&mut self, observation: &Observation) -> Result<i64, Counter> {
+        self.admit(observation)?;
+        let time_ns = self.time(observation)?;
+        if observation.field_monitor {
+            return Err(Counter::RejectedFieldMonitor);
+        }
+        if observation.test {
+            return Err(Counter::RejectedTestTarget);
+        }
+        Ok(time_ns)
     }
 
     /// Whether the sender is wanted.
@@ -185,16 +191,8 @@ impl Converter {
 
     /// The height: by the pressure first, which all sources have in common.
     fn height(&mut self, observation: &Observation, number: u32, time_ns: i64) -> Height {
-        let by_pressure = observation
-            .pressure_altitude_m
-            .map(|altitude_m| altitude_m + self.altitude_correction_m);
-        let limits = &self.model.limits;
-        match by_pressure.or(observation.geometric_height_m) {
-            Some(height_m) if (limits.height_min_m..=limits.height_max_m).contains(&height_m) => {
-                return Height::Known(height_m);
-            }
-            Some(_) => self.count(Counter::RejectedHeight),
-            None => {}
+        if let Some(height_m) = self.reported_height(observation) {
+            return Height::Known(height_m);
         }
         let last = self.tracks.get(&number).and_then(|memory| memory.last_height);
         match last {
@@ -207,6 +205,20 @@ impl Converter {
             }
             _ => Height::Unknown,
         }
+    }
+
+    /// The height that the report has, if it can be.
+    fn reported_height(&mut self, observation: &Observation) -> Option<f64> {
+        let by_pressure = observation
+            .pressure_altitude_m
+            .map(|altitude_m| altitude_m + self.altitude_correction_m);
+        let limits = &self.model.limits;
+        let height_m = by_pressure.or(observation.geometric_height_m)?;
+        let possible = (limits.height_min_m..=limits.height_max_m).contains(&height_m);
+        if !possible {
+            self.count(Counter::RejectedHeight);
+        }
+        possible.then_some(height_m)
     }
 
     /// The position that is used; `None` if the report has none in a form that may be used.

@@ -3,6 +3,7 @@
 use frames::{Geodetic, SystemFrame};
 
 use super::*;
+use crate::detection::{Detection, DetectionKind};
 use crate::reports::observation::{Plane, Quality};
 use crate::reports::{CovarianceFrom, CovarianceModel, Limits, PoorQuality, STANDARD_PRESSURE_HPA};
 
@@ -678,4 +679,111 @@ fn a_sender_that_is_not_repeated_stays_the_same() {
     assert_eq!(converter.convert(&other, 0), None);
     assert_eq!(converter.convert(&unsaid(3.0), 0), None);
     assert_eq!(converter.counters()[Counter::RejectedSource as usize], 3);
+}
+
+/// Where a detection lies, by its own quantities.
+fn place_of(detection: &Detection) -> [f64; 3] {
+    let [range, bearing, elevation] = detection.values;
+    let [east, north, up] = detection.platform_m;
+    let ground = range * elevation.cos();
+    [
+        east + ground * bearing.sin(),
+        north + ground * bearing.cos(),
+        up + range * elevation.sin(),
+    ]
+}
+
+fn polar(mut converter: Converter) -> Converter {
+    converter.model.covariance.polar = Some(frames::PolarSigma {
+        range_m: 40.0,
+        azimuth_rad: 0.001,
+    });
+    converter
+}
+
+#[test]
+fn a_plot_with_height_is_detected_at_its_straight_range() {
+    let mut converter = polar(radar());
+    let unnumbered = Observation {
+        track_number: None,
+        ..plot(1.0)
+    };
+    let detection = converter.detect(&unnumbered).unwrap();
+    assert_eq!(
+        (detection.kind, detection.sensor_id),
+        (DetectionKind::RangeBearingElevation, 2)
+    );
+    assert_eq!(detection.time_of_measurement_ns, DAY + S);
+    assert!(apart(place_of(&detection), PLACE) < 0.1, "{detection:?}");
+    assert!(
+        (detection.values[0] - SLANT[0]).abs() < 0.01,
+        "the straight range is kept"
+    );
+    let sigmas = detection.sigmas.unwrap();
+    assert_eq!((sigmas[0], sigmas[3]), (40.0, 0.0));
+    assert!((sigmas[1] - 0.001).abs() < 1e-5, "{sigmas:?}");
+    // The height's 30 m, seen from 192 km.
+    assert!((sigmas[2] * 192e3 - 30.0).abs() < 0.5, "{sigmas:?}");
+    assert_eq!(converter.counters()[Counter::Reports as usize], 1);
+    assert_eq!(converter.counters()[Counter::RejectedNoTrackNumber as usize], 0);
+}
+
+#[test]
+fn a_plot_without_height_is_detected_on_the_ground() {
+    let mut converter = polar(central_radar());
+    let report = Observation {
+        slant_polar: Some([20e3, 1.0]),
+        pressure_altitude_m: None,
+        ..plot(1.0)
+    };
+    let detection = converter.detect(&report).unwrap();
+    assert_eq!(detection.kind, DetectionKind::RangeBearing);
+    assert_eq!(detection.values[2], 0.0);
+    assert!((detection.values[0] - 19_410.4).abs() < 1.0, "{detection:?}");
+    // As for tracks: 3.077 km² for a height that nobody knows.
+    let sigma = detection.sigmas.unwrap()[0];
+    assert!((sigma * sigma - 3.077e6).abs() < 0.02e6, "{sigma}");
+    assert_eq!(converter.counters()[Counter::HeightAssumed as usize], 1);
+}
+
+#[test]
+fn what_was_measured_is_detected_and_nothing_else() {
+    // Of plot and track, the plot.
+    let both = Observation {
+        plot: false,
+        cartesian: Some([1e3, 1e3]),
+        ..plot(1.0)
+    };
+    let detection = polar(radar()).detect(&both).unwrap();
+    assert!(apart(place_of(&detection), PLACE) < 0.1);
+    let refused = |observation: Observation| {
+        let mut converter = polar(radar());
+        assert_eq!(converter.detect(&observation), None);
+        converter.counters()[Counter::RejectedNoPosition as usize]
+    };
+    let coasted = Observation {
+        state: TrackState::Coasted,
+        ..plot(1.0)
+    };
+    let smoothed = Observation {
+        slant_polar: None,
+        ..both
+    };
+    assert_eq!((refused(coasted), refused(smoothed)), (1, 1));
+    // A plot of another form is a position.
+    let position = Observation {
+        plot: true,
+        track_number: None,
+        ..observation(1.0)
+    };
+    let detection = converter().detect(&position).unwrap();
+    assert_eq!(detection.kind, DetectionKind::Position3);
+    assert_eq!(detection.sigmas, Some([5.0, 5.0, 30.0, 0.0]));
+    assert!((detection.values[0] - 1000.0).abs() < 1e-6);
+    let flat = Observation {
+        pressure_altitude_m: None,
+        ..position
+    };
+    let detection = converter().detect(&flat).unwrap();
+    assert_eq!((detection.kind, detection.values[2]), (DetectionKind::Position2, 0.0));
 }

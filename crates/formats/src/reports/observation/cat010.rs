@@ -1,13 +1,16 @@
 //! CAT010: surface movement radar and multilateration of an airport.
 
 use super::*;
-use crate::asterix::typed::cat010::{ServiceMessage, TargetReport};
+use crate::asterix::typed::cat010::{MessageType, ServiceMessage, TargetReport};
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
     if let Some(report) = TargetReport::read(record) {
         return Some(Reading::Target(of(&report)));
     }
-    ServiceMessage::read(record).map(|message| Reading::Service(message.time_of_day.map(nanoseconds)))
+    ServiceMessage::read(record).map(|message| {
+        let cycle = message.message_type == MessageType::StartOfUpdateCycle;
+        turn(message.time_of_day, cycle)
+    })
 }
 
 fn of(report: &TargetReport) -> Observation {

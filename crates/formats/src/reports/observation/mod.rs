@@ -153,24 +153,42 @@ impl Observation {
 pub enum Reading {
     /// A target report.
     Target(Observation),
-    /// A record that speaks of the sensor itself, with its time of day (nanoseconds).
-    Service(Option<i64>),
+    /// A record that speaks of the sensor itself.
+    Service(Service),
     /// A record of a category that reports no targets in any form known here.
     Other,
 }
 
+/// What a record says of the sensor itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Service {
+    /// Time of the message, nanoseconds since midnight UTC.
+    pub time_of_day_ns: Option<i64>,
+    /// Whether the sensor's next look all around begins: its antenna points north, or a new update cycle starts.
+    pub turn_begins: bool,
+}
+
 /// Reads an ASTERIX record of any category that reports targets.
 pub fn read(record: &Record<'_>) -> Reading {
-    let service = |time: Option<TimeOfDay>| Reading::Service(time.map(nanoseconds));
+    let service = |time: Option<TimeOfDay>| turn(time, false);
     let reading = match record.table().number {
         1 => cat001::read(record),
-        2 => cat002::ServiceMessage::read(record).map(|message| service(message.time_of_day)),
+        2 => cat002::ServiceMessage::read(record).map(|message| {
+            let north = message.message_type == Some(cat002::MessageType::NorthMarker);
+            turn(message.time_of_day, north)
+        }),
         10 => cat010::read(record),
-        19 => cat019::ServiceMessage::read(record).map(|message| service(message.time_of_day)),
+        19 => cat019::ServiceMessage::read(record).map(|message| {
+            let cycle = message.message_type == Some(cat019::MessageType::StartOfUpdateCycle);
+            turn(message.time_of_day, cycle)
+        }),
         20 => cat020::read(record),
         21 => cat021_v2::read(record).or_else(|| cat021_v0::read(record)),
         23 => cat023::ServiceMessage::read(record).map(|message| service(message.time_of_day)),
-        34 => cat034::ServiceMessage::read(record).map(|message| service(message.time_of_day)),
+        34 => cat034::ServiceMessage::read(record).map(|message| {
+            let north = message.message_type == Some(cat034::MessageType::NorthMarker);
+            turn(message.time_of_day, north)
+        }),
         48 => cat048::read(record),
         62 => cat062::read(record),
         63 => cat063::SensorMessage::read(record).map(|message| service(message.time_of_day)),
@@ -178,6 +196,13 @@ pub fn read(record: &Record<'_>) -> Reading {
         _ => None,
     };
     reading.unwrap_or(Reading::Other)
+}
+
+fn turn(time: Option<TimeOfDay>, turn_begins: bool) -> Reading {
+    Reading::Service(Service {
+        time_of_day_ns: time.map(nanoseconds),
+        turn_begins,
+    })
 }
 
 /// Covariance from standard deviations and correlation, if neither deviation is zero: senders mean "not given" by that.

@@ -456,15 +456,20 @@ fn an_advisory_holds_until_it_ends() {
 #[test]
 fn messages_about_the_source_give_its_time() {
     let service = |table, fspec: &[u8], between: &[u8]| reading(table, &[fspec, &[25, 201], between, NOON]);
-    for found in [
-        service(&CAT002_V1_2, &[0xD0], &[1]),
-        service(&CAT019_V1_3, &[0xE0], &[1]),
-        service(&CAT023_V1_3, &[0xD0], &[1]),
-        service(&CAT034_V1_29, &[0xE0], &[1]),
-        service(&CAT063_V1_7, &[0xA0], &[]),
-        service(&CAT065_V1_6, &[0xD0], &[1]),
-        service(&CAT010_V1_1, &[0xD0], &[2]),
+    for (found, turn_begins) in [
+        (service(&CAT002_V1_2, &[0xD0], &[1]), true),
+        (service(&CAT002_V1_2, &[0xD0], &[2]), false),
+        (service(&CAT019_V1_3, &[0xE0], &[1]), true),
+        (service(&CAT023_V1_3, &[0xD0], &[1]), false),
+        (service(&CAT034_V1_29, &[0xE0], &[1]), true),
+        (service(&CAT063_V1_7, &[0xA0], &[]), false),
+        (service(&CAT065_V1_6, &[0xD0], &[1]), false),
+        (service(&CAT010_V1_1, &[0xD0], &[2]), true),
     ] {
-        assert_eq!(found, Reading::Service(Some(NOON_NS)));
+        let expected = Service {
+            time_of_day_ns: Some(NOON_NS),
+            turn_begins,
+        };
+        assert_eq!(found, Reading::Service(expected));
     }
 }

@@ -1,0 +1,143 @@
+//! An observation into a detection, for sensors whose tracks are made here (PL-3).
+//!
+//! A tracker needs what was measured in this look and nothing else: a position that a sensor's own filter has smoothed
+//! carries its earlier errors along, and a tracker that takes it for new is fooled. So of a report that holds plot and
+//! track, the plot is taken; of one that has a position of another form only, that position, if it is a plot's; and
+//! nothing of a report without detection. Who the target says it is stays behind.
+//!
+//! A radar's plot stays range and bearing, in the system frame and from where the radar stands, since its errors are:
+//! straight range, bearing and elevation where the target sends its height, so that the height's error is one of
+//! elevation; else the range along the ground, with the error of an assumed height ([`super::super::placing`]).
+
+use std::f64::consts::{FRAC_PI_4, TAU};
+
+use frames::PolarSigma;
+use messages::{Counter, TrackState};
+
+use super::super::PositionForm;
+use super::super::accuracy::{self, Velocity};
+use super::super::observation::{Observation, Position};
+use super::super::placing::{Height, Placed, place};
+use super::Converter;
+use crate::detection::{Detection, DetectionKind};
+use crate::tracks_csv::sensor_id;
+
+impl Converter {
+    /// The detection that `observation` reports, without scan and number; `None` if it was refused.
+    pub fn detect(&mut self, observation: &Observation) -> Option<Detection> {
+        match self.try_detect(observation) {
+            Ok(detection) => {
+                self.count(Counter::Reports);
+                Some(detection)
+            }
+            Err(reason) => {
+                self.count(reason);
+                None
+            }
+        }
+    }
+
+    fn try_detect(&mut self, observation: &Observation) -> Result<Detection, Counter> {
+        let time_ns = self.pass(observation)?;
+        let height = self.reported_height(observation).map_or(Height::Unknown, Height::Known);
+        let used = self.plot(observation).ok_or(Counter::RejectedNoPosition)?;
+        let placed = place(&self.model, used, height)?;
+        let own = accuracy::own_position(&self.model, observation, used)?;
+        if placed.slant.is_some_and(|slant| slant.is_assumed()) {
+            self.count(Counter::HeightAssumed);
+        }
+        let platform_m = self.model.frame.cartesian([0.0; 3]);
+        let is_polar = matches!(used, Position::Polar(_) | Position::Slant(_));
+        let (kind, values, sigmas) = match self.model.covariance.polar.filter(|_| is_polar) {
+            Some(sigma) if height.is_known() => self.in_space(&placed, platform_m, sigma),
+            Some(sigma) => along_the_ground(&placed, platform_m, sigma),
+            None => {
+                let velocity = Velocity::Unknown;
+                let covariance = accuracy::covariance(&self.model, &placed, own, height.is_known(), velocity);
+                let sigma = |axis| covariance.get(axis, axis).sqrt();
+                let kind = if height.is_known() {
+                    DetectionKind::Position3
+                } else {
+                    DetectionKind::Position2
+                };
+                (kind, placed.position_m, [sigma(0), sigma(1), sigma(2)])
+            }
+        };
+        let measured = kind.quantities().len();
+        let only_measured = |place: usize, value: f64| if place < measured { value } else { 0.0 };
+        Ok(Detection {
+            time_of_measurement_ns: time_ns,
+            sensor_id: sensor_id(self.model.number),
+            scan: 0,
+            detection_id: 0,
+            kind,
+            values: std::array::from_fn(|place| only_measured(place, values[place])),
+            range_rate_mps: None,
+            sigmas: Some(std::array::from_fn(|place| {
+                sigmas.get(place).map_or(0.0, |sigma| only_measured(place, *sigma))
+            })),
+            platform_m,
+            truth: None,
+        })
+    }
+
+    /// What was measured in this look; `None` if nothing was.
+    fn plot(&self, observation: &Observation) -> Option<Position> {
+        if matches!(observation.state, TrackState::Coasted | TrackState::Terminated) {
+            return None;
+        }
+        let other = || observation.position().filter(|_| observation.plot);
+        match self.model.positions {
+            PositionForm::Any => observation.polar_position().or_else(other),
+            PositionForm::Polar => observation.polar_position(),
+            PositionForm::Cartesian => other().filter(|position| matches!(position, Position::Cartesian(..))),
+        }
+    }
+
+    /// Straight range, bearing and elevation with their standard deviations.
+    fn in_space(
+        &self,
+        placed: &Placed,
+        platform_m: [f64; 3],
+        sigma: PolarSigma,
+    ) -> (DetectionKind, [f64; 3], [f64; 3]) {
+        let [east, north, up] = offset(placed, platform_m);
+        let ground_m = east.hypot(north);
+        let range_m = ground_m.hypot(up);
+        let straight = self.model.covariance.height_sigma_m / ground_m.max(1.0);
+        (
+            DetectionKind::RangeBearingElevation,
+            [range_m, bearing(east, north), up.atan2(ground_m)],
+            // Straight above the radar a height says nothing of the elevation.
+            [sigma.range_m, across(placed, ground_m, sigma), straight.min(FRAC_PI_4)],
+        )
+    }
+}
+
+/// Range along the ground and bearing with their standard deviations.
+fn along_the_ground(placed: &Placed, platform_m: [f64; 3], sigma: PolarSigma) -> (DetectionKind, [f64; 3], [f64; 3]) {
+    let [east, north, _] = offset(placed, platform_m);
+    let ground_m = east.hypot(north);
+    let variance_m2 = placed.slant.map_or(sigma.range_m.powi(2), |slant| {
+        slant.variance_m2(sigma.range_m, 0.0).max(sigma.range_m.powi(2)) + slant.height_error_m2()
+    });
+    (
+        DetectionKind::RangeBearing,
+        [ground_m, bearing(east, north), 0.0],
+        [variance_m2.sqrt(), across(placed, ground_m, sigma), 0.0],
+    )
+}
+
+/// Of a bearing: the antenna's error is one of angle times the straight distance, however high the target.
+fn across(placed: &Placed, ground_m: f64, sigma: PolarSigma) -> f64 {
+    let straight_m = placed.slant.map_or(ground_m, |slant| slant.range_m());
+    (sigma.azimuth_rad * straight_m / ground_m.max(1.0)).clamp(sigma.azimuth_rad, FRAC_PI_4)
+}
+
+fn offset(placed: &Placed, platform_m: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| placed.position_m[axis] - platform_m[axis])
+}
+
+fn bearing(east: f64, north: f64) -> f64 {
+    east.atan2(north).rem_euclid(TAU)
+}

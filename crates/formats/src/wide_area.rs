@@ -1,0 +1,231 @@
+//! How many targets a wide-area sensor has seen, and its reports as CSV rows (FM-6).
+//!
+//! Columns: `time_s` of the observation, `arrival_s` (absolute, not before it), position and velocity of the targets'
+//! middle, their `count`, and optionally `route`: where they have been, oldest place first, east and north of each joined with
+//! `|`. Of the route the first place is kept: where they came from. Whether a report makes sense is for its user to judge;
+//! here only what is no report is refused.
+
+use std::io::{self, Read, Write};
+
+use crate::csv_table::{Column, CsvError, Row, Table};
+use crate::tracks_csv::write_time;
+
+/// Most numbers of a route.
+const ROUTE_MAX: usize = 2000;
+
+/// How many targets there were around a place (WA-2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WideAreaReport {
+    /// Time of observation, nanoseconds.
+    pub time_ns: i64,
+    /// Time of arrival, nanoseconds.
+    pub arrival_ns: i64,
+    /// East, north, up at the time of observation, metres.
+    pub position_m: [f64; 3],
+    /// Metres per second.
+    pub velocity_mps: [f64; 3],
+    /// Number of targets; 0 says that there were none.
+    pub targets: u32,
+    /// Where the targets came from, east and north in metres, if that is known.
+    pub origin_m: Option<[f64; 2]>,
+}
+
+/// Reads wide-area reports, row by row.
+///
+/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
+#[derive(Debug)]
+pub struct WideAreaReader<R> {
+    table: Table<R>,
+    times: [Column; 2],
+    kinematics: [Column; 6],
+    count: Column,
+    route: Option<Column>,
+    first_day_ns: i64,
+}
+
+impl<R: Read> WideAreaReader<R> {
+    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// [`CsvError`] if a column is missing or the input fails.
+    pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
+        let table = Table::new(input)?;
+        Ok(Self {
+            times: table.all(["time_s", "arrival_s"])?,
+            kinematics: table.all(["x", "y", "z", "vx", "vy", "vz"])?,
+            count: table.required("count")?,
+            route: table.optional("route")?,
+            table,
+            first_day_ns,
+        })
+    }
+}
+
+impl<R: Read> Iterator for WideAreaReader<R> {
+    type Item = Result<WideAreaReport, CsvError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let row = match self.table.next_row()? {
+            Ok(row) => row,
+            Err(error) => return Some(Err(error)),
+        };
+        let read = || {
+            let mut numbers = [0.0; 6];
+            for (number, column) in numbers.iter_mut().zip(self.kinematics) {
+                *number = row.number(column)?;
+            }
+            let [x, y, z, vx, vy, vz] = numbers;
+            let [time, arrival] = self.times;
+            Ok(WideAreaReport {
+                time_ns: self.first_day_ns.saturating_add(row.time_ns(time)?),
+                arrival_ns: self.first_day_ns.saturating_add(row.time_ns(arrival)?),
+                position_m: [x, y, z],
+                velocity_mps: [vx, vy, vz],
+                targets: row.whole(self.count)?,
+                origin_m: origin(row, self.route)?,
+            })
+        };
+        Some(read())
+    }
+}
+
+/// The first place of a route.
+fn origin(row: Row<'_>, column: Option<Column>) -> Result<Option<[f64; 2]>, CsvError> {
+    let (Some(column), Some(text)) = (column, row.text(column)?) else {
+        return Ok(None);
+    };
+    let fault = || {
+        row.error(
+            column,
+            "is no route; write east and north of each place in metres, like 100|-200|150|-180",
+        )
+    };
+    let (mut origin_m, mut numbers) = ([0.0; 2], 0);
+    for part in text.split('|') {
+        let number = part.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+        let number = number.filter(|_| numbers < ROUTE_MAX).ok_or_else(fault)?;
+        if let Some(place) = origin_m.get_mut(numbers) {
+            *place = number;
+        }
+        numbers += 1;
+    }
+    if numbers % 2 == 1 {
+        return Err(fault());
+    }
+    Ok(Some(origin_m))
+}
+
+/// Writes wide-area reports.
+#[derive(Debug)]
+pub struct WideAreaWriter<W: Write> {
+    writer: W,
+    first_day_ns: i64,
+}
+
+impl<W: Write> WideAreaWriter<W> {
+    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// If `writer` fails.
+    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
+        writeln!(writer, "time_s,arrival_s,x,y,z,vx,vy,vz,count,route")?;
+        Ok(Self { writer, first_day_ns })
+    }
+
+    /// Writes one row.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub fn write(&mut self, report: &WideAreaReport) -> io::Result<()> {
+        let out = &mut self.writer;
+        write_time(out, report.time_ns - self.first_day_ns)?;
+        write!(out, ",")?;
+        write_time(out, report.arrival_ns - self.first_day_ns)?;
+        for number in report.position_m.iter().chain(&report.velocity_mps) {
+            write!(out, ",{number}")?;
+        }
+        write!(out, ",{},", report.targets)?;
+        if let Some([east, north]) = report.origin_m {
+            write!(out, "{east}|{north}")?;
+        }
+        writeln!(out)
+    }
+
+    /// Flushes the writer.
+    ///
+    /// # Errors
+    /// If it fails.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+
+    /// What was written to; not flushed.
+    pub fn into_inner(self) -> W {
+        self.writer
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count,route\n";
+
+    fn read(rows: &str) -> Vec<Result<WideAreaReport, String>> {
+        let text = format!("{HEADER}{rows}");
+        let reader = WideAreaReader::new(text.as_bytes(), 1_000).unwrap();
+        reader.map(|row| row.map_err(|error| error.to_string())).collect()
+    }
+
+    #[test]
+    fn what_was_written_is_read_again() {
+        let report = WideAreaReport {
+            time_ns: 8_000_001_000,
+            arrival_ns: 16_500_001_000,
+            position_m: [-812.5, 43e3, 0.1],
+            velocity_mps: [1.5, -180.0, 0.0],
+            targets: 2,
+            origin_m: Some([-9e4, 0.3]),
+        };
+        let without = WideAreaReport {
+            origin_m: None,
+            targets: 0,
+            ..report
+        };
+        let mut writer = WideAreaWriter::begin(Vec::new(), 1_000).unwrap();
+        writer.write(&report).unwrap();
+        writer.write(&without).unwrap();
+        let text = String::from_utf8(writer.into_inner()).unwrap();
+        let rows = text.strip_prefix(HEADER).unwrap();
+        assert!(
+            rows.starts_with("8,16.5,-812.5,43000,0.1,1.5,-180,0,2,-90000|0.3\n"),
+            "{rows}"
+        );
+        assert_eq!(read(rows), [Ok(report), Ok(without)]);
+    }
+
+    #[test]
+    fn the_route_and_its_column_may_be_missing() {
+        let plain = "time_s,arrival_s,x,y,z,vx,vy,vz,count\n0,8,1,2,3,4,5,6,7\n";
+        let rows: Vec<_> = WideAreaReader::new(plain.as_bytes(), 0).unwrap().collect();
+        assert_eq!(rows.len(), 1);
+        assert_eq!(rows[0].as_ref().unwrap().origin_m, None);
+    }
+
+    #[test]
+    fn what_is_no_report_is_refused_with_line_and_column() {
+        for (row, expected) in [
+            ("0,8,1,2,3,4,5,6,-1,", "line 2, column count"),
+            ("0,8,1,2,3,4,5,6,2.5,", "line 2, column count"),
+            ("0,8,1,2,3,4,5,6,,", "line 2, column count"),
+            ("0,8,1,nan,3,4,5,6,2,", "line 2, column y"),
+            ("0,,1,2,3,4,5,6,2,", "line 2, column arrival_s"),
+            ("0,8,1,2,3,4,5,6,2,5", "line 2, column route"),
+            ("0,8,1,2,3,4,5,6,2,5|here", "line 2, column route"),
+            ("0,8,1,2", "line 2: 4 values"),
+        ] {
+            let [Err(found)] = &read(row)[..] else { panic!("{row}") };
+            assert!(found.starts_with(expected), "{row}: {found}");
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Bearings of transmitters from the phases between antennas (EL-1): the MUSIC method on array snapshots.
+//!
+//! A plane wave reaches the antennas of an array one after the other; at one instant the samples of all of them, a
+//! *snapshot*, differ by phases that depend on where the wave comes from. With one transmitter, the bearing could be read
+//! off those phases. With several at once, the phases of their sum say nothing; the obvious answer, turning a beam and
+//! looking for the most power, cannot separate two transmitters within a beam's width, however long it looks.
+//!
+//! MUSIC (Schmidt 1986) looks where no power is. The covariance of the snapshots has as many large eigenvalues as there are
+//! transmitters; the eigenvectors of the others span the *noise subspace*, and the array's response to every true bearing,
+//! its steering vector, is perpendicular to it. So:
+//!
+//! 1. covariance of the snapshots, and its eigen-decomposition (`eigen`);
+//! 2. the number of transmitters, given or estimated from the eigenvalues (`order`);
+//! 3. bearings: the minima of the *null spectrum*, the squared length of the steering vector's part in the noise subspace,
+//!    found on a grid and refined by Newton's method on the exact function (`null_spectrum`);
+//! 4. the accuracy of each (`accuracy`), and whether its minimum is as deep as a true bearing's would be.
+//!
+//! What it cannot tell it says. Antennas in a line see a wave from the left and from the right alike, antennas more than
+//! half a wavelength apart may see several bearings alike: then a transmitter has several [`Bearing`]s with the same
+//! `source`, all marked ambiguous. Transmitters too weak or too close together to be separated are counted in
+//! [`Measured::unresolved`].
+//!
+//! Limits: waves come along the plane of the array (a wave from an elevation *e* looks as if its frequency were cos *e*
+//! times as high); signals are narrow-band; fully correlated signals (one transmitter over two paths) are one source to
+//! MUSIC, with a bearing that may be neither's; the noise of the antennas is independent and equally strong.
+//!
+//! Bearings are radians clockwise from the array's forward axis, 0 to 2π. No allocation after [`Music::new`] for arrays
+//! of up to 16 antennas; for larger ones the eigen-decomposition allocates.
+//!
+//! R. O. Schmidt, "Multiple emitter location and signal parameter estimation", IEEE Trans. Antennas and Propagation 34 (3),
+//! 1986; the other sources are named where they are used.
+
+mod accuracy;
+mod array;
+mod bound;
+mod eigen;
+mod error;
+mod null_spectrum;
+mod order;
+mod simulation;
+
+pub use array::{AntennaArray, ElementPosition};
+pub use bound::stochastic_bound;
+pub use error::MusicError;
+pub use order::SourceCount;
+pub use simulation::{SimulatedArray, SimulatedWaves};
+
+pub use nalgebra::Complex;
+
+use accuracy::Accuracy;
+use eigen::EigenSystem;
+use null_spectrum::NullSpectrum;
+
+/// How an array is used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MusicSettings {
+    /// How many transmitters there are, or how that is estimated.
+    pub sources: SourceCount,
+    /// Highest frequency that will be measured, hertz: it decides how fine the search is.
+    pub frequency_max_hz: f64,
+    /// Standard deviation of what calibration leaves of each antenna's phase error, radians: it enters the accuracy of
+    /// the bearings, which otherwise would become as good as one likes with enough snapshots.
+    pub phase_sigma_rad: f64,
+}
+
+/// Snapshots of all antennas.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshots<'a> {
+    /// Complex samples, snapshot after snapshot, each with one sample per antenna in the order of the array. Samples of
+    /// different snapshots have to be independent: as far apart as the signal's bandwidth makes them.
+    pub samples: &'a [Complex<f64>],
+    /// Frequency of the waves, hertz.
+    pub frequency_hz: f64,
+}
+
+/// A bearing from which a wave comes or, where the array cannot tell, may come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bearing {
+    /// Number of the transmitter within this measurement, from 0; several bearings with one number are alternatives.
+    pub source: usize,
+    /// Radians clockwise from the array's forward axis, 0 to 2π.
+    pub bearing_rad: f64,
+    /// Standard deviation of that, radians; at most that of a bearing of which nothing is known, π/√3.
+    pub sigma_rad: f64,
+    /// Whether other bearings explain the snapshots as well.
+    pub ambiguous: bool,
+}
+
+/// What was measured from one set of snapshots.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    /// Bearings by source, and within a source by bearing.
+    pub bearings: Vec<Bearing>,
+    /// Number of transmitters, as given or estimated.
+    pub sources: usize,
+    /// How many of them have no bearing of their own: hidden in the noise, or not separable from another one.
+    pub unresolved: usize,
+    /// Variance of the noise at one antenna, in squares of the samples' unit.
+    pub noise_variance: f64,
+}
+
+/// An array with all that is needed to find bearings with it; see the module's documentation.
+#[derive(Clone, Debug)]
+pub struct Music {
+    array: AntennaArray,
+    settings: MusicSettings,
+    spectrum: NullSpectrum,
+    covariance: Vec<Complex<f64>>,
+    eigen: EigenSystem,
+    measured: Measured,
+}
+
+impl Music {
+    /// Prepares the search for bearings with `array`.
+    ///
+    /// # Errors
+    /// Settings that cannot be used: a frequency that is no positive number or at which the array is too wide, a number of
+    /// sources that the array cannot separate, a phase error that is negative or no number.
+    pub fn new(array: AntennaArray, settings: MusicSettings) -> Result<Self, MusicError> {
+        let antennas = array.len();
+        settings.sources.check(antennas)?;
+        let phase_sigma_rad = settings.phase_sigma_rad;
+        if !(phase_sigma_rad.is_finite() && phase_sigma_rad >= 0.0) {
+            return Err(MusicError::PhaseSigma { phase_sigma_rad });
+        }
+        let spectrum = NullSpectrum::new(&array, settings.frequency_max_hz)?;
+        Ok(Self {
+            covariance: vec![Complex::ZERO; antennas * antennas],
+            eigen: EigenSystem::new(antennas),
+            measured: Measured {
+                bearings: Vec::with_capacity(spectrum.capacity() * array.images()),
+                ..Measured::default()
+            },
+            spectrum,
+            array,
+            settings,
+        })
+    }
+
+    /// The array.
+    pub fn array(&self) -> &AntennaArray {
+        &self.array
+    }
+
+    /// Bearings from one set of snapshots. The steering vectors of the last frequency are kept: changing the frequency
+    /// with every call costs several times as much.
+    ///
+    /// # Errors
+    /// Snapshots that cannot be used: none, a part of one, a sample that is no number, fewer than the sources need, a
+    /// frequency above the highest, or no power at all.
+    pub fn measure(&mut self, snapshots: &Snapshots<'_>) -> Result<&Measured, MusicError> {
+        let count = self.take_covariance(snapshots.samples)?;
+        self.spectrum.set_frequency(&self.array, snapshots.frequency_hz)?;
+        if !self.eigen.decompose(&self.covariance) {
+            return Err(MusicError::NoConvergence);
+        }
+        let values = self.eigen.values();
+        let sources = self.settings.sources.count(values, count)?;
+        let noise_variance = order::noise_variance(values, count, sources);
+        let seen = order::above_noise(values, count, sources, noise_variance);
+        self.measured.bearings.clear();
+        (self.measured.sources, self.measured.noise_variance) = (sources, noise_variance);
+        let separated = if seen > 0 { self.find_bearings(count, seen) } else { 0 };
+        self.measured.unresolved = sources.saturating_sub(separated);
+        Ok(&self.measured)
+    }
+
+    /// Bearings of the `sources` greatest eigenvalues of so many snapshots; returns how many separate sources they show.
+    fn find_bearings(&mut self, snapshots: usize, sources: usize) -> usize {
+        let array = &self.array;
+        let accuracy = Accuracy {
+            snapshots,
+            sources,
+            phase_sigma_rad: self.settings.phase_sigma_rad,
+        };
+        self.spectrum
+            .search(array, &self.eigen, (sources, self.measured.noise_variance));
+        self.spectrum
+            .retain(|minimum| accuracy.may_be_a_source(minimum, array.len()));
+        let separated = self.spectrum.group(array);
+        let minima = self.spectrum.minima();
+        for minimum in minima {
+            let alike = minima.iter().filter(|other| other.source == minimum.source).count() > 1;
+            let mirrored_rad = array.mirrored(minimum.bearing_rad);
+            let bearing = Bearing {
+                source: minimum.source,
+                bearing_rad: minimum.bearing_rad,
+                sigma_rad: accuracy.sigma_rad(minimum, array),
+                // Of more bearings than sources the array cannot tell which are the sources'.
+                ambiguous: alike || separated > sources || mirrored_rad.is_some(),
+            };
+            self.measured.bearings.push(bearing);
+            if let Some(bearing_rad) = mirrored_rad {
+                self.measured.bearings.push(Bearing { bearing_rad, ..bearing });
+            }
+        }
+        let by_source =
+            |a: &Bearing, b: &Bearing| a.source.cmp(&b.source).then(a.bearing_rad.total_cmp(&b.bearing_rad));
+        self.measured.bearings.sort_unstable_by(by_source);
+        separated
+    }
+
+    /// Averages the products of the samples; returns the number of snapshots.
+    fn take_covariance(&mut self, samples: &[Complex<f64>]) -> Result<usize, MusicError> {
+        let antennas = self.array.len();
+        let count = samples.len() / antennas;
+        if count == 0 || !samples.len().is_multiple_of(antennas) {
+            let samples = samples.len();
+            return Err(MusicError::SampleCount { samples, antennas });
+        }
+        if let Some(at) = samples.iter().position(|sample| !sample.is_finite()) {
+            let (snapshot, antenna) = (at / antennas, at % antennas);
+            return Err(MusicError::Sample { snapshot, antenna });
+        }
+        self.covariance.fill(Complex::ZERO);
+        for snapshot in samples.chunks_exact(antennas) {
+            // The lower triangle, which is all that the decomposition reads.
+            for (column, of_column) in snapshot.iter().enumerate() {
+                let lower = column * (antennas + 1)..(column + 1) * antennas;
+                for (element, of_row) in self.covariance[lower].iter_mut().zip(&snapshot[column..]) {
+                    *element += of_row * of_column.conj();
+                }
+            }
+        }
+        let (mut power, mut finite) = (0.0, true);
+        for element in &mut self.covariance {
+            *element /= count as f64;
+            finite &= element.is_finite();
+        }
+        for antenna in 0..antennas {
+            power += self.covariance[antenna * (antennas + 1)].re;
+        }
+        if finite && power.is_normal() {
+            Ok(count)
+        } else {
+            Err(MusicError::Power { power })
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Where a moving sensor is, and how it lies in space.
+
+use crate::StageTimes;
+use crate::layout::sample;
+
+/// Bits of [`PlatformState::valid`].
+pub mod platform_state_bits {
+    /// `velocity_mps` is known.
+    pub const VELOCITY: u16 = 1;
+    /// `heading_rad` is known.
+    pub const HEADING: u16 = 1 << 1;
+    /// `pitch_rad` and `roll_rad` are known.
+    pub const ATTITUDE: u16 = 1 << 2;
+    /// `position_sigma_m` is known.
+    pub const POSITION_SIGMA: u16 = 1 << 3;
+    /// `heading_sigma_rad` is known.
+    pub const HEADING_SIGMA: u16 = 1 << 4;
+
+    pub(crate) const NAMES: &[(&str, u64)] = &[
+        ("VELOCITY", VELOCITY as u64),
+        ("HEADING", HEADING as u64),
+        ("ATTITUDE", ATTITUDE as u64),
+        ("POSITION_SIGMA", POSITION_SIGMA as u64),
+        ("HEADING_SIGMA", HEADING_SIGMA as u64),
+    ];
+}
+
+sample! {
+    /// Position and attitude of the platform that carries a sensor, at one time (EL-11).
+    #[derive(Default)]
+    PlatformState, size 144 {
+        /// Time at which the platform was there, UTC, nanoseconds since 1970.
+        time_ns: i64,
+        /// The state's sequence number at its publisher.
+        sequence: u64,
+        /// Stages passed so far.
+        stages: StageTimes,
+        /// Position east, north, up in the system frame, metres.
+        position_m: [f64; 3],
+        /// Velocity east, north, up, metres per second.
+        velocity_mps: [f64; 3],
+        /// Where its nose points, radians clockwise from north.
+        heading_rad: f64,
+        /// Nose above the horizon, radians.
+        pitch_rad: f64,
+        /// Right wing below the horizon, radians.
+        roll_rad: f64,
+        /// Standard deviation of each coordinate of the position, metres.
+        position_sigma_m: f64,
+        /// Standard deviation of the heading, radians.
+        heading_sigma_rad: f64,
+        /// Source whose sensor it carries: its number in the configuration (TI-2).
+        source: u16,
+        /// Which fields hold something: see `platform_state_bits`.
+        valid: u16,
+        /// Reserved, 0.
+        reserved: u32,
+    }
+}

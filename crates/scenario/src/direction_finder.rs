@@ -1,0 +1,374 @@
+//! A simulated direction finder: an aircraft that flies a racetrack and measures from where it hears transmitters.
+//!
+//! The flight begins with a leg. The finder measures bearings only, and knows where it is itself and where it is heading. Some of the targets carry a
+//! transmitter, each on a frequency of its own; the finder knows them apart. All bearings of a period are measured at one
+//! time. What an antenna array would make of phases is left out here: a bearing is the true one with a normal error.
+
+use formats::bearing::Bearing;
+use messages::NS_PER_S;
+use rand::RngExt as _;
+use rand_distr::{Distribution as _, StandardNormal};
+use serde::Deserialize;
+
+use crate::error::{SettingsError, within};
+use crate::path::{ClosedPath, Kinematics, Waypoint};
+use crate::random::{Purpose, stream};
+use crate::truth::{TargetState, Truth};
+
+/// Lateral acceleration of the platform in its turns, m/s² (25° of bank).
+const TURN_ACCELERATION_MPS2: f64 = 4.57;
+/// Frequencies of the transmitters, hertz: maritime and airborne radars.
+const FREQUENCIES_HZ: std::ops::Range<f64> = 2.9e9..9.5e9;
+
+/// One simulated direction finder. What is not given has the value in brackets.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DirectionFinderSettings {
+    /// Middle of the racetrack and its height: east, north, up, metres (0, 0, 3000).
+    pub position_m: [f64; 3],
+    /// Direction of the racetrack's legs, radians clockwise from north (0).
+    pub course_rad: f64,
+    /// Length of the legs, metres, 0 to 1,000,000 (40,000).
+    pub leg_m: f64,
+    /// Speed of the platform, m/s, 10 to 400 (120).
+    pub speed_mps: f64,
+    /// Time between two bearings of one transmitter, seconds, 0.01 to 60 (1).
+    pub period_s: f64,
+    /// Time from a measurement to its delivery, seconds, 0 to 60 (0.02).
+    pub delay_s: f64,
+    /// Standard deviation of a bearing, radians, 0.00001 to 0.5 (0.0087, half a degree).
+    pub bearing_sigma_rad: f64,
+    /// Constant error of every bearing that the finder does not know of, radians (0).
+    pub bearing_bias_rad: f64,
+    /// Probability that a transmitter is heard in a period, 0.001 to 1 (0.9).
+    pub detection_probability: f64,
+    /// Greatest distance in the plane at which a transmitter is heard, metres (200,000).
+    pub range_max_m: f64,
+    /// Share of the targets that transmit (1).
+    pub transmitting_share: f64,
+    /// Standard deviation of a measured frequency, hertz (1e6).
+    pub frequency_sigma_hz: f64,
+}
+
+impl Default for DirectionFinderSettings {
+    fn default() -> Self {
+        Self {
+            position_m: [0.0, 0.0, 3000.0],
+            course_rad: 0.0,
+            leg_m: 40_000.0,
+            speed_mps: 120.0,
+            period_s: 1.0,
+            delay_s: 0.02,
+            bearing_sigma_rad: 0.0087,
+            bearing_bias_rad: 0.0,
+            detection_probability: 0.9,
+            range_max_m: 200_000.0,
+            transmitting_share: 1.0,
+            frequency_sigma_hz: 1e6,
+        }
+    }
+}
+
+impl DirectionFinderSettings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used, with its value and what it has to be.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        for coordinate_m in self.position_m {
+            within("position_m", coordinate_m, -1e6, 1e6)?;
+        }
+        within("course_rad", self.course_rad, -7.0, 7.0)?;
+        within("leg_m", self.leg_m, 0.0, 1e6)?;
+        within("speed_mps", self.speed_mps, 10.0, 400.0)?;
+        within("period_s", self.period_s, 0.01, 60.0)?;
+        within("delay_s", self.delay_s, 0.0, 60.0)?;
+        within("bearing_sigma_rad", self.bearing_sigma_rad, 1e-5, 0.5)?;
+        within("bearing_bias_rad", self.bearing_bias_rad, -0.5, 0.5)?;
+        within("detection_probability", self.detection_probability, 1e-3, 1.0)?;
+        within("range_max_m", self.range_max_m, 1.0, 2e6)?;
+        within("transmitting_share", self.transmitting_share, 0.0, 1.0)?;
+        within("frequency_sigma_hz", self.frequency_sigma_hz, 0.0, 1e9)
+    }
+
+    fn turn_radius_m(&self) -> f64 {
+        self.speed_mps.powi(2) / TURN_ACCELERATION_MPS2
+    }
+
+    /// Duration of the quarter turn with which the path begins: the platform is behind it when the scenario starts.
+    fn first_turn_s(&self) -> f64 {
+        std::f64::consts::FRAC_PI_2 * self.turn_radius_m() / self.speed_mps
+    }
+
+    /// Two legs, as far apart as two turns need.
+    fn path(&self) -> ClosedPath {
+        let turn_radius_m = self.turn_radius_m();
+        let (sin, cos) = self.course_rad.sin_cos();
+        let half_length_m = 0.5 * self.leg_m + turn_radius_m;
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[along, across]| {
+            let (along_m, right_m) = (along * half_length_m, across * turn_radius_m);
+            Waypoint {
+                position_m: [
+                    self.position_m[0] + along_m * sin + right_m * cos,
+                    self.position_m[1] + along_m * cos - right_m * sin,
+                ],
+                height_m: self.position_m[2],
+                speed_mps: self.speed_mps,
+                turn_radius_m,
+                stop_s: 0.0,
+            }
+        });
+        ClosedPath::new(&corners)
+    }
+}
+
+/// Where a platform is, and where it is heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlatformPose {
+    /// East, north, up, metres.
+    pub position_m: [f64; 3],
+    /// East, north, up, metres per second.
+    pub velocity_mps: [f64; 3],
+    /// Radians clockwise from north, 0 to 2π.
+    pub heading_rad: f64,
+}
+
+/// See the module's documentation.
+#[derive(Clone, Debug)]
+pub struct SimulatedDirectionFinder {
+    settings: DirectionFinderSettings,
+    path: ClosedPath,
+    seed: u64,
+    source: u16,
+    start_utc_ns: i64,
+    /// Number of the next period.
+    period: u64,
+}
+
+impl SimulatedDirectionFinder {
+    /// A finder that begins at the scenario's start, which is at `start_utc_ns` (UTC, nanoseconds since 1970), as source
+    /// number `source`.
+    ///
+    /// # Errors
+    /// A setting that cannot be used.
+    pub fn new(
+        settings: &DirectionFinderSettings,
+        seed: u64,
+        source: u16,
+        start_utc_ns: i64,
+    ) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self {
+            path: settings.path(),
+            settings: settings.clone(),
+            seed,
+            source,
+            start_utc_ns,
+            period: 0,
+        })
+    }
+
+    /// Begins anew with the first delivery at or after `time_s` seconds from the scenario's start.
+    pub fn restart_at(&mut self, time_s: f64) {
+        self.period = ((time_s - self.settings.delay_s) / self.settings.period_s)
+            .ceil()
+            .max(0.0) as u64;
+    }
+
+    /// When the next delivery is due, seconds from the scenario's start.
+    pub fn next_delivery_s(&self) -> f64 {
+        self.measured_s() + self.settings.delay_s
+    }
+
+    /// When the bearings of the next delivery are measured, seconds from the scenario's start.
+    pub fn measured_s(&self) -> f64 {
+        self.period as f64 * self.settings.period_s
+    }
+
+    /// The platform `time_s` seconds after the scenario's start.
+    pub fn platform_at(&self, time_s: f64) -> PlatformPose {
+        let Kinematics {
+            position_m,
+            velocity_mps,
+        } = self.path.at(time_s + self.settings.first_turn_s());
+        PlatformPose {
+            position_m,
+            velocity_mps,
+            heading_rad: velocity_mps[0].atan2(velocity_mps[1]).rem_euclid(std::f64::consts::TAU),
+        }
+    }
+
+    /// Whether `target` carries a transmitter.
+    pub fn transmits(&self, target: &TargetState) -> bool {
+        self.transmitter(target.id).is_some()
+    }
+
+    /// Appends the bearings of the next delivery, in the order of the targets' numbers, which are those of their
+    /// transmitters, and goes on to the one after it.
+    pub fn listen(&mut self, truth: &Truth, out: &mut Vec<Bearing>) {
+        let time_s = self.measured_s();
+        let platform = self.platform_at(time_s);
+        let time_of_measurement_ns = self.start_utc_ns + (time_s * NS_PER_S).round() as i64;
+        let settings = &self.settings;
+        for target in truth.at(time_s) {
+            let [east, north] = [0, 1].map(|axis| target.position_m[axis] - platform.position_m[axis]);
+            let Some(frequency_hz) = self.transmitter(target.id) else {
+                continue;
+            };
+            let mut random = stream(
+                self.seed,
+                Purpose::Bearing,
+                self.source,
+                u64::from(target.id),
+                self.period,
+            );
+            if east.hypot(north) > settings.range_max_m || !random.random_bool(settings.detection_probability) {
+                continue;
+            }
+            let errors: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(&mut random));
+            let bearing_rad = east.atan2(north) + settings.bearing_bias_rad + settings.bearing_sigma_rad * errors[0];
+            out.push(Bearing {
+                time_of_measurement_ns,
+                emitter_id: Some(target.id),
+                bearing_rad: bearing_rad.rem_euclid(std::f64::consts::TAU),
+                sigma_rad: settings.bearing_sigma_rad,
+                platform_m: platform.position_m,
+                heading_rad: Some(platform.heading_rad),
+                frequency_hz: Some(frequency_hz + settings.frequency_sigma_hz * errors[1]),
+            });
+        }
+        self.period += 1;
+    }
+
+    /// Frequency of the target's transmitter, if it has one; the same for every finder.
+    fn transmitter(&self, target: u32) -> Option<f64> {
+        let mut random = stream(self.seed, Purpose::Transmitter, 0, u64::from(target), 0);
+        let (share, frequency_hz) = (random.random_range(0.0..1.0), random.random_range(FREQUENCIES_HZ));
+        (share < self.settings.transmitting_share).then_some(frequency_hz)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use super::*;
+    use crate::settings::ScenarioSettings;
+
+    fn truth() -> Truth {
+        let settings = ScenarioSettings {
+            targets: 12,
+            ship_share: 1.0,
+            ..ScenarioSettings::without_others()
+        };
+        Truth::new(&settings, 3).expect("valid")
+    }
+
+    fn finder(settings: &DirectionFinderSettings) -> SimulatedDirectionFinder {
+        SimulatedDirectionFinder::new(settings, 3, 5, 1_000).expect("valid")
+    }
+
+    /// Errors are normal with the stated deviation about the true bearing, seen from where the platform says it is.
+    #[test]
+    fn bearings_are_as_stated() {
+        let (truth, settings) = (truth(), DirectionFinderSettings::default());
+        let mut finder = finder(&settings);
+        let (mut out, mut squares, mut count) = (Vec::new(), 0.0, 0);
+        for period in 0..2000u32 {
+            let time_s = finder.measured_s();
+            assert_eq!(
+                (time_s, finder.next_delivery_s()),
+                (f64::from(period), f64::from(period) + 0.02)
+            );
+            out.clear();
+            finder.listen(&truth, &mut out);
+            for bearing in &out {
+                assert_eq!(
+                    bearing.time_of_measurement_ns,
+                    1_000 + i64::from(period) * 1_000_000_000
+                );
+                let target = truth.target_at(bearing.emitter_id.expect("known") as usize, time_s);
+                let [east, north] = [0, 1].map(|axis| target.position_m[axis] - bearing.platform_m[axis]);
+                let error = (bearing.bearing_rad - east.atan2(north) + PI).rem_euclid(TAU) - PI;
+                squares += (error / bearing.sigma_rad).powi(2);
+                count += 1;
+            }
+        }
+        let (mean, four_sigma) = (squares / f64::from(count), 4.0 * (2.0 / f64::from(count)).sqrt());
+        assert!((mean - 1.0).abs() < four_sigma, "{mean}");
+        let share = f64::from(count) / (2000.0 * 12.0);
+        assert!((share - 0.9).abs() < 0.02, "heard {share}");
+    }
+
+    #[test]
+    fn the_platform_flies_its_racetrack() {
+        let settings = DirectionFinderSettings {
+            course_rad: 0.5 * PI,
+            ..DirectionFinderSettings::default()
+        };
+        let finder = finder(&settings);
+        let mut headings = [0; 2];
+        for step in 0..2000 {
+            let pose = finder.platform_at(f64::from(step));
+            let speed = pose.velocity_mps[0].hypot(pose.velocity_mps[1]);
+            assert!((speed - 120.0).abs() < 1e-9);
+            assert_eq!(pose.position_m[2], 3000.0);
+            let [east, north] = [pose.position_m[0], pose.position_m[1]];
+            assert!(east.abs() <= 23_152.0 && north.abs() <= 3_152.0, "{pose:?}");
+            for (heading, count) in [0.5 * PI, 1.5 * PI].iter().zip(&mut headings) {
+                *count += u32::from((pose.heading_rad - heading).abs() < 1e-9);
+            }
+        }
+        assert!(headings.iter().all(|&count| count > 600), "east and west: {headings:?}");
+    }
+
+    /// A finder that begins in mid-scenario measures what it would have measured anyway.
+    #[test]
+    fn restarted_it_measures_the_same() {
+        let (truth, settings) = (truth(), DirectionFinderSettings::default());
+        let (mut through, mut restarted) = (finder(&settings), finder(&settings));
+        let mut all = Vec::new();
+        for _ in 0..50 {
+            all.clear();
+            through.listen(&truth, &mut all);
+        }
+        restarted.restart_at(48.9);
+        assert_eq!(restarted.measured_s(), 49.0);
+        let mut again = Vec::new();
+        restarted.listen(&truth, &mut again);
+        assert_eq!(all, again);
+    }
+
+    #[test]
+    fn some_targets_are_silent() {
+        let truth = truth();
+        let settings = DirectionFinderSettings {
+            transmitting_share: 0.5,
+            detection_probability: 1.0,
+            ..DirectionFinderSettings::default()
+        };
+        let mut finder = finder(&settings);
+        let transmitting = truth.at(0.0).filter(|target| finder.transmits(target)).count();
+        let mut out = Vec::new();
+        finder.listen(&truth, &mut out);
+        assert!((1..12).contains(&transmitting), "{transmitting}");
+        assert_eq!(out.len(), transmitting);
+    }
+
+    #[test]
+    fn messages_name_key_value_and_limit() {
+        let refused = |text: &str| {
+            let settings: DirectionFinderSettings = toml::from_str(text).expect("well-formed");
+            settings.validate().expect_err("not usable").to_string()
+        };
+        assert_eq!(refused("speed_mps = 0"), "speed_mps = 0: must be between 10 and 400");
+        assert_eq!(
+            refused("bearing_sigma_rad = nan"),
+            "bearing_sigma_rad = NaN: must be between 0.00001 and 0.5"
+        );
+        assert!(
+            toml::from_str::<DirectionFinderSettings>("sigma = 1").is_err(),
+            "unknown key"
+        );
+    }
+}

@@ -1,0 +1,452 @@
+//! Detections as they come from one sensor, cut into scans.
+//!
+//! The tracker wants scans: all that a sensor saw in one look around. A radar sends plots one after the other, some a little
+//! late, and says when its antenna points north. To call a scan complete at that message would leave late plots to the
+//! next scan, and by the clock of the machine the result would depend on its load. So only times of the data count. A
+//! scan reaches from one boundary to the next; it is complete when something has come that is later than its end by the
+//! *wait*. What is older than the scan at hand comes too late, and is refused.
+//!
+//! A boundary is where the sensor says that its turn begins ([`Cutter::turn_begins`]). Where it does not say so for longer
+//! than a period and the wait, the turn is taken to have lasted one period; and where the sensor is not asked
+//! ([`Boundaries::Period`]), boundaries are at whole multiples of the period. After a silence the next scan begins with
+//! the first detection.
+//!
+//! # Numbers
+//!
+//! Scans are numbered so that a gap in the numbers is as many periods of silence ([`crate::scans`]). The first number is
+//! that of the sixteenth of a second, counted from an epoch, in which the scan began. No sensor makes as many scans, so
+//! that a cutter that takes another one's place begins with a number beyond all of the other's.
+
+use std::collections::VecDeque;
+
+use formats::detection::Detection;
+
+/// Numbers set aside for each second.
+pub const NUMBERS_PER_S: i64 = 16;
+/// Shortest period, nanoseconds.
+pub const PERIOD_MIN_NS: i64 = NS_PER_S / NUMBERS_PER_S;
+/// Most boundaries that wait for detections to reach them.
+const BOUNDARIES_MAX: usize = 8;
+const NS_PER_S: i64 = 1_000_000_000;
+
+/// How to cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CutterSettings {
+    /// Where scans begin.
+    pub boundaries: Boundaries,
+    /// How long the sensor takes to look around, nanoseconds, at least [`PERIOD_MIN_NS`].
+    pub period_ns: i64,
+    /// How late a detection may come after later ones, nanoseconds.
+    pub wait_ns: i64,
+    /// Most detections that wait for their scan to be complete.
+    pub waiting_max: usize,
+    /// From where scan numbers count, UTC, nanoseconds.
+    pub epoch_ns: i64,
+}
+
+/// Where scans begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Boundaries {
+    /// Where the sensor says so.
+    Turn,
+    /// At whole multiples of the period.
+    Period,
+}
+
+/// A scan that is complete.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CutScan {
+    /// Its number, which its detections have, too.
+    pub number: u32,
+    /// Time of its latest detection, nanoseconds.
+    pub time_ns: i64,
+}
+
+/// What became of a detection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taken {
+    /// It waits for its scan to be complete.
+    Waits,
+    /// Its scan is complete already.
+    TooLate,
+    /// There is no room for it.
+    Refused,
+}
+
+/// The scan at hand.
+#[derive(Clone, Copy, Debug)]
+struct Scan {
+    number: u32,
+    begin_ns: i64,
+    /// Whether it begins where the sensor said so.
+    at_boundary: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Waiting<T> {
+    detection: Detection,
+    with_it: T,
+    /// How many came before it.
+    place: u64,
+}
+
+/// See the module's documentation. `T` is what is to stay with a detection, the time of its receipt for example.
+#[derive(Clone, Debug)]
+pub struct Cutter<T> {
+    settings: CutterSettings,
+    scan: Option<Scan>,
+    boundaries: VecDeque<i64>,
+    waiting: Vec<Waiting<T>>,
+    /// Time of the earliest of them; `i64::MAX` if there are none.
+    first_ns: i64,
+    /// How many detections have come.
+    came: u64,
+    /// Latest time of anything that came.
+    running_ns: i64,
+    complete: Vec<Detection>,
+    with_them: Vec<T>,
+}
+
+impl<T: Copy> Cutter<T> {
+    /// A cutter that has seen nothing yet.
+    pub fn new(settings: CutterSettings) -> Self {
+        Self {
+            settings,
+            scan: None,
+            boundaries: VecDeque::with_capacity(BOUNDARIES_MAX),
+            waiting: Vec::with_capacity(settings.waiting_max),
+            first_ns: i64::MAX,
+            came: 0,
+            running_ns: i64::MIN,
+            complete: Vec::with_capacity(settings.waiting_max),
+            with_them: Vec::with_capacity(settings.waiting_max),
+        }
+    }
+
+    /// Takes a detection, with what is to stay with it.
+    pub fn take(&mut self, detection: Detection, with_it: T) -> Taken {
+        let time_ns = detection.time_of_measurement_ns;
+        if self.scan.is_some_and(|scan| time_ns < scan.begin_ns) {
+            return Taken::TooLate;
+        }
+        if self.waiting.len() == self.settings.waiting_max {
+            return Taken::Refused;
+        }
+        self.waiting.push(Waiting {
+            detection,
+            with_it,
+            place: self.came,
+        });
+        self.came += 1;
+        self.first_ns = self.first_ns.min(time_ns);
+        self.passed(time_ns);
+        Taken::Waits
+    }
+
+    /// The sensor says that its turn begins at `time_ns`.
+    pub fn turn_begins(&mut self, time_ns: i64) {
+        let is_new = self.boundaries.back().is_none_or(|last_ns| *last_ns < time_ns);
+        if self.settings.boundaries == Boundaries::Turn && is_new {
+            if self.boundaries.len() == BOUNDARIES_MAX {
+                self.boundaries.pop_front();
+            }
+            self.boundaries.push_back(time_ns);
+        }
+        self.passed(time_ns);
+    }
+
+    /// The sensor's time has come to `time_ns`.
+    pub fn passed(&mut self, time_ns: i64) {
+        self.running_ns = self.running_ns.max(time_ns);
+    }
+
+    /// The next scan that is complete and has detections: they are in [`Self::detections`] until the next call.
+    pub fn next_scan(&mut self) -> Option<CutScan> {
+        self.complete_scan(self.running_ns)
+    }
+
+    /// The next scan of those that wait, whether or not more may come: for when the sensor's data have ended.
+    pub fn last_scan(&mut self) -> Option<CutScan> {
+        self.complete_scan(i64::MAX)
+    }
+
+    /// Detections of the latest scan, in the order of their times; of one time, in that in which they came.
+    pub fn detections(&self) -> &[Detection] {
+        &self.complete
+    }
+
+    /// What stayed with them.
+    pub fn with_them(&self) -> &[T] {
+        &self.with_them
+    }
+
+    fn complete_scan(&mut self, running_ns: i64) -> Option<CutScan> {
+        self.complete.clear();
+        self.with_them.clear();
+        while !self.waiting.is_empty() {
+            let scan = self.scan_at_hand();
+            let (end_ns, is_said) = self.end(scan, running_ns)?;
+            if running_ns < end_ns.saturating_add(self.settings.wait_ns) {
+                return None;
+            }
+            self.boundaries.retain(|boundary_ns| *boundary_ns > end_ns);
+            self.collect(end_ns, scan.number);
+            self.scan = Some(Scan {
+                number: scan
+                    .number
+                    .saturating_add(self.periods(end_ns.saturating_sub(scan.begin_ns))),
+                begin_ns: end_ns,
+                at_boundary: is_said || self.settings.boundaries == Boundaries::Period,
+            });
+            if let Some(last) = self.complete.last() {
+                return Some(CutScan {
+                    number: scan.number,
+                    time_ns: last.time_of_measurement_ns,
+                });
+            }
+        }
+        None
+    }
+
+    /// The scan at hand; after a silence, the one in which the next detection is.
+    fn scan_at_hand(&mut self) -> Scan {
+        let period_ns = self.settings.period_ns;
+        let is_silence = |scan: &Scan| self.first_ns.saturating_sub(scan.begin_ns) >= 2 * period_ns;
+        if let Some(scan) = self.scan.filter(|scan| !is_silence(scan)) {
+            return scan;
+        }
+        let by_period = self.settings.boundaries == Boundaries::Period;
+        let begin_ns = match by_period {
+            true => self.first_ns.div_euclid(period_ns).saturating_mul(period_ns),
+            false => self.first_ns,
+        };
+        let after = |scan: Scan| {
+            let periods = self.periods(begin_ns.saturating_sub(scan.begin_ns));
+            scan.number.saturating_add(periods)
+        };
+        let scan = Scan {
+            number: self.scan.map_or_else(|| self.first_number(begin_ns), after),
+            begin_ns,
+            at_boundary: by_period,
+        };
+        self.boundaries.retain(|boundary_ns| *boundary_ns > begin_ns);
+        self.scan = Some(scan);
+        scan
+    }
+
+    /// Where the scan ends, and whether the sensor has said so; `None` as long as it still may.
+    fn end(&self, scan: Scan, running_ns: i64) -> Option<(i64, bool)> {
+        let CutterSettings { period_ns, wait_ns, .. } = self.settings;
+        // A turn is never half as long as it should be, unless it was not seen from its beginning.
+        let shortest_ns = if scan.at_boundary { period_ns / 2 } else { 0 };
+        let after = |time_ns: i64| scan.begin_ns.saturating_add(time_ns);
+        let latest_ns = after(period_ns + wait_ns);
+        let mut said = self.boundaries.iter().copied();
+        if let Some(said_ns) = said.find(|boundary_ns| (after(shortest_ns)..=latest_ns).contains(boundary_ns)) {
+            return Some((said_ns, true));
+        }
+        let is_given = self.settings.boundaries == Boundaries::Period || running_ns > latest_ns;
+        is_given.then_some((after(period_ns), false))
+    }
+
+    /// Takes the detections before `end_ns` out of those that wait.
+    fn collect(&mut self, end_ns: i64, number: u32) {
+        // Unlike a stable sort, this one needs no memory.
+        self.waiting
+            .sort_unstable_by_key(|each| (each.detection.time_of_measurement_ns, each.place));
+        let count = self
+            .waiting
+            .partition_point(|each| each.detection.time_of_measurement_ns < end_ns);
+        for (detection_id, each) in (0..).zip(self.waiting.drain(..count)) {
+            self.complete.push(Detection {
+                scan: number,
+                detection_id,
+                ..each.detection
+            });
+            self.with_them.push(each.with_it);
+        }
+        let first = self.waiting.first();
+        self.first_ns = first.map_or(i64::MAX, |each| each.detection.time_of_measurement_ns);
+    }
+
+    /// How many whole periods a time is, at least one.
+    fn periods(&self, time_ns: i64) -> u32 {
+        let period_ns = self.settings.period_ns;
+        (time_ns.saturating_add(period_ns / 2) / period_ns).clamp(1, i64::from(u32::MAX)) as u32
+    }
+
+    fn first_number(&self, begin_ns: i64) -> u32 {
+        let since_ns = i128::from(begin_ns) - i128::from(self.settings.epoch_ns);
+        let sixteenths = since_ns * i128::from(NUMBERS_PER_S) / i128::from(NS_PER_S);
+        sixteenths.clamp(0, i128::from(u32::MAX / 2)) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::testing::{S, position};
+
+    fn settings(boundaries: Boundaries) -> CutterSettings {
+        CutterSettings {
+            boundaries,
+            period_ns: 4 * S,
+            wait_ns: S,
+            waiting_max: 100,
+            epoch_ns: 0,
+        }
+    }
+
+    /// What comes: a detection or a boundary, with its time in tenths of a second.
+    #[derive(Clone, Copy, Debug)]
+    enum Event {
+        Plot(i64),
+        North(i64),
+    }
+    use Event::{North, Plot};
+
+    /// The scans: number, and the times of their detections in tenths of a second.
+    fn cut(settings: CutterSettings, events: &[Event]) -> (Vec<(u32, Vec<i64>)>, usize) {
+        let mut cutter = Cutter::new(settings);
+        let (mut scans, mut late) = (Vec::new(), 0);
+        let mut keep = |cutter: &Cutter<usize>, scan: CutScan| {
+            let detections = cutter.detections();
+            assert_eq!(scan.time_ns, detections.last().unwrap().time_of_measurement_ns);
+            assert!(detections.iter().all(|each| each.scan == scan.number));
+            assert_eq!(cutter.with_them().len(), detections.len());
+            let times = detections.iter().map(|each| each.time_of_measurement_ns / (S / 10));
+            scans.push((scan.number, times.collect::<Vec<i64>>()));
+        };
+        for (place, event) in events.iter().enumerate() {
+            match *event {
+                Plot(time) => {
+                    let taken = cutter.take(position(time * (S / 10), 0.0, 0.0), place);
+                    late += usize::from(taken == Taken::TooLate);
+                }
+                North(time) => cutter.turn_begins(time * (S / 10)),
+            }
+            while let Some(scan) = cutter.next_scan() {
+                keep(&cutter, scan);
+            }
+        }
+        while let Some(scan) = cutter.last_scan() {
+            keep(&cutter, scan);
+        }
+        (scans, late)
+    }
+
+    #[test]
+    fn a_turn_reaches_from_north_to_north_whoever_comes_late() {
+        let events = [
+            Plot(10),
+            Plot(35),
+            North(38),
+            Plot(41),
+            Plot(36),
+            Plot(60),
+            North(78),
+            Plot(79),
+            Plot(77),
+            Plot(90),
+        ];
+        let (scans, late) = cut(settings(Boundaries::Turn), &events);
+        // The first turn was not seen from its beginning.
+        assert_eq!(
+            scans,
+            [(16, vec![10, 35, 36]), (17, vec![41, 60, 77]), (18, vec![79, 90])]
+        );
+        assert_eq!(late, 0);
+    }
+
+    #[test]
+    fn without_its_message_a_turn_lasts_a_period_and_what_is_too_late_is_refused() {
+        let events = [North(0), Plot(1), Plot(38), Plot(52), Plot(39), Plot(95), Plot(60)];
+        let (scans, late) = cut(settings(Boundaries::Turn), &events);
+        assert_eq!(scans, [(1, vec![1, 38]), (2, vec![52]), (3, vec![95])]);
+        assert_eq!(late, 2);
+    }
+
+    #[test]
+    fn boundaries_in_a_row_are_one() {
+        let events = [
+            North(0),
+            Plot(5),
+            North(40),
+            North(41),
+            North(50),
+            Plot(51),
+            Plot(70),
+            North(80),
+            Plot(95),
+        ];
+        let (scans, _) = cut(settings(Boundaries::Turn), &events);
+        assert_eq!(scans, [(8, vec![5]), (9, vec![51, 70]), (10, vec![95])]);
+    }
+
+    #[test]
+    fn periods_are_whole_multiples_and_silence_is_a_gap_in_the_numbers() {
+        let events = [Plot(41), North(50), Plot(79), Plot(81), Plot(250), Plot(271)];
+        let (scans, _) = cut(settings(Boundaries::Period), &events);
+        assert_eq!(scans, [(64, vec![41, 79]), (65, vec![81]), (69, vec![250, 271])]);
+    }
+
+    #[test]
+    fn one_that_takes_anothers_place_has_greater_numbers() {
+        let fastest = CutterSettings {
+            period_ns: PERIOD_MIN_NS,
+            wait_ns: 0,
+            ..settings(Boundaries::Turn)
+        };
+        let events: Vec<Event> = (100..400).map(Plot).collect();
+        let (before, _) = cut(fastest, &events);
+        let (after, _) = cut(fastest, &[Plot(400)]);
+        assert!(before.last().unwrap().0 < after[0].0, "{before:?} {after:?}");
+    }
+
+    #[test]
+    fn room_is_bounded() {
+        let mut cutter = Cutter::new(CutterSettings {
+            waiting_max: 2,
+            ..settings(Boundaries::Period)
+        });
+        let mut take = |time_ns| cutter.take(position(time_ns, 0.0, 0.0), ());
+        assert_eq!(
+            [take(0), take(1), take(2)],
+            [Taken::Waits, Taken::Waits, Taken::Refused]
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn any_times_are_cut_into_rising_scans_and_nothing_is_lost(
+            events in prop::collection::vec((prop::bool::weighted(0.2), any::<i64>(), -50i64..2000), 0..80),
+            by_turn in any::<bool>(),
+            wild in any::<bool>(),
+        ) {
+            let boundaries = if by_turn { Boundaries::Turn } else { Boundaries::Period };
+            let mut cutter = Cutter::new(settings(boundaries));
+            let (mut found, mut refused, mut last, mut given) = (0, 0, None, 0);
+            for (is_boundary, wild_ns, tenths) in events {
+                let time_ns = if wild { wild_ns } else { tenths * (S / 10) };
+                if is_boundary {
+                    cutter.turn_begins(time_ns);
+                } else {
+                    given += 1;
+                    refused += usize::from(cutter.take(position(time_ns, 0.0, 0.0), ()) != Taken::Waits);
+                }
+                while let Some(scan) = cutter.next_scan() {
+                    found += cutter.detections().len();
+                    prop_assert!(last.is_none_or(|last: CutScan| last.time_ns <= scan.time_ns));
+                    prop_assert!(wild || last.is_none_or(|last: CutScan| last.number < scan.number));
+                    last = Some(scan);
+                }
+            }
+            while cutter.last_scan().is_some() {
+                found += cutter.detections().len();
+            }
+            prop_assert_eq!(found + refused, given);
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! What the tracker considered and decided, and why.
+//!
+//! A track says where a target is, not how it came to be believed: which interpretations there were, how reliable each was,
+//! and what tipped the scales. Each of these can be had as a record by whoever gives [`crate::Tracker::scan_explained`] an
+//! observer. Records are made of what is there anyway and kept nowhere; where nobody observes, nothing is made of them.
+//!
+//! Records come in this order: the scan; then of each cluster that the scan has worked off what became of its tracks, the
+//! cluster as a whole, its hypotheses after reduction, the most reliable first, each with its tracks. Tracks that begin at a
+//! detection far from all others come last, without a cluster. A scan that came late has those after it explained again.
+
+use std::fmt;
+
+use crate::gating::Plot;
+use crate::track::{NO_DETECTION, TENTATIVE, Track};
+
+/// Is told what the tracker does.
+pub trait Observer: fmt::Debug {
+    /// Takes one record.
+    fn explain(&self, what: &Explanation<'_>);
+}
+
+/// One record.
+#[derive(Clone, Copy, Debug)]
+pub enum Explanation<'a> {
+    /// A scan is worked off.
+    Scan {
+        /// The sensor.
+        sensor_id: u32,
+        /// Time of the scan, nanoseconds.
+        time_ns: i64,
+        /// Usable detections.
+        detections: usize,
+        /// Density of false detections that was assumed, see [`crate::settings::Clutter`].
+        clutter_density: f64,
+    },
+    /// What became of a track.
+    Track {
+        /// What.
+        event: TrackEvent,
+        /// The track.
+        track: TrackRecord,
+        /// What was compared; NaN if nothing was.
+        value: f64,
+        /// What it was compared with; NaN if nothing was.
+        limit: f64,
+    },
+    /// A cluster as a whole.
+    Cluster(ClusterRecord<'a>),
+    /// One of the hypotheses that are left of it.
+    Hypothesis {
+        /// Its reliability.
+        reliability: f64,
+    },
+    /// A track of the hypothesis before.
+    Member(TrackRecord),
+}
+
+/// What can become of a track.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackEvent {
+    /// It begins, far from all others: value its reliability.
+    Started,
+    /// It is confirmed: value its reliability, limit the least.
+    Confirmed,
+    /// A branch was missed too often for a target that is still there: value that probability, limit the least.
+    MissedTooOften,
+    /// A branch had no detection for too long: value seconds, limit the most.
+    SilentTooLong,
+    /// A branch was too rarely in a confirmed track's gate (SP-7): value the share, limit the least.
+    OutOfCompany,
+    /// No branch of it is in any hypothesis that is left.
+    Ended,
+}
+
+impl TrackEvent {
+    /// The word that tables use.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Started => "started",
+            Self::Confirmed => "confirmed",
+            Self::MissedTooOften => "missed_too_often",
+            Self::SilentTooLong => "silent_too_long",
+            Self::OutOfCompany => "out_of_company",
+            Self::Ended => "ended",
+        }
+    }
+}
+
+/// A track, or a branch of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackRecord {
+    /// The same for all branches of one first detection.
+    pub root: u32,
+    /// Its number if it is confirmed, else 0.
+    pub number: u32,
+    /// Detections in all.
+    pub detections: u32,
+    /// Scans since the last one.
+    pub missed: u32,
+    /// `detection_id` of the one that it takes in this scan.
+    pub detection_id: Option<u32>,
+    /// Sum over the hypotheses that contain it, as far as it is known yet.
+    pub reliability: f64,
+    /// Logarithm of how much likelier its detections are if they are of one target than if all are false.
+    pub log_likelihood_ratio: f64,
+}
+
+impl TrackRecord {
+    /// `plots` are those of the scan, of which the first has the serial number `first_serial`.
+    pub(crate) fn of(track: &Track, plots: &[Plot], first_serial: u32) -> Self {
+        let serial = track.history[0];
+        let plot = plots.get(serial.wrapping_sub(first_serial) as usize);
+        Self {
+            root: track.root,
+            number: track.number,
+            detections: track.detections,
+            missed: track.missed,
+            detection_id: plot.filter(|_| serial != NO_DETECTION).map(|plot| plot.detection_id),
+            reliability: track.reliability,
+            log_likelihood_ratio: track.log_likelihood_ratio,
+        }
+    }
+
+    /// Whether it is confirmed.
+    pub fn is_confirmed(&self) -> bool {
+        self.number != TENTATIVE
+    }
+}
+
+/// A cluster as it was worked off.
+#[derive(Clone, Copy, Debug)]
+pub struct ClusterRecord<'a> {
+    pub(crate) plots: &'a [Plot],
+    pub(crate) of_cluster: &'a [(u32, u32)],
+    /// Tracks before the scan, branches included.
+    pub tracks: usize,
+    /// Hypotheses before the scan.
+    pub hypotheses: usize,
+    /// Interpretations that were considered: children of hypotheses, likeliest first.
+    pub considered: u64,
+    /// Those left out by SP-3 to SP-6.
+    pub forbidden: u64,
+    /// Hypotheses that became one with another.
+    pub merged: u64,
+    /// Hypotheses dropped because of low reliability or number.
+    pub dropped: u64,
+    /// Upper bound of the probability that was dropped with them and with what was never considered.
+    pub dropped_probability: f64,
+}
+
+impl ClusterRecord<'_> {
+    /// `detection_id` of each of the cluster's detections.
+    pub fn detection_ids(&self) -> impl Iterator<Item = u32> {
+        self.of_cluster
+            .iter()
+            .map(|(_, plot)| self.plots[*plot as usize].detection_id)
+    }
+}

@@ -1,0 +1,99 @@
+//! Where sensors should look next (WA-12).
+//!
+//! A sensor that can be steered wants to know before its next look where each target will be, and how far around to
+//! search. Both are in the tracker: the state predicted to the time of the look, and the gate in which a detection would be
+//! accepted (HT-2). A cue is that, in the plane: an ellipse around the predicted position.
+
+use messages::AXES;
+
+use crate::gate::gates;
+use crate::settings::MotionSettings;
+use crate::tracker::TrackReport;
+
+/// Where and when to look for one track.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cue {
+    /// The sensor that is to look.
+    pub sensor_id: u32,
+    /// The track's number.
+    pub track_number: u32,
+    /// Time of the look, nanoseconds.
+    pub time_ns: i64,
+    /// Predicted position east, north, up, metres.
+    pub position_m: [f64; AXES],
+    /// Predicted velocity, metres per second.
+    pub velocity_mps: [f64; AXES],
+    /// Longer and shorter half axis of the search region, metres.
+    pub half_axes_m: [f64; 2],
+    /// Direction of the longer one, clockwise from north, radians in [0, π).
+    pub orientation_rad: f64,
+}
+
+/// When each sensor looks next, from when it has looked: one period after the last time.
+#[derive(Clone, Debug, Default)]
+pub struct Looks {
+    /// (sensor, last time, period), nanoseconds.
+    sensors: Vec<(u32, i64, Option<i64>)>,
+}
+
+impl Looks {
+    /// For these sensors.
+    pub fn of(sensors: impl Iterator<Item = u32>) -> Self {
+        Self {
+            sensors: sensors.map(|sensor| (sensor, i64::MIN, None)).collect(),
+        }
+    }
+
+    /// Learns that a sensor has looked.
+    pub fn saw(&mut self, sensor_id: u32, time_ns: i64) {
+        let Some((_, last_ns, period_ns)) = self.sensors.iter_mut().find(|(sensor, ..)| *sensor == sensor_id) else {
+            return;
+        };
+        if *last_ns == i64::MIN {
+            *last_ns = time_ns;
+        } else if time_ns > *last_ns {
+            *period_ns = Some(time_ns.saturating_sub(*last_ns));
+            *last_ns = time_ns;
+        }
+    }
+
+    /// (sensor, time of its next look in nanoseconds), of those whose period is known.
+    pub fn next(&self) -> impl Iterator<Item = (u32, i64)> + '_ {
+        let next = |(sensor, last_ns, period_ns): &(u32, i64, Option<i64>)| {
+            period_ns.map(|period_ns| (*sensor, last_ns.saturating_add(period_ns)))
+        };
+        self.sensors.iter().filter_map(next)
+    }
+}
+
+/// A cue for `sensor_id`, whose detections have a standard deviation of `sigma_m` in any direction, at `time_ns`.
+pub(crate) fn cue(
+    track: &TrackReport,
+    (sensor_id, time_ns): (u32, i64),
+    sigma_m: f64,
+    gate_probability: f64,
+    motion: &MotionSettings,
+) -> Cue {
+    // Wide enough for one that manoeuvres.
+    let noise = motion
+        .manoeuvres
+        .map_or(motion.process_noise_m2ps3, |turning| turning.process_noise_m2ps3);
+    let moved = track.moved_to(time_ns, noise);
+    let [xx, xy, _, yy, ..] = moved.estimate.position_covariance();
+    let (xx, yy) = (xx + sigma_m * sigma_m, yy + sigma_m * sigma_m);
+    let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+    let apart = half.hypot(xy);
+    let gate = gates(gate_probability)[1];
+    let axis = |variance: f64| (gate * variance.max(0.0)).sqrt();
+    // Counter-clockwise from east, then as a bearing.
+    let turned = 0.5 * xy.atan2(half);
+    Cue {
+        sensor_id,
+        track_number: track.number,
+        time_ns,
+        position_m: moved.estimate.position_m(),
+        velocity_mps: moved.estimate.velocity_mps(),
+        half_axes_m: [axis(mean + apart), axis(mean - apart)],
+        orientation_rad: (std::f64::consts::FRAC_PI_2 - turned).rem_euclid(std::f64::consts::PI),
+    }
+}

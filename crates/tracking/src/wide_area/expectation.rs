@@ -1,0 +1,230 @@
+//! What the reports say of each cluster at one scan.
+//!
+//! Reports of the same time of observation add up where they mean the same cluster: a sensor may report targets one by one,
+//! or many together. Of different times the latest one holds.
+
+use messages::{AXES, NS_PER_S};
+
+use super::WideAreaReport;
+use super::choice::{Centre, nearest};
+use super::distribution::share;
+use super::report;
+use super::settings::WideArea;
+use crate::counts::Counts;
+use crate::population::{Cluster, Population};
+use crate::track::Track;
+
+/// What is known of one cluster.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Expectation {
+    /// Number of targets, `None` if no valid report means it.
+    pub(crate) targets: Option<f64>,
+    /// Number of targets by which reliabilities are corrected in this scan.
+    pub(crate) due: Option<f64>,
+    /// A report that covers its place shows no target around it.
+    pub(crate) is_absent: bool,
+    /// Where the targets came from, east and north in metres.
+    pub(crate) origin_m: Option<[f64; 2]>,
+    /// Time of the observation that `targets` is from, nanoseconds.
+    observed_ns: i64,
+}
+
+/// Working memory for one scan after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Expectations {
+    /// By cluster; empty if nothing is known of any.
+    list: Vec<Expectation>,
+    centres: Vec<Centre>,
+    shares: Vec<f64>,
+    /// Reports that have been taken into a group.
+    grouped: Vec<bool>,
+}
+
+impl Expectations {
+    pub(crate) fn new(clusters_max: usize) -> Self {
+        Self {
+            list: Vec::with_capacity(clusters_max),
+            centres: Vec::with_capacity(clusters_max),
+            shares: Vec::with_capacity(clusters_max),
+            grouped: Vec::with_capacity(super::report::REPORTS_MAX),
+        }
+    }
+
+    pub(crate) fn of(&self, cluster: u32) -> Expectation {
+        self.list.get(cluster as usize).copied().unwrap_or_default()
+    }
+
+    /// For the scan at `time_ns` after the population `before`; `lasting` ones even if no report is due in it.
+    pub(crate) fn find(
+        &mut self,
+        before: &Population,
+        time_ns: i64,
+        reports: &[WideAreaReport],
+        settings: &WideArea,
+        lasting: bool,
+        counts: &mut Counts,
+    ) {
+        self.list.clear();
+        let is_due = |report: &WideAreaReport| report::is_due(report, before.time_ns, time_ns);
+        let matters = |report: &WideAreaReport| is_due(report) || report::is_valid(report, time_ns, settings);
+        let needed = |report: &WideAreaReport| if lasting { matters(report) } else { is_due(report) };
+        if before.clusters.is_empty() || !reports.iter().any(needed) {
+            return;
+        }
+        self.list.resize(before.clusters.len(), Expectation::default());
+        self.find_centres(before);
+        self.grouped.clear();
+        self.grouped.resize(reports.len(), false);
+        for place in 0..reports.len() {
+            if self.grouped[place] || !matters(&reports[place]) {
+                continue;
+            }
+            let report = self.group(reports, place, settings, matters);
+            let is_due = is_due(&report);
+            counts.wide_area_reports_used += u64::from(is_due);
+            let corrects = is_due || settings.holds;
+            let met = self.take(&report, corrects, before.time_ns, settings);
+            counts.wide_area_reports_unmatched += u64::from(is_due && !met);
+        }
+        if settings.deletion.is_some() {
+            self.find_absences(before.time_ns, time_ns, reports, settings);
+        }
+    }
+
+    fn find_centres(&mut self, before: &Population) {
+        self.centres.clear();
+        let of_cluster = |cluster: &Cluster| {
+            let tracks = &before.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
+            let moved = |track: &Track| {
+                let mean = track.motion.mean();
+                let seconds = before.time_ns.saturating_sub(track.time_ns) as f64 / NS_PER_S;
+                let velocity_mps: [f64; AXES] = std::array::from_fn(|axis| mean[axis + AXES]);
+                let position_m = std::array::from_fn(|axis| mean[axis] + velocity_mps[axis] * seconds);
+                (position_m, velocity_mps, track.reliability)
+            };
+            Centre::of(tracks.iter().map(moved)).unwrap_or_default()
+        };
+        self.centres.extend(before.clusters.iter().map(of_cluster));
+    }
+
+    /// A report, together with those of its group (WA-5).
+    fn group(
+        &mut self,
+        reports: &[WideAreaReport],
+        place: usize,
+        settings: &WideArea,
+        matters: impl Fn(&WideAreaReport) -> bool,
+    ) -> WideAreaReport {
+        let mut sum = reports[place];
+        let Some(size_m) = settings.sharing.and_then(|sharing| sharing.group_m) else {
+            return sum;
+        };
+        let first = reports[place];
+        for (other, report) in reports.iter().enumerate().skip(place + 1) {
+            let same = (report.time_ns, report.arrival_ns) == (first.time_ns, first.arrival_ns);
+            let away = |axis: usize| report.position_m[axis] - first.position_m[axis];
+            if !same || !matters(report) || away(0).hypot(away(1)) > size_m || sum.targets + report.targets == 0 {
+                continue;
+            }
+            self.grouped[other] = true;
+            let weight = f64::from(report.targets) / f64::from(sum.targets + report.targets);
+            for axis in 0..AXES {
+                sum.position_m[axis] += weight * (report.position_m[axis] - sum.position_m[axis]);
+            }
+            sum.targets += report.targets;
+        }
+        sum
+    }
+
+    /// Lets the clusters know that a report means. `false` if it means none. The centres are those of `reference_ns`.
+    fn take(&mut self, report: &WideAreaReport, is_due: bool, reference_ns: i64, settings: &WideArea) -> bool {
+        if report.targets == 0 {
+            // Nothing to correct; absence is another matter.
+            return true;
+        }
+        let seconds = report.time_ns.saturating_sub(reference_ns) as f64 / NS_PER_S;
+        let distances = self.centres.iter().map(|centre| {
+            let meant = centre.tracks > 0.0 && centre.tracks >= settings.tracks_min;
+            let distance_m = centre.distance_m(report.position_m, seconds);
+            (if meant { distance_m } else { f64::INFINITY }, centre.tracks)
+        });
+        let targets = f64::from(settings.knowledge.targets(report));
+        let Some(sharing) = settings.sharing else {
+            let chosen = nearest(distances.map(|(distance, _)| distance), settings.range_m);
+            if let Some(cluster) = chosen {
+                self.list[cluster].expect(targets, report, is_due);
+            }
+            return chosen.is_some();
+        };
+        share(targets, distances, settings.range_m, &sharing, &mut self.shares);
+        let mut any = false;
+        for (expectation, share) in self.list.iter_mut().zip(&self.shares) {
+            if *share > 0.0 {
+                expectation.expect(*share, report, is_due);
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// WA-8: silence or lack of coverage is not absence.
+    fn find_absences(&mut self, reference_ns: i64, time_ns: i64, reports: &[WideAreaReport], settings: &WideArea) {
+        let coverage = settings.deletion.and_then(|early| early.coverage);
+        for (expectation, centre) in self.list.iter_mut().zip(&self.centres) {
+            if expectation.targets.is_some() {
+                continue;
+            }
+            // Where several valid reports speak of the place, the latest one holds.
+            let (mut latest_ns, mut is_absent) = (i64::MIN, false);
+            for report in reports
+                .iter()
+                .filter(|report| report::is_valid(report, time_ns, settings))
+            {
+                let seconds = report.time_ns.saturating_sub(reference_ns) as f64 / NS_PER_S;
+                let is_near = centre.distance_m(report.position_m, seconds) < settings.range_m;
+                let covers =
+                    coverage.is_some_and(|circle| centre.distance_m(circle.centre_m, seconds) <= circle.radius_m);
+                let says = if is_near {
+                    Some(report.targets == 0)
+                } else {
+                    covers.then_some(true)
+                };
+                if let Some(none) = says {
+                    // Of one time, a target nearby outweighs coverage.
+                    if report.time_ns > latest_ns {
+                        (latest_ns, is_absent) = (report.time_ns, none);
+                    } else if report.time_ns == latest_ns {
+                        is_absent &= none;
+                    }
+                }
+            }
+            expectation.is_absent = is_absent;
+        }
+    }
+}
+
+impl Expectation {
+    fn expect(&mut self, targets: f64, report: &WideAreaReport, is_due: bool) {
+        let observed_ns = report.time_ns;
+        match self.targets {
+            Some(_) if observed_ns < self.observed_ns => {}
+            Some(sum) if observed_ns == self.observed_ns => {
+                self.targets = Some(sum + targets);
+                self.due = if is_due {
+                    Some(self.due.unwrap_or(0.0) + targets)
+                } else {
+                    self.due
+                };
+            }
+            _ => {
+                *self = Self {
+                    targets: Some(targets),
+                    due: is_due.then_some(targets),
+                    is_absent: false,
+                    origin_m: report.origin_m,
+                    observed_ns,
+                };
+            }
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Which reports of a wide-area sensor are taken (WA-2), and those that may still matter.
+
+use formats::wide_area::WideAreaReport;
+
+use super::settings::WideArea;
+
+/// Most targets of a report: a cluster holds no more tracks.
+pub const TARGETS_MAX: u32 = 256;
+/// Most reports kept at a time.
+pub(crate) const REPORTS_MAX: usize = 256;
+/// Farthest coordinate that is a place, metres: beyond it nothing on Earth is in one plane with the sensors.
+const PLACE_MAX_M: f64 = 1e7;
+
+/// Why a report was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReportRefusal {
+    /// A coordinate, velocity or origin is no number, or no place.
+    NoPlace,
+    /// It arrived before it was observed.
+    NegativeDelay,
+    /// It arrived later than allowed; the delay in nanoseconds.
+    TooLate(i64),
+    /// More targets than [`TARGETS_MAX`].
+    TooManyTargets(u32),
+    /// No room for another one.
+    Full,
+}
+
+impl std::fmt::Display for ReportRefusal {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NoPlace => write!(
+                formatter,
+                "position, velocity and origin must be numbers, places at most {PLACE_MAX_M:e} m away"
+            ),
+            Self::NegativeDelay => write!(
+                formatter,
+                "it arrived before it was observed; check the sensors' clocks"
+            ),
+            Self::TooLate(delay_ns) => write!(
+                formatter,
+                "it arrived {:.1} s after the observation; allow a longer delay if that is right",
+                *delay_ns as f64 / messages::NS_PER_S
+            ),
+            Self::TooManyTargets(targets) => {
+                write!(
+                    formatter,
+                    "{targets} targets in one report; at most {TARGETS_MAX} can be used"
+                )
+            }
+            Self::Full => write!(formatter, "{REPORTS_MAX} reports are already kept"),
+        }
+    }
+}
+
+impl std::error::Error for ReportRefusal {}
+
+/// What is wrong with a report; `None` if nothing is.
+pub(crate) fn fault(report: &WideAreaReport, settings: &WideArea) -> Option<ReportRefusal> {
+    let is_place = |value: f64| value.abs() <= PLACE_MAX_M;
+    let origin = report.origin_m.unwrap_or_default();
+    let numbers = report.position_m.iter().chain(&origin).all(|value| is_place(*value))
+        && report.velocity_mps.iter().all(|value| value.is_finite());
+    if !numbers {
+        return Some(ReportRefusal::NoPlace);
+    }
+    let delay_ns = report.arrival_ns.saturating_sub(report.time_ns);
+    if delay_ns < 0 {
+        return Some(ReportRefusal::NegativeDelay);
+    }
+    if delay_ns > settings.delay_max_ns {
+        return Some(ReportRefusal::TooLate(delay_ns));
+    }
+    (report.targets > TARGETS_MAX).then_some(ReportRefusal::TooManyTargets(report.targets))
+}
+
+/// Whether a report says something at `time_ns`.
+pub(crate) fn is_valid(report: &WideAreaReport, time_ns: i64, settings: &WideArea) -> bool {
+    report.arrival_ns <= time_ns && time_ns.saturating_sub(report.time_ns) <= settings.valid_ns
+}
+
+/// Whether the scan at `time_ns` is the first one after a report's arrival, if the one before was at `before_ns`.
+pub(crate) fn is_due(report: &WideAreaReport, before_ns: i64, time_ns: i64) -> bool {
+    before_ns < report.arrival_ns && report.arrival_ns <= time_ns
+}
+
+/// Those that may still matter, in the order of arrival.
+#[derive(Clone, Debug)]
+pub(crate) struct Reports {
+    list: Vec<WideAreaReport>,
+}
+
+impl Reports {
+    pub(crate) fn new() -> Self {
+        Self {
+            list: Vec::with_capacity(REPORTS_MAX),
+        }
+    }
+
+    pub(crate) fn list(&self) -> &[WideAreaReport] {
+        &self.list
+    }
+
+    /// Keeps a report. Those that can matter to no scan after `closed_ns` make room.
+    pub(crate) fn keep(
+        &mut self,
+        report: WideAreaReport,
+        closed_ns: i64,
+        settings: &WideArea,
+    ) -> Result<(), ReportRefusal> {
+        self.list
+            .retain(|kept| kept.arrival_ns > closed_ns || is_valid(kept, closed_ns, settings));
+        if self.list.len() == REPORTS_MAX {
+            return Err(ReportRefusal::Full);
+        }
+        let order = |report: &WideAreaReport| (report.arrival_ns, report.time_ns);
+        let place = self.list.partition_point(|kept| order(kept) <= order(&report));
+        self.list.insert(place, report);
+        Ok(())
+    }
+}

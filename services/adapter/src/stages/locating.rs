@@ -1,0 +1,163 @@
+//! Tracks of a source that delivers bearings: each goes through the locator ([`::locating`], EL).
+//!
+//! A bearing brings along where its platform was, and is published with it, before the track that follows from it. Of an
+//! emitter whose geometry allows no fix yet there is no track. Nothing waits: a track is as old as the bearing that it follows
+//! from. An emitter that falls silent has no further reports, as with any sensor.
+
+use formats::bearing::Bearing;
+use formats::reports::Limits;
+use locating::Locator;
+use locating::settings::Settings;
+use messages::{
+    COUNTERS_MAX, Counter, PlatformState, SensorBearing, SensorTrack, StageTimes, platform_state_bits,
+    sensor_bearing_bits,
+};
+use runtime::config::Source;
+
+use super::Made;
+
+/// See the module's documentation.
+#[derive(Debug)]
+pub(crate) struct Locating {
+    source: u16,
+    limits: Limits,
+    locator: Locator,
+    /// When the latest bearings were received, UTC.
+    received_ns: Option<i64>,
+    rejected: Rejected,
+    newest_ns: i64,
+    /// Time of the latest state of the platform.
+    platform_ns: i64,
+}
+
+/// Bearings, and tracks that followed from some, which cannot be.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rejected {
+    time: u64,
+    position: u64,
+    speed: u64,
+}
+
+impl Locating {
+    pub(super) fn new(source: &Source, settings: &Settings) -> anyhow::Result<Self> {
+        Ok(Self {
+            source: source.number,
+            limits: source.model.limits,
+            locator: Locator::new(*settings)?,
+            received_ns: None,
+            rejected: Rejected::default(),
+            newest_ns: i64::MIN,
+            platform_ns: i64::MIN,
+        })
+    }
+
+    /// What follows was received at `received_ns` (UTC, nanoseconds).
+    pub(super) fn received(&mut self, received_ns: i64) {
+        self.received_ns = Some(received_ns);
+    }
+
+    /// Takes a bearing that came in at `ingested_ns` (monotonic, nanoseconds).
+    pub(super) fn take(&mut self, bearing: &Bearing, ingested_ns: i64, made: &mut Made) {
+        let apart_ns = |received_ns: i64| {
+            bearing
+                .time_of_measurement_ns
+                .saturating_sub(received_ns)
+                .saturating_abs()
+        };
+        if self
+            .received_ns
+            .is_some_and(|received_ns| apart_ns(received_ns) > self.limits.time_step_ns)
+        {
+            self.rejected.time += 1;
+            return;
+        }
+        // What is refused has been counted by the locator.
+        let Ok(report) = self.locator.bearing(bearing) else {
+            return;
+        };
+        let stages = StageTimes {
+            ingested_ns,
+            ..StageTimes::default()
+        };
+        made.bearings.push(sample(self.source, bearing, stages));
+        if bearing.time_of_measurement_ns > self.platform_ns {
+            self.platform_ns = bearing.time_of_measurement_ns;
+            made.platforms.push(platform(self.source, bearing, stages));
+        }
+        if let Some(report) = report {
+            let mut track = report.sensor_track(self.source);
+            track.stages = stages;
+            if self.can_be(&track, bearing) {
+                self.newest_ns = self.newest_ns.max(track.time_of_measurement_ns);
+                made.tracks.push(track);
+            }
+        }
+    }
+
+    /// Whether a track is where and as fast as the source's targets can be; counts it if not.
+    fn can_be(&mut self, track: &SensorTrack, bearing: &Bearing) -> bool {
+        let [east, north] = [0, 1].map(|axis| track.position_m[axis] - bearing.platform_m[axis]);
+        let is_near = east.hypot(north) <= self.limits.range_m;
+        let is_slow = track.velocity_mps[0].hypot(track.velocity_mps[1]) <= self.limits.speed_mps;
+        self.rejected.position += u64::from(!is_near);
+        self.rejected.speed += u64::from(is_near && !is_slow);
+        is_near && is_slow
+    }
+
+    /// Time of the latest track.
+    pub(super) fn progress_ns(&self) -> i64 {
+        self.newest_ns
+    }
+
+    pub(super) fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
+        let counts = self.locator.counts();
+        for (counter, count) in [
+            (Counter::Detections, counts.bearings),
+            (Counter::DetectionsWithoutFix, counts.without_fix),
+            (Counter::DetectionsRefused, counts.unusable),
+            (Counter::RejectedLate, counts.out_of_order),
+            (Counter::RefusedTracks, counts.table_full),
+            (Counter::RejectedTime, self.rejected.time),
+            (Counter::RejectedPosition, self.rejected.position),
+            (Counter::RejectedSpeed, self.rejected.speed),
+            (
+                Counter::Reports,
+                counts.fixes - self.rejected.position - self.rejected.speed,
+            ),
+        ] {
+            counters[counter as usize] += count;
+        }
+    }
+}
+
+fn sample(source: u16, bearing: &Bearing, stages: StageTimes) -> SensorBearing {
+    use sensor_bearing_bits::*;
+    let flag = |bit: u16, is_set: bool| if is_set { bit } else { 0 };
+    SensorBearing {
+        time_of_measurement_ns: bearing.time_of_measurement_ns,
+        stages,
+        bearing_rad: bearing.bearing_rad,
+        sigma_rad: bearing.sigma_rad,
+        platform_m: bearing.platform_m,
+        heading_rad: bearing.heading_rad.unwrap_or(0.0),
+        frequency_hz: bearing.frequency_hz.unwrap_or(0.0),
+        emitter_id: bearing.emitter_id.unwrap_or(0),
+        source,
+        valid: flag(EMITTER, bearing.emitter_id.is_some())
+            | flag(HEADING, bearing.heading_rad.is_some())
+            | flag(FREQUENCY, bearing.frequency_hz.is_some()),
+        ..SensorBearing::default()
+    }
+}
+
+fn platform(source: u16, bearing: &Bearing, stages: StageTimes) -> PlatformState {
+    PlatformState {
+        time_ns: bearing.time_of_measurement_ns,
+        stages,
+        position_m: bearing.platform_m,
+        heading_rad: bearing.heading_rad.unwrap_or(0.0),
+        source,
+        valid: bearing.heading_rad.map_or(0, |_| platform_state_bits::HEADING),
+        ..PlatformState::default()
+    }
+}

@@ -1,0 +1,357 @@
+//! A radar that sends plots, live: its adapter makes tracks of them, and the recorded detections give the same tracks again.
+
+#[path = "common/home.rs"]
+mod home;
+
+use std::fs;
+use std::net::{SocketAddr, UdpSocket};
+use std::process::Command;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use formats::asterix::registry;
+use formats::outgoing::SensorReports;
+use frames::{Geodetic, SensorFrame, SystemFrame};
+use home::{Home, Running, kill, until};
+use rustix::process::Signal;
+
+/// Time between two scans: so short that a test of many scans is short, too.
+const PERIOD: Duration = Duration::from_millis(200);
+const PLACE: [f64; 2] = [41.297063, 2.078447];
+const TARGETS: usize = 4;
+const TRACKER: &str = "detection_probability = 0.8\n[TABLE.motion]\nprocess_noise_m2ps3 = [20.0, 5.0]\n\
+                       [TABLE.confirmation]\ndetections_min = 3\n[TABLE.initiation]\nspeed_sigma_mps = 150.0\n";
+
+struct Site {
+    home: Home,
+    radar: Radar,
+}
+
+/// Sends plots to the deployment.
+struct Radar {
+    reports: SensorReports,
+    socket: UdpSocket,
+    to: SocketAddr,
+    scans: usize,
+    state: u64,
+}
+
+fn utc_ns() -> i64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64
+}
+
+impl Site {
+    fn new() -> Self {
+        let home = Home::new();
+        // A port that was free a moment ago.
+        let to = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let text = format!(
+            "name = \"test\"\n[frame]\nlatitude_deg = {}\nlongitude_deg = {}\n[[receiver]]\nname = \"lan\"\n\
+             [receiver.udp]\nlisten = \"{to}\"\n[[source]]\nname = \"radar\"\nperiod_s = 0.2\nfresh_s = 5.0\n\
+             [source.live]\nreceiver = \"lan\"\n[source.covariance]\nrange_sigma_m = 50.0\nazimuth_sigma_deg = 0.05\n\
+             [source.tracker]\nscans = \"turn\"\n{}[fusion.life]\nterminate_s = 10.0\n",
+            PLACE[0],
+            PLACE[1],
+            TRACKER.replace("TABLE", "source.tracker")
+        );
+        fs::write(home.path("site.toml"), text).unwrap();
+        Self {
+            home,
+            radar: Radar::new(to),
+        }
+    }
+
+    fn start(&self) -> Running {
+        let running = self
+            .home
+            .start(&["up", "site.toml", "--instance", "test", "--out", "out"]);
+        running.until_said("instance test runs");
+        until("the adapter listens", || self.home.status_row("lan").state == "running");
+        running
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.home.path(name)).unwrap_or_default()
+    }
+
+    /// Tracks that `koseki track` makes of detections: their rows without sensor and what only the tracker knows.
+    fn tracked(&self, name: &str, detections: &[&str], config: &str) -> Vec<String> {
+        let header = self.read("out/detections_radar.csv").lines().next().unwrap().to_owned();
+        fs::write(self.home.path(name), format!("{header}\n{}\n", detections.join("\n"))).unwrap();
+        let arguments = ["track", "--detections", name, "--config", config, "--out", "again.csv"];
+        let output = self.home.run(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        rows(&self.read("again.csv"))
+    }
+}
+
+/// The rows of a file of sensor tracks, without the sensor's id and what comes after the state.
+fn rows(text: &str) -> Vec<String> {
+    let header = text.lines().next().unwrap_or_default();
+    let end = header
+        .split(',')
+        .position(|name| name == "velocity_valid")
+        .unwrap_or_default();
+    let row = |line: &str| {
+        let values: Vec<&str> = line.split(',').collect();
+        [&values[..1], &values[2..=end]].concat().join(",")
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+impl Radar {
+    fn new(to: SocketAddr) -> Self {
+        let place = Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap();
+        let system = SystemFrame::at(place);
+        let table = registry::default_edition(48).unwrap();
+        let frame = SensorFrame::new(&system, place, 0.0);
+        Self {
+            reports: SensorReports::new(table, 1, 1, frame, system, 1400).unwrap(),
+            socket: UdpSocket::bind("127.0.0.1:0").unwrap(),
+            to,
+            scans: 0,
+            state: 1,
+        }
+    }
+
+    /// A number in [0, 1).
+    fn random(&mut self) -> f64 {
+        self.state = self
+            .state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.state >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Sends the plots of a turn that begins now, and waits for its end.
+    fn turn(&mut self) {
+        let (socket, to) = (self.socket.try_clone().unwrap(), self.to);
+        self.plots(utc_ns(), &mut |block| drop(socket.send_to(block, to)));
+        std::thread::sleep(PERIOD);
+    }
+
+    /// The plots of a turn: targets, each seen nine times out of ten, and false ones.
+    fn plots(&mut self, begin_ns: i64, send: &mut dyn FnMut(&[u8])) {
+        let mut plots = Vec::new();
+        for target in 0..TARGETS {
+            let [off_east, off_north, seen] = [self.random(), self.random(), self.random()];
+            let east = 10_000.0 + 6000.0 * target as f64 + 60.0 * (off_east - 0.5);
+            let north = 15_000.0 + 20.0 * self.scans as f64 + 60.0 * (off_north - 0.5);
+            if seen < 0.9 {
+                plots.push(([east, north, 3000.0], target % 2 == 0));
+            }
+        }
+        for _ in 0..5 {
+            let place = [80e3 * (self.random() - 0.5), 80e3 * (self.random() - 0.5), 5000.0];
+            plots.push((place, false));
+        }
+        self.reports.status(begin_ns, send);
+        for (number, (place, height)) in (1..).zip(plots) {
+            // Several of one time, as azimuths allow.
+            self.reports
+                .plot(begin_ns + 8_000_000 * (number / 2), place, height, send);
+        }
+        self.reports.flush(send);
+        self.scans += 1;
+    }
+
+    /// Turns until something holds.
+    fn turn_until(&mut self, what: &str, mut holds: impl FnMut() -> bool) {
+        for _ in 0..300 {
+            if holds() {
+                return;
+            }
+            self.turn();
+        }
+        panic!("never happened: {what}");
+    }
+}
+
+#[test]
+fn plots_become_tracks_and_their_recording_gives_the_same_again() {
+    let mut site = Site::new();
+    let running = site.start();
+    let recorded = site.home.path("out/sensor_tracks_radar.csv");
+    let lines = || fs::read_to_string(&recorded).unwrap_or_default().lines().count();
+    for _ in 0..40 {
+        site.radar.turn();
+    }
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    let (tracks, detections) = (
+        site.read("out/sensor_tracks_radar.csv"),
+        site.read("out/detections_radar.csv"),
+    );
+    let (published, detections): (Vec<String>, Vec<&str>) = (rows(&tracks), detections.lines().skip(1).collect());
+    assert!(
+        detections.len() > 200 && lines() > 60,
+        "{} detections, {} rows",
+        detections.len(),
+        lines()
+    );
+    // The deployment itself, and its tables alone, say how.
+    let tables = TRACKER.replace("TABLE.", "");
+    let tables = tables.replacen("detection_probability", "[[sensor]]\nid = 1\ndetection_probability", 1);
+    fs::write(site.home.path("tables.toml"), tables).unwrap();
+    for config in ["site.toml", "tables.toml"] {
+        let again = site.tracked("all.csv", &detections, config);
+        assert_eq!(again.len(), published.len(), "{config}");
+        let differs = again
+            .iter()
+            .zip(&published)
+            .find(|(again, published)| again != published);
+        assert!(differs.is_none(), "{config}: {differs:?}");
+    }
+    let confirmed = published.iter().map(|row| row.split(',').nth(1).unwrap().to_owned());
+    let numbers: std::collections::BTreeSet<String> = confirmed.collect();
+    assert!((TARGETS..TARGETS + 3).contains(&numbers.len()), "{numbers:?}");
+    let report = site.read("out/report.json");
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert!(report.to_string().contains("\"detections\""), "{report}");
+    site.home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn an_adapter_that_is_killed_goes_on_with_new_numbers() {
+    let mut site = Site::new();
+    let running = site.start();
+    let system = site.home.path("out/system_tracks.csv");
+    let written = |name: &std::path::Path| fs::read_to_string(name).unwrap_or_default().lines().count();
+    for _ in 0..20 {
+        site.radar.turn();
+    }
+    let before = site.home.status_row("lan");
+    kill(before.pid, Signal::KILL);
+    let home = &site.home;
+    site.radar.turn_until("it is restarted", || {
+        let row = home.status_row("lan");
+        row.pid != before.pid && row.state == "running"
+    });
+    for _ in 0..30 {
+        site.radar.turn();
+    }
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    let detections = site.read("out/detections_radar.csv");
+    let detections: Vec<&str> = detections.lines().skip(1).collect();
+    let scan = |row: &&str| row.split(',').nth(2).unwrap().parse::<u32>().unwrap();
+    let scans: Vec<u32> = detections.iter().map(scan).collect();
+    assert!(scans.is_sorted(), "{scans:?}");
+    // Between the two there is a gap, as numbers are set aside.
+    let gap = (1..scans.len())
+        .max_by_key(|place| scans[*place] - scans[place - 1])
+        .unwrap();
+    let published = rows(&site.read("out/sensor_tracks_radar.csv"));
+    let after = site.tracked("after.csv", &detections[gap..], "site.toml");
+    assert!(after.len() > 40, "{}", after.len());
+    assert!(published.ends_with(&after), "the restarted adapter's tracks");
+    // The killed one may have published detections and not yet their tracks.
+    let first = site.tracked("before.csv", &detections[..gap], "site.toml");
+    let of_first = &published[..published.len() - after.len()];
+    assert!(
+        first.starts_with(of_first) && first.len() <= of_first.len() + 2 * TARGETS,
+        "the killed one's"
+    );
+    let number = |row: &String| row.split(',').nth(1).unwrap().parse::<u32>().unwrap();
+    let last = of_first.iter().map(number).max().unwrap();
+    assert!(after.iter().all(|row| number(row) > last), "no number is given twice");
+    assert!(written(&system) > 100);
+    site.home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn a_recording_of_plots_is_tracked_at_any_speed() {
+    let (mut site, mut recording) = (Site::new(), Vec::new());
+    for scan in 0..60 {
+        site.radar.plots(1_000_000_000 * (43_200 + 4 * scan), &mut |block| {
+            recording.extend_from_slice(block)
+        });
+    }
+    fs::write(site.home.path("plots.ast"), recording).unwrap();
+    let text = site.read("site.toml");
+    let recorded = "[source.recorded]\nfile = \"plots.ast\"\n";
+    let text = text.replacen("[source.live]\nreceiver = \"lan\"\n", recorded, 1);
+    let begin = text.find("[[receiver]]").unwrap();
+    let text = text.replacen(&text[begin..text.find("[[source]]").unwrap()], "", 1);
+    let time = "[time]\norder = \"time\"\ndate = \"2026-05-10\"\n";
+    let text = text.replacen("period_s = 0.2", "period_s = 4.0", 1) + time;
+    fs::write(site.home.path("site.toml"), text).unwrap();
+    let mut earlier: Option<(String, String)> = None;
+    for (speed, out) in [("max", "out"), ("200", "slow")] {
+        let up = [
+            "up",
+            "site.toml",
+            "--data",
+            ".",
+            "--speed",
+            speed,
+            "--instance",
+            "test",
+            "--out",
+            out,
+        ];
+        let output = site.home.run(&up);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let files = ["sensor_tracks_radar.csv", "detections_radar.csv"].map(|name| site.read(&format!("{out}/{name}")));
+        let [tracks, detections] = files;
+        assert!(
+            tracks.lines().count() > 150 && detections.lines().count() > 400,
+            "{}",
+            tracks.lines().count()
+        );
+        assert!(
+            earlier.is_none_or(|earlier| earlier == (tracks.clone(), detections.clone())),
+            "{speed}"
+        );
+        earlier = Some((tracks, detections));
+    }
+    let (tracks, detections) = earlier.unwrap();
+    let detections: Vec<&str> = detections.lines().skip(1).collect();
+    assert!(site.tracked("all.csv", &detections, "site.toml") == rows(&tracks));
+    site.home.assert_nothing_is_left("test");
+}
+
+/// What is said of a tracker that cannot be.
+#[test]
+fn a_source_with_tracks_needs_no_tracker() {
+    let folder = tempfile::tempdir().unwrap();
+    let demo = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/demo.toml")).unwrap();
+    for (old, new, expected) in [
+        ("plots = true\n", "", "false_plots_per_period"),
+        ("plots = true\nfalse_plots_per_period = 30.0\n", "", "plots = true"),
+        (
+            "detection_probability = 0.95",
+            "detection_probability = 1.95",
+            "between 0.01 and 0.9999",
+        ),
+        (
+            "detection_probability = 0.95",
+            "[source.tracker.gate]\nprobability = 9.0",
+            "source[4].tracker.gate.probability: 9",
+        ),
+        (
+            "detection_probability = 0.95",
+            "scans = \"sector\"",
+            "unknown variant `sector`",
+        ),
+        (
+            "detection_probability = 0.95",
+            "wait_s = 5.0",
+            "must lie between 0 and 4",
+        ),
+    ] {
+        assert!(demo.contains(old), "{old}");
+        let path = folder.path().join("site.toml");
+        fs::write(&path, demo.replacen(old, new, 1)).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_koseki"))
+            .arg("check")
+            .arg(&path)
+            .output()
+            .unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains(expected) && said.contains("site.toml:") && said.lines().count() == 1,
+            "{said}"
+        );
+    }
+}

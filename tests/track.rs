@@ -1,0 +1,438 @@
+//! `koseki track` as a user calls it: files of detections in, tracks out, and what is refused.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+const HEADER: &str = "time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz,truth_id";
+
+/// A folder to work in.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    /// Writes detections with their header.
+    fn detections(&self, name: &str, rows: &[String]) {
+        self.write(name, &format!("{HEADER}\n{}\n", rows.join("\n")));
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// Runs `koseki track` in the folder, with arguments apart by blanks.
+    fn run(&self, arguments: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_koseki"))
+            .arg("track")
+            .args(arguments.split_whitespace())
+            .current_dir(self.0.path())
+            .output()
+            .unwrap()
+    }
+
+    /// What it says of files that it takes.
+    fn track(&self, arguments: &str) -> Value {
+        let output = self.run(&format!("{arguments} --json"));
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {output:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    }
+
+    /// The one line with which a call is refused; nothing is written then.
+    fn refusal(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {output:?}");
+        let line = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(line.lines().count(), 1, "{line}");
+        assert!(!self.path("tracks.csv").exists(), "{line}");
+        line
+    }
+}
+
+/// Numbers in [0, 1) without pattern.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+fn position(time_s: f64, scan: usize, number: usize, [east, north]: [f64; 2]) -> String {
+    format!("{time_s},1,{scan},{number},position2,{east:.3},{north:.3},,,50,50,,,0,0,0,")
+}
+
+/// Two targets that fly past each other, a false detection or two per scan of 4 s, and a miss now and then.
+fn scene(scans: usize) -> Vec<String> {
+    let (mut random, mut rows) = (Random(1), Vec::new());
+    for scan in 0..scans {
+        let time_s = 4.0 * scan as f64;
+        let mut off = || 100.0 * (random.next() + random.next() - 1.0);
+        let mut places = vec![
+            [-8000.0 + 150.0 * time_s + off(), 500.0 + off()],
+            [8000.0 - 150.0 * time_s + off(), -500.0 + off()],
+        ];
+        if scan % 7 == 5 {
+            places.remove(scan % 2);
+        }
+        for _ in 0..1 + scan % 2 {
+            places.push([20e3 * (random.next() - 0.5), 20e3 * (random.next() - 0.5)]);
+        }
+        for (number, place) in places.into_iter().enumerate() {
+            rows.push(position(time_s, scan, number, place));
+        }
+    }
+    rows
+}
+
+/// The values of a column.
+fn column(text: &str, name: &str) -> Vec<String> {
+    let mut lines = text.lines();
+    let place = lines.next().unwrap().split(',').position(|found| found == name);
+    let place = place.unwrap_or_else(|| panic!("no column {name}"));
+    lines
+        .map(|line| line.split(',').nth(place).unwrap().to_owned())
+        .collect()
+}
+
+#[test]
+fn two_targets_that_pass_each_other_have_a_track_each() {
+    let folder = Folder::new();
+    folder.detections("plots.csv", &scene(28));
+    let said = folder.track("--detections plots.csv --out tracks.csv");
+    assert_eq!(
+        (&said["scans"], &said["tracks"], &said["live_tracks"]),
+        (&28.into(), &2.into(), &2.into())
+    );
+    let tracks = folder.read("tracks.csv");
+    let header = tracks.lines().next().unwrap();
+    assert!(
+        header.starts_with("time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,"),
+        "{header}"
+    );
+    assert!(
+        header.ends_with(",hypotheses,reliability") && header.contains(",P55,state,"),
+        "{header}"
+    );
+    assert_eq!(said["rows"], tracks.lines().count() - 1);
+    for (name, allowed) in [
+        ("sensor_id", &["0"][..]),
+        ("state", &["confirmed", "coasted"]),
+        ("height_valid", &["0"]),
+    ] {
+        assert!(
+            column(&tracks, name)
+                .iter()
+                .all(|value| allowed.contains(&value.as_str())),
+            "{name}"
+        );
+    }
+    // One row per track and scan, and who flies east goes on flying east.
+    let speeds = column(&tracks, "vx")
+        .into_iter()
+        .zip(column(&tracks, "sensor_track_id"));
+    let late: Vec<_> = speeds.skip(10).collect();
+    let east = &late.iter().find(|(vx, _)| vx.parse::<f64>().unwrap() > 0.0).unwrap().1;
+    assert!(
+        late.iter()
+            .all(|(vx, number)| (vx.parse::<f64>().unwrap() > 0.0) == (number == east))
+    );
+    let share = said["false_share"].as_f64().unwrap();
+    assert!((0.3..0.6).contains(&share), "{share}");
+}
+
+/// A change of these rows is a change of what the tracker does, and is to be explained where it is made.
+#[test]
+fn a_run_is_as_it_was() {
+    let folder = Folder::new();
+    folder.detections("plots.csv", &scene(12));
+    folder.track("--detections plots.csv --out tracks.csv");
+    let tracks = folder.read("tracks.csv");
+    let columns =
+        ["time_s", "sensor_track_id", "x", "y", "vx", "state", "hypotheses"].map(|name| column(&tracks, name));
+    let mut found = String::new();
+    for row in 0..columns[0].len() {
+        let values: Vec<&str> = columns.iter().map(|column| column[row].as_str()).collect();
+        writeln!(found, "{}", values.join(",")).unwrap();
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/track.csv");
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        fs::write(&path, &found).unwrap();
+    }
+    let expected = fs::read_to_string(&path).unwrap();
+    assert!(
+        found == expected,
+        "differs from tests/golden/track.csv; UPDATE_GOLDEN=1 accepts it\n{found}"
+    );
+}
+
+#[test]
+fn neither_the_order_of_rows_nor_their_number_of_files_matters() {
+    let folder = Folder::new();
+    let mut rows = scene(20);
+    folder.detections("plots.csv", &rows);
+    folder.track("--detections plots.csv --out tracks.csv");
+    let expected = folder.read("tracks.csv");
+    let mut random = Random(7);
+    for place in (1..rows.len()).rev() {
+        rows.swap(place, (random.next() * place as f64) as usize);
+    }
+    let (one, other) = rows.split_at(17);
+    folder.detections("one.csv", one);
+    folder.detections("other.csv", other);
+    folder.track("--detections one.csv other.csv --out again.csv");
+    assert!(folder.read("again.csv") == expected);
+}
+
+#[test]
+fn a_configuration_is_heard_and_sensors_of_all_kinds_meet_in_one_track() {
+    let folder = Folder::new();
+    let mut rows = Vec::new();
+    for scan in 0..12 {
+        let time_s = f64::from(scan);
+        let (east, north) = (1000.0 + 20.0 * time_s, 2000.0);
+        let bearing = east.atan2(north);
+        rows.push(format!("{time_s},3,{scan},0,position2,{east},{north},,,,,,,0,0,0,"));
+        rows.push(format!(
+            "{},8,{scan},0,bearing,{bearing},,,,0.001,,,,0,0,0,",
+            time_s + 0.5
+        ));
+        let range = east.hypot(north);
+        rows.push(format!(
+            "{},9,{scan},0,range_bearing,{range},{bearing},,2.5,10,0.001,,1,0,0,0,",
+            time_s + 0.7
+        ));
+    }
+    folder.detections("all.csv", &rows);
+    let line = folder.refusal("--detections all.csv --out tracks.csv");
+    assert!(
+        line.contains("all.csv: no detection of sensor 3 states standard deviations"),
+        "{line}"
+    );
+    assert!(line.contains("[[sensor]] with id = 3"), "{line}");
+    folder.write(
+        "sensors.toml",
+        "[[sensor]]\nid = 3\nsigmas = [10, 10]\n[confirmation]\ndetections_min = 4\n",
+    );
+    let said = folder.track("--detections all.csv --config sensors.toml --out tracks.csv");
+    assert_eq!((&said["tracks"], &said["scans"]), (&1.into(), &36.into()));
+    let first = column(&folder.read("tracks.csv"), "time_s")[0].parse::<f64>().unwrap();
+    assert!(first >= 1.0, "four detections: {first}");
+    folder.write("wrong.toml", "[confirmation]\ndetection_min = 4\n");
+    let _ = fs::remove_file(folder.path("tracks.csv"));
+    let line = folder.refusal("--detections all.csv --config wrong.toml --out tracks.csv");
+    assert!(line.contains("wrong.toml:2: unknown field `detection_min`"), "{line}");
+}
+
+#[test]
+fn bad_rows_are_left_out_and_counted_with_their_place() {
+    let folder = Folder::new();
+    let mut rows = scene(10);
+    for bad in [
+        "8,1,2,9,position2,nan,1,,,50,50,,,0,0,0,",
+        "8,1,2,9,plot,1,1,,,50,50,,,0,0,0,",
+        "8,1,2,9,position2,1,1,1,,50,50,,,0,0,0,",
+        "8,1,2,9,position2,1,1,,,0,50,,,0,0,0,",
+        "8,1,2,9,position2,1,1",
+        "soon,1,2,9,position2,1,1,,,50,50,,,0,0,0,",
+        "1e9,1,2,9,position2,1,1,,,50,50,,,0,0,0,",
+        "8,1,2,9,bearing,270,,,,0.1,,,,0,0,0,",
+    ] {
+        rows.push(bad.to_owned());
+    }
+    folder.detections("plots.csv", &rows);
+    let said = folder.track("--detections plots.csv --out tracks.csv");
+    assert_eq!((&said["rows_refused"], &said["tracks"]), (&8.into(), &2.into()));
+    let first = said["first_refused"][0].as_str().unwrap();
+    let line = rows.len() - 8 + 2;
+    assert!(
+        first.contains(&format!("plots.csv: line {line}, column m0")) && first.contains("NaN") || first.contains("nan"),
+        "{first}"
+    );
+    let text = String::from_utf8(folder.run("--detections plots.csv --out tracks.csv").stderr).unwrap();
+    for expected in ["left out: 8 rows", "2 confirmed", "time per scan: median", "28 scans"] {
+        assert!(text.contains(expected) || expected == "28 scans", "{expected}: {text}");
+    }
+}
+
+#[test]
+fn files_that_are_none_are_refused_in_one_line() {
+    let folder = Folder::new();
+    folder.write("empty.csv", "");
+    folder.write("header.csv", &format!("{HEADER}\n"));
+    folder.write(
+        "tracks_of_another.csv",
+        "time_s,sensor_id,sensor_track_id,x,y\n1,1,1,1,1\n",
+    );
+    folder.detections("wrong.csv", &["1,1,1,1,plot,1,1,,,5,5,,,0,0,0,".to_owned()]);
+    folder.detections("good.csv", &scene(3));
+    for (arguments, expected) in [
+        ("--detections gone.csv --out tracks.csv", "gone.csv: cannot be read"),
+        ("--detections . --out tracks.csv", "is a folder"),
+        ("--detections empty.csv --out tracks.csv", "column time_s is missing"),
+        (
+            "--detections tracks_of_another.csv --out tracks.csv",
+            "column scan is missing",
+        ),
+        ("--detections header.csv --out tracks.csv", "header only"),
+        (
+            "--detections wrong.csv --out tracks.csv",
+            "line 2, column kind: \"plot\" is no kind",
+        ),
+        (
+            "--detections good.csv good.csv --out tracks.csv",
+            "names good.csv twice",
+        ),
+        ("--detections good.csv --out good.csv", "--out good.csv is an input"),
+        (
+            "--detections good.csv --config gone.toml --out tracks.csv",
+            "gone.toml: cannot be read",
+        ),
+        (
+            "--detections good.csv --out tracks.csv --explain tracks.csv",
+            "name two",
+        ),
+        ("--out tracks.csv", "--detections"),
+        ("--detections good.csv", "--out"),
+    ] {
+        let line = folder.refusal(arguments);
+        assert!(
+            line.starts_with("koseki: ") && line.contains(expected),
+            "{arguments}: {line}"
+        );
+    }
+    let output = folder.run("--detections good.csv --out gone/tracks.csv");
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+}
+
+#[test]
+fn hostile_scans_are_bounded_and_counted() {
+    let folder = Folder::new();
+    // Two tracks, then 10,000 detections in a gate, all of them the same in the next scan, and none for minutes.
+    let mut rows = scene(8);
+    let before = rows.len() as u64;
+    let mut random = Random(3);
+    for number in 0..10_000 {
+        let place = [-3250.0 + 100.0 * random.next(), 450.0 + 100.0 * random.next()];
+        rows.push(position(32.0, 8, number, place));
+    }
+    rows.extend((0..10_000).map(|number| position(36.0, 9, number, [-2600.0, 500.0])));
+    rows.push(position(436.0, 109, 0, [0.0, 0.0]));
+    // A scan number that is greater at an earlier time, and times a day apart.
+    rows.push(position(2.0, 110, 0, [0.0, 0.0]));
+    rows.push(position(90_000.0, 110, 1, [0.0, 0.0]));
+    folder.detections("plots.csv", &rows);
+    let said = folder.track("--detections plots.csv --out tracks.csv");
+    let refused = &said["refused_by_tracker"];
+    assert!(refused["unmade_comparisons"].as_u64().unwrap() > 1000, "{said}");
+    assert!(refused["unusable_detections"].as_u64().unwrap() >= 1, "{said}");
+    let unusable = refused["unusable_detections"].as_u64().unwrap();
+    assert_eq!(said["detections"].as_u64().unwrap() + unusable, before + 20_003);
+    assert_eq!(said["sensors"][0]["silent_scans"], 99);
+    assert!(said["tracks"].as_u64().unwrap() >= 2, "{said}");
+}
+
+#[test]
+fn its_help_teaches() {
+    let output = Folder::new().run("--help");
+    let text = String::from_utf8(output.stdout).unwrap();
+    for expected in [
+        "Examples:",
+        "range_bearing_elevation",
+        "[[sensor]]",
+        "detection_probability",
+        "docs/tracking.md",
+    ] {
+        assert!(text.contains(expected), "{expected}");
+    }
+}
+
+#[test]
+fn decisions_are_explained() {
+    let folder = Folder::new();
+    folder.detections("plots.csv", &scene(12));
+    folder.track("--detections plots.csv --out tracks.csv --explain why.csv");
+    let with = folder.read("tracks.csv");
+    folder.track("--detections plots.csv --out without.csv");
+    assert!(with == folder.read("without.csv"), "an observer changes nothing");
+    let why = folder.read("why.csv");
+    let (events, probabilities) = (column(&why, "event"), column(&why, "probability"));
+    let count = |word: &str| events.iter().filter(|event| *event == word).count();
+    assert_eq!((count("scan"), count("confirmed")), (12, 2), "{why}");
+    assert!(
+        count("ended") > 0 && count("started") > 2 && count("cluster") > 12,
+        "{why}"
+    );
+    // The reliabilities of a cluster's hypotheses sum to 1.
+    let clusters = column(&why, "cluster");
+    let mut sums = std::collections::BTreeMap::new();
+    for row in (0..events.len()).filter(|row| events[*row] == "hypothesis") {
+        let scan = events[..row].iter().filter(|event| *event == "scan").count();
+        *sums.entry((scan, &clusters[row])).or_insert(0.0) += probabilities[row].parse::<f64>().unwrap();
+    }
+    assert!(
+        sums.len() > 12 && sums.values().all(|sum| (sum - 1.0f64).abs() < 1e-4),
+        "{sums:?}"
+    );
+    let confirmed: Vec<String> = column(&with, "sensor_track_id");
+    let numbers = column(&why, "sensor_track_id");
+    for row in (0..events.len()).filter(|row| events[*row] == "confirmed") {
+        assert!(confirmed.contains(&numbers[row]), "{why}");
+    }
+}
+
+#[test]
+fn a_recording_of_the_ferry_is_read_as_it_is() {
+    let folder = Folder::new();
+    let mut json = Vec::new();
+    for scan in 0..20 {
+        let time = 1_600_000_000.5 + f64::from(scan);
+        let (north, east) = (30.0 + 2.0 * f64::from(scan), 40.0);
+        json.push(format!(
+            r#"{{"sensorID": 2, "ownshipPosition": [-10, 20], "time": {time}, "measurement": [{north}, {east}]}}"#
+        ));
+    }
+    folder.write("ferry.json", &format!("[{}]", json.join(",\n")));
+    let line = folder.refusal("--detections ferry.json --out tracks.csv");
+    assert!(
+        line.contains("no detection of sensor 2 states standard deviations"),
+        "{line}"
+    );
+    let near = "[initiation]\nspeed_sigma_mps = 5.0\n";
+    folder.write(
+        "ferry.toml",
+        &format!("[[sensor]]\nid = 2\nsigmas = [3.0, 3.0]\nclutter_density = 1e-6\n{near}"),
+    );
+    let said = folder.track("--detections ferry.json --config ferry.toml --out tracks.csv");
+    assert_eq!((&said["tracks"], &said["scans"]), (&1.into(), &20.into()));
+    let tracks = folder.read("tracks.csv");
+    let last = |name: &str| column(&tracks, name).last().unwrap().parse::<f64>().unwrap();
+    assert!(
+        (last("x") - 60.0).abs() < 1.0 && (last("y") - 58.0).abs() < 1.0,
+        "{tracks}"
+    );
+    // 2020-09-13, 12:26:40.5 and 19 s.
+    assert!((last("time_s") - 44_819.5).abs() < 1e-3, "{tracks}");
+    folder.write("broken.json", "[{\"sensorID\": 9}]");
+    let _ = fs::remove_file(folder.path("tracks.csv"));
+    let line = folder.refusal("--detections broken.json --config ferry.toml --out tracks.csv");
+    assert!(line.contains("broken.json: detections: missing field"), "{line}");
+}
