@@ -150,9 +150,17 @@ impl Expectations {
         });
         let targets = f64::from(settings.knowledge.targets(report));
         let Some(sharing) = settings.sharing else {
-            let chosen = nearest(distances.map(|(distance, _)| distance), settings.range_m);
+            let chosen = nearest(distances.clone().map(|(distance, _)| distance), settings.range_m);
             if let Some(cluster) = chosen {
-                self.list[cluster].expect(targets, report, is_due);
+                let in_range = distances
+                    .enumerate()
+                    .filter(|(_, (distance, _))| *distance < settings.range_m);
+                let others = in_range.filter(|(other, _)| settings.others_count && *other != cluster);
+                let elsewhere: f64 = others.map(|(_, (_, tracks))| tracks.round()).sum();
+                let left = targets - elsewhere;
+                if left > 0.0 {
+                    self.list[cluster].expect(left, report, is_due);
+                }
             }
             return chosen.is_some();
         };
