@@ -2,11 +2,12 @@
 //!
 //! What an operator rarely knows can be counted: detections outside the gates of all confirmed tracks are false or the
 //! beginnings of tracks, and those are few. Their mean number per scan over about [`SCANS`] scans, divided by the area in
-//! which the sensor has shown detections at all, is the density. The area is the smallest rectangle around all of them:
-//! that is right for clutter all over it, and too low a density for clutter in patches, where tentative tracks will be
-//! more than they should.
+//! which the sensor sees, is the density. The area is that of the field of view, or where none is given, or detections lie
+//! outside, the smallest rectangle around all of them. A sensor without a field of view that shows little but one target
+//! has a rectangle as small as the target's path, and its few detections look like dense clutter. The density is too low
+//! for clutter in patches, where tentative tracks will be more than they should.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::FRAC_PI_2;
 
 use formats::detection::DetectionKind;
 
@@ -18,6 +19,15 @@ const SCANS: f64 = 20.0;
 /// Smallest mean number of false detections per scan: none seen so far does not mean never.
 const COUNT_MIN: f64 = 0.1;
 
+/// How much a sensor sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Extent {
+    /// Width of all bearings, radians.
+    pub(crate) width_rad: f64,
+    /// Area in the plane, square metres, if it is known and has an end.
+    pub(crate) area_m2: Option<f64>,
+}
+
 /// What is known of one sensor's false detections.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Estimate {
@@ -28,17 +38,13 @@ pub(crate) struct Estimate {
     box_m: [f64; 4],
 }
 
-impl Default for Estimate {
-    fn default() -> Self {
-        Self {
-            count: 0.0,
-            scans: 0.0,
-            box_m: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
-        }
-    }
-}
-
 impl Estimate {
+    pub(crate) const NONE: Self = Self {
+        count: 0.0,
+        scans: 0.0,
+        box_m: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
+    };
+
     /// Takes the places of a scan's detections into the rectangle.
     pub(crate) fn see(&mut self, measurement: &Measurement) {
         if let Some(([east, north], _)) = measurement.place() {
@@ -53,12 +59,18 @@ impl Estimate {
         self.count += (outside as f64 - self.count) / self.scans;
     }
 
-    /// False detections per scan and square metre, or radian; `present` are in the scan at hand.
-    pub(crate) fn density(&self, present: usize) -> f64 {
+    /// False detections per scan and square metre, or radian, of a sensor that sees so much; `present` are in the scan at
+    /// hand.
+    pub(crate) fn density(&self, present: usize, extent: Extent) -> f64 {
         let count = if self.scans > 0.0 { self.count } else { present as f64 };
         let [w, s, e, n] = self.box_m;
         // A metre more on every side: a single detection has a place, too.
-        let area = if e >= w { (e - w + 2.0) * (n - s + 2.0) } else { TAU };
+        let area = if e >= w {
+            let seen = (e - w + 2.0) * (n - s + 2.0);
+            extent.area_m2.map_or(seen, |area| area.max(seen))
+        } else {
+            extent.width_rad
+        };
         count.max(COUNT_MIN) / area
     }
 }

@@ -61,6 +61,27 @@ pub struct Counts {
     pub wide_area_confirmations: u64,
     /// Tracks confirmed.
     pub confirmed: u64,
+    /// Detections that became one with another of the same scan, nearer than the sensor's resolution.
+    pub united_detections: u64,
+    /// Updates of clusters: each is one cluster in one scan, after joining.
+    pub cluster_updates: u64,
     /// Largest share of a cluster's probability that was dropped in a scan, in [0, 1]: an upper bound.
     pub dropped_probability_max: f64,
+    /// Sum of those shares over all updates of clusters.
+    pub dropped_probability_sum: f64,
+}
+
+impl Counts {
+    /// Share of the probability that the bounds and thresholds cut off in the mean update of a cluster (HT-11), in [0, 1]:
+    /// an upper bound. 0 before the first.
+    pub fn dropped_probability_mean(&self) -> f64 {
+        self.dropped_probability_sum / self.cluster_updates.max(1) as f64
+    }
+
+    pub(crate) fn drop_probability(&mut self, share: f64) {
+        let share = share.clamp(0.0, 1.0);
+        self.cluster_updates += 1;
+        self.dropped_probability_max = self.dropped_probability_max.max(share);
+        self.dropped_probability_sum += share;
+    }
 }

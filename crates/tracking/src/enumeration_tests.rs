@@ -18,7 +18,7 @@ use crate::wide_area::WideAreaReport;
 use crate::wide_area::correction::{Rule, correct};
 use crate::{HYPOTHESES_MAX, Settings, Tracker};
 
-/// Serial numbers of each track's detections, latest first, in order.
+/// Serial numbers of each track's detections, latest first.
 type Content = Vec<[u32; HISTORY_MAX]>;
 
 /// A hypothesis of the reference: its tracks and the logarithm of its likelihood.
@@ -100,11 +100,13 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
                     &settings.motion,
                 ),
                 time_ns,
+                seen_ns: time_ns,
                 root: 0,
                 number: TENTATIVE,
                 detections: 1,
                 in_company: 0,
                 missed: 0,
+                log_silence: 0.0,
                 log_likelihood_ratio: 0.0,
                 reliability: 0.0,
                 history: [NO_DETECTION; HISTORY_MAX],

@@ -62,7 +62,7 @@ pub enum TrackEvent {
     Started,
     /// It is confirmed: value its reliability, limit the least.
     Confirmed,
-    /// A branch had no detection for too many scans: value how many, limit the most.
+    /// A branch was missed too often for a target that is still there: value that probability, limit the least.
     MissedTooOften,
     /// A branch had no detection for too long: value seconds, limit the most.
     SilentTooLong,

@@ -10,11 +10,11 @@
 use association::{Grid, distance};
 
 use crate::counts::Counts;
-use crate::measurement::{DIMENSIONS_MAX, Measurement};
+use crate::measurement::Measurement;
 use crate::motion::Motion;
 use crate::population::Population;
 use crate::ranked::ROWS_MAX;
-use crate::settings::MotionSettings;
+use crate::sensor::Sensor;
 use crate::track::Track;
 
 /// Most detections with which a track is compared in a scan.
@@ -40,17 +40,6 @@ pub(crate) struct Plot {
     pub(crate) log_weight: f64,
 }
 
-/// What the sensor's settings say of its scans.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sensor {
-    pub(crate) gates: [f64; DIMENSIONS_MAX],
-    pub(crate) motion: MotionSettings,
-    /// Logarithm of the probability of detection.
-    pub(crate) log_detection: f64,
-    /// Logarithm of the probability of no detection in the gate.
-    pub(crate) log_miss: f64,
-}
-
 /// A track and a detection in its gate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pair {
@@ -67,6 +56,8 @@ pub(crate) struct Gating {
     pub(crate) pairs: Vec<Pair>,
     /// By track: where its pairs begin; one more at the end.
     pub(crate) pairs_begin: Vec<u32>,
+    /// By track: logarithm of the probability that there is no detection in its gate, for what the scan is worth.
+    pub(crate) log_misses: Vec<f64>,
     /// By cluster: one that stands for all that are joined with it.
     joined: Vec<u32>,
     /// By standing-in cluster: tracks and detections of all that are joined with it.
@@ -87,6 +78,7 @@ impl Gating {
         Self {
             pairs: Vec::with_capacity(4 * tracks_max + PAIRS_MAX),
             pairs_begin: Vec::with_capacity(tracks_max + 1),
+            log_misses: Vec::with_capacity(tracks_max),
             joined: Vec::with_capacity(tracks_max),
             sizes: Vec::with_capacity(tracks_max),
             owner: Vec::with_capacity(plots_max),
@@ -114,6 +106,7 @@ impl Gating {
                 self.pairs_begin.push(self.pairs.len() as u32);
                 let compared = &population.tracks[track as usize];
                 let predicted = compared.motion_at(time_ns, &sensor.motion);
+                self.log_misses.push(sensor.log_miss(sensor.sees(predicted.widest())));
                 self.search(&predicted, plots.len(), &reach, sensor.gates[1]);
                 let first = self.pairs.len();
                 self.compare(track, compared, &predicted, time_ns, plots, sensor, counts);
@@ -141,6 +134,7 @@ impl Gating {
         }
         self.pairs.clear();
         self.pairs_begin.clear();
+        self.log_misses.clear();
         self.joined.clear();
         self.joined.extend(0..population.clusters.len() as u32);
         self.sizes.clear();

@@ -2,7 +2,9 @@
 //!
 //! One detection says where, not whither: the velocity starts at zero with the standard deviation of the speeds that
 //! targets have, and the second detection finds it. A range rate, where there is one, already narrows it along the line
-//! of sight. A direction alone does not begin a track: what it says of the position is a ray.
+//! of sight. But boats are ten times slower than aircraft, and one standard deviation for both either loses the one or joins
+//! every boat with every detection within the second detection's gate, a third of a kilometre after two seconds. So a first
+//! state is two: of a slow target and of a fast one, and the second detection shows which. A direction alone does not begin a track: what it says of the position is a ray.
 //!
 //! In the gate of a track that is believed, a new one is likelier a target that has flown along and now parts; then it may
 //! start with that track's motion instead (SP-2, [`crate::splitting`]).
@@ -18,6 +20,8 @@ use crate::measurement::Measurement;
 pub struct FirstGuess {
     /// Standard deviation of the velocity east and north, m/s.
     pub speed_sigma_mps: f64,
+    /// The same of slow targets, which are as frequent (`None`: there are no such). Used where there are manoeuvres, too.
+    pub slow_sigma_mps: Option<f64>,
     /// Standard deviation of the velocity up, m/s.
     pub climb_sigma_mps: f64,
     /// Standard deviation of the height over the sensor where it is not measured, metres.
@@ -90,6 +94,7 @@ mod tests {
 
     const GUESS: FirstGuess = FirstGuess {
         speed_sigma_mps: 150.0,
+        slow_sigma_mps: None,
         climb_sigma_mps: 10.0,
         height_sigma_m: 1000.0,
     };

@@ -42,9 +42,11 @@ mod clutter;
 pub mod correlation;
 mod counts;
 pub mod cutting;
+mod directions;
 #[cfg(test)]
 mod enumeration_tests;
 pub mod explanation;
+mod field_of_view;
 mod gate;
 mod gating;
 mod initiation;
@@ -53,7 +55,9 @@ mod motion;
 mod parents;
 mod population;
 mod ranked;
+mod resolution;
 pub mod scans;
+mod sensor;
 pub mod settings;
 mod splitting;
 mod stage;
@@ -63,12 +67,14 @@ mod track;
 mod tracker;
 #[cfg(test)]
 mod tracker_tests;
+mod turn;
 mod update;
 pub mod wide_area;
 #[cfg(test)]
 mod wide_area_tests;
 
 pub use counts::Counts;
+pub use field_of_view::FieldOfView;
 pub use gating::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
 pub use initiation::FirstGuess;
 pub use population::DETECTION_COUNTS;

@@ -18,6 +18,8 @@ use estimation::PackedGaussian;
 use formats::detection::{Detection, DetectionKind, QUANTITIES_MAX, Quantity};
 use messages::{AXES, STATE_LEN};
 
+use crate::turn::TurnRate;
+
 /// Most quantities of a detection: three and the range rate.
 pub(crate) const DIMENSIONS_MAX: usize = QUANTITIES_MAX + 1;
 /// Squared horizontal distance, m², below which a sensor is at the target, and a direction says nothing.
@@ -95,6 +97,12 @@ impl Measurement {
         }
     }
 
+    /// The mean of several that are off to the same side: worth `worth` ≤ 1 of one, its standard deviations are larger.
+    pub(crate) fn worth(&self, worth: f64) -> Self {
+        let sigmas = self.sigmas.map(|sigma| sigma / worth.sqrt());
+        Self { sigmas, ..*self }
+    }
+
     /// Compares with a predicted state; `None` if that cannot be done in numbers.
     pub(crate) fn innovation(&self, state: &PackedGaussian) -> Option<Innovation> {
         let mut tangents = Tangents::of(self, state)?;
@@ -107,6 +115,18 @@ impl Measurement {
         let mut tangents = Tangents::of(self, state)?;
         tangents.factorise(state)?;
         let innovation = tangents.innovation()?;
+        tangents.apply(state);
+        Some(innovation)
+    }
+
+    /// Updates a predicted state with its turn rate; `None`, and no change, if that cannot be done in numbers.
+    pub(crate) fn update_turning(&self, state: &mut PackedGaussian, turn: &mut TurnRate) -> Option<Innovation> {
+        let mut tangents = Tangents::of(self, state)?;
+        tangents.factorise(state)?;
+        let innovation = tangents.innovation()?;
+        let of_turn = tangents.gain_of(&turn.cross());
+        let count = tangents.count;
+        turn.learn(&tangents.whitened[..count], &tangents.gain[..count], &of_turn[..count]);
         tangents.apply(state);
         Some(innovation)
     }
@@ -286,6 +306,16 @@ impl Tangents {
             self.gain[row] = whitened.map(|value| value / root);
         }
         Some(())
+    }
+
+    /// L⁻¹·H·c of a component outside the state that has the covariances c with it.
+    fn gain_of(&self, cross: &[f64; STATE_LEN]) -> [f64; DIMENSIONS_MAX] {
+        let mut gain = [0.0; DIMENSIONS_MAX];
+        for row in 0..self.count {
+            let above: f64 = (0..row).map(|k| self.lower[row][k] * gain[k]).sum();
+            gain[row] = (dot(&self.each[row].derivative, cross) - above) / self.lower[row][row];
+        }
+        gain
     }
 
     fn innovation(&self) -> Option<Innovation> {

@@ -6,7 +6,8 @@
 //! which of them foretold it better (interacting multiple models). A detection's likelihood is that of both, weighed; it is
 //! in the gate if it is in that of either.
 //!
-//! Limit: a long turn is followed as a manoeuvre of unknown direction, not as a circle.
+//! Limit: a long turn is followed as a manoeuvre of unknown direction, not as a circle, unless coordinated turns are
+//! configured ([`crate::turn`]).
 //!
 //! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988).
@@ -14,9 +15,11 @@
 use estimation::{AxisNoise, PackedGaussian};
 use messages::STATE_LEN;
 
+use crate::initiation::{FirstGuess, first_state};
 use crate::measurement::{Innovation, Measurement};
 use crate::ranked::log_add;
-use crate::settings::{Manoeuvres, MotionSettings};
+use crate::settings::{Manoeuvres, MotionSettings, Turn};
+use crate::turn::TurnRate;
 
 /// Smallest probability of a model: it must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-3;
@@ -27,11 +30,44 @@ pub(crate) struct Motion {
     steady: PackedGaussian,
     /// Like the steady one where there is no such model.
     turning: PackedGaussian,
+    /// Of the turning one; nothing where there are no coordinated turns.
+    turn: TurnRate,
     /// Probability that the target manoeuvres; 0 where there is no such model.
     turning_probability: f64,
+    speed: Speed,
+}
+
+/// What the two states stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Speed {
+    /// Steady flight and manoeuvre.
+    Known,
+    /// A slow target and a fast one, seen once.
+    Unknown,
+    /// The same, seen a second time.
+    Found,
 }
 
 impl Motion {
+    /// After a first measurement; `None` of a direction alone.
+    pub(crate) fn first(measurement: &Measurement, guess: &FirstGuess, settings: &MotionSettings) -> Option<Self> {
+        let fast = first_state(measurement, guess)?;
+        let begun = Self::begun(fast, settings);
+        let Some(speed_sigma_mps) = guess.slow_sigma_mps.filter(|_| settings.manoeuvres.is_some()) else {
+            return Some(begun);
+        };
+        let slow = FirstGuess {
+            speed_sigma_mps,
+            ..*guess
+        };
+        Some(Self {
+            steady: first_state(measurement, &slow)?,
+            turning_probability: 0.5,
+            speed: Speed::Unknown,
+            ..begun
+        })
+    }
+
     /// Begins with the same state in both models.
     pub(crate) fn begun(state: PackedGaussian, settings: &MotionSettings) -> Self {
         let prior = |manoeuvres: &Manoeuvres| {
@@ -41,7 +77,12 @@ impl Motion {
         Self {
             steady: state,
             turning: state,
+            turn: settings
+                .manoeuvres
+                .and_then(|manoeuvres| manoeuvres.turn)
+                .map_or(TurnRate::NONE, |turn| TurnRate::begun(&turn)),
             turning_probability: settings.manoeuvres.as_ref().map_or(0.0, prior),
+            speed: Speed::Known,
         }
     }
 
@@ -51,6 +92,20 @@ impl Motion {
             let steady = self.steady.moved(seconds, noise(settings.process_noise_m2ps3, seconds));
             return Self { steady, ..*self };
         };
+        match self.speed {
+            Speed::Known => (),
+            // A target does not become slow or fast.
+            Speed::Unknown => {
+                let noise = noise(settings.process_noise_m2ps3, seconds);
+                let [steady, turning] = [self.steady, self.turning].map(|state| state.moved(seconds, noise));
+                return Self {
+                    steady,
+                    turning,
+                    ..*self
+                };
+            }
+            Speed::Found => return Self::begun(self.estimate(), settings).moved(seconds, settings),
+        }
         // Targets may have begun or ended to manoeuvre.
         let [steady_s, turning_s] = manoeuvres.durations_s;
         let time = seconds.abs();
@@ -60,11 +115,35 @@ impl Motion {
         let from_turning = [ends / steady, (q - ends) / turning];
         let [straight, turned] =
             from_turning.map(|weight| PackedGaussian::mixture(&self.steady, &self.turning, weight));
+        let (turned, turn) = match &manoeuvres.turn {
+            None => (
+                turned.moved(seconds, noise(manoeuvres.process_noise_m2ps3, seconds)),
+                self.turn,
+            ),
+            Some(turn) => self.turned(turned, from_turning[1], seconds, manoeuvres, turn),
+        };
         Self {
             steady: straight.moved(seconds, noise(settings.process_noise_m2ps3, seconds)),
-            turning: turned.moved(seconds, noise(manoeuvres.process_noise_m2ps3, seconds)),
+            turning: turned,
+            turn,
             turning_probability: turning,
+            speed: Speed::Known,
         }
+    }
+
+    /// The turning state, of which `still` was turning before, on its circle.
+    fn turned(
+        &self,
+        mut state: PackedGaussian,
+        still: f64,
+        seconds: f64,
+        manoeuvres: &Manoeuvres,
+        turn: &Turn,
+    ) -> (PackedGaussian, TurnRate) {
+        let begun = TurnRate::begun(turn);
+        let mut rate = TurnRate::mixture((&begun, &self.steady), (&self.turn, &self.turning), still);
+        rate.turn(&mut state, seconds, turn);
+        (state.moved(0.0, noise(manoeuvres.process_noise_m2ps3, seconds)), rate)
     }
 
     /// Compares with a measurement: the smaller distance, and the density by both models.
@@ -87,9 +166,16 @@ impl Motion {
         let innovation = if self.turning_probability == 0.0 {
             steady
         } else {
-            let turning = measurement.update(&mut updated.turning)?;
+            let turning = if self.turn == TurnRate::NONE {
+                measurement.update(&mut updated.turning)?
+            } else {
+                measurement.update_turning(&mut updated.turning, &mut updated.turn)?
+            };
             let innovation = both(steady, turning, self.turning_probability)?;
             let share = self.turning_probability.ln() + turning.log_likelihood - innovation.log_likelihood;
+            if updated.speed == Speed::Unknown {
+                updated.speed = Speed::Found;
+            }
             updated.turning_probability = share.exp().clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
             innovation
         };
@@ -134,7 +220,13 @@ impl Motion {
         Self {
             steady: PackedGaussian::mixture(&a.steady, &b.steady, weight(1.0 - p, 1.0 - q)),
             turning: PackedGaussian::mixture(&a.turning, &b.turning, weight(p, q)),
+            turn: if a.turn == TurnRate::NONE {
+                TurnRate::NONE
+            } else {
+                TurnRate::mixture((&a.turn, &a.turning), (&b.turn, &b.turning), weight(p, q))
+            },
             turning_probability: p * (1.0 - weight_of_b) + q * weight_of_b,
+            speed: if a.speed == b.speed { a.speed } else { Speed::Found },
         }
     }
 }
@@ -157,7 +249,6 @@ fn both(steady: Innovation, turning: Innovation, turning_probability: f64) -> Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::initiation::{FirstGuess, first_state};
     use crate::testing::position;
 
     const TWO_MODELS: MotionSettings = MotionSettings {
@@ -165,6 +256,7 @@ mod tests {
         manoeuvres: Some(Manoeuvres {
             process_noise_m2ps3: [50.0, 1.0],
             durations_s: [60.0, 10.0],
+            turn: None,
         }),
     };
     const ONE_MODEL: MotionSettings = MotionSettings {
@@ -177,6 +269,7 @@ mod tests {
     fn flown(settings: &MotionSettings) -> (bool, f64, f64) {
         let guess = FirstGuess {
             speed_sigma_mps: 50.0,
+            slow_sigma_mps: None,
             climb_sigma_mps: 1.0,
             height_sigma_m: 100.0,
         };
@@ -211,10 +304,94 @@ mod tests {
         assert!(!followed, "the turn is too much for steady flight");
     }
 
+    /// Mean squared distance of the last 15 s of a long circle from what was predicted.
+    fn circled(turn: Option<Turn>) -> f64 {
+        let mut settings = TWO_MODELS;
+        settings.manoeuvres.as_mut().unwrap().turn = turn;
+        let guess = FirstGuess {
+            speed_sigma_mps: 50.0,
+            slow_sigma_mps: None,
+            climb_sigma_mps: 1.0,
+            height_sigma_m: 100.0,
+        };
+        let at = |second: usize| {
+            let (sin, cos) = (0.1 * second as f64).sin_cos();
+            Measurement::of(&position(0, 500.0 * cos, 500.0 * sin), None).unwrap()
+        };
+        let mut motion = Motion::begun(first_state(&at(0), &guess).unwrap(), &settings);
+        let mut sum = 0.0;
+        for second in 1..=30 {
+            motion = motion.moved(1.0, &settings);
+            let expected = motion.estimate().mean;
+            let measured = at(second).values;
+            motion.update(&at(second)).unwrap();
+            assert!(estimation::is_usable(&motion.turning.covariance), "{second}");
+            if second > 15 {
+                sum += (expected[0] - measured[0]).powi(2) + (expected[1] - measured[1]).powi(2);
+            }
+        }
+        assert!(
+            turn.is_none() || (motion.turn.rate - 0.1).abs() < 0.02,
+            "{:?}",
+            motion.turn
+        );
+        sum / 15.0
+    }
+
+    #[test]
+    fn a_coordinated_turn_is_followed_on_its_circle() {
+        let turn = Turn {
+            rate_sigma_radps: 0.1,
+            rate_noise_rad2ps3: 1e-4,
+        };
+        let (straight, turned) = (circled(None), circled(Some(turn)));
+        assert!(turned < 0.5 * straight, "{turned} {straight}");
+    }
+
+    #[test]
+    fn the_second_detection_shows_how_fast_a_target_is() {
+        let guess = FirstGuess {
+            speed_sigma_mps: 100.0,
+            slow_sigma_mps: Some(5.0),
+            climb_sigma_mps: 1.0,
+            height_sigma_m: 100.0,
+        };
+        let seen = |second: f64, speed: f64| Measurement::of(&position(0, speed * second, 0.0), None).unwrap();
+        for (speed, fast_from, fast_to) in [(4.0, 0.0, 0.3), (80.0, 0.99, 1.0)] {
+            let first = Motion::first(&seen(0.0, speed), &guess, &TWO_MODELS).unwrap();
+            let mut motion = first.moved(2.0, &TWO_MODELS);
+            assert_eq!(motion.turning_probability, 0.5);
+            let compared = motion.innovation(&seen(2.0, speed)).unwrap();
+            let plain = Motion::first(
+                &seen(0.0, speed),
+                &FirstGuess {
+                    slow_sigma_mps: None,
+                    ..guess
+                },
+                &TWO_MODELS,
+            );
+            let alone = plain
+                .unwrap()
+                .moved(2.0, &TWO_MODELS)
+                .innovation(&seen(2.0, speed))
+                .unwrap();
+            let gain = compared.log_likelihood - alone.log_likelihood;
+            assert!(if speed < 10.0 { gain > 2.0 } else { gain > -0.8 }, "{speed}: {gain}");
+            motion.update(&seen(2.0, speed)).unwrap();
+            let fast = motion.turning_probability;
+            assert!(fast >= fast_from && fast <= fast_to, "{speed}: {fast}");
+            let estimate = motion.estimate();
+            assert!((estimate.mean[3] - speed).abs() < 5.0, "{:?}", estimate.mean);
+            let next = motion.moved(2.0, &TWO_MODELS);
+            assert!(next.turning_probability < 0.5, "from now on it is about manoeuvres");
+        }
+    }
+
     #[test]
     fn one_model_is_the_plain_filter() {
         let guess = FirstGuess {
             speed_sigma_mps: 50.0,
+            slow_sigma_mps: None,
             climb_sigma_mps: 1.0,
             height_sigma_m: 100.0,
         };

@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use crate::sensor::Memory;
 use crate::track::Track;
 
 /// Scans over which a cluster's detections are counted (SP-4).
@@ -37,11 +38,14 @@ pub(crate) struct Cluster {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Population {
     pub(crate) time_ns: i64,
+    /// Wide-area reports that arrived until then have been used.
+    pub(crate) reports_ns: i64,
     pub(crate) tracks: Vec<Track>,
     pub(crate) hypotheses: Vec<Hypothesis>,
     pub(crate) members: Vec<u32>,
     pub(crate) clusters: Vec<Cluster>,
-    pub(crate) clutter: Vec<crate::clutter::Estimate>,
+    /// By sensor.
+    pub(crate) sensors: Vec<Memory>,
     /// Serial number of the next detection, of the next track's root, of the next confirmed track.
     pub(crate) next_serial: u32,
     pub(crate) next_root: u32,
@@ -52,11 +56,12 @@ impl Population {
     pub(crate) fn new(tracks_max: usize, sensors: usize) -> Self {
         Self {
             time_ns: i64::MIN,
+            reports_ns: i64::MIN,
             tracks: Vec::with_capacity(tracks_max),
             hypotheses: Vec::with_capacity(2 * tracks_max + crate::HYPOTHESES_MAX),
             members: Vec::with_capacity(8 * tracks_max + crate::HYPOTHESES_MAX),
             clusters: Vec::with_capacity(tracks_max),
-            clutter: vec![crate::clutter::Estimate::default(); sensors],
+            sensors: vec![Memory::NONE; sensors],
             next_serial: 1,
             next_root: 1,
             next_number: 1,
@@ -66,11 +71,12 @@ impl Population {
     /// Empties the tables, to be filled with what follows from `before`.
     pub(crate) fn follow(&mut self, before: &Self, time_ns: i64) {
         self.time_ns = time_ns;
+        self.reports_ns = before.reports_ns;
         self.tracks.clear();
         self.hypotheses.clear();
         self.members.clear();
         self.clusters.clear();
-        self.clutter.copy_from_slice(&before.clutter);
+        self.sensors.copy_from_slice(&before.sensors);
         self.next_serial = before.next_serial;
         self.next_root = before.next_root;
         self.next_number = before.next_number;

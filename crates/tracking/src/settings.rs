@@ -3,6 +3,7 @@
 //! Only [`SensorSettings`] describe the world; everything else is the tracker's and is meant to be the same for all
 //! sensors and scenes. Values are in SI units; densities are those of a single scan.
 
+use crate::field_of_view::FieldOfView;
 use crate::initiation::FirstGuess;
 use crate::track::HISTORY_MAX;
 use crate::wide_area::WideArea;
@@ -15,6 +16,8 @@ pub struct Settings {
     pub sensors: Vec<SensorSettings>,
     /// Probability that a target's detection lies in its gate (HT-2).
     pub gate_probability: f64,
+    /// How long a sensor that looks again sees the same: whether it detects a target, and by how much it is wrong, seconds.
+    pub coherence_s: f64,
     /// How targets move (HT-13).
     pub motion: MotionSettings,
     /// What is assumed of a target before it was observed.
@@ -42,13 +45,31 @@ pub struct Settings {
 pub struct SensorSettings {
     /// As detections name it.
     pub sensor_id: u32,
-    /// Probability that a target is detected in a scan.
+    /// Probability that a target in the field of view is detected in a scan.
     pub detection_probability: f64,
     /// How many false detections there are.
     pub clutter: Clutter,
     /// Standard deviations of detections that state none: of the measured quantities in their order, then of the range
     /// rate.
     pub sigmas: Option<[f64; 4]>,
+    /// Where it sees targets (`None`: wherever they are). What is missing outside was not missed.
+    pub field_of_view: Option<FieldOfView>,
+    /// Detections of a scan nearer to each other than this are of one target, metres (`None`: a target gives only one).
+    pub resolution_m: Option<f64>,
+}
+
+impl Default for SensorSettings {
+    /// Sensor 0: nine of ten targets are detected, anywhere, once each; the density of false detections is learned.
+    fn default() -> Self {
+        Self {
+            sensor_id: 0,
+            detection_probability: 0.9,
+            clutter: Clutter::Learned,
+            sigmas: None,
+            field_of_view: None,
+            resolution_m: None,
+        }
+    }
 }
 
 /// Expected false detections per scan: per square metre of the plane where the sensor measures positions or ranges, per
@@ -77,6 +98,17 @@ pub struct Manoeuvres {
     pub process_noise_m2ps3: [f64; 2],
     /// Mean durations of steady flight and of a manoeuvre, seconds.
     pub durations_s: [f64; 2],
+    /// Coordinated turns besides (`None`: a manoeuvre is nothing but acceleration of any direction).
+    pub turn: Option<Turn>,
+}
+
+/// What is assumed of turn rates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// Standard deviation of the rate of a turn that begins, rad/s.
+    pub rate_sigma_radps: f64,
+    /// Spectral density of its changes, rad²/s³.
+    pub rate_noise_rad2ps3: f64,
 }
 
 /// HT-9. All are applied, in this order: merging, threshold, number.
@@ -107,9 +139,10 @@ pub struct Confirmation {
 /// HT-10. A track is deleted when one of these holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deletion {
-    /// It had no detection for so many scans.
-    pub missed_scans: u32,
-    /// It had no detection for so long, nanoseconds.
+    /// It has been missed so often since its last detection that this would happen to a target with this probability.
+    /// With a probability of detection of 0.9, 2e-5 is five slow scans; with 0.5, sixteen.
+    pub missed_probability: f64,
+    /// It had no detection for so long, seen or not, nanoseconds.
     pub silent_ns: i64,
 }
 
@@ -160,15 +193,18 @@ impl Default for Settings {
         Self {
             sensors: Vec::new(),
             gate_probability: 0.99,
+            coherence_s: 1.0,
             motion: MotionSettings {
                 process_noise_m2ps3: [5.0, 1.0],
                 manoeuvres: Some(Manoeuvres {
                     process_noise_m2ps3: [100.0, 10.0],
                     durations_s: [60.0, 10.0],
+                    turn: None,
                 }),
             },
             first_guess: FirstGuess {
                 speed_sigma_mps: 100.0,
+                slow_sigma_mps: Some(10.0),
                 climb_sigma_mps: 10.0,
                 height_sigma_m: 5000.0,
             },
@@ -184,7 +220,7 @@ impl Default for Settings {
                 log_likelihood_ratio_min: None,
             },
             deletion: Deletion {
-                missed_scans: 5,
+                missed_probability: 2e-5,
                 silent_ns: 60_000_000_000,
             },
             splitting: Splitting {
@@ -213,6 +249,7 @@ impl Settings {
                 probability(self.gate_probability),
                 "the gate probability must lie between 0 and 1",
             ),
+            (positive(self.coherence_s), "the coherence time must be positive"),
             (
                 self.motion.process_noise_m2ps3.iter().all(|density| positive(*density)),
                 "the process noise must be positive",
@@ -220,12 +257,14 @@ impl Settings {
             (
                 self.motion.manoeuvres.is_none_or(|manoeuvres| {
                     let all = [manoeuvres.process_noise_m2ps3, manoeuvres.durations_s];
-                    all.as_flattened().iter().all(|value| positive(*value))
+                    let turn = |turn: Turn| positive(turn.rate_sigma_radps) && positive(turn.rate_noise_rad2ps3);
+                    all.as_flattened().iter().all(|value| positive(*value)) && manoeuvres.turn.is_none_or(turn)
                 }),
-                "process noise and durations of manoeuvres must be positive",
+                "process noise, durations and turn rates of manoeuvres must be positive",
             ),
             (
                 positive(self.first_guess.speed_sigma_mps)
+                    && self.first_guess.slow_sigma_mps.is_none_or(positive)
                     && positive(self.first_guess.climb_sigma_mps)
                     && positive(self.first_guess.height_sigma_m),
                 "the first guess needs positive standard deviations",
@@ -251,7 +290,7 @@ impl Settings {
                 "confirmation needs a reliability above 0.5, at most 1",
             ),
             (
-                self.deletion.missed_scans > 0 && self.deletion.silent_ns > 0,
+                probability(self.deletion.missed_probability) && self.deletion.silent_ns > 0,
                 "tracks must be allowed to miss something before they are deleted",
             ),
             (
@@ -275,11 +314,14 @@ impl Settings {
                 Clutter::Density(density) => positive(density),
                 Clutter::Learned => true,
             };
-            !probability(sensor.detection_probability) || !density
+            let view = sensor.field_of_view.is_none_or(|view| view.is_sound());
+            let resolution = sensor.resolution_m.is_none_or(positive);
+            !(probability(sensor.detection_probability) && density && view && resolution)
         });
         faulty.map(|sensor| {
             format!(
-                "sensor {}: the probability of detection must lie between 0 and 1, the clutter density be positive",
+                "sensor {}: the probability of detection must lie between 0 and 1, clutter density and resolution be \
+                 positive, the field of view reach from a range of at least 0 to a larger one",
                 sensor.sensor_id
             )
         })

@@ -246,7 +246,12 @@ impl Stage {
             let mut seen = NO_DETECTION;
             // Branches with the same detection mostly stand side by side; a few counted twice do no harm.
             for track in of_part {
-                let serial = stage.tracks[track].history[0];
+                let track = &stage.tracks[track];
+                let serial = if track.missed == 0 {
+                    track.history[0]
+                } else {
+                    NO_DETECTION
+                };
                 serials += usize::from(serial != NO_DETECTION && serial != seen);
                 seen = serial;
             }

@@ -28,9 +28,8 @@ pub(crate) fn settings() -> Settings {
     let mut settings = Settings {
         sensors: vec![SensorSettings {
             sensor_id: 1,
-            detection_probability: 0.9,
             clutter: Clutter::Density(1e-6),
-            sigmas: None,
+            ..SensorSettings::default()
         }],
         capacity: Capacity {
             tracks: 1024,
@@ -43,5 +42,6 @@ pub(crate) fn settings() -> Settings {
     settings.motion.process_noise_m2ps3 = [1.0, 1.0];
     settings.motion.manoeuvres = None;
     settings.confirmation.detections_min = 3;
+    settings.coherence_s = 1.0;
     settings
 }

@@ -10,7 +10,7 @@ use messages::NS_PER_S;
 use crate::motion::Motion;
 use crate::settings::MotionSettings;
 
-/// Scans that a track remembers.
+/// Scans that a track remembers; those of quick sensors without a detection in its cluster are none.
 pub const HISTORY_MAX: usize = 8;
 
 /// A scan without a detection, in a history.
@@ -21,10 +21,11 @@ pub(crate) const TENTATIVE: u32 = 0;
 /// One branch of what one first detection became.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Track {
-    /// At the time of the last detection.
+    /// As the last detection or direction left it, and when that was, nanoseconds.
     pub(crate) motion: Motion,
-    /// Time of the last detection, nanoseconds.
     pub(crate) time_ns: i64,
+    /// Time of the last detection, or of the last scan of directions with one that was probably its own, nanoseconds.
+    pub(crate) seen_ns: i64,
     /// Same for all branches of one first detection.
     pub(crate) root: u32,
     /// The confirmed ancestor's number, or [`TENTATIVE`].
@@ -32,19 +33,27 @@ pub(crate) struct Track {
     pub(crate) detections: u32,
     /// Detections that lay in a confirmed track's gate (SP-7).
     pub(crate) in_company: u32,
-    /// Scans since the last detection.
+    /// Scans since then.
     pub(crate) missed: u32,
+    /// Logarithm of the probability of having missed it so often since the last detection, if it is there.
+    pub(crate) log_silence: f64,
     /// Logarithm of how much likelier its detections are if they are of one target than if all are false.
     pub(crate) log_likelihood_ratio: f64,
     /// Sum over the hypotheses that contain it.
     pub(crate) reliability: f64,
-    /// Serial numbers of its detections by scan, latest first.
+    /// Serial numbers of its detections by scan, latest first; without scans of quick sensors that had none in its cluster.
     pub(crate) history: [u32; HISTORY_MAX],
 }
 
 impl Track {
     pub(crate) fn is_confirmed(&self) -> bool {
         self.number != TENTATIVE
+    }
+
+    /// Of two branches, whether this one is shown: the more reliable one, or the western one.
+    pub(crate) fn is_preferred_to(&self, other: &Self) -> bool {
+        let west = || other.motion.estimate().mean[0].total_cmp(&self.motion.estimate().mean[0]);
+        self.reliability.total_cmp(&other.reliability).then_with(west).is_gt()
     }
 
     /// Where it is at `time_ns`.

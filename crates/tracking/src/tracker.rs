@@ -12,12 +12,15 @@ use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::clutter::log_density;
 use crate::counts::Counts;
+use crate::directions::{Claims, Directions};
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gate::gates;
-use crate::gating::{Gating, Plot, Sensor};
+use crate::gating::{Gating, Plot};
 use crate::measurement::Measurement;
 use crate::motion::noise;
 use crate::population::{Cluster, Hypothesis, Population};
+use crate::resolution::unite;
+use crate::sensor::Sensor;
 use crate::settings::{Clutter, MotionSettings, SensorSettings, Settings};
 use crate::track::Track;
 use crate::update::{self, Scan, Update};
@@ -144,6 +147,11 @@ pub struct Tracker {
     /// Of the clusters after the latest scan.
     described: Expectations,
     log_clutter: Vec<f64>,
+    /// By detection of a scan: how many are united in it; by direction: which tracks claim it.
+    united: Vec<u32>,
+    claims: Vec<Claims>,
+    /// (number, track, cluster) of what is reported.
+    best: Vec<(u32, u32, u32)>,
     reports: Vec<TrackReport>,
     counts: Counts,
 }
@@ -159,12 +167,7 @@ impl Tracker {
         }
         let capacity = settings.capacity;
         let gates = gates(settings.gate_probability);
-        let sensor = |sensor: &SensorSettings| Sensor {
-            gates,
-            motion: settings.motion,
-            log_detection: sensor.detection_probability.ln(),
-            log_miss: (-sensor.detection_probability * settings.gate_probability).ln_1p(),
-        };
+        let sensor = |sensor: &SensorSettings| Sensor::new(sensor, &settings, gates);
         let population = |_| Population::new(capacity.tracks, settings.sensors.len());
         let scan = |_| OpenScan {
             time_ns: i64::MIN,
@@ -182,6 +185,9 @@ impl Tracker {
             expectations: Expectations::new(capacity.tracks),
             described: Expectations::new(capacity.tracks),
             log_clutter: Vec::with_capacity(capacity.detections),
+            united: vec![0; capacity.detections],
+            claims: Vec::with_capacity(capacity.detections),
+            best: Vec::with_capacity(capacity.tracks),
             reports: Vec::with_capacity(capacity.tracks),
             counts: Counts::default(),
             settings,
@@ -242,6 +248,9 @@ impl Tracker {
             &mut scan.plots,
             &mut self.counts,
         );
+        if let Some(resolution_m) = self.settings.sensors[sensor].resolution_m {
+            self.counts.united_detections += unite(&mut scan.plots, resolution_m, &mut self.united) as u64;
+        }
         self.scans[place..=self.open].rotate_right(1);
         self.counts.late_scans += u64::from(place < self.open);
         self.open += 1;
@@ -387,11 +396,14 @@ impl Tracker {
         let counts = &mut self.counts;
         counts.scans += 1;
         self.log_clutter.clear();
-        let estimate = &mut next.clutter[*sensor];
+        let memory = &mut next.sensors[*sensor];
+        let looking = self.sensors[*sensor].at(*time_ns, plots, memory);
+        let directions_only = memory.sees_directions_only();
+        let estimate = &mut memory.clutter;
         plots.iter().for_each(|plot| estimate.see(&plot.measurement));
         let density = match self.settings.sensors[*sensor].clutter {
             Clutter::Density(density) => density,
-            Clutter::Learned => estimate.density(plots.len()),
+            Clutter::Learned => estimate.density(plots.len(), looking.extent()),
         };
         if let Some(observer) = observer {
             observer.explain(&Explanation::Scan {
@@ -404,29 +416,47 @@ impl Tracker {
         let guess = &self.settings.first_guess;
         self.log_clutter
             .extend(plots.iter().map(|plot| log_density(&plot.measurement, density, guess)));
-        self.gating.run(before, plots, *time_ns, &self.sensors[*sensor], counts);
-        self.expectations.find(
-            before,
-            *time_ns,
-            self.wide_area.list(),
-            &self.settings.wide_area,
-            self.settings.wide_area.lasts(),
-            counts,
-        );
-        next.clutter[*sensor].count(outside(before, &self.gating, plots.len()));
+        if !directions_only {
+            self.expectations.find(
+                before,
+                *time_ns,
+                self.wide_area.list(),
+                &self.settings.wide_area,
+                self.settings.wide_area.lasts(),
+                counts,
+            );
+            next.reports_ns = *time_ns;
+            self.gating.run(before, plots, *time_ns, &looking, counts);
+            let outside = outside(before, &self.gating, plots.len());
+            next.sensors[*sensor].clutter.count(outside);
+        }
         let scan = Scan {
             before,
             plots,
             log_clutter: &self.log_clutter,
             gating: &self.gating,
             settings: &self.settings,
-            sensor: &self.sensors[*sensor],
+            sensor: &looking,
             expectations: &self.expectations,
             log_weight: log_kept_weight.filter(|_| is_outranked).unwrap_or(0.0),
             time_ns: *time_ns,
             first_serial: before.next_serial,
             observer,
         };
+        if directions_only {
+            self.claims.clear();
+            self.claims.resize(plots.len(), Claims::NONE);
+            let directions = Directions::of(&scan);
+            for track in before.tracks.iter().filter(|track| track.is_confirmed()) {
+                directions.claim(track, &mut self.claims);
+            }
+            for cluster in &before.clusters {
+                self.update.take_in(&scan, cluster, &self.claims, next, counts);
+            }
+            let outside = self.claims.iter().filter(|claims| !claims.are_made()).count();
+            next.sensors[*sensor].clutter.count(outside);
+            return;
+        }
         let mut of_none = &self.gating.plots[..];
         for group in self.gating.clusters.chunk_by(|one, other| one.0 == other.0) {
             let of_group = of_none
@@ -446,35 +476,44 @@ impl Tracker {
     fn report(&mut self) {
         let population = &self.populations[self.open];
         let (settings, wide_area) = (&self.settings, &self.settings.wide_area);
-        let reports = self.wide_area.list();
-        let describes = wide_area.describes_tracks();
-        let counts = &mut self.counts;
+        let (reports, describes) = (self.wide_area.list(), wide_area.describes_tracks());
+        let uncounted = &mut Counts::default();
         self.described
-            .find(population, population.time_ns, reports, wide_area, describes, counts);
+            .find(population, population.time_ns, reports, wide_area, describes, uncounted);
+        let of = |track: u32| &population.tracks[track as usize];
+        self.best.clear();
+        for (cluster, place) in population.clusters.iter().zip(0..) {
+            // All branches of an ancestor are in one cluster.
+            let first = self.best.len();
+            for track in cluster.tracks.clone().filter(|track| of(*track).is_confirmed()) {
+                let number = of(track).number;
+                match self.best[first..].iter_mut().find(|(other, ..)| *other == number) {
+                    Some((_, best, _)) if of(track).is_preferred_to(of(*best)) => *best = track,
+                    Some(_) => (),
+                    None => self.best.push((number, track, place)),
+                }
+            }
+        }
+        self.best.sort_unstable();
         self.reports.clear();
-        for (number, cluster) in (0..).zip(&population.clusters) {
-            let tracks = &population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
-            let confirmed = tracks.iter().filter(|track| track.is_confirmed());
-            let expectation = self.described.of(number);
-            let first = self.reports.len();
-            let report = |track| TrackReport {
+        for (nth, &(_, track, place)) in self.best.iter().enumerate() {
+            let cluster = &population.clusters[place as usize];
+            let expectation = self.described.of(place);
+            let report = |track: &Track| TrackReport {
                 origin_m: expectation.origin_m,
                 ..report_of(track, cluster, population.time_ns, settings)
             };
-            self.reports.extend(confirmed.map(report));
-            if let Some(group) = group_of(population, cluster, &expectation, wide_area)
-                && let Some(joined) = joined(&self.reports[first..], group, population.time_ns, &settings.motion)
-            {
-                self.reports.truncate(first);
-                self.reports.push(joined);
+            let Some(group) = group_of(population, cluster, &expectation, wide_area) else {
+                self.reports.push(report(of(track)));
+                continue;
+            };
+            // The group has the smallest number.
+            if self.best[..nth].iter().all(|(.., other)| *other != place) {
+                let confirmed = cluster.tracks.clone().map(of).filter(|track| track.is_confirmed());
+                let joined = joined(confirmed.map(report), group, population.time_ns, &settings.motion);
+                self.reports.extend(joined);
             }
         }
-        self.reports.sort_unstable_by(|one, other| {
-            let reliability = other.reliability.total_cmp(&one.reliability);
-            let place = one.estimate.mean[0].total_cmp(&other.estimate.mean[0]);
-            one.number.cmp(&other.number).then(reliability).then(place)
-        });
-        self.reports.dedup_by_key(|report| report.number);
     }
 }
 
@@ -519,11 +558,14 @@ fn group_of(
 }
 
 /// One track for several, branches included: their mean by reliability. `None` of none.
-fn joined(tracks: &[TrackReport], group: Group, time_ns: i64, motion: &MotionSettings) -> Option<TrackReport> {
+fn joined(
+    tracks: impl Iterator<Item = TrackReport>,
+    group: Group,
+    time_ns: i64,
+    motion: &MotionSettings,
+) -> Option<TrackReport> {
     let mut sum = 0.0;
-    let moved = tracks
-        .iter()
-        .map(|track| track.moved_to(time_ns, motion.process_noise_m2ps3));
+    let moved = tracks.map(|track| track.moved_to(time_ns, motion.process_noise_m2ps3));
     let joined = moved.reduce(|all, track| {
         sum = if sum == 0.0 { all.reliability } else { sum } + track.reliability;
         let of_one = all.detections >= track.detections;

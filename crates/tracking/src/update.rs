@@ -17,13 +17,14 @@ use std::ops::Range;
 use messages::NS_PER_S;
 
 use crate::counts::Counts;
+use crate::directions::{Claims, Directions};
 use crate::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, TrackRecord};
-use crate::gating::{Gating, NONE, PAIRS_MAX, Plot, Sensor};
-use crate::initiation::first_state;
+use crate::gating::{Gating, NONE, PAIRS_MAX, Plot};
 use crate::motion::Motion;
 use crate::parents::Parents;
 use crate::population::{Cluster, Population};
 use crate::ranked::{COLUMNS_MAX, Choice, OWN, PROBLEMS_MAX, ROWS_MAX, Ranked, Solution};
+use crate::sensor::Sensor;
 use crate::settings::{Deletion, Settings};
 use crate::splitting::{DetectionCounts, Limits, company, mean_motion};
 use crate::stage::Stage;
@@ -232,7 +233,7 @@ impl Update {
         self.correct_children(correction);
         counts.wide_area_corrections += u64::from(self.parents.corrected);
         dropped += self.stage.reduce(reduction, counts);
-        counts.dropped_probability_max = counts.dropped_probability_max.max(dropped.min(1.0));
+        counts.drop_probability(dropped);
         let confirmation = &scan.settings.confirmation;
         self.stage.confirm(confirmation, &mut next.next_number, counts);
         if let Some(early) = group.early_confirmation(confirmed) {
@@ -298,6 +299,41 @@ impl Update {
             observer.explain(&Explanation::Hypothesis { reliability });
             tracks.for_each(|track| observer.explain(&Explanation::Member(record(track))));
         }
+    }
+
+    /// Lets the tracks of a cluster take the directions in their gates ([`crate::directions`]); its hypotheses stay, but for
+    /// the tracks that have been silent for too long.
+    pub(crate) fn take_in(
+        &mut self,
+        scan: &Scan<'_>,
+        cluster: &Cluster,
+        claims: &[Claims],
+        next: &mut Population,
+        counts: &mut Counts,
+    ) {
+        let directions = Directions::of(scan);
+        self.stage.clear();
+        for number in cluster.tracks.clone() {
+            let mut track = scan.before.tracks[number as usize];
+            directions.take_in(&mut track, claims);
+            self.missed[number as usize] = if is_gone(&track, scan, &scan.settings.deletion) {
+                explain_end(scan, &track, &scan.settings.deletion);
+                REMOVED
+            } else {
+                self.stage.add_track(track).unwrap_or(UNMADE)
+            };
+        }
+        for hypothesis in &scan.before.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize] {
+            for member in scan.before.members_of(hypothesis) {
+                self.add_member(self.missed[*member as usize], counts);
+            }
+            self.stage.finish_child(hypothesis.log_reliability);
+        }
+        let detections = DetectionCounts {
+            detections: cluster.detections,
+            scans: cluster.scans,
+        };
+        self.stage.separate(next, &scan.settings.reduction, &detections, counts);
     }
 
     fn prepare(&mut self, group: &mut Group<'_>, detections: &DetectionCounts, counts: &mut Counts) {
@@ -398,7 +434,8 @@ impl Update {
         counts: &mut Counts,
     ) -> Option<()> {
         let (scan, sensor) = (group.scan, group.scan.sensor);
-        let misses = self.parents.members(parent).len() as f64 * sensor.log_miss;
+        let members = self.parents.members(parent).iter();
+        let misses: f64 = members.map(|track| scan.gating.log_misses[*track as usize]).sum();
         let base = -self.parents.list[parent].log_reliability - misses;
         self.ranked.begin_problem(base).then_some(())?;
         self.posed.push(Posed {
@@ -429,8 +466,9 @@ impl Update {
                 if start == Start::Must || !is_usable {
                     continue;
                 }
-                let log_likelihood = scan.gating.pairs[pair as usize].log_likelihood;
-                let gain = sensor.log_detection + log_likelihood - log_clutter - sensor.log_miss;
+                let found = scan.gating.pairs[pair as usize];
+                let log_miss = scan.gating.log_misses[found.track as usize];
+                let gain = sensor.log_detection + found.log_likelihood - log_clutter - log_miss;
                 add(column as u16, pair, -gain - log_weight);
             }
         }
@@ -620,25 +658,22 @@ impl Update {
         if self.missed[number as usize] == UNMADE {
             let scan = group.scan;
             let mut track = scan.before.tracks[number as usize];
+            let log_miss = scan.gating.log_misses[number as usize];
             track.missed += 1;
-            track.log_likelihood_ratio += scan.sensor.log_miss;
-            track.remember(NO_DETECTION);
-            let silent_ns = scan.time_ns.saturating_sub(track.time_ns);
-            let ended_by =
-                |deletion: &Deletion| track.missed >= deletion.missed_scans || silent_ns >= deletion.silent_ns;
-            let early = group.early_deletion().is_some_and(|early| ended_by(&early.deletion));
-            let in_time = ended_by(&scan.settings.deletion);
-            counts.wide_area_deletions += u64::from(early && !in_time);
-            let gone = early || in_time;
+            track.log_silence += log_miss;
+            track.log_likelihood_ratio += log_miss;
+            // A quick sensor that finds nothing here must not push out of the memory what a slow one has left open.
+            if !group.plots.is_empty() || scan.sensor.worth >= 1.0 {
+                track.remember(NO_DETECTION);
+            }
+            let in_time = is_gone(&track, scan, &scan.settings.deletion);
+            let early = group.early_deletion().map(|early| early.deletion).filter(|_| !in_time);
+            let early = early.filter(|deletion| is_gone(&track, scan, deletion));
+            counts.wide_area_deletions += u64::from(early.is_some());
+            let gone = in_time || early.is_some();
             let apart = self.lacks_company(group, &track);
-            let early_deletion = group.early_deletion().filter(|_| early && !in_time);
-            let deletion = early_deletion.map_or(scan.settings.deletion, |early| early.deletion);
-            if track.missed >= deletion.missed_scans {
-                let limit = f64::from(deletion.missed_scans);
-                scan.explain(TrackEvent::MissedTooOften, &track, f64::from(track.missed), limit);
-            } else if gone {
-                let [silent_s, limit_s] = [silent_ns, deletion.silent_ns].map(|time_ns| time_ns as f64 / NS_PER_S);
-                scan.explain(TrackEvent::SilentTooLong, &track, silent_s, limit_s);
+            if gone {
+                explain_end(scan, &track, &early.unwrap_or(scan.settings.deletion));
             } else if apart {
                 explain_company(scan, &track);
             }
@@ -660,9 +695,9 @@ impl Update {
             let mut track = scan.before.tracks[number as usize];
             track.motion = track.motion_at(plot.time_ns, &scan.settings.motion);
             // It was compared before, so it can be done.
-            let _ = track.motion.update(&plot.measurement);
-            track.time_ns = plot.time_ns;
-            track.missed = 0;
+            let _ = track.motion.update(&plot.measurement.worth(scan.sensor.worth));
+            (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
+            (track.missed, track.log_silence) = (0, 0.0);
             track.detections += 1;
             track.in_company += u32::from(self.in_confirmed_gate[self.row_of[found.plot as usize] as usize]);
             track.log_likelihood_ratio +=
@@ -760,10 +795,32 @@ fn next_of_as_many_bits(bits: u64) -> u64 {
     carried | (((bits ^ carried) >> 2) / lowest)
 }
 
+fn explain_end(scan: &Scan<'_>, track: &Track, deletion: &Deletion) {
+    if has_missed_too_much(track, deletion) {
+        let limit = deletion.missed_probability;
+        scan.explain(TrackEvent::MissedTooOften, track, track.log_silence.exp(), limit);
+    } else {
+        let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
+        let [silent_s, limit_s] = [silent_ns, deletion.silent_ns].map(|time_ns| time_ns as f64 / NS_PER_S);
+        scan.explain(TrackEvent::SilentTooLong, track, silent_s, limit_s);
+    }
+}
+
 fn explain_company(scan: &Scan<'_>, track: &Track) {
     let limit = scan.settings.splitting.company_min.unwrap_or(f64::NAN);
     let share = company(track.in_company, track.detections);
     scan.explain(TrackEvent::OutOfCompany, track, share, limit);
+}
+
+/// Whether so long a silence is too unlikely for a target that is still there.
+fn has_missed_too_much(track: &Track, deletion: &Deletion) -> bool {
+    track.log_silence <= deletion.missed_probability.ln()
+}
+
+/// Whether a track has been silent for too long (HT-10).
+fn is_gone(track: &Track, scan: &Scan<'_>, deletion: &Deletion) -> bool {
+    let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
+    has_missed_too_much(track, deletion) || silent_ns >= deletion.silent_ns
 }
 
 /// A new track, with an inherited motion or with what a first detection tells. `None` of a direction alone.
@@ -771,16 +828,17 @@ pub(crate) fn begin(scan: &Scan<'_>, plot: u32, inherited: Option<Motion>, root:
     let found = &scan.plots[plot as usize];
     let settings = scan.settings;
     let updated = inherited.and_then(|mut motion| motion.update(&found.measurement).map(|_| motion));
-    let first = || first_state(&found.measurement, &settings.first_guess);
-    let motion = updated.or_else(|| Some(Motion::begun(first()?, &settings.motion)))?;
+    let motion = updated.or_else(|| Motion::first(&found.measurement, &settings.first_guess, &settings.motion))?;
     let mut track = Track {
         motion,
         time_ns: found.time_ns,
+        seen_ns: found.time_ns,
         root,
         number: TENTATIVE,
         detections: 1,
         in_company: 0,
         missed: 0,
+        log_silence: 0.0,
         log_likelihood_ratio: scan.settings.new_target_share.ln(),
         reliability: 0.0,
         history: [NO_DETECTION; HISTORY_MAX],

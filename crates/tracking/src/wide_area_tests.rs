@@ -177,7 +177,7 @@ fn new_tracks_are_confirmed_earlier_where_more_targets_were_reported() {
 fn early_deletion() -> EarlyDeletion {
     EarlyDeletion {
         deletion: Deletion {
-            missed_scans: 2,
+            missed_probability: 0.02,
             silent_ns: 30 * S,
         },
         coverage: None,

@@ -2,12 +2,12 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use formats::detection::{Detection, DetectionKind};
-use tracking::settings::{Capacity, Clutter, Limit, SensorSettings};
+use tracking::settings::{Capacity, Limit, SensorSettings};
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::distribution::Sharing;
 use tracking::wide_area::group::Groups;
 use tracking::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
-use tracking::{Settings, Tracker};
+use tracking::{FieldOfView, Settings, Tracker};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -62,9 +62,13 @@ fn scans_allocate_nothing() {
     let mut settings = Settings {
         sensors: vec![SensorSettings {
             sensor_id: 1,
-            detection_probability: 0.9,
-            clutter: Clutter::Learned,
-            sigmas: None,
+            resolution_m: Some(2.0),
+            field_of_view: Some(FieldOfView {
+                range_m: [0.0, 2500.0],
+                sector_rad: Some([0.0, 1.5]),
+                position_m: None,
+            }),
+            ..SensorSettings::default()
         }],
         capacity: Capacity {
             tracks: 120,

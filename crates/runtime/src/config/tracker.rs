@@ -87,6 +87,17 @@ struct RawTrackedSensor {
     clutter_density: Option<f64>,
     sigmas: Option<Vec<f64>>,
     range_rate_sigma_mps: Option<f64>,
+    resolution_m: Option<f64>,
+    field_of_view: Option<RawFieldOfView>,
+}
+
+/// Where a sensor sees.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFieldOfView {
+    range_m: [f64; 2],
+    sector_deg: Option<[f64; 2]>,
+    position_m: Option<[f64; 2]>,
 }
 
 fn detection_probability() -> f64 {
@@ -114,6 +125,14 @@ struct RawManoeuvres {
     enabled: bool,
     process_noise_m2ps3: [f64; 2],
     durations_s: [f64; 2],
+    turn: Option<RawTurn>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawTurn {
+    rate_sigma_radps: f64,
+    rate_noise_rad2ps3: f64,
 }
 
 #[derive(Debug, Deserialize)]
@@ -121,6 +140,7 @@ struct RawManoeuvres {
 pub(crate) struct RawInitiation {
     new_target_share: f64,
     speed_sigma_mps: f64,
+    slow_sigma_mps: RawAmount,
     climb_sigma_mps: f64,
     height_sigma_m: f64,
 }
@@ -138,8 +158,9 @@ pub(crate) struct RawConfirmation {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawDeletion {
-    missed_scans: u32,
+    missed_probability: f64,
     silent_s: f64,
+    coherence_s: f64,
 }
 
 /// HT-9.
@@ -260,6 +281,7 @@ impl Default for RawManoeuvres {
             enabled: usual.is_some(),
             process_noise_m2ps3: usual.map_or([100.0, 10.0], |usual| usual.process_noise_m2ps3),
             durations_s: usual.map_or([60.0, 10.0], |usual| usual.durations_s),
+            turn: None,
         }
     }
 }
@@ -270,6 +292,7 @@ impl Default for RawInitiation {
         Self {
             new_target_share: usual.new_target_share,
             speed_sigma_mps: usual.first_guess.speed_sigma_mps,
+            slow_sigma_mps: RawAmount::of(usual.first_guess.slow_sigma_mps),
             climb_sigma_mps: usual.first_guess.climb_sigma_mps,
             height_sigma_m: usual.first_guess.height_sigma_m,
         }
@@ -289,10 +312,11 @@ impl Default for RawConfirmation {
 
 impl Default for RawDeletion {
     fn default() -> Self {
-        let usual = tracker::Settings::default().deletion;
+        let usual = tracker::Settings::default();
         Self {
-            missed_scans: usual.missed_scans,
-            silent_s: frames::time::seconds(usual.silent_ns),
+            missed_probability: usual.deletion.missed_probability,
+            silent_s: frames::time::seconds(usual.deletion.silent_ns),
+            coherence_s: usual.coherence_s,
         }
     }
 }
@@ -332,6 +356,8 @@ pub(crate) struct RawSourceTracker {
     #[serde(default = "detection_probability")]
     detection_probability: f64,
     clutter_density: Option<f64>,
+    resolution_m: Option<f64>,
+    field_of_view: Option<RawFieldOfView>,
     #[serde(default)]
     gate: RawGate,
     #[serde(default)]
@@ -385,9 +411,11 @@ impl RawSourceTracker {
         let mut settings = chosen.settings(&prefix)?;
         let sensor_id = formats::tracks_csv::sensor_id(number);
         let (probability, density) = (self.detection_probability, self.clutter_density);
-        settings
-            .sensors
-            .push(sensor(key, sensor_id, probability, density, None)?);
+        settings.sensors.push(tracker::SensorSettings {
+            field_of_view: field_of_view(&key("field_of_view"), self.field_of_view)?,
+            resolution_m: resolution_m(&key("resolution_m"), self.resolution_m)?,
+            ..sensor(key, sensor_id, probability, density, None)?
+        });
         if let Some(fault) = settings.fault() {
             return Err(problem(prefix.trim_end_matches('.'), fault));
         }
@@ -435,6 +463,7 @@ impl Chosen<'_> {
         Ok(tracker::Settings {
             sensors: Vec::new(),
             gate_probability: within(&key("gate.probability"), self.gate.probability, 0.5, 0.999_999)?,
+            coherence_s: within(&key("deletion.coherence_s"), self.deletion.coherence_s, 1e-3, 1e4)?,
             motion: self.motion(&key("motion"))?,
             new_target_share: share("initiation.new_target_share", self.initiation.new_target_share)?,
             first_guess: tracking::FirstGuess {
@@ -444,6 +473,10 @@ impl Chosen<'_> {
                     1e-3,
                     1e4,
                 )?,
+                slow_sigma_mps: match self.initiation.slow_sigma_mps.value() {
+                    Some(value) => Some(within(&key("initiation.slow_sigma_mps"), value, 1e-3, 1e4)?),
+                    None => None,
+                },
                 climb_sigma_mps: within(
                     &key("initiation.climb_sigma_mps"),
                     self.initiation.climb_sigma_mps,
@@ -460,12 +493,12 @@ impl Chosen<'_> {
             reduction: self.reduction(&key("reduction"))?,
             confirmation: self.confirmation(&key("confirmation"))?,
             deletion: tracker::Deletion {
-                missed_scans: count(
-                    &key("deletion.missed_scans"),
-                    self.deletion.missed_scans as usize,
-                    1,
-                    10_000,
-                )? as u32,
+                missed_probability: within(
+                    &key("deletion.missed_probability"),
+                    self.deletion.missed_probability,
+                    1e-300,
+                    0.99,
+                )?,
                 silent_ns: nanoseconds(within(
                     &key("deletion.silent_s"),
                     self.deletion.silent_s,
@@ -513,6 +546,23 @@ impl Chosen<'_> {
                 1e6,
             )?,
             durations_s: pair("manoeuvres.durations_s", manoeuvres.durations_s, 1e-3, 1e6)?,
+            turn: match manoeuvres.turn {
+                Some(turn) => Some(tracker::Turn {
+                    rate_sigma_radps: within(
+                        &format!("{key}.manoeuvres.turn.rate_sigma_radps"),
+                        turn.rate_sigma_radps,
+                        1e-6,
+                        10.0,
+                    )?,
+                    rate_noise_rad2ps3: within(
+                        &format!("{key}.manoeuvres.turn.rate_noise_rad2ps3"),
+                        turn.rate_noise_rad2ps3,
+                        1e-15,
+                        10.0,
+                    )?,
+                }),
+                None => None,
+            },
         };
         Ok(tracker::MotionSettings {
             process_noise_m2ps3: pair("process_noise_m2ps3", motion.process_noise_m2ps3, 1e-9, 1e6)?,
@@ -585,7 +635,40 @@ pub(crate) fn sensor(
             None => tracker::Clutter::Learned,
         },
         sigmas,
+        ..tracker::SensorSettings::default()
     })
+}
+
+fn resolution_m(key: &str, metres: Option<f64>) -> Checked<Option<f64>> {
+    metres.map(|metres| within(key, metres, 1e-3, 1e5)).transpose()
+}
+
+fn field_of_view(key: &str, raw: Option<RawFieldOfView>) -> Checked<Option<tracking::FieldOfView>> {
+    let Some(raw) = raw else { return Ok(None) };
+    let [near, far] = raw.range_m;
+    if !(near >= 0.0 && far > near) {
+        let what = format!("[{near}, {far}]: write the nearest and the farthest range, from 0 on");
+        return Err(problem(format!("{key}.range_m"), what));
+    }
+    let pair = |part: &str, pair: [f64; 2], limit: f64| -> Checked<[f64; 2]> {
+        let key = format!("{key}.{part}");
+        Ok([
+            within(&key, pair[0], -limit, limit)?,
+            within(&key, pair[1], -limit, limit)?,
+        ])
+    };
+    let sector = raw
+        .sector_deg
+        .map(|sector| pair("sector_deg", sector, 360.0))
+        .transpose()?;
+    Ok(Some(tracking::FieldOfView {
+        range_m: raw.range_m,
+        sector_rad: sector.map(|sector| sector.map(f64::to_radians)),
+        position_m: raw
+            .position_m
+            .map(|position| pair("position_m", position, 1e7))
+            .transpose()?,
+    }))
 }
 
 impl Tracking {
@@ -649,13 +732,12 @@ impl Tracking {
                 );
                 return Err(problem(key("id"), what));
             }
-            settings.sensors.push(sensor(
-                key,
-                given.id,
-                given.detection_probability,
-                given.clutter_density,
-                given.sigmas(&key)?,
-            )?);
+            let (probability, density) = (given.detection_probability, given.clutter_density);
+            settings.sensors.push(tracker::SensorSettings {
+                field_of_view: field_of_view(&key("field_of_view"), given.field_of_view)?,
+                resolution_m: resolution_m(&key("resolution_m"), given.resolution_m)?,
+                ..sensor(key, given.id, probability, density, given.sigmas(&key)?)?
+            });
         }
         for sensor_id in seen.sensor_ids.difference(&known) {
             settings.sensors.push(sensor(
@@ -742,10 +824,10 @@ mod tests {
     fn every_key_is_heard() {
         let found = settings(
             "[[sensor]]\nid = 7\ndetection_probability = 0.8\nclutter_density = 1e-8\nsigmas = [5, 0.01]\n\
-             range_rate_sigma_mps = 2\n[gate]\nprobability = 0.95\n[motion]\nprocess_noise_m2ps3 = [2.0, 3.0]\n\
-             [motion.manoeuvres]\nenabled = false\n[initiation]\nnew_target_share = 0.1\nspeed_sigma_mps = 9\n\
+             range_rate_sigma_mps = 2\nresolution_m = 5\nfield_of_view = { range_m = [1, 90], sector_deg = [-30, 30] }\n[gate]\nprobability = 0.95\n[motion]\nprocess_noise_m2ps3 = [2.0, 3.0]\n\
+             [motion.manoeuvres]\nenabled = false\n[initiation]\nnew_target_share = 0.1\nspeed_sigma_mps = 9\nslow_sigma_mps = \"off\"\n\
              climb_sigma_mps = 8\nheight_sigma_m = 7\n[confirmation]\nreliability_min = 1\ndetections_min = 4\n\
-             log_likelihood_ratio_min = 5\n[deletion]\nmissed_scans = 6\nsilent_s = 1.5\n[reduction]\nmerge_scans = 3\n\
+             log_likelihood_ratio_min = 5\n[deletion]\nmissed_probability = 1e-6\nsilent_s = 1.5\ncoherence_s = 2\n[reduction]\nmerge_scans = 3\n\
              reliability_min = 0.01\nhypotheses_max = 12\n[splitting]\nstart_in_confirmed_gates = true\n\
              new_target_share = \"off\"\nparents_motion = \"off\"\nnew_tracks_max = \"computed\"\ntentative_tracks = 3\n\
              company_min = 0.5\n[capacity]\ntracks = 100\ndetections = 50\nopen_scans = 4\n",
@@ -757,14 +839,24 @@ mod tests {
         let sigmas = sensor.sigmas.unwrap();
         assert_eq!((sigmas[0], sigmas[1], sigmas[3]), (5.0, 0.01, 2.0));
         assert!(sigmas[2].is_nan());
-        assert_eq!(found.gate_probability, 0.95);
+        let view = sensor.field_of_view.unwrap();
+        assert_eq!(
+            (sensor.resolution_m, view.range_m, view.position_m),
+            (Some(5.0), [1.0, 90.0], None)
+        );
+        assert_eq!(view.sector_rad, Some([-30_f64, 30.0].map(f64::to_radians)));
+        assert_eq!((found.gate_probability, found.first_guess.slow_sigma_mps), (0.95, None));
         assert_eq!(found.motion.process_noise_m2ps3, [2.0, 3.0]);
         assert_eq!(found.motion.manoeuvres, None);
         assert_eq!((found.new_target_share, found.first_guess.height_sigma_m), (0.1, 7.0));
         assert_eq!(found.confirmation.log_likelihood_ratio_min, Some(5.0));
         assert_eq!(
-            (found.deletion.missed_scans, found.deletion.silent_ns),
-            (6, 1_500_000_000)
+            (
+                found.deletion.missed_probability,
+                found.deletion.silent_ns,
+                found.coherence_s
+            ),
+            (1e-6, 1_500_000_000, 2.0)
         );
         assert_eq!((found.reduction.merge_scans, found.reduction.hypotheses_max), (3, 12));
         let splitting = &found.splitting;
@@ -792,6 +884,11 @@ mod tests {
                 "[[sensor]]\nid = 1\ndetection_probability = 1",
                 3,
                 "between 0.01 and 0.9999",
+            ),
+            (
+                "[[sensor]]\nid = 1\nfield_of_view = { range_m = [9, 3] }",
+                3,
+                "the nearest and the farthest range",
             ),
             ("[splitting]\nnew_tracks_max = \"many\"", 2, "\"computed\" or \"off\""),
             ("[splitting]\nparents_motion = -1", 2, "a whole number, or \"off\""),

@@ -133,13 +133,13 @@ impl WideArea {
             (
                 self.deletion.is_none_or(|early| {
                     let Deletion {
-                        missed_scans,
+                        missed_probability,
                         silent_ns,
                     } = early.deletion;
                     let circle = early.coverage.is_none_or(|circle| {
                         positive(circle.radius_m) && circle.centre_m.iter().all(|value| value.is_finite())
                     });
-                    missed_scans > 0 && silent_ns > 0 && circle
+                    missed_probability > 0.0 && missed_probability < 1.0 && silent_ns > 0 && circle
                 }),
                 "early deletion must allow tracks to miss something, and a circle of coverage needs a positive radius",
             ),

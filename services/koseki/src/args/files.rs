@@ -182,18 +182,21 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
            clutter_density = 2e-8        # false detections per scan and m² (of directions alone: per rad) [learned]
            sigmas = [50.0, 0.002]        # of detections that state none, in the order of their quantities
            range_rate_sigma_mps = 1.0
+           field_of_view = { range_m = [0, 400], sector_deg = [-30, 30], position_m = [0, 0] }    # the last two may be left out
+           resolution_m = 5.0            # detections nearer to each other are of one target
            [gate]
            probability = 0.99            # that a target's detection lies in its gate
            [motion]
            process_noise_m2ps3 = [5.0, 1.0]                                     # horizontal, vertical
-           manoeuvres = { process_noise_m2ps3 = [100.0, 10.0], durations_s = [60.0, 10.0] }    # or { enabled = false }
+           manoeuvres = { process_noise_m2ps3 = [100.0, 10.0], durations_s = [60.0, 10.0] }    # or { enabled = false };
+                                         # turn = { rate_sigma_radps = 0.05, rate_noise_rad2ps3 = 1e-5 } besides
            [initiation]
            new_target_share = 0.02       # new targets per false detection
-           speed_sigma_mps = 100.0       # of targets; climb_sigma_mps = 10.0, height_sigma_m = 5000.0
+           speed_sigma_mps = 100.0       # of targets; slow_sigma_mps = 10.0, climb_sigma_mps = 10.0, height_sigma_m = 5000.0
            [confirmation]
            reliability_min = 0.99        # detections_min = 2, log_likelihood_ratio_min (not tested)
            [deletion]
-           missed_scans = 5              # silent_s = 60.0
+           missed_probability = 2e-5     # silent_s = 60.0, coherence_s = 1.0
            [reduction]
            hypotheses_max = 30           # merge_scans = 2, reliability_min = 0.001
            [splitting]

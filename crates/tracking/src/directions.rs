@@ -1,0 +1,195 @@
+//! Directions without ranges, from cameras and listeners: they improve tracks that positions have begun.
+//!
+//! A bearing is a ray, and a ray crosses the gates of many tracks. Treated as positions are, each image of a camera
+//! joins half of all clusters, gives every hypothesis a dozen children, and, ten times a second, pushes out of the memory
+//! of eight scans what the radar saw a second ago: a choice between two of its detections would be decided by force before
+//! the next turn. And the rule that a detection is of one target at most does not even hold: a boat behind another one
+//! gives no bearing of its own.
+//!
+//! So directions do not branch. Each track takes all directions in its gate, each by the probability that it is its own,
+//! as the mean of what it would be with each and with none (probabilistic data association). What a scan of directions
+//! says of a track's still being there,
+//!
+//! ```text
+//! evidence = 1 − P + Σ p·N(ν)/λ        (P: detected and in the gate, p: detected, λ: density of false ones)
+//! ```
+//!
+//! makes up for misses, or adds to them, for what the scan is worth ([`crate::sensor`]). It does not weigh hypotheses: of two
+//! explanations that lie on one ray, both would be made certain by every image. So directions say where a target is and
+//! whether it still is, not whether it is one: none begins or becomes likelier, clusters, histories and numbers of
+//! detections stay as they are.
+//!
+//! Two tracks with one direction between them share it: what a confirmed track may have given is to any other one as good as
+//! false, and its likelihood adds to λ, over the probability that it was not seen (the joint probabilities of two tracks
+//! and one direction, exactly). Of several others the likeliest counts.
+//!
+//! Limits: the tangent of a direction is good where the direction is known; a track that is not known better than
+//! [`KNOWN_RAD`] takes none.
+//!
+//! Source: Y. Bar-Shalom, F. Daum, J. Huang, *The probabilistic data association filter*, IEEE Control Systems Magazine 29
+//! (2009).
+
+use association::distance;
+use messages::NS_PER_S;
+
+use crate::gating::{COMPARISONS_MAX, Plot};
+use crate::motion::Motion;
+use crate::sensor::Sensor;
+use crate::track::{TENTATIVE, Track};
+use crate::update::Scan;
+
+/// Largest standard deviation of a track's direction, seen from the sensor, radians.
+const KNOWN_RAD: f64 = 0.2;
+/// From this probability on that a direction was its own, a track counts as seen.
+const SEEN_MIN: f64 = 0.5;
+
+/// A scan of directions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Directions<'a> {
+    pub(crate) time_ns: i64,
+    pub(crate) plots: &'a [Plot],
+    /// By direction: logarithm of the density of false ones.
+    pub(crate) log_clutter: &'a [f64],
+    pub(crate) sensor: &'a Sensor,
+}
+
+/// Which confirmed tracks have most to do with a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Claims {
+    /// Number and likelihood, relative to false, of the likeliest one and of the next one.
+    two: [(u32, f64); 2],
+}
+
+impl Claims {
+    pub(crate) const NONE: Self = Self {
+        two: [(TENTATIVE, 0.0); 2],
+    };
+
+    /// Whether the direction lies in a confirmed track's gate.
+    pub(crate) fn are_made(&self) -> bool {
+        self.two[0].0 != TENTATIVE
+    }
+
+    fn add(&mut self, number: u32, likelihood: f64) {
+        let [first, second] = self.two;
+        self.two = if number == first.0 {
+            [(number, first.1.max(likelihood)), second]
+        } else if likelihood > first.1 {
+            [(number, likelihood), first]
+        } else if likelihood > second.1 {
+            [first, (number, likelihood)]
+        } else {
+            return;
+        };
+    }
+
+    /// The largest one of other tracks.
+    fn of_others(&self, number: u32) -> f64 {
+        let [first, second] = self.two;
+        if first.0 == number { second.1 } else { first.1 }
+    }
+}
+
+/// A direction in a track's gate.
+struct Candidate {
+    place: usize,
+    at_its_time: Motion,
+    /// Relative to a false one.
+    likelihood: f64,
+}
+
+impl<'a> Directions<'a> {
+    pub(crate) fn of(scan: &Scan<'a>) -> Self {
+        Self {
+            time_ns: scan.time_ns,
+            plots: scan.plots,
+            log_clutter: scan.log_clutter,
+            sensor: scan.sensor,
+        }
+    }
+
+    /// Adds the claims of a confirmed track.
+    pub(crate) fn claim(&self, track: &Track, claims: &mut [Claims]) {
+        let Some((_, seen)) = self.predicted(track) else { return };
+        let miss = self.sensor.miss(seen);
+        for candidate in self.candidates(track, seen) {
+            claims[candidate.place].add(track.number, candidate.likelihood / miss);
+        }
+    }
+
+    /// Lets a track take the directions in its gate. One that has been seen only once takes none: where it goes is not known
+    /// yet.
+    pub(crate) fn take_in(&self, track: &mut Track, claims: &[Claims]) {
+        let Some((predicted, seen)) = self.predicted(track) else {
+            return;
+        };
+        let sensor = self.sensor;
+        let mut sum = sensor.miss(seen);
+        let of_none = sum;
+        let mut mean = predicted;
+        for candidate in self.candidates(track, seen) {
+            let plot = &self.plots[candidate.place];
+            let mut updated = candidate.at_its_time;
+            if updated.update(&plot.measurement.worth(sensor.worth)).is_none() {
+                continue;
+            }
+            if plot.time_ns != self.time_ns {
+                let later_s = self.time_ns.saturating_sub(plot.time_ns) as f64 / NS_PER_S;
+                updated = updated.moved(later_s, &sensor.motion);
+            }
+            let likelihood = candidate.likelihood / (1.0 + claims[candidate.place].of_others(track.number));
+            sum += likelihood;
+            mean = Motion::mixture(&mean, &updated, likelihood / sum);
+        }
+        let evidence = sensor.worth * sum.ln();
+        if !evidence.is_finite() {
+            return;
+        }
+        track.motion = mean;
+        track.time_ns = self.time_ns;
+        // What speaks for the track makes up for misses, and no more.
+        track.log_silence = (track.log_silence + evidence).min(0.0);
+        if sum - of_none > SEEN_MIN * sum {
+            track.missed = 0;
+            track.seen_ns = self.time_ns;
+        } else if seen > SEEN_MIN {
+            track.missed += 1;
+        }
+    }
+
+    /// A track at the time of the scan, and the probability that it is in the field of view; `None` if directions can
+    /// teach nothing about it.
+    fn predicted(&self, track: &Track) -> Option<(Motion, f64)> {
+        if track.detections < 2 {
+            return None;
+        }
+        let predicted = track.motion_at(self.time_ns, &self.sensor.motion);
+        let seen = self.sensor.sees(predicted.widest());
+        self.are_good_for(&predicted).then_some((predicted, seen))
+    }
+
+    fn candidates(&self, track: &Track, seen: f64) -> impl Iterator<Item = Candidate> {
+        let sensor = self.sensor;
+        let compared = self.plots.iter().zip(self.log_clutter).take(COMPARISONS_MAX);
+        compared.enumerate().filter_map(move |(place, (plot, log_clutter))| {
+            let at_its_time = track.motion_at(plot.time_ns, &sensor.motion);
+            let innovation = at_its_time.innovation(&plot.measurement)?;
+            let inside = innovation.squared_distance <= sensor.gates[innovation.dimension - 1];
+            let gain = sensor.log_detection + innovation.log_likelihood - log_clutter;
+            inside.then(|| Candidate {
+                place,
+                at_its_time,
+                likelihood: seen * gain.exp(),
+            })
+        })
+    }
+
+    fn are_good_for(&self, predicted: &Motion) -> bool {
+        let Some(first) = self.plots.first() else { return true };
+        let state = predicted.widest();
+        let [xx, xy, _, yy, ..] = state.position_covariance();
+        let line = [0, 1].map(|axis| state.mean[axis] - first.measurement.platform_m[axis]);
+        // Written so that NaN says no.
+        distance::largest_sigma2([xx, xy, yy]) <= KNOWN_RAD * line[0].hypot(line[1])
+    }
+}

@@ -1,0 +1,235 @@
+//! Where a sensor sees, and whether a target is there.
+//!
+//! A tracker that knows nothing of it takes every scan for a miss of every track, and a sensor that reaches 100 m deletes
+//! what a sensor reaching 300 m has found. An operator knows the reach and the sector of a sensor; outside of them its
+//! silence means nothing. Where a target is, is known as well as its track; so a miss counts with the probability that the
+//! target is inside: the track's position is a Gaussian, and inside is what of it lies between two ranges and two bearings
+//! (range and bearing are taken as independent, with the variances along and across the line of sight).
+//!
+//! A detection needs no such question: the target that gave it was inside.
+//!
+//! Limits: a sector is given in bearings from north, so one that turns with its vehicle must be given as the whole round;
+//! what hides behind what is not known.
+
+use std::f64::consts::{PI, SQRT_2, TAU};
+
+use estimation::PackedGaussian;
+
+/// A ring, or a sector of one, around the sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FieldOfView {
+    /// Nearest and farthest horizontal distance from the sensor, metres.
+    pub range_m: [f64; 2],
+    /// From the first bearing clockwise to the second, radians clockwise from north (`None`: all round).
+    pub sector_rad: Option<[f64; 2]>,
+    /// Where the sensor stands, east and north, metres (`None`: where its detections say that it is; while there has been
+    /// none, nothing is known to be inside).
+    pub position_m: Option<[f64; 2]>,
+}
+
+impl FieldOfView {
+    /// Whether it is one.
+    pub(crate) fn is_sound(&self) -> bool {
+        let [near, far] = self.range_m;
+        let finite = |values: [f64; 2]| values.iter().all(|value| value.is_finite());
+        // Written so that NaN is refused.
+        near >= 0.0 && far > near && !far.is_nan() && self.sector_rad.is_none_or(finite) && {
+            self.position_m.is_none_or(finite)
+        }
+    }
+
+    /// Width of the sector, radians.
+    pub(crate) fn width_rad(&self) -> f64 {
+        match self.sector_rad {
+            None => TAU,
+            Some([from, to]) => {
+                let width = (to - from).rem_euclid(TAU);
+                if width == 0.0 { TAU } else { width }
+            }
+        }
+    }
+
+    pub(crate) fn area_m2(&self) -> f64 {
+        let [near, far] = self.range_m;
+        0.5 * self.width_rad() * (far * far - near * near)
+    }
+
+    /// Probability that a target is inside, seen from `sensor_m` unless the sensor's place is fixed.
+    pub(crate) fn holds(&self, target: &PackedGaussian, sensor_m: Option<[f64; 2]>) -> f64 {
+        let Some([east, north]) = self.position_m.or(sensor_m) else {
+            return 0.0;
+        };
+        let (east, north) = (target.mean[0] - east, target.mean[1] - north);
+        let range = east.hypot(north);
+        let [xx, xy, _, yy, ..] = target.position_covariance();
+        let (sin, cos) = if range > 0.0 {
+            (east / range, north / range)
+        } else {
+            (0.0, 1.0)
+        };
+        let along = sin * sin * xx + 2.0 * sin * cos * xy + cos * cos * yy;
+        let across = cos * cos * xx - 2.0 * sin * cos * xy + sin * sin * yy;
+        let [near, far] = self.range_m;
+        let in_range = between(near - range, far - range, along.max(0.0).sqrt());
+        in_range * self.in_sector(east.atan2(north), across.max(0.0).sqrt() / range.max(1e-3))
+    }
+
+    fn in_sector(&self, bearing: f64, sigma: f64) -> f64 {
+        let Some([from, _]) = self.sector_rad else { return 1.0 };
+        let width = self.width_rad();
+        // Nobody knows the bearing of what may be on any side.
+        if sigma > 1.0 {
+            return width / TAU;
+        }
+        let from_middle = (bearing - from - 0.5 * width + PI).rem_euclid(TAU) - PI;
+        // The sector ends at one bearing and begins again a round later.
+        let once = |shift: f64| {
+            between(
+                -0.5 * width - from_middle + shift,
+                0.5 * width - from_middle + shift,
+                sigma,
+            )
+        };
+        (once(-TAU) + once(0.0) + once(TAU)).min(1.0)
+    }
+}
+
+/// Probability that a normal deviate of mean 0 lies between.
+fn between(from: f64, to: f64, sigma: f64) -> f64 {
+    let below = |value: f64| {
+        if sigma > 0.0 {
+            normal(value / sigma)
+        } else {
+            f64::from(u8::from(value >= 0.0))
+        }
+    };
+    (below(to) - below(from)).clamp(0.0, 1.0)
+}
+
+/// Probability that a standard normal deviate is below `value`, to 1e-7 (Abramowitz and Stegun, 7.1.26).
+fn normal(value: f64) -> f64 {
+    let x = value.abs() / SQRT_2;
+    let t = 1.0 / (1.0 + 0.327_591_1 * x);
+    let series = [
+        0.254_829_592,
+        -0.284_496_736,
+        1.421_413_741,
+        -1.453_152_027,
+        1.061_405_429,
+    ];
+    let sum = series.iter().rev().fold(0.0, |sum, factor| (sum + factor) * t);
+    let tail = 0.5 * sum * (-x * x).exp();
+    if value < 0.0 { tail } else { 1.0 - tail }
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::Covariance;
+
+    use super::*;
+
+    fn target(east: f64, north: f64, sigma_m: f64) -> PackedGaussian {
+        PackedGaussian {
+            mean: [east, north, 0.0, 0.0, 0.0, 0.0],
+            covariance: Covariance::diagonal([sigma_m; 3], [1.0; 3]),
+        }
+    }
+
+    const RING: FieldOfView = FieldOfView {
+        range_m: [10.0, 100.0],
+        sector_rad: None,
+        position_m: None,
+    };
+
+    #[test]
+    fn the_normal_distribution() {
+        for (value, expected) in [(0.0, 0.5), (1.0, 0.841_344_7), (-1.0, 0.158_655_3), (-3.0, 0.001_349_9)] {
+            assert!((normal(value) - expected).abs() < 2e-7, "{value}: {}", normal(value));
+        }
+    }
+
+    #[test]
+    fn a_ring_ends_as_softly_as_the_target_is_known() {
+        let at = Some([1000.0, -500.0]);
+        for (away, sigma, expected) in [
+            (50.0, 2.0, 1.0),
+            (100.0, 2.0, 0.5),
+            (102.0, 2.0, 0.158_655),
+            (120.0, 2.0, 0.0),
+            (10.0, 1.0, 0.5),
+            (2.0, 0.5, 0.0),
+            (120.0, 20.0, 0.158_655),
+            (100.0, 0.0, 1.0),
+            (100.1, 0.0, 0.0),
+        ] {
+            let found = RING.holds(&target(1000.0 + 0.6 * away, -500.0 + 0.8 * away, sigma), at);
+            assert!((found - expected).abs() < 1e-5, "{away} {sigma}: {found}");
+        }
+        assert_eq!(
+            RING.holds(&target(50.0, 0.0, 1.0), None),
+            0.0,
+            "nobody knows from where it looks"
+        );
+        let fixed = FieldOfView {
+            position_m: Some([0.0, 0.0]),
+            ..RING
+        };
+        assert!(fixed.holds(&target(50.0, 0.0, 1.0), at) > 0.99);
+    }
+
+    #[test]
+    fn a_sector_may_lie_across_the_south() {
+        let sector = |degrees: [f64; 2]| FieldOfView {
+            sector_rad: Some(degrees.map(f64::to_radians)),
+            ..RING
+        };
+        let seen = |view: FieldOfView, degrees: f64, sigma_m: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            view.holds(&target(50.0 * sin, 50.0 * cos, sigma_m), Some([0.0; 2]))
+        };
+        let south = sector([150.0, 210.0]);
+        for (bearing, expected) in [
+            (180.0, 1.0),
+            (-179.0, 1.0),
+            (150.0, 0.5),
+            (-150.0, 0.5),
+            (90.0, 0.0),
+            (0.0, 0.0),
+        ] {
+            assert!((seen(south, bearing, 1.0) - expected).abs() < 1e-4, "{bearing}");
+            assert!(
+                (seen(sector([150.0, -150.0]), bearing, 1.0) - expected).abs() < 1e-4,
+                "{bearing}"
+            );
+        }
+        // Nearly all round: what is uncertain on one side of the gap is seen on the other.
+        let gap = sector([1.0, 359.0]);
+        assert!((seen(gap, 0.0, 5.0) - 0.86).abs() < 0.01, "{}", seen(gap, 0.0, 5.0));
+        let close = south.holds(&target(0.0, 12.0, 15.0), Some([0.0; 2]));
+        assert!(
+            close < 0.17 && close > 0.05,
+            "a sixth of the round, if not too near: {close}"
+        );
+        assert_eq!(sector([0.0, 360.0]).width_rad(), TAU);
+        assert!((sector([150.0, -150.0]).area_m2() - PI * (1e4 - 1e2) / 6.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        assert!(RING.is_sound());
+        for range_m in [[-1.0, 5.0], [5.0, 5.0], [f64::NAN, 5.0], [0.0, f64::NAN]] {
+            assert!(!FieldOfView { range_m, ..RING }.is_sound(), "{range_m:?}");
+        }
+        let sector_rad = Some([0.0, f64::INFINITY]);
+        assert!(!FieldOfView { sector_rad, ..RING }.is_sound());
+        let position_m = Some([f64::NAN, 0.0]);
+        assert!(!FieldOfView { position_m, ..RING }.is_sound());
+        assert!(
+            FieldOfView {
+                range_m: [0.0, f64::INFINITY],
+                ..RING
+            }
+            .is_sound()
+        );
+    }
+}

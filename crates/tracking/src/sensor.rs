@@ -1,0 +1,195 @@
+//! What a scan of a sensor can tell, and what of it is worth how much.
+//!
+//! The obvious reading of a probability of detection of 0.9 is that five misses in a row happen to a target once in a
+//! hundred thousand times. That holds for a radar that turns once in four seconds. A camera with ten images a second that
+//! does not find a boat before a dark shore will not find it in the next ninety images either; taken literally, it has
+//! proved within half a second that a track is wrong which the radar has followed for minutes. Its errors repeat likewise:
+//! ten bearings within a second are off to the same side.
+//!
+//! So looks are weighed by time. Within the coherence time T a sensor that looks again sees the same thing again; a scan
+//! that follows the sensor's previous one after t < T is worth w = t / T of an independent one. Its likelihood enters with
+//! the power w: a miss counts for w·ln(1 − P), and standard deviations are those of w independent measurements, σ/√w. A
+//! sensor that is slower than T is not affected. Which detection belongs to which track is decided with the full
+//! likelihood: that is a question within one scan.
+//!
+//! A miss counts for less, too, the less likely the target is in the field of view ([`crate::field_of_view`]).
+
+use std::f64::consts::TAU;
+
+use estimation::PackedGaussian;
+use messages::NS_PER_S;
+
+use crate::clutter::{Estimate, Extent};
+use crate::field_of_view::FieldOfView;
+use crate::gating::Plot;
+use crate::measurement::DIMENSIONS_MAX;
+use crate::settings::{MotionSettings, SensorSettings, Settings};
+
+/// Smallest worth of a scan: several at one time must not count for nothing.
+const WORTH_MIN: f64 = 1e-3;
+
+/// What the settings say of a sensor's scans, and what is known of the scan at hand.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sensor {
+    pub(crate) gates: [f64; DIMENSIONS_MAX],
+    pub(crate) motion: MotionSettings,
+    pub(crate) detection_probability: f64,
+    /// Logarithm of it.
+    pub(crate) log_detection: f64,
+    gate_probability: f64,
+    pub(crate) field_of_view: Option<FieldOfView>,
+    coherence_s: f64,
+    /// Of the scan at hand: its part of an independent one.
+    pub(crate) worth: f64,
+    /// Of the scan at hand: where the sensor was.
+    platform_m: Option<[f64; 2]>,
+}
+
+/// What is remembered of a sensor from scan to scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Memory {
+    pub(crate) clutter: Estimate,
+    /// Of the previous scan.
+    time_ns: Option<i64>,
+    /// Where its latest detection was made from.
+    platform_m: Option<[f64; 2]>,
+    /// Whether the latest scan with detections had directions only.
+    directions_only: bool,
+}
+
+impl Memory {
+    pub(crate) const NONE: Self = Self {
+        clutter: Estimate::NONE,
+        time_ns: None,
+        platform_m: None,
+        directions_only: false,
+    };
+
+    /// Whether a scan is of directions without ranges; one without detections is like the one before.
+    pub(crate) fn sees_directions_only(&self) -> bool {
+        self.directions_only
+    }
+}
+
+impl Sensor {
+    pub(crate) fn new(sensor: &SensorSettings, settings: &Settings, gates: [f64; DIMENSIONS_MAX]) -> Self {
+        Self {
+            gates,
+            motion: settings.motion,
+            detection_probability: sensor.detection_probability,
+            log_detection: sensor.detection_probability.ln(),
+            gate_probability: settings.gate_probability,
+            field_of_view: sensor.field_of_view,
+            coherence_s: settings.coherence_s,
+            worth: 1.0,
+            platform_m: None,
+        }
+    }
+
+    /// The sensor at a scan, which is remembered.
+    pub(crate) fn at(&self, time_ns: i64, plots: &[Plot], memory: &mut Memory) -> Self {
+        let since_s = memory
+            .time_ns
+            .map(|before| time_ns.saturating_sub(before) as f64 / NS_PER_S);
+        memory.time_ns = Some(time_ns);
+        if let Some(plot) = plots.last() {
+            let [east, north, _] = plot.measurement.platform_m;
+            memory.platform_m = Some([east, north]);
+            memory.directions_only = plots.iter().all(|plot| plot.measurement.place().is_none());
+        }
+        let worth = since_s.map_or(1.0, |since_s| (since_s / self.coherence_s).clamp(WORTH_MIN, 1.0));
+        Self {
+            worth,
+            platform_m: memory.platform_m,
+            ..*self
+        }
+    }
+
+    /// How much it sees.
+    pub(crate) fn extent(&self) -> Extent {
+        let view = self.field_of_view;
+        Extent {
+            width_rad: view.map_or(TAU, |view| view.width_rad()),
+            area_m2: view.map(|view| view.area_m2()).filter(|area| area.is_finite()),
+        }
+    }
+
+    /// Probability that a target is in the field of view.
+    pub(crate) fn sees(&self, predicted: &PackedGaussian) -> f64 {
+        let seen = |view: &FieldOfView| view.holds(predicted, self.platform_m);
+        self.field_of_view.as_ref().map_or(1.0, seen)
+    }
+
+    /// Probability of no detection in the gate.
+    pub(crate) fn miss(&self, seen: f64) -> f64 {
+        1.0 - seen * self.detection_probability * self.gate_probability
+    }
+
+    /// Logarithm of it, for what it is worth.
+    pub(crate) fn log_miss(&self, seen: f64) -> f64 {
+        self.worth * (-seen * self.detection_probability * self.gate_probability).ln_1p()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measurement::Measurement;
+    use crate::testing::{S, position, settings};
+
+    fn plot(platform_m: [f64; 3]) -> Plot {
+        let mut detection = position(0, 5.0, 6.0);
+        detection.platform_m = platform_m;
+        Plot {
+            time_ns: 0,
+            detection_id: 0,
+            log_weight: 0.0,
+            measurement: Measurement::of(&detection, None).unwrap(),
+        }
+    }
+
+    #[test]
+    fn looks_are_worth_the_time_between_them() {
+        let settings = settings();
+        let sensor = Sensor::new(&settings.sensors[0], &settings, [9.21; 4]);
+        let mut memory = Memory::NONE;
+        let mut worth = |time_ns| sensor.at(time_ns, &[], &mut memory).worth;
+        assert_eq!(worth(0), 1.0, "the first look");
+        assert_eq!(worth(4 * S), 1.0, "a slow one");
+        assert_eq!(worth(4 * S + S / 10), 0.1);
+        assert_eq!(worth(4 * S + S / 10), WORTH_MIN);
+        // Ten quick misses are one.
+        let quick: f64 = (1..=10)
+            .map(|k| {
+                let sensor = sensor.at(4 * S + S / 10 + k * S / 10, &[], &mut memory);
+                sensor.log_miss(1.0)
+            })
+            .sum();
+        assert!((quick - sensor.log_miss(1.0)).abs() < 1e-9);
+        assert!((sensor.log_miss(1.0) - (1.0f64 - 0.9 * 0.99).ln()).abs() < 1e-12);
+        assert_eq!((sensor.log_miss(0.0), sensor.miss(0.0)), (0.0, 1.0));
+    }
+
+    #[test]
+    fn a_moving_sensor_looks_from_where_it_was_last() {
+        let mut settings = settings();
+        settings.sensors[0].field_of_view = Some(FieldOfView {
+            range_m: [0.0, 100.0],
+            sector_rad: None,
+            position_m: None,
+        });
+        let sensor = Sensor::new(&settings.sensors[0], &settings, [9.21; 4]);
+        let mut memory = Memory::NONE;
+        let near = PackedGaussian {
+            mean: [1050.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            covariance: messages::Covariance::diagonal([1.0; 3], [1.0; 3]),
+        };
+        assert_eq!(sensor.at(0, &[], &mut memory).sees(&near), 0.0, "nobody knows");
+        assert!(sensor.at(S, &[plot([1000.0, 0.0, 0.0])], &mut memory).sees(&near) > 0.999);
+        assert!(
+            sensor.at(2 * S, &[], &mut memory).sees(&near) > 0.999,
+            "nothing was seen"
+        );
+        assert!(sensor.at(3 * S, &[plot([900.0, 0.0, 0.0])], &mut memory).sees(&near) < 1e-3);
+    }
+}
