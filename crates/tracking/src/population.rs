@@ -38,6 +38,8 @@ pub(crate) struct Cluster {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Population {
     pub(crate) time_ns: i64,
+    /// Wide-area reports that arrived until then have been used.
+    pub(crate) reports_ns: i64,
     pub(crate) tracks: Vec<Track>,
     pub(crate) hypotheses: Vec<Hypothesis>,
     pub(crate) members: Vec<u32>,
@@ -54,6 +56,7 @@ impl Population {
     pub(crate) fn new(tracks_max: usize, sensors: usize) -> Self {
         Self {
             time_ns: i64::MIN,
+            reports_ns: i64::MIN,
             tracks: Vec::with_capacity(tracks_max),
             hypotheses: Vec::with_capacity(2 * tracks_max + crate::HYPOTHESES_MAX),
             members: Vec::with_capacity(8 * tracks_max + crate::HYPOTHESES_MAX),
@@ -68,6 +71,7 @@ impl Population {
     /// Empties the tables, to be filled with what follows from `before`.
     pub(crate) fn follow(&mut self, before: &Self, time_ns: i64) {
         self.time_ns = time_ns;
+        self.reports_ns = before.reports_ns;
         self.tracks.clear();
         self.hypotheses.clear();
         self.members.clear();

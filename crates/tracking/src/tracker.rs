@@ -150,8 +150,8 @@ pub struct Tracker {
     /// By detection of a scan: how many are united in it; by direction: which tracks claim it.
     united: Vec<u32>,
     claims: Vec<Claims>,
-    /// (number, track) of what is reported of a cluster.
-    best: Vec<(u32, u32)>,
+    /// (number, track, cluster) of what is reported.
+    best: Vec<(u32, u32, u32)>,
     reports: Vec<TrackReport>,
     counts: Counts,
 }
@@ -417,18 +417,19 @@ impl Tracker {
         self.log_clutter
             .extend(plots.iter().map(|plot| log_density(&plot.measurement, density, guess)));
         if !directions_only {
+            self.expectations.find(
+                before,
+                *time_ns,
+                self.wide_area.list(),
+                &self.settings.wide_area,
+                self.settings.wide_area.lasts(),
+                counts,
+            );
+            next.reports_ns = *time_ns;
             self.gating.run(before, plots, *time_ns, &looking, counts);
             let outside = outside(before, &self.gating, plots.len());
             next.sensors[*sensor].clutter.count(outside);
         }
-        self.expectations.find(
-            before,
-            *time_ns,
-            self.wide_area.list(),
-            &self.settings.wide_area,
-            self.settings.wide_area.lasts(),
-            counts,
-        );
         let scan = Scan {
             before,
             plots,
@@ -475,42 +476,44 @@ impl Tracker {
     fn report(&mut self) {
         let population = &self.populations[self.open];
         let (settings, wide_area) = (&self.settings, &self.settings.wide_area);
-        let reports = self.wide_area.list();
-        let describes = wide_area.describes_tracks();
-        let counts = &mut self.counts;
+        let (reports, describes) = (self.wide_area.list(), wide_area.describes_tracks());
+        let uncounted = &mut Counts::default();
         self.described
-            .find(population, population.time_ns, reports, wide_area, describes, counts);
+            .find(population, population.time_ns, reports, wide_area, describes, uncounted);
+        let of = |track: u32| &population.tracks[track as usize];
+        self.best.clear();
+        for (cluster, place) in population.clusters.iter().zip(0..) {
+            // All branches of an ancestor are in one cluster.
+            let first = self.best.len();
+            for track in cluster.tracks.clone().filter(|track| of(*track).is_confirmed()) {
+                let number = of(track).number;
+                match self.best[first..].iter_mut().find(|(other, ..)| *other == number) {
+                    Some((_, best, _)) if of(track).is_preferred_to(of(*best)) => *best = track,
+                    Some(_) => (),
+                    None => self.best.push((number, track, place)),
+                }
+            }
+        }
+        self.best.sort_unstable();
         self.reports.clear();
-        for (number, cluster) in (0..).zip(&population.clusters) {
-            let tracks = &population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
-            let confirmed = tracks.iter().zip(cluster.tracks.clone());
-            let confirmed = confirmed.filter(|(track, _)| track.is_confirmed());
-            let expectation = self.described.of(number);
+        for (nth, &(_, track, place)) in self.best.iter().enumerate() {
+            let cluster = &population.clusters[place as usize];
+            let expectation = self.described.of(place);
             let report = |track: &Track| TrackReport {
                 origin_m: expectation.origin_m,
                 ..report_of(track, cluster, population.time_ns, settings)
             };
-            if let Some(group) = group_of(population, cluster, &expectation, wide_area) {
-                let first = self.reports.len();
-                self.reports.extend(confirmed.map(|(track, _)| report(track)));
-                let joined = joined(&self.reports[first..], group, population.time_ns, &settings.motion);
-                self.reports.truncate(first);
-                self.reports.extend(joined);
+            let Some(group) = group_of(population, cluster, &expectation, wide_area) else {
+                self.reports.push(report(of(track)));
                 continue;
+            };
+            // The group has the smallest number.
+            if self.best[..nth].iter().all(|(.., other)| *other != place) {
+                let confirmed = cluster.tracks.clone().map(of).filter(|track| track.is_confirmed());
+                let joined = joined(confirmed.map(report), group, population.time_ns, &settings.motion);
+                self.reports.extend(joined);
             }
-            // All branches of an ancestor are in one cluster.
-            self.best.clear();
-            for (track, place) in confirmed {
-                match self.best.iter_mut().find(|(number, _)| *number == track.number) {
-                    Some((_, best)) if track.is_preferred_to(&population.tracks[*best as usize]) => *best = place,
-                    Some(_) => (),
-                    None => self.best.push((track.number, place)),
-                }
-            }
-            let best = self.best.iter().map(|(_, place)| &population.tracks[*place as usize]);
-            self.reports.extend(best.map(report));
         }
-        self.reports.sort_unstable_by_key(|report| report.number);
     }
 }
 
@@ -555,11 +558,14 @@ fn group_of(
 }
 
 /// One track for several, branches included: their mean by reliability. `None` of none.
-fn joined(tracks: &[TrackReport], group: Group, time_ns: i64, motion: &MotionSettings) -> Option<TrackReport> {
+fn joined(
+    tracks: impl Iterator<Item = TrackReport>,
+    group: Group,
+    time_ns: i64,
+    motion: &MotionSettings,
+) -> Option<TrackReport> {
     let mut sum = 0.0;
-    let moved = tracks
-        .iter()
-        .map(|track| track.moved_to(time_ns, motion.process_noise_m2ps3));
+    let moved = tracks.map(|track| track.moved_to(time_ns, motion.process_noise_m2ps3));
     let joined = moved.reduce(|all, track| {
         sum = if sum == 0.0 { all.reliability } else { sum } + track.reliability;
         let of_one = all.detections >= track.detections;

@@ -316,7 +316,7 @@ impl Update {
         for number in cluster.tracks.clone() {
             let mut track = scan.before.tracks[number as usize];
             directions.take_in(&mut track, claims);
-            self.missed[number as usize] = if is_gone(&track, &scan.settings.deletion, scan.time_ns) {
+            self.missed[number as usize] = if is_gone(&track, scan, &scan.settings.deletion) {
                 explain_end(scan, &track, &scan.settings.deletion);
                 REMOVED
             } else {
@@ -666,15 +666,14 @@ impl Update {
             if !group.plots.is_empty() || scan.sensor.worth >= 1.0 {
                 track.remember(NO_DETECTION);
             }
-            let usual = &scan.settings.deletion;
-            let in_time = is_gone(&track, usual, scan.time_ns);
-            let early = group.early_deletion().filter(|_| !in_time);
-            let early = early.filter(|early| is_gone(&track, &early.deletion, scan.time_ns));
+            let in_time = is_gone(&track, scan, &scan.settings.deletion);
+            let early = group.early_deletion().map(|early| early.deletion).filter(|_| !in_time);
+            let early = early.filter(|deletion| is_gone(&track, scan, deletion));
             counts.wide_area_deletions += u64::from(early.is_some());
             let gone = in_time || early.is_some();
             let apart = self.lacks_company(group, &track);
             if gone {
-                explain_end(scan, &track, &early.map_or(*usual, |early| early.deletion));
+                explain_end(scan, &track, &early.unwrap_or(scan.settings.deletion));
             } else if apart {
                 explain_company(scan, &track);
             }
@@ -777,17 +776,6 @@ impl Update {
     }
 }
 
-fn explain_end(scan: &Scan<'_>, track: &Track, deletion: &Deletion) {
-    if has_missed_too_much(track, deletion) {
-        let limit = deletion.missed_probability;
-        scan.explain(TrackEvent::MissedTooOften, track, track.log_silence.exp(), limit);
-    } else {
-        let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
-        let [silent_s, limit_s] = [silent_ns, deletion.silent_ns].map(|time_ns| time_ns as f64 / NS_PER_S);
-        scan.explain(TrackEvent::SilentTooLong, track, silent_s, limit_s);
-    }
-}
-
 /// In how many ways `chosen` of `all` can be chosen, or more than are ever wanted.
 fn binomial(all: usize, chosen: usize) -> u64 {
     if chosen > all {
@@ -807,6 +795,17 @@ fn next_of_as_many_bits(bits: u64) -> u64 {
     carried | (((bits ^ carried) >> 2) / lowest)
 }
 
+fn explain_end(scan: &Scan<'_>, track: &Track, deletion: &Deletion) {
+    if has_missed_too_much(track, deletion) {
+        let limit = deletion.missed_probability;
+        scan.explain(TrackEvent::MissedTooOften, track, track.log_silence.exp(), limit);
+    } else {
+        let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
+        let [silent_s, limit_s] = [silent_ns, deletion.silent_ns].map(|time_ns| time_ns as f64 / NS_PER_S);
+        scan.explain(TrackEvent::SilentTooLong, track, silent_s, limit_s);
+    }
+}
+
 fn explain_company(scan: &Scan<'_>, track: &Track) {
     let limit = scan.settings.splitting.company_min.unwrap_or(f64::NAN);
     let share = company(track.in_company, track.detections);
@@ -819,8 +818,9 @@ fn has_missed_too_much(track: &Track, deletion: &Deletion) -> bool {
 }
 
 /// Whether a track has been silent for too long (HT-10).
-fn is_gone(track: &Track, deletion: &Deletion, time_ns: i64) -> bool {
-    has_missed_too_much(track, deletion) || time_ns.saturating_sub(track.seen_ns) >= deletion.silent_ns
+fn is_gone(track: &Track, scan: &Scan<'_>, deletion: &Deletion) -> bool {
+    let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
+    has_missed_too_much(track, deletion) || silent_ns >= deletion.silent_ns
 }
 
 /// A new track, with an inherited motion or with what a first detection tells. `None` of a direction alone.

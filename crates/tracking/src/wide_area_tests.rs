@@ -177,7 +177,6 @@ fn new_tracks_are_confirmed_earlier_where_more_targets_were_reported() {
 fn early_deletion() -> EarlyDeletion {
     EarlyDeletion {
         deletion: Deletion {
-            // Two scans.
             missed_probability: 0.02,
             silent_ns: 30 * S,
         },

@@ -65,7 +65,7 @@ impl Expectations {
         counts: &mut Counts,
     ) {
         self.list.clear();
-        let is_due = |report: &WideAreaReport| report::is_due(report, before.time_ns, time_ns);
+        let is_due = |report: &WideAreaReport| report::is_due(report, before.reports_ns, time_ns);
         let matters = |report: &WideAreaReport| is_due(report) || report::is_valid(report, time_ns, settings);
         let needed = |report: &WideAreaReport| if lasting { matters(report) } else { is_due(report) };
         if before.clusters.is_empty() || !reports.iter().any(needed) {
@@ -150,9 +150,17 @@ impl Expectations {
         });
         let targets = f64::from(settings.knowledge.targets(report));
         let Some(sharing) = settings.sharing else {
-            let chosen = nearest(distances.map(|(distance, _)| distance), settings.range_m);
+            let chosen = nearest(distances.clone().map(|(distance, _)| distance), settings.range_m);
             if let Some(cluster) = chosen {
-                self.list[cluster].expect(targets, report, is_due);
+                let in_range = distances
+                    .enumerate()
+                    .filter(|(_, (distance, _))| *distance < settings.range_m);
+                let others = in_range.filter(|(other, _)| settings.others_count && *other != cluster);
+                let elsewhere: f64 = others.map(|(_, (_, tracks))| tracks.round()).sum();
+                let left = targets - elsewhere;
+                if left > 0.0 {
+                    self.list[cluster].expect(left, report, is_due);
+                }
             }
             return chosen.is_some();
         };

@@ -79,9 +79,9 @@ pub(crate) fn is_valid(report: &WideAreaReport, time_ns: i64, settings: &WideAre
     report.arrival_ns <= time_ns && time_ns.saturating_sub(report.time_ns) <= settings.valid_ns
 }
 
-/// Whether the scan at `time_ns` is the first one after a report's arrival, if the one before was at `before_ns`.
-pub(crate) fn is_due(report: &WideAreaReport, before_ns: i64, time_ns: i64) -> bool {
-    before_ns < report.arrival_ns && report.arrival_ns <= time_ns
+/// Whether the scan at `time_ns` is the first one after a report's arrival, if those that came until `used_ns` have been used.
+pub(crate) fn is_due(report: &WideAreaReport, used_ns: i64, time_ns: i64) -> bool {
+    used_ns < report.arrival_ns && report.arrival_ns <= time_ns
 }
 
 /// Those that may still matter, in the order of arrival.

@@ -21,6 +21,9 @@ pub struct WideArea {
     pub range_m: f64,
     /// WA-3: clusters with fewer expected tracks are passed over; 0 is the source's rule.
     pub tracks_min: f64,
+    /// WA-5: what other clusters in range have in tracks is taken off the number first, so that targets that have parted are
+    /// not looked for twice.
+    pub others_count: bool,
     /// WA-5: the number is shared among all clusters in range (`None`: the nearest one gets all of it).
     pub sharing: Option<Sharing>,
     /// WA-6: easier confirmation (`None`: as without reports).
@@ -74,8 +77,17 @@ impl Default for WideArea {
             holds: false,
             range_m: 5000.0,
             tracks_min: 0.5,
+            others_count: true,
             sharing: None,
-            confirmation: None,
+            confirmation: Some(EarlyConfirmation {
+                new_target_share: 1.0,
+                beside_confirmed_only: true,
+                confirmation: Confirmation {
+                    reliability_min: 0.51,
+                    detections_min: 2,
+                    log_likelihood_ratio_min: None,
+                },
+            }),
             deletion: None,
             groups: None,
             knowledge: Knowledge::default(),
