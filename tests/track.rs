@@ -207,18 +207,17 @@ fn a_configuration_is_heard_and_sensors_of_all_kinds_meet_in_one_track() {
     let folder = Folder::new();
     let mut rows = Vec::new();
     for scan in 0..12 {
-        let time_s = f64::from(scan);
-        let (east, north) = (1000.0 + 20.0 * time_s, 2000.0);
-        let bearing = east.atan2(north);
+        let at = |time_s: f64| (time_s, 1000.0 + 20.0 * time_s, 2000.0f64);
+        let (time_s, east, north) = at(f64::from(scan));
         rows.push(format!("{time_s},3,{scan},0,position2,{east},{north},,,,,,,0,0,0,"));
+        let (time_s, east, north) = at(f64::from(scan) + 0.5);
+        let bearing = east.atan2(north);
+        rows.push(format!("{time_s},8,{scan},0,bearing,{bearing},,,,0.001,,,,0,0,0,"));
+        let (time_s, east, north) = at(f64::from(scan) + 0.75);
+        let (range, bearing) = (east.hypot(north), east.atan2(north));
+        let rate = 20.0 * east / range;
         rows.push(format!(
-            "{},8,{scan},0,bearing,{bearing},,,,0.001,,,,0,0,0,",
-            time_s + 0.5
-        ));
-        let range = east.hypot(north);
-        rows.push(format!(
-            "{},9,{scan},0,range_bearing,{range},{bearing},,2.5,10,0.001,,1,0,0,0,",
-            time_s + 0.7
+            "{time_s},9,{scan},0,range_bearing,{range},{bearing},,{rate},10,0.001,,1,0,0,0,"
         ));
     }
     folder.detections("all.csv", &rows);
@@ -228,10 +227,9 @@ fn a_configuration_is_heard_and_sensors_of_all_kinds_meet_in_one_track() {
         "{line}"
     );
     assert!(line.contains("[[sensor]] with id = 3"), "{line}");
-    folder.write(
-        "sensors.toml",
-        "[[sensor]]\nid = 3\nsigmas = [10, 10]\n[confirmation]\ndetections_min = 4\n",
-    );
+    let known = |id: u32, more: &str| format!("[[sensor]]\nid = {id}\nclutter_density = 1e-8\n{more}");
+    let sensors = known(3, "sigmas = [10, 10]\n") + &known(9, "[confirmation]\ndetections_min = 4\n");
+    folder.write("sensors.toml", &sensors);
     let said = folder.track("--detections all.csv --config sensors.toml --out tracks.csv");
     assert_eq!((&said["tracks"], &said["scans"]), (&1.into(), &36.into()));
     let first = column(&folder.read("tracks.csv"), "time_s")[0].parse::<f64>().unwrap();

@@ -68,7 +68,7 @@ impl DecisionKind {
     pub fn reason(self) -> &'static str {
         match self {
             Self::EmitterStarted => "first bearing of it",
-            Self::EmitterDropped => "silent, and its place was needed",
+            Self::EmitterDropped => "silent while its place was needed",
             Self::ModelChosen(_) => "the simplest that nothing speaks against",
             Self::BearingsSetAside(_) => "they are off to one side together",
             Self::BearingsAgree(_) => "they are where they are expected",

@@ -96,3 +96,31 @@ pub(crate) fn log_density(measurement: &Measurement, density: f64, guess: &First
     };
     (density * per_unit * per_rate).ln()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::position;
+
+    #[test]
+    fn what_is_seen_is_the_field_of_view_or_where_detections_were() {
+        let everywhere = Extent {
+            width_rad: 2.0,
+            area_m2: None,
+        };
+        let ring = |area_m2| Extent {
+            area_m2: Some(area_m2),
+            ..everywhere
+        };
+        let mut estimate = Estimate::NONE;
+        assert_eq!(estimate.density(4, everywhere), 2.0, "directions: per radian");
+        for place in [[0.0, 0.0], [98.0, 48.0]] {
+            estimate.see(&Measurement::of(&position(0, place[0], place[1]), None).unwrap());
+        }
+        estimate.count(2);
+        assert!((estimate.density(9, everywhere) - 2.0 / (100.0 * 50.0)).abs() < 1e-12);
+        // One target's path is not where clutter would be; detections outside the field of view count, too.
+        assert!((estimate.density(9, ring(1e6)) - 2e-6).abs() < 1e-12);
+        assert!((estimate.density(9, ring(10.0)) - 2.0 / (100.0 * 50.0)).abs() < 1e-12);
+    }
+}

@@ -193,3 +193,26 @@ impl<'a> Directions<'a> {
         distance::largest_sigma2([xx, xy, yy]) <= KNOWN_RAD * line[0].hypot(line[1])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_several_claims_the_likeliest_of_another_track_counts() {
+        let mut claims = Claims::NONE;
+        assert!(!claims.are_made());
+        assert_eq!(claims.of_others(1), 0.0);
+        for (number, likelihood) in [(1, 3.0), (2, 8.0), (1, 5.0), (3, 0.5), (2, 7.0)] {
+            claims.add(number, likelihood);
+        }
+        assert!(claims.are_made());
+        assert_eq!([1, 2, 3].map(|number| claims.of_others(number)), [8.0, 5.0, 8.0]);
+        // A track's branches do not stand in each other's way.
+        let mut alone = Claims::NONE;
+        for likelihood in [2.0, 9.0, 4.0] {
+            alone.add(7, likelihood);
+        }
+        assert_eq!((alone.of_others(7), alone.of_others(8)), (0.0, 9.0));
+    }
+}

@@ -208,7 +208,7 @@ impl Default for Settings {
                 climb_sigma_mps: 10.0,
                 height_sigma_m: 5000.0,
             },
-            new_target_share: 0.02,
+            new_target_share: 0.04,
             reduction: Reduction {
                 merge_scans: 2,
                 reliability_min: 1e-3,

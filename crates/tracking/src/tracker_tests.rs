@@ -339,6 +339,29 @@ fn a_quick_sensor_that_sees_nothing_does_not_end_what_a_slow_one_sees() {
 }
 
 #[test]
+fn a_quick_sensor_that_finds_nothing_leaves_open_choices_in_the_memory() {
+    let mut both = settings();
+    both.sensors.push(SensorSettings {
+        sensor_id: 2,
+        ..SensorSettings::default()
+    });
+    let mut tracker = Tracker::new(both).unwrap();
+    for second in 0..4 {
+        tracker.scan(1, second * S, &[flying(second, 0.0)]).unwrap();
+    }
+    tracker.scan(2, 3 * S, &[]).unwrap();
+    let histories =
+        |tracker: &Tracker| -> Vec<_> { tracker.latest().tracks.iter().map(|track| track.history).collect() };
+    let before = histories(&tracker);
+    for tenth in 31..40 {
+        tracker.scan(2, tenth * S / 10, &[]).unwrap();
+    }
+    assert_eq!(histories(&tracker), before);
+    tracker.scan(1, 4 * S, &[]).unwrap();
+    assert_ne!(histories(&tracker), before, "a slow one's miss is remembered");
+}
+
+#[test]
 fn outside_the_field_of_view_nothing_is_missed() {
     let ring = |range_m: [f64; 2], east: f64| SensorSettings {
         detection_probability: 0.99,

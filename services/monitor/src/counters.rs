@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 pub(crate) const LEVELS: [Counter; 3] = [Counter::LiveTracks, Counter::TentativeTracks, Counter::CoastedTracks];
 
 /// Why an adapter did not pass a report on.
-pub(crate) const REJECTIONS: [Counter; 12] = [
+pub(crate) const REJECTIONS: [Counter; 13] = [
     Counter::RejectedFieldMonitor,
     Counter::RejectedTestTarget,
     Counter::RejectedNoPosition,
@@ -20,6 +20,7 @@ pub(crate) const REJECTIONS: [Counter; 12] = [
     Counter::RejectedQuality,
     Counter::RejectedSource,
     Counter::RefusedTracks,
+    Counter::DetectionsRefused,
 ];
 
 /// What else an adapter says of records that it did not, or not wholly, turn into reports.
@@ -31,6 +32,9 @@ pub(crate) const ADAPTER_REMARKS: [Counter; 6] = [
     Counter::RejectedHeight,
     Counter::HeightAssumed,
 ];
+
+/// What an adapter says that makes tracks of detections.
+pub(crate) const TRACKING: [Counter; 2] = [Counter::Detections, Counter::Scans];
 
 /// Reports that fusion took, but did not use.
 pub(crate) const FUSION_REFUSALS: [Counter; 7] = [
@@ -91,6 +95,9 @@ pub(crate) fn counted_by(kind: ProcessKind) -> &'static [Counter] {
             DatagramsUnusable,
             KernelDrops,
             Connections,
+            Detections,
+            DetectionsRefused,
+            Scans,
         ],
         ProcessKind::Fusion => &[
             Taken,
@@ -280,11 +287,12 @@ mod tests {
             Counter::StagesLate,
             Counter::RecordsSent,
         ];
-        let lists: [&[Counter]; 9] = [
+        let lists: [&[Counter]; 10] = [
             &by_name,
             &LEVELS,
             &REJECTIONS,
             &ADAPTER_REMARKS,
+            &TRACKING,
             &FUSION_REFUSALS,
             &FUSION_REMARKS,
             &PROCESS_REMARKS,

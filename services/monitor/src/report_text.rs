@@ -9,7 +9,7 @@ use telemetry::Stage;
 use telemetry::table::{self, Align, Table, count};
 
 use crate::counters::{
-    ADAPTER_REMARKS, Counters, FUSION_REFUSALS, FUSION_REMARKS, NETWORK_TROUBLE, PROCESS_REMARKS, REJECTIONS,
+    ADAPTER_REMARKS, Counters, FUSION_REFUSALS, FUSION_REMARKS, NETWORK_TROUBLE, PROCESS_REMARKS, REJECTIONS, TRACKING,
 };
 use crate::live::NOT_MEASURED;
 use crate::report::{Process, Report, RunSettings, SourceReport, StageReport};
@@ -161,6 +161,7 @@ impl Report {
             }
         };
         for source in &self.sources {
+            list(&source.name, "adapter", &source.adapter, &TRACKING);
             list(&source.name, "fusion", &source.fusion, &FUSION_REMARKS);
             list(&source.name, "recorder", &source.recorder, &FUSION_REFUSALS);
         }

@@ -217,7 +217,7 @@ fn files_are_complete_without_a_single_report() {
     assert_eq!(report["stages"]["end_to_end"]["count"], 0);
     assert_eq!(report["accuracy"]["pictures"], 0);
     assert_eq!(report["restarts"]["total"], 0);
-    assert_eq!(report["sources"].as_array().unwrap().len(), 4);
+    assert_eq!(report["sources"].as_array().unwrap().len(), 5);
     assert_eq!(report["duration_s"], 1.0);
     let log = bench.out("latency.hlog");
     assert_eq!(log.matches("Tag=end_to_end,").count(), 2, "{log}");

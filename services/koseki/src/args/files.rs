@@ -193,7 +193,7 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
            manoeuvres = { process_noise_m2ps3 = [100.0, 10.0], durations_s = [60.0, 10.0] }    # or { enabled = false };
                                          # turn = { rate_sigma_radps = 0.05, rate_noise_rad2ps3 = 1e-5 } besides
            [initiation]
-           new_target_share = 0.02       # new targets per false detection
+           new_target_share = 0.04       # new targets per false detection
            speed_sigma_mps = 100.0       # of targets; slow_sigma_mps = 10.0, climb_sigma_mps = 10.0, height_sigma_m = 5000.0
            [confirmation]
            reliability_min = 0.99        # detections_min = 2, log_likelihood_ratio_min (not tested)

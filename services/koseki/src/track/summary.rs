@@ -10,6 +10,9 @@ use tracking::{Counts, Refusal, Tracker};
 
 use super::input::Input;
 
+/// What may help where nothing was tracked.
+const NONE_CONFIRMED: &str = "no track was confirmed: where a sensor shows one target and nothing else, its learned density of \
+                              false detections is too high; give clutter_density or field_of_view in --config";
 /// Nanoseconds in a millisecond.
 const NS_PER_MS: f64 = 1e6;
 
@@ -145,10 +148,13 @@ impl Summary<'_> {
         )?;
         writeln!(
             text,
-            "hypotheses: at most {:.2} % of a cluster's probability dropped in a scan; at most {} tracks with branches",
+            "hypotheses: no more than {:.2} % of a cluster's probability dropped in any scan; at most {} tracks with branches",
             100.0 * counts.dropped_probability_max,
             tracked.branches_max
         )?;
+        if counts.confirmed == 0 {
+            writeln!(text, "{NONE_CONFIRMED}")?;
+        }
         writeln!(
             text,
             "time per scan: median {:.3} ms, worst {:.3} ms",
