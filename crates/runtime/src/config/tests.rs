@@ -421,7 +421,7 @@ fn bearings_come_from_a_socket_or_a_simulated_finder() {
             "source[0].locator.motion.speed_sigma_mps",
         ),
         (
-            format!("{frame}{finder}{locator}[source.tracker]\n"),
+            format!("{frame}{receiver}{live}{locator}[source.tracker]\n"),
             "leave one of locator and tracker out",
         ),
         (
