@@ -529,6 +529,7 @@ impl Chosen<'_> {
                 },
             },
             capacity: self.capacity(&key("capacity"))?,
+            ..tracker::Settings::default()
         })
     }
 

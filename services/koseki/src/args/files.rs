@@ -163,6 +163,7 @@ Examples:
   koseki track --detections radar.csv --out tracks.csv
   koseki track --detections radar.csv lidar.csv camera.csv --config sensors.toml --out tracks.csv
   koseki track --detections radar.csv --out tracks.csv --explain why.csv --json
+  koseki track --detections radar.csv --wide-area counts.csv --out tracks.csv
 
 FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz      a row per detection, in any order
          kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
@@ -171,6 +172,9 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          Detections with the same sensor_id and scan are one scan: what the sensor saw in a turn or an image. A scan number
          that is left out is a scan without detections. Several files are merged by time. Rows that cannot be used are left
          out and counted.
+--wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row for each report of how many targets there were around a
+         place (docs/wide-area.md); arrival_s counts like time_s; route: east and north of the places passed, oldest first,
+         joined with |.
 --out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,hypotheses,reliability    a row for each confirmed
          track after each scan; state is confirmed, or coasted after a scan without it; sensor_id is 0, the tracker.
 --explain what became of each scan, cluster, hypothesis and track, and why; docs/tracking.md says what the columns are
@@ -214,6 +218,9 @@ pub(crate) struct Track {
     /// Detections: CSV files
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) detections: Vec<PathBuf>,
+    /// How many targets a wide-area sensor has seen, which reports late: a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) wide_area: Option<PathBuf>,
     /// What is known of the sensors, and settings of the tracker: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
