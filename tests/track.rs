@@ -434,3 +434,57 @@ fn a_recording_of_the_ferry_is_read_as_it_is() {
     let line = folder.refusal("--detections broken.json --config ferry.toml --out tracks.csv");
     assert!(line.contains("broken.json: detections: missing field"), "{line}");
 }
+
+/// Two targets side by side, of which every fifth scan shows both; a report of two every eight seconds.
+fn side_by_side() -> (Vec<String>, String) {
+    let (mut random, mut rows) = (Random(3), Vec::new());
+    let mut reports = "time_s,arrival_s,x,y,z,vx,vy,vz,count,route\n".to_owned();
+    for scan in 0..60 {
+        let (time_s, mut off) = (2.0 * scan as f64, || 60.0 * (random.next() + random.next() - 1.0));
+        let north = 20e3 - 150.0 * time_s;
+        let easts: &[f64] = if scan % 5 == 3 { &[-100.0, 100.0] } else { &[0.0] };
+        for (number, east) in easts.iter().enumerate() {
+            rows.push(position(time_s, scan, number, [east + off(), north + off()]));
+        }
+        let clutter = [20e3 + 150.0 * off(), 30e3 + 150.0 * off()];
+        rows.push(position(time_s, scan, 9, clutter));
+        if scan % 4 == 0 {
+            writeln!(
+                reports,
+                "{time_s},{},300,{},0,0,-150,0,2,0|90000",
+                time_s + 8.0,
+                north - 500.0
+            )
+            .unwrap();
+        }
+    }
+    (rows, reports)
+}
+
+#[test]
+fn a_wide_area_count_is_used_without_a_detection_more() {
+    let folder = Folder::new();
+    let (rows, reports) = side_by_side();
+    folder.detections("plots.csv", &rows);
+    let bad = "10,5,0,0,0,0,0,0,2,\n10,12,0,0,0,0,0,0,10000,\n10,12,0,0,0,0,0,0,two,\n10,12,9e9,0,0,0,0,0,2,\n";
+    folder.write("counts.csv", &format!("{reports}{bad}"));
+    folder.write("silent.csv", "time_s,arrival_s,x,y,z,vx,vy,vz,count\n");
+    let without = folder.track("--detections plots.csv --out without.csv");
+    assert!(without["wide_area"].is_null());
+    let silent = folder.track("--detections plots.csv --wide-area silent.csv --out silent_tracks.csv");
+    assert_eq!(silent["wide_area"]["reports"], 0);
+    let same = folder.read("without.csv") == folder.read("silent_tracks.csv");
+    assert!(same, "no report changes nothing");
+    let with = folder.track("--detections plots.csv --wide-area counts.csv --out with.csv");
+    assert_eq!(with["detections"], without["detections"]);
+    let support = &with["wide_area"];
+    assert_eq!(support["rows_refused"], 1, "{with}");
+    assert_eq!(support["reports"], 14, "{with}");
+    assert!(support["corrections"].as_u64() > Some(0), "{with}");
+    let refused = support["refused"].as_object().unwrap().values();
+    assert_eq!(refused.filter_map(Value::as_u64).sum::<u64>(), 3, "{with}");
+    let line = folder.refusal("--detections plots.csv --wide-area plots.csv --out tracks.csv");
+    assert!(line.contains("arrival_s"), "{line}");
+    let line = folder.refusal("--detections plots.csv --wide-area counts.csv --out counts.csv");
+    assert!(line.contains("counts.csv is an input"), "{line}");
+}

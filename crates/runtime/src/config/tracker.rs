@@ -529,8 +529,7 @@ impl Chosen<'_> {
                 },
             },
             capacity: self.capacity(&key("capacity"))?,
-            selection: tracking::wide_area::selection::Selection::default(),
-            wide_area: tracking::wide_area::WideArea::default(),
+            ..tracker::Settings::default()
         })
     }
 

@@ -164,6 +164,7 @@ Examples:
   koseki track --detections radar.csv --out tracks.csv
   koseki track --detections radar.csv lidar.csv camera.csv --config sensors.toml --out tracks.csv
   koseki track --detections radar.csv --out tracks.csv --explain why.csv --json
+  koseki track --detections radar.csv --wide-area counts.csv --out tracks.csv
 
 FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz      a row per detection, in any order
          kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
@@ -173,6 +174,9 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          that is left out is a scan without detections. Several files are merged by time. Rows that cannot be used are left
          out and counted. A recording of the Autoferry data set (scenarioN_detections.json) is read as it is: sensors 1 lidar,
          2 radar (position2), 3 infrared camera, 4 camera (bearing); it states no standard deviations, so --config must.
+--wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row for each report of how many targets there were around a
+         place (docs/wide-area.md); arrival_s counts like time_s; route: east and north of the places passed, oldest first,
+         joined with |.
 --out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,hypotheses,reliability    a row for each confirmed
          track after each scan; state is confirmed, or coasted after a scan without it; sensor_id is 0, the tracker.
 --explain what became of each scan, cluster, hypothesis and track, and why; docs/tracking.md says what the columns are
@@ -216,6 +220,9 @@ pub(crate) struct Track {
     /// Detections: CSV files, or recordings of the Autoferry data set
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) detections: Vec<PathBuf>,
+    /// How many targets a wide-area sensor has seen, which reports late: a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) wide_area: Option<PathBuf>,
     /// What is known of the sensors, and settings of the tracker: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,

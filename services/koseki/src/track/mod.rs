@@ -7,6 +7,7 @@
 mod explain;
 mod input;
 mod summary;
+mod support;
 
 use std::io;
 use std::path::Path;
@@ -25,6 +26,7 @@ use crate::offline::Progress;
 use explain::Explained;
 use input::Input;
 use summary::{Summary, Tracked};
+use support::Support;
 
 /// Tracks.
 ///
@@ -37,6 +39,7 @@ pub(crate) fn run(track: &Track) -> anyhow::Result<()> {
         None => Given::Offline(Box::default()),
     };
     let mut input = Input::read(&track.detections)?;
+    let mut support = track.wide_area.as_deref().map(Support::read).transpose()?;
     let scans = scans_of(&mut input.detections);
     let settings = config.settings(&input.seen(&scans))?;
     input.check(&settings)?;
@@ -53,6 +56,9 @@ pub(crate) fn run(track: &Track) -> anyhow::Result<()> {
     let (mut tracked, mut reports) = (Tracked::default(), Vec::new());
     for scan in &scans {
         let begin_ns = runtime::clock::mono_ns();
+        if let Some(support) = &mut support {
+            support.give(scan.time_ns, &mut tracker);
+        }
         let detections = &input.detections[scan.detections.clone()];
         let taken = tracker.scan_explained(scan.sensor_id, scan.time_ns, detections, observer);
         tracked.scan(scan, runtime::clock::mono_ns() - begin_ns, taken, &tracker);
@@ -72,6 +78,7 @@ pub(crate) fn run(track: &Track) -> anyhow::Result<()> {
     let summary = Summary {
         out: &track.out,
         input: &input,
+        support: support.as_ref(),
         tracker: &tracker,
         tracked,
     };
@@ -144,7 +151,7 @@ fn check_files(track: &Track) -> Result<(), Usage> {
     }
     for (option, written) in [("--out", Some(&track.out)), ("--explain", track.explain.as_ref())] {
         let Some(written) = written else { continue };
-        let mut inputs = track.detections.iter().chain(&track.config);
+        let mut inputs = track.detections.iter().chain(&track.config).chain(&track.wide_area);
         if inputs.any(|input| is_same_file(input, written)) {
             let what = format!("{option} {} is an input; name another file", written.display());
             return Err(Usage(what));

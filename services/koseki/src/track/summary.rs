@@ -9,6 +9,7 @@ use tracking::scans::ScanOfDetections;
 use tracking::{Counts, Refusal, Tracker};
 
 use super::input::Input;
+use super::support::Support;
 
 /// What may help where nothing was tracked.
 const NONE_CONFIRMED: &str = "no track was confirmed: where a sensor shows one target and nothing else, its learned density of \
@@ -66,6 +67,7 @@ impl Tracked {
 pub(super) struct Summary<'a> {
     pub(super) out: &'a Path,
     pub(super) input: &'a Input,
+    pub(super) support: Option<&'a Support>,
     pub(super) tracker: &'a Tracker,
     pub(super) tracked: Tracked,
 }
@@ -113,6 +115,16 @@ impl Summary<'_> {
             "live_tracks": self.tracker.tracks().len(),
             "false_share": self.false_share(),
             "branches_max": tracked.branches_max,
+            "wide_area": self.support.map(|support| json!({
+                "rows_refused": support.refusals.rows(),
+                "refused": support.refused,
+                "after_last_scan": support.left(),
+                "reports": counts.wide_area_reports,
+                "used": counts.wide_area_reports_used,
+                "unmatched": counts.wide_area_reports_unmatched,
+                "corrections": counts.wide_area_corrections,
+                "confirmations": counts.wide_area_confirmations,
+            })),
             "dropped_probability_max": counts.dropped_probability_max,
             "scan_median_ms": self.time_ms(0.5),
             "scan_max_ms": self.time_ms(1.0),
@@ -135,6 +147,21 @@ impl Summary<'_> {
         text.push_str(&self.input.refusals.as_text());
         for (refusal, scans) in &tracked.refused_scans {
             writeln!(text, "refused: {scans} scans: {refusal}")?;
+        }
+        if let Some(support) = self.support {
+            text.push_str(&support.refusals.as_text());
+            for (refusal, reports) in &support.refused {
+                writeln!(text, "refused: {reports} wide-area reports: {refusal}")?;
+            }
+            writeln!(
+                text,
+                "wide area: {} reports, {} used, {} of them near no track; {} clusters corrected, {} tracks confirmed earlier",
+                counts.wide_area_reports,
+                counts.wide_area_reports_used,
+                counts.wide_area_reports_unmatched,
+                counts.wide_area_corrections,
+                counts.wide_area_confirmations
+            )?;
         }
         for (_, sentence, count) in refused(counts).iter().filter(|(_, _, count)| *count > 0) {
             writeln!(text, "refused: {count} {sentence}")?;
