@@ -34,7 +34,7 @@ pub(crate) const ADAPTER_REMARKS: [Counter; 6] = [
 ];
 
 /// What an adapter says that makes tracks of detections.
-pub(crate) const TRACKING: [Counter; 2] = [Counter::Detections, Counter::Scans];
+pub(crate) const TRACKING: [Counter; 3] = [Counter::Detections, Counter::Scans, Counter::DetectionsWithoutFix];
 
 /// Reports that fusion took, but did not use.
 pub(crate) const FUSION_REFUSALS: [Counter; 7] = [
@@ -97,6 +97,7 @@ pub(crate) fn counted_by(kind: ProcessKind) -> &'static [Counter] {
             Connections,
             Detections,
             DetectionsRefused,
+            DetectionsWithoutFix,
             Scans,
         ],
         ProcessKind::Fusion => &[
