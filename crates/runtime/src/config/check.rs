@@ -272,7 +272,7 @@ fn check_source(
         ceiling_m: raw.ceiling_m.unwrap_or(f64::INFINITY),
         coverage: match &raw.coverage {
             Some(area) => Some(coverage(&key("coverage"), area, source.model.frame.place())?),
-            None => None,
+            None => source.locator.is_some().then(silence_says_nothing),
         },
     };
     Ok((source, weighed))
@@ -410,6 +410,17 @@ pub(super) fn accuracy(raw: &RawAccuracy, place_m: [f64; 2]) -> engine::Accuracy
             .iter()
             .map(|(name, factor)| (name.clone(), *factor))
             .collect(),
+    }
+}
+
+/// Who only hears what transmits does not deny what is silent.
+fn silence_says_nothing() -> engine::CoverageArea {
+    engine::CoverageArea {
+        place_m: [0.0; 2],
+        range_m: f64::INFINITY,
+        sector_rad: None,
+        polygon_m: Vec::new(),
+        probability: 0.0,
     }
 }
 

@@ -414,6 +414,14 @@ fn bearings_come_from_a_socket_or_a_simulated_finder() {
     use ::locating::settings::FilterChoice;
     assert_eq!(filters, [Some(FilterChoice::Fixed), Some(FilterChoice::Auto)]);
     assert!(config.is_simulated());
+    let probability = |source: usize| {
+        config.fusion.settings.sources[source]
+            .coverage
+            .as_ref()
+            .unwrap()
+            .probability
+    };
+    assert_eq!([0, 1].map(probability), [0.0; 2], "silence says nothing");
     for (text, expected) in [
         (format!("{frame}{finder}speed_mps = 1.0\n"), "speed_mps"),
         (

@@ -126,6 +126,7 @@ impl Summary<'_> {
                 "confirmations": counts.wide_area_confirmations,
             })),
             "dropped_probability_max": counts.dropped_probability_max,
+            "dropped_probability_mean": counts.dropped_probability_mean(),
             "scan_median_ms": self.time_ms(0.5),
             "scan_max_ms": self.time_ms(1.0),
         })
@@ -175,8 +176,9 @@ impl Summary<'_> {
         )?;
         writeln!(
             text,
-            "hypotheses: no more than {:.2} % of a cluster's probability dropped in any scan; at most {} tracks with branches",
-            100.0 * counts.dropped_probability_max,
+            "hypotheses: no more than {:.2} % of a cluster's probability dropped per scan, on average; at most {} tracks with \
+             branches",
+            100.0 * counts.dropped_probability_mean(),
             tracked.branches_max
         )?;
         if counts.confirmed == 0 {
