@@ -1,68 +1,15 @@
 //! `koseki locate` as a user calls it: bearings in, fixes out, and what is refused.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
-use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
+#[path = "common/folder.rs"]
+mod folder;
 
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use folder::Folder;
 use serde_json::Value;
-use tempfile::TempDir;
 
 const HEADER: &str = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad";
-
-/// A folder to work in.
-struct Folder(TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).unwrap();
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    fn names(&self) -> BTreeSet<String> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
-        entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect()
-    }
-
-    /// Runs `koseki` in the folder, with arguments apart by blanks.
-    fn run(&self, arguments: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_koseki"))
-            .args(arguments.split_whitespace())
-            .current_dir(self.0.path())
-            .output()
-            .unwrap()
-    }
-
-    fn succeed(&self, arguments: &str) -> (String, String) {
-        let output = self.run(arguments);
-        assert!(output.status.success(), "{arguments}: {output:?}");
-        let text = |octets| String::from_utf8(octets).unwrap();
-        (text(output.stdout), text(output.stderr))
-    }
-
-    /// The one line with which a call is refused.
-    fn refusal(&self, arguments: &str) -> String {
-        let output = self.run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments}: {output:?}");
-        let line = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(line.lines().count(), 1, "{line}");
-        line
-    }
-}
 
 /// Two emitters, 4 still and 9 drifting, seen from an aircraft that circles: a bearing of each every 2 s for `seconds`.
 fn flight(seconds: u32) -> String {

@@ -1,76 +1,15 @@
 //! `koseki fuse`, `koseki simulate` and `koseki compare` as a user calls them: files in, files out, and what is refused.
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
+#[path = "common/folder.rs"]
+mod folder;
 
-use serde_json::Value;
-use tempfile::TempDir;
+use std::collections::BTreeSet;
+
+use folder::Folder;
 
 const HEADER: &str = "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,P02,P03,P04,P05,P11,P12,P13,P14,P15,\
                       P22,P23,P24,P25,P33,P34,P35,P44,P45,P55,state";
 const VARIANCES: &str = "100,0,0,0,0,0,100,0,0,0,0,100,0,0,0,4,0,0,4,0,4";
-
-/// A folder to work in.
-struct Folder(TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).unwrap();
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    /// Names of the files that are there.
-    fn names(&self) -> BTreeSet<String> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
-        entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect()
-    }
-
-    /// Runs `koseki` in the folder, with arguments apart by blanks.
-    fn run(&self, arguments: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_koseki"))
-            .args(arguments.split_whitespace())
-            .current_dir(self.0.path())
-            .output()
-            .unwrap()
-    }
-
-    /// What it prints where it succeeds: standard output, standard error.
-    fn succeed(&self, arguments: &str) -> (String, String) {
-        let output = self.run(arguments);
-        assert!(output.status.success(), "{arguments}: {output:?}");
-        let text = |octets| String::from_utf8(octets).unwrap();
-        (text(output.stdout), text(output.stderr))
-    }
-
-    fn json(&self, arguments: &str) -> Value {
-        serde_json::from_str(&self.succeed(arguments).0).unwrap()
-    }
-
-    /// The one line with which a call is refused.
-    fn refusal(&self, arguments: &str) -> String {
-        let output = self.run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments}: {output:?}");
-        assert!(output.stdout.is_empty(), "{output:?}");
-        let line = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(line.lines().count(), 1, "{line}");
-        line
-    }
-}
 
 /// Reports of one sensor: targets fly east at 100 m/s, 20 km apart; the last report is at or before 30 s.
 fn sensor(id: u32, period_s: f64, phase_s: f64) -> String {

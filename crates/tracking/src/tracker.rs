@@ -129,8 +129,8 @@ struct OpenScan {
     plots: Vec<Plot>,
 }
 
-/// The multiple-hypothesis tracker.
-#[derive(Clone, Debug)]
+/// The multiple-hypothesis tracker. No clone can be made: it would lack the memory allocated beforehand.
+#[derive(Debug)]
 pub struct Tracker {
     settings: Settings,
     /// By sensor.
