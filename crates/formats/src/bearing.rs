@@ -21,4 +21,6 @@ pub struct Bearing {
     pub heading_rad: Option<f64>,
     /// Frequency of the emission, hertz, where it was measured.
     pub frequency_hz: Option<f64>,
+    /// Time between its pulses, seconds, where it was measured.
+    pub pulse_interval_s: Option<f64>,
 }

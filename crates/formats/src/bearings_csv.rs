@@ -1,7 +1,7 @@
 //! Bearings as CSV rows (FM-7).
 //!
-//! `time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz` and, where known, `heading_rad` and `frequency_hz`. An empty
-//! `emitter_id` says that the direction finder cannot tell its emitters apart.
+//! `time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz` and, where known, `heading_rad`, `frequency_hz` and
+//! `pulse_interval_s`. An empty `emitter_id` says that the direction finder cannot tell its emitters apart.
 
 use std::f64::consts::TAU;
 use std::io::{self, Read, Write};
@@ -32,6 +32,7 @@ struct Columns {
     platform: [Column; 3],
     heading: Option<Column>,
     frequency: Option<Column>,
+    pulse_interval: Option<Column>,
 }
 
 impl<R: Read> BearingReader<R> {
@@ -49,6 +50,7 @@ impl<R: Read> BearingReader<R> {
             platform: table.all(["px", "py", "pz"])?,
             heading: table.optional("heading_rad")?,
             frequency: table.optional("frequency_hz")?,
+            pulse_interval: table.optional("pulse_interval_s")?,
         };
         Ok(Self {
             table,
@@ -83,10 +85,9 @@ impl Columns {
         for (place, column) in platform_m.iter_mut().zip(self.platform) {
             *place = row.number(column)?;
         }
-        let frequency_hz = row.number_or_empty(self.frequency)?;
-        if let (Some(column), Some(..=0.0)) = (self.frequency, frequency_hz) {
-            return Err(row.error(column, "must be greater than 0; a frequency is, in hertz"));
-        }
+        let frequency_hz = positive(row, self.frequency, "must be greater than 0; a frequency is, in hertz")?;
+        let interval = "must be greater than 0; the time between pulses is, in seconds";
+        let pulse_interval_s = positive(row, self.pulse_interval, interval)?;
         let heading_rad = match self.heading {
             Some(column) if row.text(column)?.is_some() => Some(angle(row, column)?),
             _ => None,
@@ -99,6 +100,7 @@ impl Columns {
             platform_m,
             heading_rad,
             frequency_hz,
+            pulse_interval_s,
         })
     }
 
@@ -111,6 +113,15 @@ impl Columns {
             }
             sigma => Ok(sigma),
         }
+    }
+}
+
+/// A number that may be missing; one that is not above 0 is refused for this reason.
+fn positive(row: Row<'_>, column: Option<Column>, reason: &str) -> Result<Option<f64>, CsvError> {
+    let number = row.number_or_empty(column)?;
+    match (column, number) {
+        (Some(column), Some(..=0.0)) => Err(row.error(column, reason)),
+        _ => Ok(number),
     }
 }
 
@@ -136,7 +147,7 @@ impl<W: Write> BearingWriter<W> {
     pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
         writeln!(
             writer,
-            "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz"
+            "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz,pulse_interval_s"
         )?;
         Ok(Self { writer, first_day_ns })
     }
@@ -158,7 +169,7 @@ impl<W: Write> BearingWriter<W> {
             ",{},{},{east},{north},{up}",
             bearing.bearing_rad, bearing.sigma_rad
         )?;
-        for number in [bearing.heading_rad, bearing.frequency_hz] {
+        for number in [bearing.heading_rad, bearing.frequency_hz, bearing.pulse_interval_s] {
             match number {
                 Some(number) => write!(out, ",{number}")?,
                 None => write!(out, ",")?,
@@ -182,7 +193,7 @@ impl<W: Write> BearingWriter<W> {
 mod tests {
     use super::*;
 
-    const HEADER: &str = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz";
+    const HEADER: &str = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz,pulse_interval_s";
 
     fn read(rows: &str) -> Vec<Result<Bearing, String>> {
         let text = format!("{HEADER}\n{rows}");
@@ -192,7 +203,7 @@ mod tests {
 
     #[test]
     fn rows_are_read_with_and_without_what_may_be_unknown() {
-        let found = read("2.5,7,1.5,0.02,10,20,3000,0.5,1.2e8\n3,,-1.5,0.02,10,20,3000,,\n");
+        let found = read("2.5,7,1.5,0.02,10,20,3000,0.5,1.2e8,1e-3\n3,,-1.5,0.02,10,20,3000,,,\n");
         let first = Bearing {
             time_of_measurement_ns: 2_500_001_000,
             emitter_id: Some(7),
@@ -201,6 +212,7 @@ mod tests {
             platform_m: [10.0, 20.0, 3000.0],
             heading_rad: Some(0.5),
             frequency_hz: Some(1.2e8),
+            pulse_interval_s: Some(1e-3),
         };
         assert_eq!(found[0], Ok(first));
         let second = Bearing {
@@ -209,6 +221,7 @@ mod tests {
             bearing_rad: -1.5,
             heading_rad: None,
             frequency_hz: None,
+            pulse_interval_s: None,
             ..first
         };
         assert_eq!(found[1], Ok(second));
@@ -217,23 +230,27 @@ mod tests {
     #[test]
     fn what_cannot_be_meant_is_refused_with_place_and_remedy() {
         for (row, expected) in [
-            ("2,1.5,1,0.02,0,0,0,,", "column emitter_id: \"1.5\" is no whole number"),
+            ("2,1.5,1,0.02,0,0,0,,,", "column emitter_id: \"1.5\" is no whole number"),
             (
-                "2,1,270,0.02,0,0,0,,",
+                "2,1,270,0.02,0,0,0,,,",
                 "column bearing_rad: \"270\" is more than a full turn; write radians",
             ),
-            ("2,1,,0.02,0,0,0,,", "column bearing_rad: \"\" is empty"),
-            ("2,1,1,0,0,0,0,,", "column sigma_rad: \"0\" must be greater than 0"),
-            ("2,1,1,2,0,0,0,,", "column sigma_rad: \"2\" is more than 1"),
-            ("2,1,1,NaN,0,0,0,,", "column sigma_rad: \"NaN\" is not finite"),
-            ("2,1,1,0.02,0,,0,,", "column py: \"\" is empty"),
+            ("2,1,,0.02,0,0,0,,,", "column bearing_rad: \"\" is empty"),
+            ("2,1,1,0,0,0,0,,,", "column sigma_rad: \"0\" must be greater than 0"),
+            ("2,1,1,2,0,0,0,,,", "column sigma_rad: \"2\" is more than 1"),
+            ("2,1,1,NaN,0,0,0,,,", "column sigma_rad: \"NaN\" is not finite"),
+            ("2,1,1,0.02,0,,0,,,", "column py: \"\" is empty"),
             (
-                "2,1,1,0.02,0,0,0,90,",
+                "2,1,1,0.02,0,0,0,90,,",
                 "column heading_rad: \"90\" is more than a full turn",
             ),
             (
-                "2,1,1,0.02,0,0,0,,0",
+                "2,1,1,0.02,0,0,0,,0,",
                 "column frequency_hz: \"0\" must be greater than 0",
+            ),
+            (
+                "2,1,1,0.02,0,0,0,,,-1",
+                "column pulse_interval_s: \"-1\" must be greater than 0",
             ),
         ] {
             let [found] = &read(row)[..] else { panic!("{row}") };
@@ -263,11 +280,13 @@ mod tests {
             platform_m: [-1e-3, 2.0 / 7.0, 3e5],
             heading_rad: Some(-0.7),
             frequency_hz: Some(9.41e9),
+            pulse_interval_s: Some(0.1 / 3.0),
         };
         let second = Bearing {
             emitter_id: None,
             heading_rad: None,
             frequency_hz: None,
+            pulse_interval_s: None,
             ..first
         };
         let mut writer = BearingWriter::begin(Vec::new(), 1_000).unwrap();

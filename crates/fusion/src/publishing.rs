@@ -2,7 +2,7 @@
 
 use messages::{
     AXES, CONTRIBUTIONS_MAX, Contribution, Counter, Covariance, NO_SOURCE, SensorTrack, StageTimes, SystemTrack,
-    TrackState, contribution_bits,
+    TargetType, TrackKind, TrackState, contribution_bits,
 };
 
 use crate::engine::Engine;
@@ -229,7 +229,9 @@ impl Engine {
             alerts: entry.alerts,
             merged_into: entry.merged_into,
             on_ground: u8::from(entry.on_ground),
-            reserved: [0; 3],
+            kind: TrackKind::Single as u8,
+            members: 0,
+            target_type: TargetType::default(),
         };
         let mut heaviest = 0.0;
         for (index, share) in shares.iter().enumerate() {

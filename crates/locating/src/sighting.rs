@@ -135,6 +135,7 @@ mod tests {
             platform_m: [10.0, 20.0, 30.0],
             heading_rad: None,
             frequency_hz: None,
+            pulse_interval_s: None,
         })
     }
 

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SCHEMA UINT64_C(0x643787d4d1252df1) /* Every BatchHeader.schema must equal this. */
+#define KOSEKI_SCHEMA UINT64_C(0x183e17564ccf6f2b) /* Every BatchHeader.schema must equal this. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
 #define KOSEKI_COUNTERS_MAX UINT64_C(0x40) /* Length of Health.counters. */
 #define KOSEKI_IDENTITY_ADDRESS UINT64_C(0x1) /* Bit of a flags or valid field. */
@@ -25,11 +25,13 @@
 #define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* Bit of a flags or valid field. */
 #define KOSEKI_SENSOR_BEARING_HEADING UINT64_C(0x2) /* Bit of a flags or valid field. */
 #define KOSEKI_SENSOR_BEARING_FREQUENCY UINT64_C(0x4) /* Bit of a flags or valid field. */
+#define KOSEKI_SENSOR_BEARING_PULSE_INTERVAL UINT64_C(0x8) /* Bit of a flags or valid field. */
 #define KOSEKI_PLATFORM_STATE_VELOCITY UINT64_C(0x1) /* Bit of a flags or valid field. */
 #define KOSEKI_PLATFORM_STATE_HEADING UINT64_C(0x2) /* Bit of a flags or valid field. */
 #define KOSEKI_PLATFORM_STATE_ATTITUDE UINT64_C(0x4) /* Bit of a flags or valid field. */
 #define KOSEKI_PLATFORM_STATE_POSITION_SIGMA UINT64_C(0x8) /* Bit of a flags or valid field. */
 #define KOSEKI_PLATFORM_STATE_HEADING_SIGMA UINT64_C(0x10) /* Bit of a flags or valid field. */
+#define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* Bit of a flags or valid field. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* Bit of a flags or valid field. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* Bit of a flags or valid field. */
 #define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Bit of a flags or valid field. */
@@ -50,6 +52,8 @@
 #define KOSEKI_STATE_CONFIRMED UINT64_C(0x1) /* Value of a state field. */
 #define KOSEKI_STATE_COASTED UINT64_C(0x2) /* Value of a state field. */
 #define KOSEKI_STATE_TERMINATED UINT64_C(0x3) /* Value of a state field. */
+#define KOSEKI_KIND_SINGLE UINT64_C(0x0) /* Value of a track's kind field. */
+#define KOSEKI_KIND_GROUP UINT64_C(0x1) /* Value of a track's kind field. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */
@@ -74,6 +78,14 @@ static_assert(offsetof(KosekiIdentity, address) == 0, "offset");
 static_assert(offsetof(KosekiIdentity, mode_3a) == 4, "offset");
 static_assert(offsetof(KosekiIdentity, valid) == 6, "offset");
 static_assert(offsetof(KosekiIdentity, callsign) == 8, "offset");
+
+typedef struct KosekiTargetType {
+    uint8_t name[12]; /* Name in ASCII, padded with blanks. */
+    float confidence; /* Probability that it is of that type, in (0, 1]; 0 where no type is known. */
+} KosekiTargetType;
+static_assert(sizeof(KosekiTargetType) == 16, "size");
+static_assert(offsetof(KosekiTargetType, name) == 0, "offset");
+static_assert(offsetof(KosekiTargetType, confidence) == 12, "offset");
 
 typedef struct KosekiCovariance {
     double upper[21]; /* The 21 elements. */
@@ -115,9 +127,12 @@ typedef struct KosekiSensorTrack {
     uint8_t state; /* State of the track at its source: a `TrackState` code. */
     uint8_t method; /* Observation method at the source, as numbered by its format; 0 if it has one only. */
     uint8_t alerts; /* What the target or its source wants noticed: see `alert_bits`. */
-    uint8_t reserved[5]; /* Reserved, 0. */
+    uint8_t kind; /* What the track follows: a `TrackKind` code. */
+    uint16_t members; /* Expected number of members of a group; 0 for a single target. */
+    uint16_t reserved; /* Reserved, 0. */
+    KosekiTargetType target_type; /* What type of target it is. */
 } KosekiSensorTrack;
-static_assert(sizeof(KosekiSensorTrack) == 328, "size");
+static_assert(sizeof(KosekiSensorTrack) == 344, "size");
 static_assert(offsetof(KosekiSensorTrack, time_of_measurement_ns) == 0, "offset");
 static_assert(offsetof(KosekiSensorTrack, sequence) == 8, "offset");
 static_assert(offsetof(KosekiSensorTrack, stages) == 16, "offset");
@@ -133,7 +148,10 @@ static_assert(offsetof(KosekiSensorTrack, trace_m2) == 312, "offset");
 static_assert(offsetof(KosekiSensorTrack, state) == 320, "offset");
 static_assert(offsetof(KosekiSensorTrack, method) == 321, "offset");
 static_assert(offsetof(KosekiSensorTrack, alerts) == 322, "offset");
-static_assert(offsetof(KosekiSensorTrack, reserved) == 323, "offset");
+static_assert(offsetof(KosekiSensorTrack, kind) == 323, "offset");
+static_assert(offsetof(KosekiSensorTrack, members) == 324, "offset");
+static_assert(offsetof(KosekiSensorTrack, reserved) == 326, "offset");
+static_assert(offsetof(KosekiSensorTrack, target_type) == 328, "offset");
 
 typedef struct KosekiSensorDetection {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
@@ -174,11 +192,12 @@ typedef struct KosekiSensorBearing {
     double platform_m[3]; /* Where the platform was, metres east, north and up. */
     double heading_rad; /* Where its nose pointed, radians clockwise from north. */
     double frequency_hz; /* Frequency of the emission, hertz. */
+    double pulse_interval_s; /* Time between its pulses, seconds. */
     uint32_t emitter_id; /* Number of the transmitter at its source. */
     uint16_t source; /* Source: its number in the configuration (TI-2). */
     uint16_t valid; /* Which fields hold something: see `sensor_bearing_bits`. */
 } KosekiSensorBearing;
-static_assert(sizeof(KosekiSensorBearing) == 112, "size");
+static_assert(sizeof(KosekiSensorBearing) == 120, "size");
 static_assert(offsetof(KosekiSensorBearing, time_of_measurement_ns) == 0, "offset");
 static_assert(offsetof(KosekiSensorBearing, sequence) == 8, "offset");
 static_assert(offsetof(KosekiSensorBearing, stages) == 16, "offset");
@@ -187,9 +206,10 @@ static_assert(offsetof(KosekiSensorBearing, sigma_rad) == 56, "offset");
 static_assert(offsetof(KosekiSensorBearing, platform_m) == 64, "offset");
 static_assert(offsetof(KosekiSensorBearing, heading_rad) == 88, "offset");
 static_assert(offsetof(KosekiSensorBearing, frequency_hz) == 96, "offset");
-static_assert(offsetof(KosekiSensorBearing, emitter_id) == 104, "offset");
-static_assert(offsetof(KosekiSensorBearing, source) == 108, "offset");
-static_assert(offsetof(KosekiSensorBearing, valid) == 110, "offset");
+static_assert(offsetof(KosekiSensorBearing, pulse_interval_s) == 104, "offset");
+static_assert(offsetof(KosekiSensorBearing, emitter_id) == 112, "offset");
+static_assert(offsetof(KosekiSensorBearing, source) == 116, "offset");
+static_assert(offsetof(KosekiSensorBearing, valid) == 118, "offset");
 
 typedef struct KosekiPlatformState {
     int64_t time_ns; /* Time at which the platform was there, UTC, nanoseconds since 1970. */
@@ -220,6 +240,54 @@ static_assert(offsetof(KosekiPlatformState, heading_sigma_rad) == 128, "offset")
 static_assert(offsetof(KosekiPlatformState, source) == 136, "offset");
 static_assert(offsetof(KosekiPlatformState, valid) == 138, "offset");
 static_assert(offsetof(KosekiPlatformState, reserved) == 140, "offset");
+
+typedef struct KosekiWideArea {
+    int64_t time_of_observation_ns; /* Time of observation, UTC, nanoseconds since 1970. */
+    int64_t arrival_ns; /* Time of arrival, UTC, nanoseconds since 1970; it is used from then on. */
+    uint64_t sequence; /* The report's sequence number at its publisher. */
+    KosekiStageTimes stages; /* Stages passed so far. */
+    double position_m[3]; /* Middle of the targets at the time of observation, metres east, north and up. */
+    double velocity_mps[3]; /* Their mean velocity east, north, up, metres per second. */
+    double origin_m[2]; /* Where they came from, metres east and north. */
+    uint32_t targets; /* Number of targets; 0 says that there were none. */
+    uint16_t sensor; /* The wide-area sensor: its number in the configuration. */
+    uint16_t valid; /* Which fields hold something: see `wide_area_bits`. */
+} KosekiWideArea;
+static_assert(sizeof(KosekiWideArea) == 128, "size");
+static_assert(offsetof(KosekiWideArea, time_of_observation_ns) == 0, "offset");
+static_assert(offsetof(KosekiWideArea, arrival_ns) == 8, "offset");
+static_assert(offsetof(KosekiWideArea, sequence) == 16, "offset");
+static_assert(offsetof(KosekiWideArea, stages) == 24, "offset");
+static_assert(offsetof(KosekiWideArea, position_m) == 56, "offset");
+static_assert(offsetof(KosekiWideArea, velocity_mps) == 80, "offset");
+static_assert(offsetof(KosekiWideArea, origin_m) == 104, "offset");
+static_assert(offsetof(KosekiWideArea, targets) == 120, "offset");
+static_assert(offsetof(KosekiWideArea, sensor) == 124, "offset");
+static_assert(offsetof(KosekiWideArea, valid) == 126, "offset");
+
+typedef struct KosekiCue {
+    int64_t time_ns; /* Time of the look, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The cue's sequence number at its publisher. */
+    KosekiStageTimes stages; /* Stages passed so far. */
+    double position_m[3]; /* Predicted position east, north, up, metres. */
+    double velocity_mps[3]; /* Predicted velocity east, north, up, metres per second. */
+    double half_axes_m[2]; /* Longer and shorter half axis of the region to be searched, metres. */
+    double orientation_rad; /* Direction of the longer one, radians clockwise from north, in [0, pi). */
+    uint32_t track_number; /* Number of the sensor track at its source. */
+    uint16_t source; /* The source that is to look: its number in the configuration (TI-2). */
+    uint16_t reserved; /* Reserved, 0. */
+} KosekiCue;
+static_assert(sizeof(KosekiCue) == 128, "size");
+static_assert(offsetof(KosekiCue, time_ns) == 0, "offset");
+static_assert(offsetof(KosekiCue, sequence) == 8, "offset");
+static_assert(offsetof(KosekiCue, stages) == 16, "offset");
+static_assert(offsetof(KosekiCue, position_m) == 48, "offset");
+static_assert(offsetof(KosekiCue, velocity_mps) == 72, "offset");
+static_assert(offsetof(KosekiCue, half_axes_m) == 96, "offset");
+static_assert(offsetof(KosekiCue, orientation_rad) == 112, "offset");
+static_assert(offsetof(KosekiCue, track_number) == 120, "offset");
+static_assert(offsetof(KosekiCue, source) == 124, "offset");
+static_assert(offsetof(KosekiCue, reserved) == 126, "offset");
 
 typedef struct KosekiContribution {
     int64_t time_of_measurement_ns; /* Time of measurement of the source's latest report, UTC, nanoseconds. */
@@ -258,9 +326,11 @@ typedef struct KosekiSystemTrack {
     uint8_t alerts; /* What a contributing source wants noticed: see `alert_bits`. */
     uint32_t merged_into; /* Number of the system track into which this one was merged, where it ended by a merge; else 0. */
     uint8_t on_ground; /* 1 if a contributing source says that the target is on the ground. */
-    uint8_t reserved[3]; /* Reserved, 0. */
+    uint8_t kind; /* What the track follows: a `TrackKind` code. */
+    uint16_t members; /* Expected number of members of a group; 0 for a single target. */
+    KosekiTargetType target_type; /* What type of target it is. */
 } KosekiSystemTrack;
-static_assert(sizeof(KosekiSystemTrack) == 824, "size");
+static_assert(sizeof(KosekiSystemTrack) == 840, "size");
 static_assert(offsetof(KosekiSystemTrack, reference_time_ns) == 0, "offset");
 static_assert(offsetof(KosekiSystemTrack, time_of_measurement_ns) == 8, "offset");
 static_assert(offsetof(KosekiSystemTrack, sequence) == 16, "offset");
@@ -281,7 +351,9 @@ static_assert(offsetof(KosekiSystemTrack, rule) == 814, "offset");
 static_assert(offsetof(KosekiSystemTrack, alerts) == 815, "offset");
 static_assert(offsetof(KosekiSystemTrack, merged_into) == 816, "offset");
 static_assert(offsetof(KosekiSystemTrack, on_ground) == 820, "offset");
-static_assert(offsetof(KosekiSystemTrack, reserved) == 821, "offset");
+static_assert(offsetof(KosekiSystemTrack, kind) == 821, "offset");
+static_assert(offsetof(KosekiSystemTrack, members) == 822, "offset");
+static_assert(offsetof(KosekiSystemTrack, target_type) == 824, "offset");
 
 typedef struct KosekiRegistration {
     double comparisons; /* Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known. */

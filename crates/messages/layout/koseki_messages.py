@@ -5,7 +5,7 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SCHEMA = 0x643787d4d1252df1  # Every BatchHeader.schema must equal this.
+SCHEMA = 0x183e17564ccf6f2b  # Every BatchHeader.schema must equal this.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
 COUNTERS_MAX = 0x40  # Length of Health.counters.
 IDENTITY_ADDRESS = 0x1  # Bit of a flags or valid field.
@@ -24,11 +24,13 @@ SENSOR_DETECTION_SIGMAS = 0x2  # Bit of a flags or valid field.
 SENSOR_BEARING_EMITTER = 0x1  # Bit of a flags or valid field.
 SENSOR_BEARING_HEADING = 0x2  # Bit of a flags or valid field.
 SENSOR_BEARING_FREQUENCY = 0x4  # Bit of a flags or valid field.
+SENSOR_BEARING_PULSE_INTERVAL = 0x8  # Bit of a flags or valid field.
 PLATFORM_STATE_VELOCITY = 0x1  # Bit of a flags or valid field.
 PLATFORM_STATE_HEADING = 0x2  # Bit of a flags or valid field.
 PLATFORM_STATE_ATTITUDE = 0x4  # Bit of a flags or valid field.
 PLATFORM_STATE_POSITION_SIGMA = 0x8  # Bit of a flags or valid field.
 PLATFORM_STATE_HEADING_SIGMA = 0x10  # Bit of a flags or valid field.
+WIDE_AREA_ORIGIN = 0x1  # Bit of a flags or valid field.
 CONTRIBUTION_FRESH = 0x1  # Bit of a flags or valid field.
 CONTRIBUTION_SCORED = 0x2  # Bit of a flags or valid field.
 ALERT_SPECIAL_IDENTIFICATION = 0x1  # Bit of a flags or valid field.
@@ -49,6 +51,8 @@ STATE_TENTATIVE = 0x0  # Value of a state field.
 STATE_CONFIRMED = 0x1  # Value of a state field.
 STATE_COASTED = 0x2  # Value of a state field.
 STATE_TERMINATED = 0x3  # Value of a state field.
+KIND_SINGLE = 0x0  # Value of a track's kind field.
+KIND_GROUP = 0x1  # Value of a track's kind field.
 
 
 class StageTimes(ctypes.Structure):
@@ -89,6 +93,22 @@ assert Identity.address.offset == 0
 assert Identity.mode_3a.offset == 4
 assert Identity.valid.offset == 6
 assert Identity.callsign.offset == 8
+
+
+class TargetType(ctypes.Structure):
+    _fields_ = [
+        ("name", ctypes.c_uint8 * 12),  # Name in ASCII, padded with blanks.
+        ("confidence", ctypes.c_float),  # Probability that it is of that type, in (0, 1]; 0 where no type is known.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "TargetType"
+
+
+assert ctypes.sizeof(TargetType) == 16
+assert TargetType.name.offset == 0
+assert TargetType.confidence.offset == 12
 
 
 class Covariance(ctypes.Structure):
@@ -148,7 +168,10 @@ class SensorTrack(ctypes.Structure):
         ("state", ctypes.c_uint8),  # State of the track at its source: a `TrackState` code.
         ("method", ctypes.c_uint8),  # Observation method at the source, as numbered by its format; 0 if it has one only.
         ("alerts", ctypes.c_uint8),  # What the target or its source wants noticed: see `alert_bits`.
-        ("reserved", ctypes.c_uint8 * 5),  # Reserved, 0.
+        ("kind", ctypes.c_uint8),  # What the track follows: a `TrackKind` code.
+        ("members", ctypes.c_uint16),  # Expected number of members of a group; 0 for a single target.
+        ("reserved", ctypes.c_uint16),  # Reserved, 0.
+        ("target_type", TargetType),  # What type of target it is.
     ]
 
     @staticmethod
@@ -156,7 +179,7 @@ class SensorTrack(ctypes.Structure):
         return "SensorTrack"
 
 
-assert ctypes.sizeof(SensorTrack) == 328
+assert ctypes.sizeof(SensorTrack) == 344
 assert SensorTrack.time_of_measurement_ns.offset == 0
 assert SensorTrack.sequence.offset == 8
 assert SensorTrack.stages.offset == 16
@@ -172,7 +195,10 @@ assert SensorTrack.trace_m2.offset == 312
 assert SensorTrack.state.offset == 320
 assert SensorTrack.method.offset == 321
 assert SensorTrack.alerts.offset == 322
-assert SensorTrack.reserved.offset == 323
+assert SensorTrack.kind.offset == 323
+assert SensorTrack.members.offset == 324
+assert SensorTrack.reserved.offset == 326
+assert SensorTrack.target_type.offset == 328
 
 
 class SensorDetection(ctypes.Structure):
@@ -223,6 +249,7 @@ class SensorBearing(ctypes.Structure):
         ("platform_m", ctypes.c_double * 3),  # Where the platform was, metres east, north and up.
         ("heading_rad", ctypes.c_double),  # Where its nose pointed, radians clockwise from north.
         ("frequency_hz", ctypes.c_double),  # Frequency of the emission, hertz.
+        ("pulse_interval_s", ctypes.c_double),  # Time between its pulses, seconds.
         ("emitter_id", ctypes.c_uint32),  # Number of the transmitter at its source.
         ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
         ("valid", ctypes.c_uint16),  # Which fields hold something: see `sensor_bearing_bits`.
@@ -233,7 +260,7 @@ class SensorBearing(ctypes.Structure):
         return "SensorBearing"
 
 
-assert ctypes.sizeof(SensorBearing) == 112
+assert ctypes.sizeof(SensorBearing) == 120
 assert SensorBearing.time_of_measurement_ns.offset == 0
 assert SensorBearing.sequence.offset == 8
 assert SensorBearing.stages.offset == 16
@@ -242,9 +269,10 @@ assert SensorBearing.sigma_rad.offset == 56
 assert SensorBearing.platform_m.offset == 64
 assert SensorBearing.heading_rad.offset == 88
 assert SensorBearing.frequency_hz.offset == 96
-assert SensorBearing.emitter_id.offset == 104
-assert SensorBearing.source.offset == 108
-assert SensorBearing.valid.offset == 110
+assert SensorBearing.pulse_interval_s.offset == 104
+assert SensorBearing.emitter_id.offset == 112
+assert SensorBearing.source.offset == 116
+assert SensorBearing.valid.offset == 118
 
 
 class PlatformState(ctypes.Structure):
@@ -283,6 +311,70 @@ assert PlatformState.heading_sigma_rad.offset == 128
 assert PlatformState.source.offset == 136
 assert PlatformState.valid.offset == 138
 assert PlatformState.reserved.offset == 140
+
+
+class WideArea(ctypes.Structure):
+    _fields_ = [
+        ("time_of_observation_ns", ctypes.c_int64),  # Time of observation, UTC, nanoseconds since 1970.
+        ("arrival_ns", ctypes.c_int64),  # Time of arrival, UTC, nanoseconds since 1970; it is used from then on.
+        ("sequence", ctypes.c_uint64),  # The report's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("position_m", ctypes.c_double * 3),  # Middle of the targets at the time of observation, metres east, north and up.
+        ("velocity_mps", ctypes.c_double * 3),  # Their mean velocity east, north, up, metres per second.
+        ("origin_m", ctypes.c_double * 2),  # Where they came from, metres east and north.
+        ("targets", ctypes.c_uint32),  # Number of targets; 0 says that there were none.
+        ("sensor", ctypes.c_uint16),  # The wide-area sensor: its number in the configuration.
+        ("valid", ctypes.c_uint16),  # Which fields hold something: see `wide_area_bits`.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "WideArea"
+
+
+assert ctypes.sizeof(WideArea) == 128
+assert WideArea.time_of_observation_ns.offset == 0
+assert WideArea.arrival_ns.offset == 8
+assert WideArea.sequence.offset == 16
+assert WideArea.stages.offset == 24
+assert WideArea.position_m.offset == 56
+assert WideArea.velocity_mps.offset == 80
+assert WideArea.origin_m.offset == 104
+assert WideArea.targets.offset == 120
+assert WideArea.sensor.offset == 124
+assert WideArea.valid.offset == 126
+
+
+class Cue(ctypes.Structure):
+    _fields_ = [
+        ("time_ns", ctypes.c_int64),  # Time of the look, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The cue's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("position_m", ctypes.c_double * 3),  # Predicted position east, north, up, metres.
+        ("velocity_mps", ctypes.c_double * 3),  # Predicted velocity east, north, up, metres per second.
+        ("half_axes_m", ctypes.c_double * 2),  # Longer and shorter half axis of the region to be searched, metres.
+        ("orientation_rad", ctypes.c_double),  # Direction of the longer one, radians clockwise from north, in [0, pi).
+        ("track_number", ctypes.c_uint32),  # Number of the sensor track at its source.
+        ("source", ctypes.c_uint16),  # The source that is to look: its number in the configuration (TI-2).
+        ("reserved", ctypes.c_uint16),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Cue"
+
+
+assert ctypes.sizeof(Cue) == 128
+assert Cue.time_ns.offset == 0
+assert Cue.sequence.offset == 8
+assert Cue.stages.offset == 16
+assert Cue.position_m.offset == 48
+assert Cue.velocity_mps.offset == 72
+assert Cue.half_axes_m.offset == 96
+assert Cue.orientation_rad.offset == 112
+assert Cue.track_number.offset == 120
+assert Cue.source.offset == 124
+assert Cue.reserved.offset == 126
 
 
 class Contribution(ctypes.Structure):
@@ -331,7 +423,9 @@ class SystemTrack(ctypes.Structure):
         ("alerts", ctypes.c_uint8),  # What a contributing source wants noticed: see `alert_bits`.
         ("merged_into", ctypes.c_uint32),  # Number of the system track into which this one was merged, where it ended by a merge; else 0.
         ("on_ground", ctypes.c_uint8),  # 1 if a contributing source says that the target is on the ground.
-        ("reserved", ctypes.c_uint8 * 3),  # Reserved, 0.
+        ("kind", ctypes.c_uint8),  # What the track follows: a `TrackKind` code.
+        ("members", ctypes.c_uint16),  # Expected number of members of a group; 0 for a single target.
+        ("target_type", TargetType),  # What type of target it is.
     ]
 
     @staticmethod
@@ -339,7 +433,7 @@ class SystemTrack(ctypes.Structure):
         return "SystemTrack"
 
 
-assert ctypes.sizeof(SystemTrack) == 824
+assert ctypes.sizeof(SystemTrack) == 840
 assert SystemTrack.reference_time_ns.offset == 0
 assert SystemTrack.time_of_measurement_ns.offset == 8
 assert SystemTrack.sequence.offset == 16
@@ -360,7 +454,9 @@ assert SystemTrack.rule.offset == 814
 assert SystemTrack.alerts.offset == 815
 assert SystemTrack.merged_into.offset == 816
 assert SystemTrack.on_ground.offset == 820
-assert SystemTrack.reserved.offset == 821
+assert SystemTrack.kind.offset == 821
+assert SystemTrack.members.offset == 822
+assert SystemTrack.target_type.offset == 824
 
 
 class Registration(ctypes.Structure):

@@ -106,12 +106,15 @@ pub(crate) use sample;
 pub const ALL: &[Layout] = &[
     crate::StageTimes::LAYOUT,
     crate::Identity::LAYOUT,
+    crate::TargetType::LAYOUT,
     crate::Covariance::LAYOUT,
     crate::BatchHeader::LAYOUT,
     crate::SensorTrack::LAYOUT,
     crate::SensorDetection::LAYOUT,
     crate::SensorBearing::LAYOUT,
     crate::PlatformState::LAYOUT,
+    crate::WideArea::LAYOUT,
+    crate::Cue::LAYOUT,
     crate::Contribution::LAYOUT,
     crate::SystemTrack::LAYOUT,
     crate::Registration::LAYOUT,
@@ -197,7 +200,7 @@ fn size_of_name(name: &str) -> Option<usize> {
 fn constants() -> Vec<(String, u64, &'static str)> {
     use crate::{
         alert_bits, contribution_bits, identity_bits, platform_state_bits, registration_bits, sensor_bearing_bits,
-        sensor_detection_bits, sensor_track_bits,
+        sensor_detection_bits, sensor_track_bits, wide_area_bits,
     };
     let mut list = vec![
         (
@@ -216,12 +219,13 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             "Length of Health.counters.",
         ),
     ];
-    let groups: [(&str, &[(&str, u64)]); 8] = [
+    let groups: [(&str, &[(&str, u64)]); 9] = [
         ("IDENTITY", identity_bits::NAMES),
         ("SENSOR_TRACK", sensor_track_bits::NAMES),
         ("SENSOR_DETECTION", sensor_detection_bits::NAMES),
         ("SENSOR_BEARING", sensor_bearing_bits::NAMES),
         ("PLATFORM_STATE", platform_state_bits::NAMES),
+        ("WIDE_AREA", wide_area_bits::NAMES),
         ("CONTRIBUTION", contribution_bits::NAMES),
         ("ALERT", alert_bits::NAMES),
         ("REGISTRATION", registration_bits::NAMES),
@@ -236,6 +240,13 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             format!("STATE_{}", state.word().to_uppercase()),
             state as u64,
             "Value of a state field.",
+        ));
+    }
+    for kind in crate::TrackKind::ALL {
+        list.push((
+            format!("KIND_{}", kind.word().to_uppercase()),
+            kind as u64,
+            "Value of a track's kind field.",
         ));
     }
     list

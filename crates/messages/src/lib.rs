@@ -27,7 +27,9 @@ mod sensor_detection;
 mod sensor_track;
 mod stages;
 mod system_track;
+mod target_type;
 mod topics;
+mod wide_area;
 
 pub use batch::BatchHeader;
 pub use control::{Control, Progress};
@@ -41,14 +43,16 @@ pub use sensor_detection::{SensorDetection, sensor_detection_bits};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
 pub use stages::StageTimes;
 pub use system_track::{CONTRIBUTIONS_MAX, Contribution, SystemTrack, contribution_bits};
+pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Capacity, Topic, TopicName, control, detections_number, health, platform_states, progress, sensor_bearings,
-    sensor_detections, sensor_tracks, system_tracks,
+    Capacity, Topic, TopicName, control, cues, detections_number, health, platform_states, progress, sensor_bearings,
+    sensor_detections, sensor_tracks, system_tracks, wide_area,
 };
+pub use wide_area::{Cue, WideArea, wide_area_bits};
 
 /// Changes whenever any layout or the meaning of any field changes; carried by every batch and checked by every
 /// subscriber.
-pub const SCHEMA_VERSION: u32 = 4;
+pub const SCHEMA_VERSION: u32 = 5;
 
 /// Number of nanoseconds in a second.
 pub const NS_PER_S: f64 = 1e9;
@@ -88,6 +92,35 @@ impl TrackState {
     }
 
     /// The state that a message's code names; codes of a future schema yield `None`.
+    pub fn from_code(code: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(code)).copied()
+    }
+}
+
+/// What a track follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum TrackKind {
+    /// One target.
+    #[default]
+    Single = 0,
+    /// Several targets that are not told apart (WA-7).
+    Group = 1,
+}
+
+impl TrackKind {
+    /// Every kind, in the order of its code.
+    pub const ALL: [Self; 2] = [Self::Single, Self::Group];
+
+    /// The word that files use.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+            Self::Group => "group",
+        }
+    }
+
+    /// The kind that a message's code names; codes of a future schema yield `None`.
     pub fn from_code(code: u8) -> Option<Self> {
         Self::ALL.get(usize::from(code)).copied()
     }

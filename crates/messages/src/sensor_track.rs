@@ -1,7 +1,7 @@
 //! What an adapter reports.
 
 use crate::layout::sample;
-use crate::{Covariance, Identity, StageTimes};
+use crate::{Covariance, Identity, StageTimes, TargetType};
 
 /// Bits of [`SensorTrack::valid`].
 pub mod sensor_track_bits {
@@ -68,7 +68,7 @@ pub mod alert_bits {
 sample! {
     /// One report of one sensor track (TI-1): state in the system's East-North-Up frame at the time of measurement.
     #[derive(Default)]
-    SensorTrack, size 328 {
+    SensorTrack, size 344 {
         /// Time of measurement, UTC, nanoseconds since 1970.
         time_of_measurement_ns: i64,
         /// The report's sequence number at its publisher.
@@ -99,8 +99,14 @@ sample! {
         method: u8,
         /// What the target or its source wants noticed: see `alert_bits`.
         alerts: u8,
+        /// What the track follows: a `TrackKind` code.
+        kind: u8,
+        /// Expected number of members of a group; 0 for a single target.
+        members: u16,
         /// Reserved, 0.
-        reserved: [u8; 5],
+        reserved: u16,
+        /// What type of target it is.
+        target_type: TargetType,
     }
 }
 

@@ -1,7 +1,7 @@
 //! What fusion publishes.
 
 use crate::layout::sample;
-use crate::{Covariance, Identity, StageTimes};
+use crate::{Covariance, Identity, StageTimes, TargetType};
 
 /// How many contributions one system track can list; more are counted in `source_count` only.
 pub const CONTRIBUTIONS_MAX: usize = 16;
@@ -38,7 +38,7 @@ sample! {
 sample! {
     /// One state of one system track: the fused picture of one target (TI-19).
     #[derive(Default)]
-    SystemTrack, size 824 {
+    SystemTrack, size 840 {
         /// Reference time of the state, UTC, nanoseconds since 1970.
         reference_time_ns: i64,
         /// Time of measurement of the report that caused this state, UTC, nanoseconds; of the reference time, if none did.
@@ -79,8 +79,12 @@ sample! {
         merged_into: u32,
         /// 1 if a contributing source says that the target is on the ground.
         on_ground: u8,
-        /// Reserved, 0.
-        reserved: [u8; 3],
+        /// What the track follows: a `TrackKind` code.
+        kind: u8,
+        /// Expected number of members of a group; 0 for a single target.
+        members: u16,
+        /// What type of target it is.
+        target_type: TargetType,
     }
 }
 

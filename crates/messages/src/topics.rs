@@ -5,7 +5,9 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use crate::{Control, Health, PlatformState, Progress, SensorBearing, SensorDetection, SensorTrack, SystemTrack};
+use crate::{
+    Control, Cue, Health, PlatformState, Progress, SensorBearing, SensorDetection, SensorTrack, SystemTrack, WideArea,
+};
 
 /// Name of a topic in shared memory.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -105,6 +107,28 @@ pub fn platform_states(platform_name: &str) -> Topic<PlatformState> {
         subscribers: 16,
     };
     Topic::new(format!("platform/{platform_name}/state"), capacity)
+}
+
+/// What a wide-area sensor says: read by every tracker that it supports.
+pub fn wide_area(sensor_name: &str) -> Topic<WideArea> {
+    let capacity = Capacity {
+        depth: 64,
+        slice_len: 64,
+        publishers: 4,
+        subscribers: 72,
+    };
+    Topic::new(format!("wide-area/{sensor_name}/reports"), capacity)
+}
+
+/// Where the sensor of a source should look next: after each of its scans, one cue for each confirmed track.
+pub fn cues(source_name: &str) -> Topic<Cue> {
+    let capacity = Capacity {
+        depth: 64,
+        slice_len: 64,
+        publishers: 4,
+        subscribers: 16,
+    };
+    Topic::new(format!("sensor/{source_name}/cues"), capacity)
 }
 
 /// The fused picture: one slice per worked-off batch, in the order of fusion.

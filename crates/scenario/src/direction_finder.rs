@@ -235,6 +235,7 @@ impl SimulatedDirectionFinder {
                 platform_m: platform.position_m,
                 heading_rad: Some(platform.heading_rad),
                 frequency_hz: Some(frequency_hz + settings.frequency_sigma_hz * errors[1]),
+                pulse_interval_s: None,
             });
         }
         self.period += 1;

@@ -141,11 +141,13 @@ fn sample(source: u16, bearing: &Bearing, stages: StageTimes) -> SensorBearing {
         platform_m: bearing.platform_m,
         heading_rad: bearing.heading_rad.unwrap_or(0.0),
         frequency_hz: bearing.frequency_hz.unwrap_or(0.0),
+        pulse_interval_s: bearing.pulse_interval_s.unwrap_or(0.0),
         emitter_id: bearing.emitter_id.unwrap_or(0),
         source,
         valid: flag(EMITTER, bearing.emitter_id.is_some())
             | flag(HEADING, bearing.heading_rad.is_some())
-            | flag(FREQUENCY, bearing.frequency_hz.is_some()),
+            | flag(FREQUENCY, bearing.frequency_hz.is_some())
+            | flag(PULSE_INTERVAL, bearing.pulse_interval_s.is_some()),
         ..SensorBearing::default()
     }
 }

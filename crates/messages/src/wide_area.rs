@@ -1,0 +1,66 @@
+//! How many targets a remote sensor sees, and where sensors on board should look next.
+
+use crate::StageTimes;
+use crate::layout::sample;
+
+/// Bits of [`WideArea::valid`].
+pub mod wide_area_bits {
+    /// `origin_m` is known.
+    pub const ORIGIN: u16 = 1;
+
+    pub(crate) const NAMES: &[(&str, u64)] = &[("ORIGIN", ORIGIN as u64)];
+}
+
+sample! {
+    /// How many targets there were around a place (WA-2): a count, no detection.
+    #[derive(Default)]
+    WideArea, size 128 {
+        /// Time of observation, UTC, nanoseconds since 1970.
+        time_of_observation_ns: i64,
+        /// Time of arrival, UTC, nanoseconds since 1970; it is used from then on.
+        arrival_ns: i64,
+        /// The report's sequence number at its publisher.
+        sequence: u64,
+        /// Stages passed so far.
+        stages: StageTimes,
+        /// Middle of the targets at the time of observation, metres east, north and up.
+        position_m: [f64; 3],
+        /// Their mean velocity east, north, up, metres per second.
+        velocity_mps: [f64; 3],
+        /// Where they came from, metres east and north.
+        origin_m: [f64; 2],
+        /// Number of targets; 0 says that there were none.
+        targets: u32,
+        /// The wide-area sensor: its number in the configuration.
+        sensor: u16,
+        /// Which fields hold something: see `wide_area_bits`.
+        valid: u16,
+    }
+}
+
+sample! {
+    /// Where and when a sensor should look for one track (WA-12): an ellipse around the predicted position.
+    #[derive(Default)]
+    Cue, size 128 {
+        /// Time of the look, UTC, nanoseconds since 1970.
+        time_ns: i64,
+        /// The cue's sequence number at its publisher.
+        sequence: u64,
+        /// Stages passed so far.
+        stages: StageTimes,
+        /// Predicted position east, north, up, metres.
+        position_m: [f64; 3],
+        /// Predicted velocity east, north, up, metres per second.
+        velocity_mps: [f64; 3],
+        /// Longer and shorter half axis of the region to be searched, metres.
+        half_axes_m: [f64; 2],
+        /// Direction of the longer one, radians clockwise from north, in [0, pi).
+        orientation_rad: f64,
+        /// Number of the sensor track at its source.
+        track_number: u32,
+        /// The source that is to look: its number in the configuration (TI-2).
+        source: u16,
+        /// Reserved, 0.
+        reserved: u16,
+    }
+}
