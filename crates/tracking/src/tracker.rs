@@ -147,8 +147,10 @@ pub struct Tracker {
     /// Of the clusters after the latest scan.
     described: Expectations,
     log_clutter: Vec<f64>,
-    /// By detection of a scan: how many are united in it; by direction: which tracks claim it.
+    /// By detection of a scan: how many are united in it, whether it lies in a confirmed track's gate; by direction: which
+    /// tracks claim it.
     united: Vec<u32>,
+    is_inside: Vec<bool>,
     claims: Vec<Claims>,
     /// (number, track, cluster) of what is reported.
     best: Vec<(u32, u32, u32)>,
@@ -186,6 +188,7 @@ impl Tracker {
             described: Expectations::new(capacity.tracks),
             log_clutter: Vec::with_capacity(capacity.detections),
             united: vec![0; capacity.detections],
+            is_inside: vec![false; capacity.detections],
             claims: Vec::with_capacity(capacity.detections),
             best: Vec::with_capacity(capacity.tracks),
             reports: Vec::with_capacity(capacity.tracks),
@@ -427,7 +430,7 @@ impl Tracker {
             );
             next.reports_ns = *time_ns;
             self.gating.run(before, plots, *time_ns, &looking, counts);
-            let outside = outside(before, &self.gating, plots.len());
+            let outside = outside(before, &self.gating, &mut self.is_inside[..plots.len()]);
             next.sensors[*sensor].clutter.count(outside);
         }
         let scan = Scan {
@@ -627,14 +630,14 @@ fn admit(
     }
 }
 
-/// How many detections lie in no confirmed track's gate.
-fn outside(before: &Population, gating: &Gating, plots: usize) -> usize {
-    // Nearly all detections in a confirmed gate are in one only.
-    let inside = gating
-        .pairs
-        .iter()
-        .filter(|pair| before.tracks[pair.track as usize].is_confirmed());
-    plots.saturating_sub(inside.count())
+/// How many detections lie in no confirmed track's gate. All branches of a pair of targets have the same ones in theirs.
+fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usize {
+    is_inside.fill(false);
+    let confirmed = |track: u32| before.tracks[track as usize].is_confirmed();
+    for pair in gating.pairs.iter().filter(|pair| confirmed(pair.track)) {
+        is_inside[pair.plot as usize] = true;
+    }
+    is_inside.iter().filter(|is_inside| !**is_inside).count()
 }
 
 /// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).

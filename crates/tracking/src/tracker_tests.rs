@@ -1,9 +1,12 @@
 //! The tracker as a whole: what becomes of targets, clutter, late scans and hostile ones.
 
+use std::f64::consts::TAU;
+
 use formats::detection::{Detection, DetectionKind};
 use messages::TrackState;
 use proptest::prelude::*;
 
+use crate::clutter::Extent;
 use crate::settings::{Clutter, Limit, SensorSettings, Splitting};
 use crate::testing::{S, position, settings};
 use crate::{FieldOfView, Refusal, Settings, Tracker};
@@ -100,6 +103,28 @@ fn the_likelihood_ratio_can_be_asked_for_besides() {
     };
     let (early, late) = (confirmed_at(None).unwrap(), confirmed_at(Some(60.0)).unwrap());
     assert!(early < late, "{early} {late}");
+}
+
+#[test]
+fn what_several_branches_have_in_their_gates_is_left_out_of_the_clutter_once() {
+    let mut chosen = settings();
+    chosen.sensors[0].clutter = Clutter::Learned;
+    let mut tracker = Tracker::new(chosen).unwrap();
+    for second in 0..80 {
+        // Two targets that cannot be told apart, and four false detections far away, never twice in one place.
+        let mut scan = vec![flying(second, 0.0), flying(second, 30.0)];
+        let far = |place: i64| 1e5 * noise((4 * second + place) as u64 + 999);
+        scan.extend((0..4).map(|place| position(second * S, far(place), 5e3 + 20.0 * far(place).abs())));
+        tracker.scan(1, second * S, &scan).unwrap();
+    }
+    assert_eq!(tracker.tracks().len(), 2, "{:?}", tracker.tracks());
+    let area_m2 = 1e16;
+    let extent = Extent {
+        width_rad: TAU,
+        area_m2: Some(area_m2),
+    };
+    let count = tracker.latest().sensors[0].clutter.density(0, extent) * area_m2;
+    assert!((count - 4.0).abs() < 0.2, "{count}");
 }
 
 #[test]
