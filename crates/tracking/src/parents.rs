@@ -8,7 +8,6 @@ use std::ops::Range;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::ranked::log_sum;
 use crate::wide_area::correction::{Gains, Rule, has_enough, lacking};
-use crate::wide_area::expectation::Expectation;
 
 /// A hypothesis before the scan.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +21,17 @@ pub(crate) struct Parent {
     members: Range<u32>,
 }
 
+/// What wide-area reports ask of a cluster.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Asked {
+    /// How many targets there are, if that is known.
+    pub(crate) targets: Option<f64>,
+    /// How the reliabilities of its hypotheses are corrected.
+    pub(crate) correction: Option<Rule>,
+    /// Whether those of their children are corrected, too.
+    pub(crate) corrects_children: bool,
+}
+
 /// The hypotheses of one cluster, or of several together.
 #[derive(Clone, Debug)]
 pub(crate) struct Parents {
@@ -31,7 +41,7 @@ pub(crate) struct Parents {
     next: (Vec<Parent>, Vec<u32>),
     /// Logarithm of a product, with the two places that it comes from.
     products: Vec<(f64, u32, u32)>,
-    /// Whether a wide-area report changed their reliabilities.
+    /// Whether a wide-area report that is due changed their reliabilities.
     pub(crate) corrected: bool,
 }
 
@@ -58,9 +68,8 @@ impl Parents {
     pub(crate) fn gather<'a>(
         &mut self,
         population: &'a Population,
-        clusters: impl Iterator<Item = (&'a Cluster, Expectation)>,
+        clusters: impl Iterator<Item = (&'a Cluster, Asked)>,
         hypotheses_max: usize,
-        correction: Option<Rule>,
     ) -> f64 {
         self.list.clear();
         self.members.clear();
@@ -71,9 +80,8 @@ impl Parents {
             lacking_due: 0,
             members: 0..0,
         });
-        for (cluster, mut expectation) in clusters {
-            expectation.due = expectation.due.filter(|_| correction.is_some());
-            self.multiply(population, cluster, hypotheses_max, &expectation, correction);
+        for (cluster, asked) in clusters {
+            self.multiply(population, cluster, hypotheses_max, &asked);
         }
         let kept = log_sum(self.list.iter().map(|parent| parent.log_reliability));
         (1.0 - kept.exp()).max(0.0)
@@ -85,29 +93,18 @@ impl Parents {
         &self.members[range.start as usize..range.end as usize]
     }
 
-    fn multiply(
-        &mut self,
-        population: &Population,
-        cluster: &Cluster,
-        hypotheses_max: usize,
-        expectation: &Expectation,
-        correction: Option<Rule>,
-    ) {
+    fn multiply(&mut self, population: &Population, cluster: &Cluster, hypotheses_max: usize, asked: &Asked) {
+        let targets = asked.targets;
         let range = cluster.hypotheses.start as usize..cluster.hypotheses.end as usize;
         let hypotheses = &population.hypotheses[range];
-        let is_enough = |hypothesis: &Hypothesis| {
-            expectation
-                .due
-                .is_none_or(|targets| has_enough(hypothesis.members.len(), targets))
-        };
+        let is_enough =
+            |hypothesis: &Hypothesis| targets.is_none_or(|targets| has_enough(hypothesis.members.len(), targets));
         let rated = hypotheses
             .iter()
             .map(|hypothesis| (hypothesis.log_reliability, is_enough(hypothesis)));
         // WA-4, to the hypotheses themselves; their children follow once they are drawn.
-        let gains = correction
-            .filter(|_| expectation.due.is_some())
-            .map_or(Gains::NONE, |rule| Gains::of_all(rated, rule));
-        self.corrected |= gains != Gains::NONE;
+        let gains = asked.correction.map_or(Gains::NONE, |rule| Gains::of_all(rated, rule));
+        self.corrected |= asked.corrects_children && gains != Gains::NONE;
         self.products.clear();
         for (one, parent) in (0..).zip(&self.list) {
             for (other, hypothesis) in (0..).zip(hypotheses) {
@@ -128,11 +125,11 @@ impl Parents {
             members.extend_from_slice(&self.members[parent.members.start as usize..parent.members.end as usize]);
             let of_other = population.members_of(&hypotheses[other as usize]);
             members.extend_from_slice(of_other);
-            let lacking = |targets: Option<f64>| targets.map_or(0, |targets| lacking(of_other.len(), targets));
+            let lacking = targets.map_or(0, |targets| lacking(of_other.len(), targets));
             list.push(Parent {
                 log_reliability,
-                lacking: parent.lacking + lacking(expectation.targets),
-                lacking_due: parent.lacking_due + lacking(expectation.due),
+                lacking: parent.lacking + lacking,
+                lacking_due: parent.lacking_due + if asked.corrects_children { lacking } else { 0 },
                 members: begin..members.len() as u32,
             });
         }

@@ -5,7 +5,7 @@
 
 use crate::field_of_view::FieldOfView;
 use crate::initiation::FirstGuess;
-use crate::track::HISTORY_MAX;
+use crate::track::{HISTORY_MAX, Track};
 use crate::wide_area::WideArea;
 use crate::wide_area::selection::Selection;
 
@@ -236,6 +236,18 @@ impl Default for Settings {
                 open_scans: 0,
             },
         }
+    }
+}
+
+impl Confirmation {
+    /// Whether a track may be confirmed.
+    pub(crate) fn is_met(&self, track: &Track) -> bool {
+        let beyond_doubt = track.reliability >= self.reliability_min - 1e-9;
+        let seen_enough = track.detections >= self.detections_min;
+        let likely = self
+            .log_likelihood_ratio_min
+            .is_none_or(|least| track.log_likelihood_ratio >= least);
+        beyond_doubt && seen_enough && likely
     }
 }
 

@@ -17,7 +17,7 @@ use std::ops::Range;
 use crate::counts::Counts;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::ranked::{log_add, log_sum};
-use crate::settings::{Confirmation, Reduction};
+use crate::settings::Reduction;
 use crate::splitting::DetectionCounts;
 use crate::track::{NO_DETECTION, TENTATIVE, Track};
 
@@ -190,16 +190,11 @@ impl Stage {
     }
 
     /// Confirms what may be confirmed (HT-10), with all branches of the same root. Numbers count up from `next_number`.
-    pub(crate) fn confirm(&mut self, confirmation: &Confirmation, next_number: &mut u32, counts: &mut Counts) {
+    pub(crate) fn confirm(&mut self, may_be: impl Fn(&Track) -> bool, next_number: &mut u32, counts: &mut Counts) {
         self.rate();
         for place in 0..self.tracks.len() {
             let track = &self.tracks[place];
-            let beyond_doubt = track.reliability >= confirmation.reliability_min - 1e-9;
-            let seen_enough = track.detections >= confirmation.detections_min;
-            let likely = confirmation
-                .log_likelihood_ratio_min
-                .is_none_or(|least| track.log_likelihood_ratio >= least);
-            if track.is_confirmed() || !(beyond_doubt && seen_enough && likely) {
+            if track.is_confirmed() || !may_be(track) {
                 continue;
             }
             let root = track.root;

@@ -21,7 +21,7 @@ use crate::directions::{Claims, Directions};
 use crate::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gating::{Gating, NONE, PAIRS_MAX, Plot};
 use crate::motion::Motion;
-use crate::parents::Parents;
+use crate::parents::{Asked, Parents};
 use crate::population::{Cluster, Population};
 use crate::ranked::{COLUMNS_MAX, Choice, OWN, PROBLEMS_MAX, ROWS_MAX, Ranked, Solution};
 use crate::sensor::Sensor;
@@ -29,6 +29,7 @@ use crate::settings::{Deletion, Settings};
 use crate::splitting::{DetectionCounts, Limits, company, mean_motion};
 use crate::stage::Stage;
 use crate::track::{HISTORY_MAX, NO_DETECTION, TENTATIVE, Track};
+use crate::wide_area::WideArea;
 use crate::wide_area::correction::{Gains, Rule, has_enough};
 use crate::wide_area::expectation::{Expectation, Expectations};
 use crate::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
@@ -157,6 +158,17 @@ impl<'a> Group<'a> {
         self.clusters.iter().map(|(_, cluster)| expectations.of(*cluster))
     }
 
+    /// WA-4: by the rule where a report is due; later, by the one that holds.
+    fn asked(&self, expectation: &Expectation) -> Asked {
+        let WideArea { correction, held, .. } = &self.scan.settings.wide_area;
+        let held = held.filter(|_| self.has_confirmed && expectation.targets.is_some());
+        Asked {
+            targets: expectation.targets,
+            correction: if expectation.is_due { *correction } else { held },
+            corrects_children: expectation.is_due && correction.is_some(),
+        }
+    }
+
     /// WA-8: when tracks are given up where wide-area reports show none.
     fn early_deletion(&self) -> Option<EarlyDeletion> {
         self.scan.settings.wide_area.deletion.filter(|_| self.is_absent)
@@ -222,23 +234,23 @@ impl Update {
         let detections = DetectionCounts::of(group.clusters(), plots.len());
         self.prepare(&mut group, &detections, counts);
         let reduction = &scan.settings.reduction;
-        let correction = scan.settings.wide_area.correction;
-        let clusters = group.clusters().zip(group.expectations());
-        let mut dropped = self
-            .parents
-            .gather(scan.before, clusters, reduction.hypotheses_max, correction);
+        let asked = group.expectations().map(|expectation| group.asked(&expectation));
+        let clusters = group.clusters().zip(asked);
+        let mut dropped = self.parents.gather(scan.before, clusters, reduction.hypotheses_max);
         let confirmed = self.numbers.len();
         self.pose(&group, counts);
         dropped += self.draw(&group, next, counts);
-        self.correct_children(correction);
+        self.correct_children(scan.settings.wide_area.correction);
         counts.wide_area_corrections += u64::from(self.parents.corrected);
         dropped += self.stage.reduce(reduction, counts);
         counts.drop_probability(dropped);
         let confirmation = &scan.settings.confirmation;
-        self.stage.confirm(confirmation, &mut next.next_number, counts);
+        let may_be = |track: &Track| confirmation.is_met(track);
+        self.stage.confirm(may_be, &mut next.next_number, counts);
         if let Some(early) = group.early_confirmation(confirmed) {
             let before = counts.confirmed;
-            self.stage.confirm(&early.confirmation, &mut next.next_number, counts);
+            let may_be = |track: &Track| early.is_met(track);
+            self.stage.confirm(may_be, &mut next.next_number, counts);
             counts.wide_area_confirmations += counts.confirmed - before;
         }
         if let Some(observer) = scan.observer {

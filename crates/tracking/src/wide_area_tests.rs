@@ -71,6 +71,28 @@ fn a_report_is_used_once_in_the_first_scan_after_its_arrival() {
 }
 
 #[test]
+fn what_a_report_asked_for_is_kept_until_the_next_one() {
+    // Reliability of two tracks after four scans that show one detection.
+    let left = |held: Option<Rule>, valid_s: i64| {
+        let mut chosen = settings();
+        chosen.wide_area.held = held;
+        chosen.wide_area.valid_ns = valid_s * S;
+        let mut tracker = Tracker::new(chosen).unwrap();
+        tracker.wide_area(&report(4, 9, 2)).unwrap();
+        for second in 0..18 {
+            tracker.scan(1, second * S, &pair(second)).unwrap();
+        }
+        (reliability_of(&tracker, 2), tracker.counts().wide_area_corrections)
+    };
+    let kept = Some(Rule::Share(0.1));
+    let (without, with, until_14_s) = (left(None, 60), left(kept, 60), left(kept, 10));
+    // A miss costs nine tenths, and a tenth is what they began with.
+    assert!(without.0 < 1e-3 && with.0 > 5e-3, "{without:?} {with:?}");
+    assert!(until_14_s.0 < 1e-3, "{until_14_s:?}: no longer valid");
+    assert_eq!((without.1, with.1), (1, 1), "what is kept is no correction");
+}
+
+#[test]
 fn without_reports_no_option_changes_anything() {
     let mut with_all = settings();
     with_all.wide_area.confirmation = Some(early_confirmation());
@@ -147,6 +169,7 @@ fn early_confirmation() -> EarlyConfirmation {
             detections_min: 2,
             log_likelihood_ratio_min: None,
         },
+        company_min: 0.0,
     }
 }
 

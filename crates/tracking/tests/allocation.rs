@@ -88,6 +88,7 @@ fn scans_allocate_nothing() {
         new_target_share: 1.0,
         beside_confirmed_only: false,
         confirmation: settings.confirmation,
+        company_min: 0.0,
     });
     settings.wide_area.deletion = Some(EarlyDeletion {
         deletion: settings.deletion,

@@ -19,8 +19,8 @@ use crate::track::Track;
 pub(crate) struct Expectation {
     /// Number of targets, `None` if no valid report means it.
     pub(crate) targets: Option<f64>,
-    /// Number of targets by which reliabilities are corrected in this scan.
-    pub(crate) due: Option<f64>,
+    /// Whether the report is due in this scan.
+    pub(crate) is_due: bool,
     /// A report that covers its place shows no target around it.
     pub(crate) is_absent: bool,
     /// Where the targets came from, east and north in metres.
@@ -34,7 +34,10 @@ pub(crate) struct Expectation {
 pub(crate) struct Expectations {
     /// By cluster; empty if nothing is known of any.
     list: Vec<Expectation>,
-    centres: Vec<Centre>,
+    /// (cluster, its centre), of those that a report may mean.
+    centres: Vec<(u32, Centre)>,
+    /// By those: distance from the report at hand in metres, expected tracks; then share of its targets.
+    near: Vec<(f64, f64)>,
     shares: Vec<f64>,
     /// Reports that have been taken into a group.
     grouped: Vec<bool>,
@@ -45,6 +48,7 @@ impl Expectations {
         Self {
             list: Vec::with_capacity(clusters_max),
             centres: Vec::with_capacity(clusters_max),
+            near: Vec::with_capacity(clusters_max),
             shares: Vec::with_capacity(clusters_max),
             grouped: Vec::with_capacity(super::report::REPORTS_MAX),
         }
@@ -72,7 +76,7 @@ impl Expectations {
             return;
         }
         self.list.resize(before.clusters.len(), Expectation::default());
-        self.find_centres(before);
+        self.find_centres(before, settings);
         self.grouped.clear();
         self.grouped.resize(reports.len(), false);
         for place in 0..reports.len() {
@@ -82,29 +86,24 @@ impl Expectations {
             let report = self.group(reports, place, settings, matters);
             let is_due = is_due(&report);
             counts.wide_area_reports_used += u64::from(is_due);
-            let corrects = is_due || settings.holds;
-            let met = self.take(&report, corrects, before.time_ns, settings);
+            let met = self.take(&report, is_due, before.time_ns, settings);
             counts.wide_area_reports_unmatched += u64::from(is_due && !met);
         }
         if settings.deletion.is_some() {
-            self.find_absences(before.time_ns, time_ns, reports, settings);
+            self.find_absences(before, time_ns, reports, settings);
         }
     }
 
-    fn find_centres(&mut self, before: &Population) {
+    fn find_centres(&mut self, before: &Population, settings: &WideArea) {
         self.centres.clear();
-        let of_cluster = |cluster: &Cluster| {
-            let tracks = &before.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
-            let moved = |track: &Track| {
-                let mean = track.motion.mean();
-                let seconds = before.time_ns.saturating_sub(track.time_ns) as f64 / NS_PER_S;
-                let velocity_mps: [f64; AXES] = std::array::from_fn(|axis| mean[axis + AXES]);
-                let position_m = std::array::from_fn(|axis| mean[axis] + velocity_mps[axis] * seconds);
-                (position_m, velocity_mps, track.reliability)
-            };
-            Centre::of(tracks.iter().map(moved)).unwrap_or_default()
+        // Most clusters are clutter: they need no centre.
+        let is_believed = |cluster: &Cluster| {
+            let expected: f64 = tracks_of(cluster, before).iter().map(|track| track.reliability).sum();
+            expected > 0.0 && expected >= settings.tracks_min
         };
-        self.centres.extend(before.clusters.iter().map(of_cluster));
+        let believed = (0..).zip(&before.clusters).filter(|(_, cluster)| is_believed(cluster));
+        self.centres
+            .extend(believed.map(|(place, cluster)| (place, centre_of(cluster, before))));
     }
 
     /// A report, together with those of its group (WA-5).
@@ -143,32 +142,40 @@ impl Expectations {
             return true;
         }
         let seconds = report.time_ns.saturating_sub(reference_ns) as f64 / NS_PER_S;
-        let distances = self.centres.iter().map(|centre| {
-            let meant = centre.tracks > 0.0 && centre.tracks >= settings.tracks_min;
-            let distance_m = centre.distance_m(report.position_m, seconds);
-            (if meant { distance_m } else { f64::INFINITY }, centre.tracks)
-        });
+        let distance_m = |centre: &Centre| centre.distance_m(report.position_m, seconds);
+        self.near.clear();
+        self.near.extend(
+            self.centres
+                .iter()
+                .map(|(_, centre)| (distance_m(centre), centre.tracks)),
+        );
         let targets = f64::from(settings.knowledge.targets(report));
         let Some(sharing) = settings.sharing else {
-            let chosen = nearest(distances.clone().map(|(distance, _)| distance), settings.range_m);
-            if let Some(cluster) = chosen {
-                let in_range = distances
-                    .enumerate()
-                    .filter(|(_, (distance, _))| *distance < settings.range_m);
-                let others = in_range.filter(|(other, _)| settings.others_count && *other != cluster);
+            let chosen = nearest(self.near.iter().map(|(distance, _)| *distance), settings.range_m);
+            if let Some(chosen) = chosen {
+                let is_other = |place: usize| settings.others_count && place != chosen;
+                let in_range =
+                    |(place, (distance, _)): &(usize, &(f64, f64))| *distance < settings.range_m && is_other(*place);
+                let others = self.near.iter().enumerate().filter(in_range);
                 let elsewhere: f64 = others.map(|(_, (_, tracks))| tracks.round()).sum();
                 let left = targets - elsewhere;
                 if left > 0.0 {
-                    self.list[cluster].expect(left, report, is_due);
+                    self.list[self.centres[chosen].0 as usize].expect(left, report, is_due);
                 }
             }
             return chosen.is_some();
         };
-        share(targets, distances, settings.range_m, &sharing, &mut self.shares);
+        share(
+            targets,
+            self.near.iter().copied(),
+            settings.range_m,
+            &sharing,
+            &mut self.shares,
+        );
         let mut any = false;
-        for (expectation, share) in self.list.iter_mut().zip(&self.shares) {
+        for ((cluster, _), share) in self.centres.iter().zip(&self.shares) {
             if *share > 0.0 {
-                expectation.expect(*share, report, is_due);
+                self.list[*cluster as usize].expect(*share, report, is_due);
                 any = true;
             }
         }
@@ -176,19 +183,20 @@ impl Expectations {
     }
 
     /// WA-8: silence or lack of coverage is not absence.
-    fn find_absences(&mut self, reference_ns: i64, time_ns: i64, reports: &[WideAreaReport], settings: &WideArea) {
+    fn find_absences(&mut self, before: &Population, time_ns: i64, reports: &[WideAreaReport], settings: &WideArea) {
         let coverage = settings.deletion.and_then(|early| early.coverage);
-        for (expectation, centre) in self.list.iter_mut().zip(&self.centres) {
+        for (expectation, cluster) in self.list.iter_mut().zip(&before.clusters) {
             if expectation.targets.is_some() {
                 continue;
             }
+            let centre = centre_of(cluster, before);
             // Where several valid reports speak of the place, the latest one holds.
             let (mut latest_ns, mut is_absent) = (i64::MIN, false);
             for report in reports
                 .iter()
                 .filter(|report| report::is_valid(report, time_ns, settings))
             {
-                let seconds = report.time_ns.saturating_sub(reference_ns) as f64 / NS_PER_S;
+                let seconds = report.time_ns.saturating_sub(before.time_ns) as f64 / NS_PER_S;
                 let is_near = centre.distance_m(report.position_m, seconds) < settings.range_m;
                 let covers =
                     coverage.is_some_and(|circle| centre.distance_m(circle.centre_m, seconds) <= circle.radius_m);
@@ -211,6 +219,22 @@ impl Expectations {
     }
 }
 
+fn tracks_of<'a>(cluster: &Cluster, before: &'a Population) -> &'a [Track] {
+    &before.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize]
+}
+
+/// Of the cluster's tracks, at the time of the population.
+fn centre_of(cluster: &Cluster, before: &Population) -> Centre {
+    let moved = |track: &Track| {
+        let mean = track.motion.mean();
+        let seconds = before.time_ns.saturating_sub(track.time_ns) as f64 / NS_PER_S;
+        let velocity_mps: [f64; AXES] = std::array::from_fn(|axis| mean[axis + AXES]);
+        let position_m = std::array::from_fn(|axis| mean[axis] + velocity_mps[axis] * seconds);
+        (position_m, velocity_mps, track.reliability)
+    };
+    Centre::of(tracks_of(cluster, before).iter().map(moved)).unwrap_or_default()
+}
+
 impl Expectation {
     fn expect(&mut self, targets: f64, report: &WideAreaReport, is_due: bool) {
         let observed_ns = report.time_ns;
@@ -218,16 +242,12 @@ impl Expectation {
             Some(_) if observed_ns < self.observed_ns => {}
             Some(sum) if observed_ns == self.observed_ns => {
                 self.targets = Some(sum + targets);
-                self.due = if is_due {
-                    Some(self.due.unwrap_or(0.0) + targets)
-                } else {
-                    self.due
-                };
+                self.is_due |= is_due;
             }
             _ => {
                 *self = Self {
                     targets: Some(targets),
-                    due: is_due.then_some(targets),
+                    is_due,
                     is_absent: false,
                     origin_m: report.origin_m,
                     observed_ns,

@@ -9,14 +9,18 @@ use super::distribution::Sharing;
 use super::group::Groups;
 use super::prior::Knowledge;
 use crate::settings::{Confirmation, Deletion};
+use crate::splitting::company;
+use crate::track::Track;
 
 /// All of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WideArea {
     /// WA-4: how reliabilities are corrected (`None`: not at all).
     pub correction: Option<Rule>,
-    /// Corrected in every scan for as long as a report is valid, instead of only in the first one after its arrival.
-    pub holds: bool,
+    /// How reliabilities are corrected in the scans after that, for as long as the report is valid: of clusters with a
+    /// confirmed track, before the scan only. A small share keeps hypotheses with enough tracks from being dropped until
+    /// the next report, without making anything believed (`None`: not at all, the source's rule).
+    pub held: Option<Rule>,
     /// WA-3: clusters at or beyond this distance from a report are not meant by it.
     pub range_m: f64,
     /// WA-3: clusters with fewer expected tracks are passed over; 0 is the source's rule.
@@ -49,6 +53,15 @@ pub struct EarlyConfirmation {
     pub beside_confirmed_only: bool,
     /// What a tentative track must have instead.
     pub confirmation: Confirmation,
+    /// Least share of its detections that lay in confirmed tracks' gates: what is not told apart from a confirmed track is
+    /// near it, and clutter mostly is not.
+    pub company_min: f64,
+}
+
+impl EarlyConfirmation {
+    pub(crate) fn is_met(&self, track: &Track) -> bool {
+        self.confirmation.is_met(track) && company(track.in_company, track.detections) >= self.company_min
+    }
 }
 
 /// WA-8, for clusters where a report that covers their place shows none.
@@ -74,7 +87,7 @@ impl Default for WideArea {
     fn default() -> Self {
         Self {
             correction: Some(Rule::Share(0.6)),
-            holds: false,
+            held: Some(Rule::Share(0.1)),
             range_m: 5000.0,
             tracks_min: 0.5,
             others_count: true,
@@ -87,6 +100,7 @@ impl Default for WideArea {
                     detections_min: 2,
                     log_likelihood_ratio_min: None,
                 },
+                company_min: 0.5,
             }),
             deletion: None,
             groups: None,
@@ -103,11 +117,14 @@ impl WideArea {
         let positive = |value: f64| value > 0.0 && value.is_finite();
         let checks = [
             (
-                self.correction.is_none_or(|rule| match rule {
-                    Rule::Share(share) => share > 0.0 && share < 1.0,
-                    Rule::Factor(factor) => factor >= 1.0 && factor.is_finite(),
-                }),
-                "the correction's share must lie between 0 and 1, its factor be at least 1",
+                [self.correction, self.held]
+                    .into_iter()
+                    .flatten()
+                    .all(|rule| match rule {
+                        Rule::Share(share) => share > 0.0 && share < 1.0,
+                        Rule::Factor(factor) => factor >= 1.0 && factor.is_finite(),
+                    }),
+                "a correction's share must lie between 0 and 1, its factor be at least 1",
             ),
             (
                 positive(self.range_m),
@@ -126,9 +143,13 @@ impl WideArea {
             (
                 self.confirmation.is_none_or(|early| {
                     let least = early.confirmation.reliability_min;
-                    positive(early.new_target_share) && least > 0.5 && least <= 1.0
+                    positive(early.new_target_share)
+                        && least > 0.5
+                        && least <= 1.0
+                        && (0.0..=1.0).contains(&early.company_min)
                 }),
-                "early confirmation needs a positive share of new targets and a reliability above 0.5, at most 1",
+                "early confirmation needs a positive share of new targets, a reliability above 0.5, at most 1, and a share \
+                 of company from 0 to 1",
             ),
             (
                 self.deletion.is_none_or(|early| {
@@ -161,7 +182,7 @@ impl WideArea {
 
     /// Whether valid reports matter to scans in which none is due.
     pub(crate) fn lasts(&self) -> bool {
-        self.holds || self.confirmation.is_some() || self.deletion.is_some()
+        self.held.is_some() || self.confirmation.is_some() || self.deletion.is_some()
     }
 
     /// Whether they say something of the tracks that are given out.
