@@ -274,11 +274,14 @@ impl Tangents {
     fn factorise(&mut self, state: &PackedGaussian) -> Option<()> {
         let p = &state.covariance;
         for row in 0..self.count {
-            let h = &self.each[row].derivative;
-            for column in 0..STATE_LEN {
-                let products = h.iter().enumerate().filter(|(_, h)| **h != 0.0);
-                self.gain[row][column] = products.map(|(k, h)| h * p.get(k, column)).sum();
+            let mut products = [0.0; STATE_LEN];
+            // Most derivatives are zero.
+            for (k, h) in self.each[row].derivative.iter().enumerate().filter(|(_, h)| **h != 0.0) {
+                for (column, product) in products.iter_mut().enumerate() {
+                    *product += h * p.get(k, column);
+                }
             }
+            self.gain[row] = products;
         }
         for row in 0..self.count {
             // H·P is in `gain` for this row and those below, already whitened above.

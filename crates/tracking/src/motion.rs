@@ -97,10 +97,9 @@ impl Motion {
             // A target does not become slow or fast.
             Speed::Unknown => {
                 let noise = noise(settings.process_noise_m2ps3, seconds);
-                let [steady, turning] = [self.steady, self.turning].map(|state| state.moved(seconds, noise));
                 return Self {
-                    steady,
-                    turning,
+                    steady: self.steady.moved(seconds, noise),
+                    turning: self.turning.moved(seconds, noise),
                     ..*self
                 };
             }
@@ -112,15 +111,14 @@ impl Motion {
         let (p, q) = (1.0 - self.turning_probability, self.turning_probability);
         let (begins, ends) = (p * time / (time + steady_s), q * time / (time + turning_s));
         let (steady, turning) = (p - begins + ends, q - ends + begins);
-        let from_turning = [ends / steady, (q - ends) / turning];
-        let [straight, turned] =
-            from_turning.map(|weight| PackedGaussian::mixture(&self.steady, &self.turning, weight));
+        let mixed = |from_turning: f64| PackedGaussian::mixture(&self.steady, &self.turning, from_turning);
+        let (straight, still) = (mixed(ends / steady), (q - ends) / turning);
         let (turned, turn) = match &manoeuvres.turn {
             None => (
-                turned.moved(seconds, noise(manoeuvres.process_noise_m2ps3, seconds)),
+                mixed(still).moved(seconds, noise(manoeuvres.process_noise_m2ps3, seconds)),
                 self.turn,
             ),
-            Some(turn) => self.turned(turned, from_turning[1], seconds, manoeuvres, turn),
+            Some(turn) => self.turned(mixed(still), still, seconds, manoeuvres, turn),
         };
         Self {
             steady: straight.moved(seconds, noise(settings.process_noise_m2ps3, seconds)),
