@@ -42,15 +42,26 @@ impl Centre {
     /// Distance in the plane from `place_m`, `seconds` after the reference time, metres. Coarse sensors do not see heights.
     pub fn distance_m(&self, place_m: [f64; AXES], seconds: f64) -> f64 {
         let away = |axis: usize| self.position_m[axis] + self.velocity_mps[axis] * seconds - place_m[axis];
-        away(0).hypot(away(1))
+        length(away(0), away(1))
+    }
+
+    /// Speed in the plane, metres per second.
+    pub(crate) fn speed_mps(&self) -> f64 {
+        length(self.velocity_mps[0], self.velocity_mps[1])
     }
 }
 
-/// The place of the smallest distance below `threshold_m`, the first one of equal ones; `None` if all are at or beyond it.
-pub fn nearest(distances_m: impl Iterator<Item = f64>, threshold_m: f64) -> Option<usize> {
-    let below = distances_m.enumerate().filter(|(_, distance)| *distance < threshold_m);
-    let least = below.min_by(|(_, one), (_, other)| one.total_cmp(other));
-    least.map(|(place, _)| place)
+/// Nothing here is so far away that squares overflow, for which `hypot` would take several times as long.
+fn length(east: f64, north: f64) -> f64 {
+    (east * east + north * north).sqrt()
+}
+
+/// Of (number, distance), the number with the smallest distance below `threshold_m`, the smallest one of equal ones; `None` if
+/// all are at or beyond it.
+pub fn nearest(distances_m: impl Iterator<Item = (usize, f64)>, threshold_m: f64) -> Option<usize> {
+    let below = distances_m.filter(|(_, distance)| *distance < threshold_m);
+    let least = below.min_by(|one, other| one.1.total_cmp(&other.1).then(one.0.cmp(&other.0)));
+    least.map(|(number, _)| number)
 }
 
 #[cfg(test)]
@@ -77,9 +88,10 @@ mod tests {
 
     #[test]
     fn none_is_chosen_at_or_beyond_the_threshold() {
-        assert_eq!(nearest([30.0, 20.0, 20.0].into_iter(), 25.0), Some(1));
-        assert_eq!(nearest([30.0, 20.0].into_iter(), 20.0), None, "at the threshold");
-        assert_eq!(nearest([f64::NAN, 20.0].into_iter(), 21.0), Some(1));
-        assert_eq!(nearest([].into_iter(), 21.0), None);
+        let nearest_of = |distances: &[(usize, f64)], threshold| nearest(distances.iter().copied(), threshold);
+        assert_eq!(nearest_of(&[(0, 30.0), (2, 20.0), (1, 20.0)], 25.0), Some(1));
+        assert_eq!(nearest_of(&[(0, 30.0), (1, 20.0)], 20.0), None, "at the threshold");
+        assert_eq!(nearest_of(&[(0, f64::NAN), (1, 20.0)], 21.0), Some(1));
+        assert_eq!(nearest_of(&[], 21.0), None);
     }
 }

@@ -3,6 +3,7 @@
 //! Reports of the same time of observation add up where they mean the same cluster: a sensor may report targets one by one,
 //! or many together. Of different times the latest one holds.
 
+use association::Grid;
 use messages::{AXES, NS_PER_S};
 
 use super::WideAreaReport;
@@ -13,6 +14,12 @@ use super::settings::WideArea;
 use crate::counts::Counts;
 use crate::population::{Cluster, Population};
 use crate::track::Track;
+
+/// Side of the cells in which centres are looked for, metres, and how many cells a search looks through in one direction.
+const CELL_M: f64 = 5000.0;
+const CELLS_MAX: i32 = 16;
+/// So few centres are compared one by one.
+const FEW: usize = 16;
 
 /// What is known of one cluster.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,8 +43,13 @@ pub(crate) struct Expectations {
     list: Vec<Expectation>,
     /// (cluster, its centre), of those that a report may mean.
     centres: Vec<(u32, Centre)>,
-    /// By those: distance from the report at hand in metres, expected tracks; then share of its targets.
-    near: Vec<(f64, f64)>,
+    /// Where they are, unless they are few; and the greatest of their speeds, metres per second.
+    grid: Grid,
+    in_grid: usize,
+    speed_max_mps: f64,
+    /// Places in the list of centres of those that may be within range of the report at hand, in no order.
+    near: Vec<u32>,
+    /// By those: share of its targets.
     shares: Vec<f64>,
     /// Reports that have been taken into a group.
     grouped: Vec<bool>,
@@ -48,6 +60,9 @@ impl Expectations {
         Self {
             list: Vec::with_capacity(clusters_max),
             centres: Vec::with_capacity(clusters_max),
+            grid: Grid::new(CELL_M, clusters_max),
+            in_grid: 0,
+            speed_max_mps: 0.0,
             near: Vec::with_capacity(clusters_max),
             shares: Vec::with_capacity(clusters_max),
             grouped: Vec::with_capacity(super::report::REPORTS_MAX),
@@ -104,6 +119,32 @@ impl Expectations {
         let believed = (0..).zip(&before.clusters).filter(|(_, cluster)| is_believed(cluster));
         self.centres
             .extend(believed.map(|(place, cluster)| (place, centre_of(cluster, before))));
+        (0..self.in_grid).for_each(|item| self.grid.remove(item as u32));
+        self.in_grid = if self.centres.len() > FEW {
+            self.centres.len()
+        } else {
+            0
+        };
+        for (item, (_, centre)) in (0..).zip(&self.centres[..self.in_grid]) {
+            let [east, north, _] = centre.position_m;
+            self.grid.place(item, east, north);
+        }
+        let speeds = self.centres.iter().map(|(_, centre)| centre.speed_mps());
+        self.speed_max_mps = speeds.fold(0.0, f64::max);
+    }
+
+    /// Finds the centres that may be within range of a place, so long after the population or before it.
+    fn search(&mut self, place_m: [f64; AXES], seconds: f64, range_m: f64) {
+        self.near.clear();
+        let reach_m = range_m + self.speed_max_mps * seconds.abs();
+        // Written so that NaN looks at all.
+        if self.in_grid > 0 && 2.0 * reach_m <= f64::from(CELLS_MAX - 1) * CELL_M {
+            let near = &mut self.near;
+            self.grid
+                .near(place_m[0], place_m[1], reach_m, CELLS_MAX, |item| near.push(item));
+        } else {
+            self.near.extend(0..self.centres.len() as u32);
+        }
     }
 
     /// A report, together with those of its group (WA-5).
@@ -142,44 +183,42 @@ impl Expectations {
             return true;
         }
         let seconds = report.time_ns.saturating_sub(reference_ns) as f64 / NS_PER_S;
-        let distance_m = |centre: &Centre| centre.distance_m(report.position_m, seconds);
-        self.near.clear();
-        self.near.extend(
-            self.centres
-                .iter()
-                .map(|(_, centre)| (distance_m(centre), centre.tracks)),
-        );
+        self.search(report.position_m, seconds, settings.range_m);
         let targets = f64::from(settings.knowledge.targets(report));
-        let Some(sharing) = settings.sharing else {
-            let chosen = nearest(self.near.iter().map(|(distance, _)| *distance), settings.range_m);
-            if let Some(chosen) = chosen {
-                let is_other = |place: usize| settings.others_count && place != chosen;
-                let in_range =
-                    |(place, (distance, _)): &(usize, &(f64, f64))| *distance < settings.range_m && is_other(*place);
-                let others = self.near.iter().enumerate().filter(in_range);
-                let elsewhere: f64 = others.map(|(_, (_, tracks))| tracks.round()).sum();
-                let left = targets - elsewhere;
-                if left > 0.0 {
-                    self.list[self.centres[chosen].0 as usize].expect(left, report, is_due);
-                }
-            }
-            return chosen.is_some();
-        };
-        share(
-            targets,
-            self.near.iter().copied(),
-            settings.range_m,
-            &sharing,
-            &mut self.shares,
-        );
-        let mut any = false;
-        for ((cluster, _), share) in self.centres.iter().zip(&self.shares) {
-            if *share > 0.0 {
-                self.list[*cluster as usize].expect(*share, report, is_due);
+        if let Some(sharing) = settings.sharing {
+            // Largest remainders go by order.
+            self.near.sort_unstable();
+            let near = self.near.iter().map(|place| &self.centres[*place as usize].1);
+            let distances = near.map(|centre| (centre.distance_m(report.position_m, seconds), centre.tracks));
+            share(targets, distances, settings.range_m, &sharing, &mut self.shares);
+            let shared = self.near.iter().zip(&self.shares).filter(|(_, share)| **share > 0.0);
+            let mut any = false;
+            for (place, share) in shared {
+                let (cluster, _) = self.centres[*place as usize];
+                self.list[cluster as usize].expect(*share, report, is_due);
                 any = true;
             }
+            return any;
         }
-        any
+        let distance_m = |place: u32| self.centres[place as usize].1.distance_m(report.position_m, seconds);
+        let distances = self.near.iter().map(|place| (*place as usize, distance_m(*place)));
+        let in_range = distances.filter(|(_, distance)| *distance < settings.range_m);
+        let mut elsewhere = 0.0;
+        let counted = in_range.inspect(|(place, _)| elsewhere += self.centres[*place].1.tracks.round());
+        let Some(chosen) = nearest(counted, settings.range_m) else {
+            return false;
+        };
+        let (cluster, centre) = &self.centres[chosen];
+        elsewhere -= centre.tracks.round();
+        let left = if settings.others_count {
+            targets - elsewhere
+        } else {
+            targets
+        };
+        if left > 0.0 {
+            self.list[*cluster as usize].expect(left, report, is_due);
+        }
+        true
     }
 
     /// WA-8: silence or lack of coverage is not absence.

@@ -7,7 +7,7 @@ use super::settings::WideArea;
 /// Most targets of a report: a cluster holds no more tracks.
 pub const TARGETS_MAX: u32 = 256;
 /// Most reports kept at a time.
-pub(crate) const REPORTS_MAX: usize = 256;
+pub(crate) const REPORTS_MAX: usize = 4096;
 /// Farthest coordinate that is a place, metres: beyond it nothing on Earth is in one plane with the sensors.
 const PLACE_MAX_M: f64 = 1e7;
 
