@@ -2,12 +2,16 @@
 //!
 //! A row is one report: time, whose track it is, state vector, the covariance's upper triangle, and the track's state. Who
 //! the target says it is, the method, the trace, and whether height and velocity were observed may follow; where those
-//! last two columns are missing, both were. A column `truth_id` is never read: fusion must not see it.
+//! last two columns are missing, both were. So may what the track follows (`kind`: `single`, or `group` with its `members`) and
+//! the target's `type` with its `type_confidence`. A column `truth_id` is never read: fusion must not see it.
 
 use std::io::Read;
 
 use messages::sensor_track_bits as bits;
-use messages::{COVARIANCE_LEN, Callsign, Covariance, Identity, STATE_LEN, SensorTrack, TrackState};
+use messages::{
+    COVARIANCE_LEN, Callsign, Covariance, Identity, STATE_LEN, SensorTrack, TYPE_NAME_MAX, TargetType, TrackKind,
+    TrackState,
+};
 
 use crate::csv_table::{Column, CsvError, Row, Table};
 pub use crate::tracks_csv::SensorTrackWriter;
@@ -47,6 +51,10 @@ struct Columns {
     trace: Option<Column>,
     height_valid: Option<Column>,
     velocity_valid: Option<Column>,
+    kind: Option<Column>,
+    members: Option<Column>,
+    target_type: Option<Column>,
+    confidence: Option<Column>,
 }
 
 impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
@@ -71,6 +79,10 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             trace: table.optional("trace")?,
             height_valid: table.optional("height_valid")?,
             velocity_valid: table.optional("velocity_valid")?,
+            kind: table.optional("kind")?,
+            members: table.optional("members")?,
+            target_type: table.optional("type")?,
+            confidence: table.optional("type_confidence")?,
         };
         Ok(Self {
             table,
@@ -111,6 +123,7 @@ impl Columns {
         })?;
         let [x, y, z, vx, vy, vz] = self.kinematics.map(|column| row.number(column));
         let trace_m2 = self.trace(row)?;
+        let (kind, members) = self.kind(row)?;
         Ok(SensorTrack {
             time_of_measurement_ns: row.time_ns(self.time)?,
             track_number: row.whole(self.number)?,
@@ -123,6 +136,9 @@ impl Columns {
             trace_m2: trace_m2.unwrap_or_default(),
             state: self.state(row)? as u8,
             method: self.method(row)?,
+            kind: kind as u8,
+            members,
+            target_type: self.target_type(row)?,
             ..SensorTrack::default()
         })
     }
@@ -181,6 +197,45 @@ impl Columns {
         match (self.method, row.text(self.method)?) {
             (Some(column), Some(_)) => row.whole(column),
             _ => Ok(0),
+        }
+    }
+
+    /// What the track follows, and how many members a group has.
+    fn kind(&self, row: Row<'_>) -> Result<(TrackKind, u16), CsvError> {
+        let kind = match (self.kind, row.text(self.kind)?) {
+            (Some(column), Some(word)) => {
+                let known = TrackKind::ALL.into_iter().find(|kind| kind.word() == word);
+                known.ok_or_else(|| row.error(column, "is no kind of track; write single or group"))?
+            }
+            _ => TrackKind::Single,
+        };
+        let members = match (self.members, row.text(self.members)?) {
+            (Some(column), Some(_)) => row.whole(column)?,
+            _ => 0,
+        };
+        let fits = (kind == TrackKind::Group) == (members > 0);
+        match self.members.or(self.kind).filter(|_| !fits) {
+            Some(column) => Err(row.error(
+                column,
+                "does not fit the kind: a group has members, a single target none",
+            )),
+            None => Ok((kind, members)),
+        }
+    }
+
+    fn target_type(&self, row: Row<'_>) -> Result<TargetType, CsvError> {
+        let confidence = row.number_or_empty(self.confidence)?;
+        match (self.target_type, row.text(self.target_type)?, self.confidence, confidence) {
+            (_, None, Some(column), Some(_)) => Err(row.error(column, "is of no type; name it in the column type")),
+            (Some(column), Some(_), _, None) => Err(row.error(column, "needs a type_confidence beside it, up to 1")),
+            (Some(column), Some(name), _, Some(confidence)) => TargetType::new(name, confidence).ok_or_else(|| {
+                let reason = format!(
+                    "with confidence {confidence} is no type; write 1 to {TYPE_NAME_MAX} characters of plain ASCII, and a \
+                     confidence above 0, up to 1"
+                );
+                row.error(column, reason)
+            }),
+            _ => Ok(TargetType::default()),
         }
     }
 
@@ -297,6 +352,63 @@ mod tests {
     }
 
     #[test]
+    fn kind_and_type_are_read_and_what_contradicts_itself_is_refused() {
+        let read_row = |columns: &str, further: &str| {
+            let rows = format!("0,1,1,0,0,0,0,0,0,{VARIANCES},confirmed,{further}\n");
+            let found = read(columns, &rows).remove(0);
+            found.map(|track| (track.kind, track.members, track.target_type))
+        };
+        let all = ",kind,members,type,type_confidence";
+        let (single, group) = (TrackKind::Single as u8, TrackKind::Group as u8);
+        let patrol = TargetType::new("patrol 7", 0.7).unwrap();
+        assert_eq!(read_row(all, "group,4,patrol 7,0.7"), Ok((group, 4, patrol)));
+        assert_eq!(read_row(all, "single,0,patrol 7,0.7"), Ok((single, 0, patrol)));
+        assert_eq!(read_row(all, ",,,"), Ok((single, 0, TargetType::default())));
+        assert_eq!(
+            read_row(",members,kind", "2,group"),
+            Ok((group, 2, TargetType::default()))
+        );
+        for (columns, further, expected) in [
+            (
+                all,
+                "flock,4,,",
+                "column kind: \"flock\" is no kind of track; write single or group",
+            ),
+            (all, "group,,,", "column members: \"\" does not fit the kind"),
+            (all, "group,0,,", "column members: \"0\" does not fit the kind"),
+            (all, "single,3,,", "column members: \"3\" does not fit the kind"),
+            (all, ",3,,", "column members: \"3\" does not fit the kind"),
+            (
+                all,
+                "group,70000,,",
+                "column members: \"70000\" is no whole number of the kind u16",
+            ),
+            (
+                ",kind",
+                "group",
+                "column kind: \"group\" does not fit the kind: a group has members",
+            ),
+            (all, ",,patrol 7,", "column type: \"patrol 7\" needs a type_confidence"),
+            (",type", "patrol 7", "column type: \"patrol 7\" needs a type_confidence"),
+            (all, ",,,0.5", "column type_confidence: \"0.5\" is of no type"),
+            (
+                all,
+                ",,patrol 7,1.5",
+                "column type: \"patrol 7\" with confidence 1.5 is no type",
+            ),
+            (
+                all,
+                ",,patrol 7,0",
+                "column type: \"patrol 7\" with confidence 0 is no type",
+            ),
+            (all, ",,thirteen char,0.5", "is no type; write 1 to 12 characters"),
+        ] {
+            let text = read_row(columns, further).unwrap_err();
+            assert!(text.starts_with("line 2, ") && text.contains(expected), "{text}");
+        }
+    }
+
+    #[test]
     fn what_cannot_be_meant_is_refused_with_place_and_remedy() {
         let columns = ",address,mode_3a,callsign,method,trace,height_valid";
         let good = format!("0,1,1,0,0,0,0,0,0,{VARIANCES},confirmed,,,,,,");
@@ -370,14 +482,16 @@ mod tests {
             prop::option::of("[A-Z0-9]{1,8}"),
         );
         let flags = (0u16..16, 0u8..4, any::<u8>());
+        let members = prop::option::of(1u16..=u16::MAX);
+        let target_type = prop::option::of(("[A-Za-z0-9]{1,6}[ -]?[A-Z0-9]{1,5}", 1e-6f64..=1.0));
         (
             (0i64..4_000_000_000_000_000, 0u16..1000, any::<u32>()),
             (thousandths(), thousandths(), sigmas, correlation),
-            (identity, flags, 0i64..1_000_000_000),
+            (identity, flags, 0i64..1_000_000_000, members, target_type),
         )
             .prop_map(
                 |((time_ns, source, number), (position_m, velocity_mps, sigmas, correlation), rest)| {
-                    let ((address, code, name), (flags, state, method), trace) = rest;
+                    let ((address, code, name), (flags, state, method), trace, members, target_type) = rest;
                     let mut identity = Identity::default();
                     identity = address.map_or(identity, |address| identity.with_address(address));
                     identity = code.map_or(identity, |code| identity.with_mode_3a(code));
@@ -412,6 +526,11 @@ mod tests {
                         state,
                         method,
                         valid: bits::OWN_COVARIANCE | height | velocity | vertical | trace_bit,
+                        kind: members.map_or(TrackKind::Single, |_| TrackKind::Group) as u8,
+                        members: members.unwrap_or(0),
+                        target_type: target_type
+                            .map(|(name, confidence)| TargetType::new(&name, confidence).unwrap())
+                            .unwrap_or_default(),
                         ..SensorTrack::default()
                     }
                 },

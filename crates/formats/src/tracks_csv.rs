@@ -6,7 +6,12 @@
 
 use std::io::{self, Write};
 
-use messages::{COVARIANCE_LEN, Identity, STATE_LEN, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
+use messages::{
+    COVARIANCE_LEN, Identity, STATE_LEN, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, sensor_track_bits,
+};
+
+/// The columns of a track's kind and of its target's type.
+const DESCRIPTION_NAMES: &str = "kind,members,type,type_confidence";
 
 /// Writes sensor tracks.
 #[derive(Debug)]
@@ -129,7 +134,7 @@ impl<W: Write> SystemTrackWriter<W> {
         write_covariance_names(&mut writer)?;
         writeln!(
             writer,
-            ",sensor_track_ids,report_times_s,height_valid,trigger,merged_into"
+            ",sensor_track_ids,report_times_s,height_valid,trigger,merged_into,{DESCRIPTION_NAMES}"
         )?;
         Ok(Self::resume(writer, first_day_ns))
     }
@@ -179,6 +184,7 @@ impl<W: Write> SystemTrackWriter<W> {
         if track.merged_into != 0 {
             write!(out, "{}", track.merged_into)?;
         }
+        write_description(out, track.kind, track.members, &track.target_type)?;
         writeln!(out)
     }
 
@@ -228,7 +234,7 @@ fn write_sensor_track_names(out: &mut impl Write) -> io::Result<()> {
     write_covariance_names(out)?;
     write!(
         out,
-        ",state,address,mode_3a,callsign,method,trace,height_valid,velocity_valid"
+        ",state,address,mode_3a,callsign,method,trace,height_valid,velocity_valid,{DESCRIPTION_NAMES}"
     )
 }
 
@@ -249,7 +255,23 @@ fn write_sensor_track(out: &mut impl Write, first_day_ns: i64, sensor_id: u32, t
         ",{},{}",
         flag(sensor_track_bits::HEIGHT),
         flag(sensor_track_bits::VELOCITY)
-    )
+    )?;
+    write_description(out, track.kind, track.members, &track.target_type)
+}
+
+/// The kind of track, a group's members, the target's type and its confidence; all empty for a single target of no type.
+fn write_description(out: &mut impl Write, kind: u8, members: u16, target_type: &TargetType) -> io::Result<()> {
+    match TrackKind::from_code(kind) {
+        Some(TrackKind::Group) => write!(out, ",{},{members},", TrackKind::Group.word())?,
+        _ => write!(out, ",,,")?,
+    }
+    match target_type.name() {
+        Some(name) => {
+            write_plain(out, name, |character| (b' '..=b'~').contains(&character))?;
+            write!(out, ",{}", target_type.confidence)
+        }
+        None => write!(out, ","),
+    }
 }
 
 fn write_kinematics(out: &mut impl Write, position_m: &[f64; 3], velocity_mps: &[f64; 3]) -> io::Result<()> {
@@ -299,12 +321,17 @@ fn write_identity_fields(out: &mut impl Write, identity: &Identity) -> io::Resul
         write!(out, "{code:04o}")?;
     }
     write!(out, ",")?;
-    for character in identity.callsign().unwrap_or_default().bytes() {
-        // What a transponder sends is not trusted to leave the columns alone.
-        let plain = character.is_ascii_graphic() && !b",|\"".contains(&character);
-        out.write_all(&[if plain { character } else { b'?' }])?;
-    }
-    Ok(())
+    write_plain(out, identity.callsign().unwrap_or_default(), |character| {
+        character.is_ascii_graphic()
+    })
+}
+
+/// Text from outside, which is not trusted to leave the columns alone, nor to be of nothing but `allowed` characters.
+fn write_plain(out: &mut impl Write, text: &str, allowed: impl Fn(u8) -> bool) -> io::Result<()> {
+    text.bytes().try_for_each(|character| {
+        let plain = allowed(character) && !b",|\"".contains(&character);
+        out.write_all(&[if plain { character } else { b'?' }])
+    })
 }
 
 fn write_joined<W: Write, T>(
@@ -371,6 +398,9 @@ mod tests {
             covariance: Covariance::diagonal([2.0; 3], [3.0; 3]),
             state: TrackState::Coasted as u8,
             valid: sensor_track_bits::VELOCITY,
+            kind: TrackKind::Group as u8,
+            members: 4,
+            target_type: TargetType::new("fast,boat 2", 0.8125).unwrap(),
             ..SensorTrack::default()
         };
         let mut writer = SensorTrackWriter::begin(Vec::new(), 1_000).unwrap();
@@ -387,6 +417,11 @@ mod tests {
         assert_eq!(
             (value(&columns, "height_valid"), value(&columns, "velocity_valid")),
             ("0", "1")
+        );
+        assert_eq!((value(&columns, "kind"), value(&columns, "members")), ("group", "4"));
+        assert_eq!(
+            (value(&columns, "type"), value(&columns, "type_confidence")),
+            ("fast?boat 2", "0.8125")
         );
     }
 
@@ -433,6 +468,10 @@ mod tests {
             ("report_times_s", "0|2"),
             ("trigger", "1"),
             ("merged_into", ""),
+            ("kind", ""),
+            ("members", ""),
+            ("type", ""),
+            ("type_confidence", ""),
         ] {
             assert_eq!(value(&columns, name), expected, "{name}");
         }

@@ -3,7 +3,8 @@
 mod bad_input;
 
 use messages::{
-    Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TrackState, alert_bits, sensor_track_bits,
+    Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, alert_bits,
+    sensor_track_bits,
 };
 use proptest::prelude::*;
 
@@ -100,6 +101,46 @@ fn alerts_and_ground_come_from_whoever_contributes() {
     assert_eq!((both.alerts, both.on_ground), (bits, 1));
     let calm = harness.take(&report(0, 1, 2.0, place, [20.0, 0.0])).unwrap();
     assert_eq!((calm.alerts, calm.on_ground), (alert_bits::SPECIAL_IDENTIFICATION, 1));
+}
+
+#[test]
+fn kind_members_and_type_come_from_those_who_know_and_move_nothing() {
+    let (mut harness, mut plain) = (Harness::new(test_settings(2)), Harness::new(test_settings(2)));
+    for step in 0..6 {
+        let time_s = f64::from(step);
+        let ignorant = report(0, 1, time_s, [0.0, 0.0], [20.0, 0.0]);
+        let unsaid = report(1, 1, time_s + 0.1, [0.0, 0.0], [20.0, 0.0]);
+        // What a source no longer says no longer holds.
+        let knowing = match step {
+            0..4 => SensorTrack {
+                kind: TrackKind::Group as u8,
+                members: 3,
+                target_type: TargetType::new("patrol", 0.8).unwrap(),
+                ..unsaid
+            },
+            _ => unsaid,
+        };
+        harness.take(&ignorant).unwrap();
+        let track = harness.take(&knowing).unwrap();
+        let expected = match step {
+            0..4 => (TrackKind::Group as u8, 3, Some("patrol")),
+            _ => (TrackKind::Single as u8, 0, None),
+        };
+        assert_eq!(
+            (track.kind, track.members, track.target_type.name()),
+            expected,
+            "{step}"
+        );
+        plain.take(&ignorant).unwrap();
+        let without = SystemTrack {
+            kind: TrackKind::Single as u8,
+            members: 0,
+            target_type: TargetType::default(),
+            ..track
+        };
+        // Not compared by value: a weight without a score is no number.
+        assert_eq!(format!("{:?}", plain.take(&unsaid).unwrap()), format!("{without:?}"));
+    }
 }
 
 #[test]

@@ -15,6 +15,7 @@
 mod accuracy;
 mod association_step;
 mod counts;
+mod description;
 mod engine;
 #[cfg(test)]
 mod engine_tests;

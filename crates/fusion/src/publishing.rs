@@ -2,12 +2,13 @@
 
 use messages::{
     AXES, CONTRIBUTIONS_MAX, Contribution, Counter, Covariance, NO_SOURCE, SensorTrack, StageTimes, SystemTrack,
-    TargetType, TrackKind, TrackState, contribution_bits,
+    TrackState, contribution_bits,
 };
 
+use crate::description::Description;
 use crate::engine::Engine;
 use crate::explanation::{Decision, DecisionKind, Sink};
-use crate::rules::{self, Fuse, Method};
+use crate::rules::{self, Fuse, Method, Share};
 use crate::settings::AccuracyBase;
 use crate::system_tracks::SystemSlot;
 use crate::weighing::{Weighed, Weigher};
@@ -73,18 +74,32 @@ impl Engine {
             Method::Candidates(rule) => self.fuse_candidates(rule, system, reference_ns, weighed, sink),
         };
         let members = weighed.members().iter().map(|member| self.sensors.get(*member));
-        let (alerts, on_ground) = members.fold((0, false), |(alerts, on_ground), member| {
-            (alerts | member.alerts, on_ground | member.on_ground)
+        let said = members.map(|member| (member.alerts, member.on_ground, member.is_described));
+        let (alerts, on_ground, is_described) = said.fold((0, false, false), |all, one| {
+            (all.0 | one.0, all.1 | one.1, all.2 | one.2)
         });
+        let description = if is_described {
+            self.described(weighed)
+        } else {
+            Description::default()
+        };
         let entry = self.systems.get_mut(system);
         entry.alerts = alerts;
         entry.on_ground = on_ground;
+        entry.description = description;
         if !usable {
             entry.state = entry.state.at(reference_ns, self.settings.process_noise_m2ps3);
             if entry.life == TrackState::Confirmed {
                 self.systems.set_life(system, TrackState::Coasted);
             }
         }
+    }
+
+    /// What the contributions say that the target is.
+    fn described(&self, weighed: &Weighed) -> Description {
+        let weights = weighed.shares().iter().map(weight).chain(std::iter::repeat(0.0));
+        let members = weighed.members().iter().zip(weights);
+        Description::of(members.map(|(member, weight)| (&self.sensors.get(*member).latest, weight)))
     }
 
     /// Makes the estimate of the target's filter its state.
@@ -229,14 +244,14 @@ impl Engine {
             alerts: entry.alerts,
             merged_into: entry.merged_into,
             on_ground: u8::from(entry.on_ground),
-            kind: TrackKind::Single as u8,
-            members: 0,
-            target_type: TargetType::default(),
+            kind: entry.description.kind as u8,
+            members: entry.description.members,
+            target_type: entry.description.target_type,
         };
         let mut heaviest = 0.0;
         for (index, share) in shares.iter().enumerate() {
             let member = self.sensors.get(members[index]);
-            let weight = share.weight.iter().sum::<f64>() / AXES as f64;
+            let weight = weight(share);
             let fresh = if candidates[index].stale {
                 0
             } else {
@@ -266,4 +281,9 @@ impl Engine {
         }
         message
     }
+}
+
+/// Mean over the axes of what a contribution weighs.
+fn weight(share: &Share) -> f64 {
+    share.weight.iter().sum::<f64>() / AXES as f64
 }

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use estimation::PackedGaussian;
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
 
+use crate::description::Description;
 use crate::history::Histories;
 use crate::measurement::Correction;
 use crate::quality::Qualities;
@@ -66,6 +67,8 @@ pub(crate) struct SensorEntry {
     /// What `latest` wants noticed, and whether it says that the target is on the ground.
     pub(crate) alerts: u8,
     pub(crate) on_ground: bool,
+    /// Whether `latest` says that it is of a group, or of which type its target is.
+    pub(crate) is_described: bool,
     /// The latest report, without its source's known errors.
     pub(crate) latest: SensorTrack,
     /// Whether the covariance of `latest` had to be repaired: then its source is not judged by it.
@@ -111,6 +114,7 @@ impl Default for SensorEntry {
             source: 0,
             alerts: 0,
             on_ground: false,
+            is_described: false,
             latest: SensorTrack::default(),
             role: Role::Duplicate,
             system: NO_SYSTEM,
@@ -165,6 +169,7 @@ impl SensorEntry {
         self.time_ns = report.time_of_measurement_ns;
         self.alerts = report.alerts;
         self.on_ground = report.has(sensor_track_bits::ON_GROUND);
+        self.is_described = Description::is_in(report);
         self.correction = *correction;
         self.reports = self.reports.saturating_add(1);
         self.misses = 0;

@@ -7,6 +7,7 @@ use association::Grid;
 use estimation::PackedGaussian;
 use messages::{Covariance, Identity, NO_SOURCE, TrackState};
 
+use crate::description::Description;
 use crate::filter::Filter;
 use crate::rules::Memory;
 use crate::sensor_tracks::{Link, NO_SYSTEM, SensorSlot, SensorTracks};
@@ -54,6 +55,8 @@ pub(crate) struct SystemEntry {
     pub(crate) alerts: u8,
     /// Whether a contributing source says that the target is on the ground.
     pub(crate) on_ground: bool,
+    /// What they say that it is.
+    pub(crate) description: Description,
     /// Number of the system track it was merged into; 0 if it was not.
     pub(crate) merged_into: u32,
 }
@@ -79,6 +82,7 @@ impl SystemEntry {
             fresh_until_ns,
             alerts: 0,
             on_ground: false,
+            description: Description::default(),
             merged_into: 0,
             filter,
         }

@@ -59,6 +59,14 @@ pub struct Counts {
     pub wide_area_deletions: u64,
     /// Tracks confirmed earlier because a wide-area report shows more (WA-6).
     pub wide_area_confirmations: u64,
+    /// Emissions taken (WA-9).
+    pub emissions: u64,
+    /// Emissions refused: a value that cannot be, too late, no room, or no type described.
+    pub emissions_refused: u64,
+    /// Emissions used by a scan, repetitions after late ones included.
+    pub emissions_used: u64,
+    /// Of these, those in whose direction there was no track, or more than one.
+    pub emissions_unclear: u64,
     /// Tracks confirmed.
     pub confirmed: u64,
     /// Detections that became one with another of the same scan, nearer than the sensor's resolution.

@@ -64,12 +64,15 @@ mod stage;
 #[cfg(test)]
 mod testing;
 mod track;
+mod track_report;
 mod tracker;
 #[cfg(test)]
 mod tracker_tests;
 mod turn;
 mod update;
 pub mod wide_area;
+#[cfg(test)]
+mod wide_area_identity_tests;
 #[cfg(test)]
 mod wide_area_tests;
 
@@ -80,7 +83,8 @@ pub use initiation::FirstGuess;
 pub use population::DETECTION_COUNTS;
 pub use settings::Settings;
 pub use track::HISTORY_MAX;
-pub use tracker::{Refusal, TrackReport, Tracker};
+pub use track_report::TrackReport;
+pub use tracker::{Refusal, Tracker};
 
 /// Most hypotheses of a cluster.
 pub const HYPOTHESES_MAX: usize = 64;

@@ -6,9 +6,7 @@
 //! if every scan had come in order; scans of equal time are in the order of their sensors. Scans older than all open ones
 //! are refused and counted.
 
-use estimation::PackedGaussian;
 use formats::detection::Detection;
-use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::clutter::log_density;
 use crate::counts::Counts;
@@ -17,88 +15,22 @@ use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gate::gates;
 use crate::gating::{Gating, Plot};
 use crate::measurement::Measurement;
-use crate::motion::noise;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::resolution::unite;
 use crate::sensor::Sensor;
-use crate::settings::{Clutter, MotionSettings, SensorSettings, Settings};
+use crate::settings::{Clutter, SensorSettings, Settings};
 use crate::track::Track;
+use crate::track_report::{TrackReport, find_best, group_of, joined, report_of, whereabouts};
 use crate::update::{self, Scan, Update};
 use crate::wide_area::cue::{Cue, cue};
-use crate::wide_area::expectation::{Expectation, Expectations};
-use crate::wide_area::group::Group;
+use crate::wide_area::emission::{Emission, EmissionRefusal, Emissions};
+use crate::wide_area::expectation::Expectations;
 use crate::wide_area::report::{self, Reports};
 use crate::wide_area::selection::Selection;
-use crate::wide_area::{ReportRefusal, WideArea, WideAreaReport};
+use crate::wide_area::{ReportRefusal, WideAreaReport};
 
 /// How far a detection's time may be from its scan's, nanoseconds.
 const SCAN_HALF_NS: u64 = 60_000_000_000;
-
-/// A confirmed track after the latest scan: the most reliable branch of its ancestor (HT-10).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackReport {
-    /// The ancestor's number, counted from 1.
-    pub number: u32,
-    /// Confirmed, or coasted if the latest scan had no detection of it.
-    pub state: TrackState,
-    /// Time of the latest scan or of its detection in it, nanoseconds.
-    pub time_ns: i64,
-    /// Position and velocity then.
-    pub estimate: PackedGaussian,
-    /// Whether any detection has told its height.
-    pub height_known: bool,
-    /// Sum over the hypotheses that contain the branch.
-    pub reliability: f64,
-    /// Hypotheses of its cluster.
-    pub hypotheses: u32,
-    /// Detections in all.
-    pub detections: u32,
-    /// Scans since the last one.
-    pub missed: u32,
-    /// Set if this is not a single target but several that are not told apart (WA-7).
-    pub group: Option<Group>,
-    /// Where a wide-area sensor says that the targets around came from, east and north in metres (WA-9).
-    pub origin_m: Option<[f64; 2]>,
-}
-
-impl TrackReport {
-    /// Carried on to `time_ns`, with accelerations of this spectral density (horizontal and vertical, m²/s³).
-    pub fn moved_to(&self, time_ns: i64, process_noise_m2ps3: [f64; 2]) -> Self {
-        let seconds = time_ns.saturating_sub(self.time_ns) as f64 / NS_PER_S;
-        Self {
-            time_ns,
-            estimate: self.estimate.moved(seconds, noise(process_noise_m2ps3, seconds)),
-            ..*self
-        }
-    }
-
-    /// In the order of times; of one time, in that of the tracks' numbers.
-    pub fn order(&self) -> (i64, u32) {
-        (self.time_ns, self.number)
-    }
-
-    /// As a report of the source numbered `source`, with the numbers of the source's own at 0.
-    pub fn sensor_track(&self, source: u16) -> SensorTrack {
-        let mut track = SensorTrack {
-            time_of_measurement_ns: self.time_ns,
-            track_number: self.number,
-            source,
-            valid: sensor_track_bits::VELOCITY | sensor_track_bits::OWN_COVARIANCE,
-            position_m: self.estimate.position_m(),
-            velocity_mps: self.estimate.velocity_mps(),
-            covariance: self.estimate.covariance,
-            state: self.state as u8,
-            ..SensorTrack::default()
-        };
-        if self.height_known {
-            track.valid |= sensor_track_bits::HEIGHT | sensor_track_bits::VERTICAL_RATE;
-        } else {
-            // What was never observed is not passed on.
-            (track.position_m[2], track.velocity_mps[2]) = (0.0, 0.0);
-        }
-        track
-    }
-}
 
 /// Why a scan was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,6 +75,7 @@ pub struct Tracker {
     gating: Gating,
     update: Update,
     wide_area: Reports,
+    emissions: Emissions,
     expectations: Expectations,
     /// Of the clusters after the latest scan.
     described: Expectations,
@@ -152,7 +85,7 @@ pub struct Tracker {
     united: Vec<u32>,
     is_inside: Vec<bool>,
     claims: Vec<Claims>,
-    /// (number, track, cluster) of what is reported.
+    /// (number, track, cluster) of each confirmed ancestor's best branch, by their numbers.
     best: Vec<(u32, u32, u32)>,
     reports: Vec<TrackReport>,
     counts: Counts,
@@ -170,7 +103,8 @@ impl Tracker {
         let capacity = settings.capacity;
         let gates = gates(settings.gate_probability);
         let sensor = |sensor: &SensorSettings| Sensor::new(sensor, &settings, gates);
-        let population = |_| Population::new(capacity.tracks, settings.sensors.len());
+        let types = settings.wide_area.knowledge.types.len();
+        let population = |_| Population::new(capacity.tracks, settings.sensors.len(), types);
         let scan = |_| OpenScan {
             time_ns: i64::MIN,
             sensor: 0,
@@ -184,6 +118,7 @@ impl Tracker {
             gating: Gating::new(capacity.tracks, capacity.detections),
             update: Update::new(capacity.tracks, capacity.detections),
             wide_area: Reports::new(),
+            emissions: Emissions::new(types),
             expectations: Expectations::new(capacity.tracks),
             described: Expectations::new(capacity.tracks),
             log_clutter: Vec::with_capacity(capacity.detections),
@@ -257,10 +192,7 @@ impl Tracker {
         self.scans[place..=self.open].rotate_right(1);
         self.counts.late_scans += u64::from(place < self.open);
         self.open += 1;
-        for place in self.first_changed(place)..self.open {
-            self.work_off(place, observer);
-        }
-        self.report();
+        self.work_off_from(self.first_changed(place), observer);
         Ok(())
     }
 
@@ -281,9 +213,24 @@ impl Tracker {
         self.counts.wide_area_reports += 1;
         let first = self.scans[..self.open].partition_point(|scan| scan.time_ns < report.arrival_ns);
         if first < self.open {
-            for place in first..self.open {
-                self.work_off(place, None);
-            }
+            self.work_off_from(first, None);
+        }
+        Ok(())
+    }
+
+    /// Takes an emission that an on-board receiver has heard (WA-9). It is used in the first scan after it, to identify
+    /// the track that it comes from; scans that came before it and are still open identify their tracks again.
+    ///
+    /// # Errors
+    /// [`EmissionRefusal`], counted, if the emission cannot be used.
+    pub fn emission(&mut self, emission: &Emission) -> Result<(), EmissionRefusal> {
+        let delay_max_ns = self.settings.wide_area.delay_max_ns;
+        let kept = self.emissions.keep(emission, self.closed_ns(), delay_max_ns);
+        let due_ns = kept.inspect_err(|_| self.counts.emissions_refused += 1)?;
+        self.counts.emissions += 1;
+        let first = self.scans[..self.open].partition_point(|scan| scan.time_ns < due_ns);
+        if first < self.open {
+            (first..self.open).for_each(|place| self.identify(place));
             self.report();
         }
         Ok(())
@@ -382,6 +329,15 @@ impl Tracker {
             })
     }
 
+    /// Works off the open scans from `first` on.
+    fn work_off_from(&mut self, first: usize, observer: Option<&dyn Observer>) {
+        for place in first..self.open {
+            self.work_off(place, observer);
+            self.identify(place);
+        }
+        self.report();
+    }
+
     /// Makes the population after the open scan at `place` of the one before it.
     fn work_off(&mut self, place: usize, observer: Option<&dyn Observer>) {
         let is_outranked = self.is_outranked(place);
@@ -475,6 +431,41 @@ impl Tracker {
         }
     }
 
+    /// What is known of the tracks after the open scan at `place`, from what was known of those before it (WA-9).
+    fn identify(&mut self, place: usize) {
+        let wide_area = &self.settings.wide_area;
+        let knowledge = &wide_area.knowledge;
+        if knowledge.types.is_empty() {
+            return;
+        }
+        let (before, after) = self.populations.split_at_mut(place + 1);
+        let (before, next) = (&before[place], &mut after[0]);
+        find_best(next, &mut self.best);
+        if !knowledge.priors.is_empty() {
+            let (reports, uncounted) = (self.wide_area.list(), &mut Counts::default());
+            self.described
+                .find(next, next.time_ns, reports, wide_area, true, uncounted);
+        }
+        let (tracks, identities) = (&next.tracks, &mut next.identities);
+        identities.follow(&before.identities, self.best.iter().map(|(number, ..)| *number));
+        if !knowledge.priors.is_empty() {
+            for (nth, (.., cluster)) in self.best.iter().enumerate() {
+                if let Some(origin) = self.described.of(*cluster).origin {
+                    identities.came_from(nth, origin);
+                }
+            }
+        }
+        let time_ns = self.scans[place].time_ns;
+        for emission in self.emissions.between(before.emissions_ns, time_ns) {
+            let best = self.best.iter().map(|(_, track, _)| &tracks[*track as usize]);
+            let heard = best.map(|track| whereabouts(track, emission.time_ns));
+            let found = identities.emitted(emission, heard, knowledge);
+            self.counts.emissions_used += 1;
+            self.counts.emissions_unclear += u64::from(found.is_none());
+        }
+        next.emissions_ns = time_ns;
+    }
+
     /// Of each confirmed ancestor the most reliable branch (HT-10).
     fn report(&mut self) {
         let population = &self.populations[self.open];
@@ -484,26 +475,14 @@ impl Tracker {
         self.described
             .find(population, population.time_ns, reports, wide_area, describes, uncounted);
         let of = |track: u32| &population.tracks[track as usize];
-        self.best.clear();
-        for (cluster, place) in population.clusters.iter().zip(0..) {
-            // All branches of an ancestor are in one cluster.
-            let first = self.best.len();
-            for track in cluster.tracks.clone().filter(|track| of(*track).is_confirmed()) {
-                let number = of(track).number;
-                match self.best[first..].iter_mut().find(|(other, ..)| *other == number) {
-                    Some((_, best, _)) if of(track).is_preferred_to(of(*best)) => *best = track,
-                    Some(_) => (),
-                    None => self.best.push((number, track, place)),
-                }
-            }
-        }
-        self.best.sort_unstable();
+        find_best(population, &mut self.best);
         self.reports.clear();
         for (nth, &(_, track, place)) in self.best.iter().enumerate() {
             let cluster = &population.clusters[place as usize];
             let expectation = self.described.of(place);
             let report = |track: &Track| TrackReport {
-                origin_m: expectation.origin_m,
+                origin_m: expectation.origin.and_then(|origin| origin.reported_m()),
+                target_type: population.identities.target_type(nth, &wide_area.knowledge),
                 ..report_of(track, cluster, population.time_ns, settings)
             };
             let Some(group) = group_of(population, cluster, &expectation, wide_area) else {
@@ -518,78 +497,6 @@ impl Tracker {
             }
         }
     }
-}
-
-fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings: &Settings) -> TrackReport {
-    let seen = track.missed == 0;
-    let time_ns = if seen { track.time_ns } else { time_ns };
-    let estimate = track.motion_at(time_ns, &settings.motion).estimate();
-    // Without a height the first guess stands, or has grown.
-    let guessed_m = settings.first_guess.height_sigma_m;
-    TrackReport {
-        number: track.number,
-        state: if seen {
-            TrackState::Confirmed
-        } else {
-            TrackState::Coasted
-        },
-        time_ns,
-        estimate,
-        height_known: estimate.covariance.get(2, 2) < (0.5 * guessed_m).powi(2),
-        reliability: track.reliability.min(1.0),
-        hypotheses: cluster.hypotheses.len() as u32,
-        detections: track.detections,
-        missed: track.missed,
-        group: None,
-        origin_m: None,
-    }
-}
-
-/// WA-7: whether the cluster's targets are not told apart.
-fn group_of(
-    population: &Population,
-    cluster: &Cluster,
-    expectation: &Expectation,
-    settings: &WideArea,
-) -> Option<Group> {
-    let (groups, targets) = settings.groups.zip(expectation.targets)?;
-    let hypotheses = &population.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize];
-    let rated = hypotheses
-        .iter()
-        .map(|hypothesis| (hypothesis.log_reliability.exp(), hypothesis.members.len()));
-    groups.decide(rated, targets)
-}
-
-/// One track for several, branches included: their mean by reliability. `None` of none.
-fn joined(
-    tracks: impl Iterator<Item = TrackReport>,
-    group: Group,
-    time_ns: i64,
-    motion: &MotionSettings,
-) -> Option<TrackReport> {
-    let mut sum = 0.0;
-    let moved = tracks.map(|track| track.moved_to(time_ns, motion.process_noise_m2ps3));
-    let joined = moved.reduce(|all, track| {
-        sum = if sum == 0.0 { all.reliability } else { sum } + track.reliability;
-        let of_one = all.detections >= track.detections;
-        TrackReport {
-            number: all.number.min(track.number),
-            state: if all.missed.min(track.missed) == 0 {
-                TrackState::Confirmed
-            } else {
-                TrackState::Coasted
-            },
-            estimate: PackedGaussian::mixture(&all.estimate, &track.estimate, track.reliability / sum),
-            reliability: all.reliability.max(track.reliability),
-            missed: all.missed.min(track.missed),
-            detections: if of_one { all.detections } else { track.detections },
-            ..all
-        }
-    })?;
-    Some(TrackReport {
-        group: Some(group),
-        ..joined
-    })
 }
 
 /// Takes over the usable detections.

@@ -3,10 +3,11 @@
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use formats::detection::{Detection, DetectionKind};
 use tracking::settings::{Capacity, Limit, SensorSettings};
-use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::distribution::Sharing;
 use tracking::wide_area::group::Groups;
+use tracking::wide_area::prior::{EmissionBand, Place, Prior, TargetType};
 use tracking::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
+use tracking::wide_area::{Emission, WideAreaReport};
 use tracking::{FieldOfView, Settings, Tracker};
 
 #[global_allocator]
@@ -94,6 +95,22 @@ fn scans_allocate_nothing() {
         deletion: settings.deletion,
         coverage: None,
     });
+    settings.wide_area.knowledge.types = vec![TargetType {
+        name: "boat".to_owned(),
+        emissions: vec![EmissionBand {
+            frequency_hz: [9e9, 1e10],
+            pulse_interval_s: None,
+        }],
+    }];
+    settings.wide_area.knowledge.priors = vec![Prior {
+        place: Place::Circle {
+            centre_m: [700.0, 700.0],
+            radius_m: 1e4,
+        },
+        types: vec![(0, 0.9)],
+        formations: Vec::new(),
+        formation_probability_min: 0.5,
+    }];
     let mut tracker = Tracker::new(settings).unwrap();
     let mut state = 12345;
     for second in 0..60 {
@@ -114,6 +131,18 @@ fn scans_allocate_nothing() {
         };
         let taken = assert_no_alloc(|| tracker.wide_area(&report));
         assert!(taken.is_ok());
+        for nth in 0..30 {
+            let emission = Emission {
+                time_ns: time_ns - S / 2,
+                bearing_rad: 0.05 * f64::from(nth),
+                sigma_rad: 0.002,
+                platform_m: [-500.0; 2],
+                frequency_hz: 9.5e9,
+                pulse_interval_s: None,
+            };
+            let heard = assert_no_alloc(|| tracker.emission(&emission));
+            assert!(heard.is_ok());
+        }
         let result = assert_no_alloc(|| tracker.scan(1, time_ns, &scan));
         assert!(result.is_ok());
     }
@@ -122,4 +151,5 @@ fn scans_allocate_nothing() {
         counts.refused_tracks > 0 && counts.late_scans > 0 && counts.confirmed > 0 && counts.wide_area_corrections > 0,
         "{counts:?}"
     );
+    assert!(counts.emissions_used > counts.emissions_unclear, "{counts:?}");
 }

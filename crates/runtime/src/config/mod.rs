@@ -13,6 +13,7 @@ mod network;
 mod offline;
 mod raw;
 mod tracker;
+mod wide_area;
 
 use std::fmt;
 use std::net::SocketAddr;

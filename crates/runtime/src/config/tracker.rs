@@ -16,6 +16,8 @@
 //! [deletion]
 //! silent_s = 30.0
 //! ```
+//!
+//! Support by a wide-area sensor and the selection of detections are in [`super::wide_area`].
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -27,6 +29,7 @@ use tracking::settings as tracker;
 use super::ConfigError;
 use super::check::{Checked, nanoseconds, problem, within};
 use super::locate::line_at;
+use super::wide_area::{RawSelection, RawWideArea};
 
 /// Probability of detection of sensors of which nobody says more.
 const DETECTION_PROBABILITY: f64 = 0.9;
@@ -75,6 +78,10 @@ struct RawTracking {
     #[serde(default)]
     splitting: RawSplitting,
     #[serde(default)]
+    selection: RawSelection,
+    #[serde(default)]
+    wide_area: RawWideArea,
+    #[serde(default)]
     capacity: RawTrackingCapacity,
 }
 
@@ -89,6 +96,7 @@ struct RawTrackedSensor {
     range_rate_sigma_mps: Option<f64>,
     resolution_m: Option<f64>,
     field_of_view: Option<RawFieldOfView>,
+    priority: Option<u32>,
 }
 
 /// Where a sensor sees.
@@ -373,6 +381,10 @@ pub(crate) struct RawSourceTracker {
     #[serde(default)]
     splitting: RawSplitting,
     #[serde(default)]
+    selection: RawSelection,
+    #[serde(default)]
+    wide_area: RawWideArea,
+    #[serde(default)]
     capacity: RawTrackingCapacity,
 }
 
@@ -406,9 +418,11 @@ impl RawSourceTracker {
             deletion: &self.deletion,
             reduction: &self.reduction,
             splitting: &self.splitting,
+            wide_area: &self.wide_area,
             capacity: &self.capacity,
         };
         let mut settings = chosen.settings(&prefix)?;
+        settings.selection = self.selection.settings(&prefix, Vec::new())?;
         let sensor_id = formats::tracks_csv::sensor_id(number);
         let (probability, density) = (self.detection_probability, self.clutter_density);
         settings.sensors.push(tracker::SensorSettings {
@@ -451,6 +465,7 @@ pub(crate) struct Chosen<'a> {
     pub(crate) deletion: &'a RawDeletion,
     pub(crate) reduction: &'a RawReduction,
     pub(crate) splitting: &'a RawSplitting,
+    pub(crate) wide_area: &'a RawWideArea,
     pub(crate) capacity: &'a RawTrackingCapacity,
 }
 
@@ -528,6 +543,7 @@ impl Chosen<'_> {
                     None => None,
                 },
             },
+            wide_area: self.wide_area.settings(prefix)?,
             capacity: self.capacity(&key("capacity"))?,
             ..tracker::Settings::default()
         })
@@ -610,7 +626,7 @@ impl Chosen<'_> {
     }
 }
 
-fn count(key: &str, value: usize, low: usize, high: usize) -> Checked<usize> {
+pub(super) fn count(key: &str, value: usize, low: usize, high: usize) -> Checked<usize> {
     if (low..=high).contains(&value) {
         return Ok(value);
     }
@@ -713,9 +729,15 @@ impl Tracking {
             deletion: &raw.deletion,
             reduction: &raw.reduction,
             splitting: &raw.splitting,
+            wide_area: &raw.wide_area,
             capacity: &raw.capacity,
         };
         let mut settings = chosen.settings("")?;
+        let ranked = raw
+            .sensors
+            .iter()
+            .filter_map(|sensor| Some((sensor.id, sensor.priority?)));
+        settings.selection = raw.selection.settings("", ranked.collect())?;
         let room = &mut settings.capacity;
         let more = |given: Option<usize>, usual: usize, seen: usize| match given {
             Some(given) => given,

@@ -8,7 +8,7 @@ use messages::AXES;
 
 use crate::gate::gates;
 use crate::settings::MotionSettings;
-use crate::tracker::TrackReport;
+use crate::track_report::TrackReport;
 
 /// Where and when to look for one track.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,6 +9,7 @@ use messages::{AXES, NS_PER_S};
 use super::WideAreaReport;
 use super::choice::{Centre, nearest};
 use super::distribution::share;
+use super::identification::Origin;
 use super::report;
 use super::settings::WideArea;
 use crate::counts::Counts;
@@ -30,8 +31,8 @@ pub(crate) struct Expectation {
     pub(crate) is_due: bool,
     /// A report that covers its place shows no target around it.
     pub(crate) is_absent: bool,
-    /// Where the targets came from, east and north in metres.
-    pub(crate) origin_m: Option<[f64; 2]>,
+    /// Where the targets came from.
+    pub(crate) origin: Option<Origin>,
     /// Time of the observation that `targets` is from, nanoseconds.
     observed_ns: i64,
 }
@@ -288,7 +289,7 @@ impl Expectation {
                     targets: Some(targets),
                     is_due,
                     is_absent: false,
-                    origin_m: report.origin_m,
+                    origin: Some(Origin::of(report)),
                     observed_ns,
                 };
             }

@@ -6,17 +6,25 @@
 //! each emission multiplies that of the types that emit the like.
 //!
 //! An emission belongs to the track in whose direction it comes from; where two are in that direction, to none: it would
-//! teach both. The answer is the likeliest type with its probability, or none while anything else is likelier.
+//! teach both. The origin is that of the route that the wide-area sensor reports; without one, the place where it first saw
+//! the track's targets. The answer is the likeliest type with its probability, or none while anything else is likelier.
 //!
-//! Limits: emissions of one target are taken to be independent, which they are not; so each kind (matching or not) counts
-//! at most [`EMISSIONS_MAX`] times per track.
+//! What is known of tracks is part of the population after a scan, like the tracks: a late scan, report or emission has it
+//! derived again.
+//!
+//! Limits: emissions of one target are taken to be independent, which they are not; so at most [`EMISSIONS_MAX`] count per
+//! track.
 
 use std::f64::consts::{PI, TAU};
 
+use messages::TargetType;
+
+use super::WideAreaReport;
+use super::emission::Emission;
 use super::prior::{EmissionBand, Knowledge};
 
 /// Most emissions of a track that count.
-pub const EMISSIONS_MAX: u32 = 3;
+const EMISSIONS_MAX: u32 = 3;
 /// Probability that an emission of a type lies in one of its bands: receivers err, and lists are incomplete.
 const MATCH: f64 = 0.9;
 /// The same for a type whose emissions are not known.
@@ -24,44 +32,54 @@ const UNKNOWN: f64 = 0.5;
 /// Statistical distance within which an emission comes from a track's direction.
 const GATE: f64 = 3.0;
 
-/// One emission, as received.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Emission {
-    /// Bearing clockwise from north, radians.
-    pub bearing_rad: f64,
-    /// Its standard deviation, radians.
-    pub sigma_rad: f64,
-    /// Where the receiver was, east and north, metres.
-    pub platform_m: [f64; 2],
-    /// Hertz.
-    pub frequency_hz: f64,
-    /// Seconds between pulses, if there are any.
-    pub pulse_interval_s: Option<f64>,
-}
-
-/// A type with its probability.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Identification {
-    /// Place in the list of types.
-    pub target_type: usize,
-    /// In (0, 1].
-    pub confidence: f64,
-}
-
-/// What is known of each track, by its number.
-#[derive(Clone, Debug)]
-pub struct Identifier {
-    knowledge: Knowledge,
+/// What is known of the confirmed tracks of a population, by their numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Identities {
     tracks: Vec<Known>,
+    /// By track, then by type, then of any other type: logarithm of the product of the emissions' likelihoods.
+    log_likelihoods: Vec<f64>,
+    /// So many of them per track.
+    width: usize,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Known {
     number: u32,
-    origin_m: Option<[f64; 2]>,
-    /// By type, then of any other type: logarithm of the product of the emissions' likelihoods.
-    log_likelihoods: Vec<f64>,
+    origin: Option<Origin>,
     emissions: u32,
+}
+
+/// Where targets came from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Origin {
+    /// East and north, metres.
+    pub(crate) place_m: [f64; 2],
+    /// Whether a route says so; else it is where they were seen.
+    pub(crate) is_reported: bool,
+}
+
+impl Origin {
+    pub(crate) fn of(report: &WideAreaReport) -> Self {
+        let [east, north, _] = report.position_m;
+        Self {
+            place_m: report.origin_m.unwrap_or([east, north]),
+            is_reported: report.origin_m.is_some(),
+        }
+    }
+
+    /// Where a route says that they came from.
+    pub(crate) fn reported_m(&self) -> Option<[f64; 2]> {
+        self.is_reported.then_some(self.place_m)
+    }
+}
+
+/// Where a track is when something is heard.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Whereabouts {
+    /// East and north, metres.
+    pub(crate) place_m: [f64; 2],
+    /// Variances of both, and their covariance, m².
+    pub(crate) variances_m2: [f64; 3],
 }
 
 impl EmissionBand {
@@ -72,64 +90,99 @@ impl EmissionBand {
         within(emission.frequency_hz, self.frequency_hz)
             && interval.is_none_or(|(band, interval_s)| within(interval_s, band))
     }
-}
 
-impl Identifier {
-    /// With room for `tracks_max` tracks.
-    ///
-    /// # Errors
-    /// What is wrong with the knowledge.
-    pub fn new(knowledge: Knowledge, tracks_max: usize) -> Result<Self, String> {
-        if let Some(fault) = knowledge.fault() {
-            return Err(fault);
-        }
-        Ok(Self {
-            knowledge,
-            tracks: Vec::with_capacity(tracks_max),
-        })
-    }
-
-    /// Learns where a track's targets came from, east and north in metres. `false` if there is no room.
-    pub fn came_from(&mut self, number: u32, origin_m: [f64; 2]) -> bool {
-        let known = self.known(number);
-        known.map(|known| known.origin_m = Some(origin_m)).is_some()
-    }
-
-    /// Learns of an emission. `tracks` are (number, east, north in metres, standard deviation across in metres). Returns the
-    /// track that it is of, if that is clear.
-    pub fn emitted(&mut self, emission: &Emission, tracks: impl Iterator<Item = (u32, [f64; 2], f64)>) -> Option<u32> {
-        let away = |(number, place_m, sigma_m): (u32, [f64; 2], f64)| {
-            let line = [place_m[0] - emission.platform_m[0], place_m[1] - emission.platform_m[1]];
-            let range_m = line[0].hypot(line[1]).max(1.0);
-            let turn = (emission.bearing_rad - line[0].atan2(line[1]) + PI).rem_euclid(TAU) - PI;
-            let sigma_rad = emission.sigma_rad.hypot(sigma_m / range_m);
-            (number, turn.abs() / sigma_rad)
-        };
-        let mut near = tracks.map(away).filter(|(_, distance)| *distance < GATE);
-        let number = near.next().filter(|_| near.next().is_none())?.0;
-        let types = &self.knowledge.types;
-        let likelihood = |bands: &[EmissionBand]| match bands {
+    /// Probability of an emission by a type with these bands.
+    fn likelihood(bands: &[Self], emission: &Emission) -> f64 {
+        match bands {
             [] => UNKNOWN,
             bands if bands.iter().any(|band| band.contains(emission)) => MATCH,
             _ => 1.0 - MATCH,
-        };
-        let logs: Vec<f64> = types.iter().map(|target| likelihood(&target.emissions).ln()).collect();
-        let known = self.known(number)?;
-        if known.emissions < EMISSIONS_MAX {
-            known.emissions += 1;
-            let of_others = std::iter::once(UNKNOWN.ln());
-            for (sum, log) in known.log_likelihoods.iter_mut().zip(logs.into_iter().chain(of_others)) {
-                *sum += log;
-            }
         }
-        Some(number)
+    }
+}
+
+impl Identities {
+    /// With room for `tracks_max` tracks, or for none where there are no types.
+    pub(crate) fn new(tracks_max: usize, types: usize) -> Self {
+        let (tracks_max, width) = if types == 0 { (0, 0) } else { (tracks_max, types + 1) };
+        Self {
+            tracks: Vec::with_capacity(tracks_max),
+            log_likelihoods: Vec::with_capacity(tracks_max * width),
+            width,
+        }
     }
 
-    /// Who a track is, if some type is likelier than all others together with those that nobody described.
-    pub fn identification(&self, number: u32) -> Option<Identification> {
-        let known = self.tracks.iter().find(|known| known.number == number)?;
-        let prior = known.origin_m.and_then(|origin_m| self.knowledge.at(origin_m));
-        let types = self.knowledge.types.len();
+    /// Takes over what was known of the tracks with these numbers, which rise; the others are forgotten.
+    pub(crate) fn follow(&mut self, before: &Self, numbers: impl Iterator<Item = u32>) {
+        self.tracks.clear();
+        self.log_likelihoods.clear();
+        let mut place = 0;
+        for number in numbers {
+            let earlier = before.tracks[place..].iter();
+            place += earlier.take_while(|known| known.number < number).count();
+            let known = before.tracks.get(place).filter(|known| known.number == number);
+            self.tracks.push(known.copied().unwrap_or(Known {
+                number,
+                origin: None,
+                emissions: 0,
+            }));
+            match known {
+                Some(_) => self.log_likelihoods.extend_from_slice(before.likelihoods(place)),
+                None => self.log_likelihoods.resize(self.tracks.len() * self.width, 0.0),
+            }
+        }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn len(&self) -> usize {
+        self.tracks.len()
+    }
+
+    /// Learns where the targets of the track at `place` came from.
+    pub(crate) fn came_from(&mut self, place: usize, origin: Origin) {
+        let known = &mut self.tracks[place].origin;
+        if known.is_none() || origin.is_reported {
+            *known = Some(origin);
+        }
+    }
+
+    /// Learns of an emission. `tracks` are in the order of their numbers. Returns the place of the track that it is of, if
+    /// that is clear.
+    pub(crate) fn emitted(
+        &mut self,
+        emission: &Emission,
+        tracks: impl Iterator<Item = Whereabouts>,
+        knowledge: &Knowledge,
+    ) -> Option<usize> {
+        let distances = tracks.map(|track| track.distance(emission)).enumerate();
+        let mut near = distances.filter(|(_, distance)| *distance < GATE);
+        let place = near.next().filter(|_| near.next().is_none())?.0;
+        let known = &mut self.tracks[place];
+        if known.emissions < EMISSIONS_MAX {
+            known.emissions += 1;
+            let types = knowledge.types.iter().map(|target| &target.emissions[..]);
+            // Of any other type nothing is known.
+            let bands = types.chain(std::iter::once(&[][..]));
+            let sums = &mut self.log_likelihoods[place * self.width..][..self.width];
+            for (sum, bands) in sums.iter_mut().zip(bands) {
+                *sum += EmissionBand::likelihood(bands, emission).ln();
+            }
+        }
+        Some(place)
+    }
+
+    /// What the track at `place` is, if some type is likelier than all others together with those that nobody described.
+    pub(crate) fn target_type(&self, place: usize, knowledge: &Knowledge) -> TargetType {
+        let best = self.best(place, knowledge);
+        let named = best.and_then(|(target, confidence)| TargetType::new(&knowledge.types[target].name, confidence));
+        named.unwrap_or_default()
+    }
+
+    /// The likeliest type, with its probability.
+    fn best(&self, place: usize, knowledge: &Knowledge) -> Option<(usize, f64)> {
+        let known = self.tracks.get(place)?;
+        let prior = known.origin.and_then(|origin| knowledge.at(origin.place_m));
+        let (types, log_likelihoods) = (knowledge.types.len(), self.likelihoods(place));
         let stated = |target: usize| {
             let types = prior.map_or(&[][..], |prior| &prior.types);
             types
@@ -140,53 +193,40 @@ impl Identifier {
         let sum: f64 = (0..types).filter_map(stated).sum();
         let unstated = (0..types).filter(|target| stated(*target).is_none()).count() + 1;
         let rest = (1.0 - sum).max(0.0) / unstated as f64;
-        let likelihood = |target: usize| {
-            let probability = if target < types {
-                stated(target).unwrap_or(rest)
-            } else {
-                rest
-            };
-            probability * known.log_likelihoods[target].exp()
-        };
+        let likelihood = |target: usize| stated(target).unwrap_or(rest) * log_likelihoods[target].exp();
         let all: f64 = (0..=types).map(likelihood).sum();
         let best =
             (0..=types).max_by(|one, other| likelihood(*one).total_cmp(&likelihood(*other)).then(other.cmp(one)))?;
         let confidence = likelihood(best) / all;
-        (best < types && confidence > 0.5).then_some(Identification {
-            target_type: best,
-            confidence,
-        })
+        (best < types && confidence > 0.5).then_some((best, confidence))
     }
 
-    /// Forgets tracks that are no more.
-    pub fn keep(&mut self, mut is_alive: impl FnMut(u32) -> bool) {
-        self.tracks.retain(|known| is_alive(known.number));
+    fn likelihoods(&self, place: usize) -> &[f64] {
+        &self.log_likelihoods[place * self.width..][..self.width]
     }
+}
 
-    fn known(&mut self, number: u32) -> Option<&mut Known> {
-        let place = self.tracks.iter().position(|known| known.number == number);
-        if place.is_none() && self.tracks.len() == self.tracks.capacity() {
-            return None;
-        }
-        let place = place.unwrap_or_else(|| {
-            self.tracks.push(Known {
-                number,
-                origin_m: None,
-                log_likelihoods: vec![0.0; self.knowledge.types.len() + 1],
-                emissions: 0,
-            });
-            self.tracks.len() - 1
-        });
-        self.tracks.get_mut(place)
+impl Whereabouts {
+    /// How far an emission is from coming from here, in standard deviations.
+    fn distance(&self, emission: &Emission) -> f64 {
+        let line = [0, 1].map(|axis| self.place_m[axis] - emission.platform_m[axis]);
+        let range_m = line[0].hypot(line[1]).max(1.0);
+        let [east, north] = line.map(|part| part / range_m);
+        let [east_m2, north_m2, both_m2] = self.variances_m2;
+        let across_m2 = north * north * east_m2 + east * east * north_m2 - 2.0 * east * north * both_m2;
+        let turn_rad = (emission.bearing_rad - line[0].atan2(line[1]) + PI).rem_euclid(TAU) - PI;
+        let sigma_rad = emission.sigma_rad.hypot(across_m2.max(0.0).sqrt() / range_m);
+        turn_rad.abs() / sigma_rad
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wide_area::prior::{Place, Prior, TargetType};
+    use crate::wide_area::prior::{self, Place, Prior};
 
     const NINE_GHZ: Emission = Emission {
+        time_ns: 0,
         bearing_rad: 0.0,
         sigma_rad: 0.01,
         platform_m: [0.0; 2],
@@ -194,8 +234,8 @@ mod tests {
         pulse_interval_s: Some(1e-3),
     };
 
-    fn identifier() -> Identifier {
-        let target = |name: &str, ghz: [f64; 2]| TargetType {
+    fn knowledge() -> Knowledge {
+        let target = |name: &str, ghz: [f64; 2]| prior::TargetType {
             name: name.to_owned(),
             emissions: vec![EmissionBand {
                 frequency_hz: ghz.map(|value| value * 1e9),
@@ -211,7 +251,7 @@ mod tests {
             formations: Vec::new(),
             formation_probability_min: 0.5,
         };
-        let knowledge = Knowledge {
+        Knowledge {
             types: vec![
                 target("A", [9.0, 10.0]),
                 target("B", [9.2, 9.6]),
@@ -221,56 +261,105 @@ mod tests {
                 from([0.0, 90e3], &[(0, 0.8), (2, 0.1)]),
                 from([90e3, 0.0], &[(1, 0.6), (2, 0.3)]),
             ],
-        };
-        Identifier::new(knowledge, 2).unwrap()
+        }
+    }
+
+    /// Of tracks 7 and 8.
+    fn identities() -> (Identities, Knowledge) {
+        let mut all = Identities::new(4, 3);
+        all.follow(&Identities::new(4, 3), [7, 8].into_iter());
+        (all, knowledge())
+    }
+
+    fn at(places_m: &[[f64; 2]]) -> impl Iterator<Item = Whereabouts> {
+        places_m.iter().map(|place_m| Whereabouts {
+            place_m: *place_m,
+            variances_m2: [1e4, 1e4, 0.0],
+        })
+    }
+
+    fn route(place_m: [f64; 2]) -> Origin {
+        Origin {
+            place_m,
+            is_reported: true,
+        }
     }
 
     #[test]
     fn emission_and_origin_decide_together() {
-        let mut all = identifier();
-        let tracks = [(7, [0.0, 40e3], 100.0), (8, [20e3, 40e3], 100.0)];
-        assert_eq!(all.emitted(&NINE_GHZ, tracks.into_iter()), Some(7));
-        assert_eq!(all.identification(7), None, "A and B emit the like");
-        assert!(all.came_from(7, [0.0, 95e3]));
-        let from_north = all.identification(7).unwrap();
-        assert!(
-            from_north.target_type == 0 && from_north.confidence > 0.85,
-            "{from_north:?}"
-        );
-        assert!(all.came_from(7, [95e3, 0.0]));
+        let (mut all, knowledge) = identities();
+        let apart = [[0.0, 40e3], [20e3, 40e3]];
+        assert_eq!(all.emitted(&NINE_GHZ, at(&apart), &knowledge), Some(0));
+        assert_eq!(all.best(0, &knowledge), None, "A and B emit the like");
+        all.came_from(0, route([0.0, 95e3]));
+        let (target, confidence) = all.best(0, &knowledge).unwrap();
+        assert!(target == 0 && confidence > 0.85, "{confidence}");
+        assert_eq!(all.target_type(0, &knowledge).name(), Some("A"));
+        all.came_from(0, route([95e3, 0.0]));
         assert_eq!(
-            all.identification(7).unwrap().target_type,
-            1,
+            all.target_type(0, &knowledge).name(),
+            Some("B"),
             "the same emission from elsewhere"
         );
-        assert_eq!(all.identification(8), None);
+        assert_eq!(all.target_type(1, &knowledge), TargetType::default());
         // Origin alone.
-        assert!(all.came_from(8, [0.0, 90e3]));
-        assert!((all.identification(8).unwrap().confidence - 0.8).abs() < 1e-12);
+        all.came_from(1, route([0.0, 90e3]));
+        assert!((all.best(1, &knowledge).unwrap().1 - 0.8).abs() < 1e-12);
+    }
+
+    #[test]
+    fn where_targets_were_seen_first_is_where_they_came_from_until_a_route_says_more() {
+        let (mut all, knowledge) = identities();
+        let seen = |place_m| Origin {
+            place_m,
+            is_reported: false,
+        };
+        all.came_from(0, seen([0.0, 90e3]));
+        all.came_from(0, seen([50e3, 50e3]));
+        assert_eq!(all.target_type(0, &knowledge).name(), Some("A"));
+        all.came_from(0, route([90e3, 0.0]));
+        all.came_from(0, seen([0.0, 90e3]));
+        assert_eq!(all.target_type(0, &knowledge).name(), Some("B"));
     }
 
     #[test]
     fn what_is_not_clear_teaches_nobody() {
-        let mut all = identifier();
-        let together = [(7, [0.0, 40e3], 100.0), (8, [100.0, 50e3], 100.0)];
-        assert_eq!(all.emitted(&NINE_GHZ, together.into_iter()), None);
-        let behind = [(7, [0.0, -40e3], 100.0)];
-        assert_eq!(all.emitted(&NINE_GHZ, behind.into_iter()), None);
-        assert!(all.identification(7).is_none());
+        let (mut all, knowledge) = identities();
+        let before = all.clone();
+        for tracks in [[[0.0, 40e3], [100.0, 50e3]], [[0.0, -40e3], [9e3, -40e3]]] {
+            assert_eq!(all.emitted(&NINE_GHZ, at(&tracks), &knowledge), None);
+        }
+        assert_eq!(all, before);
     }
 
     #[test]
-    fn repetition_does_not_make_sure_and_room_is_bounded() {
-        let mut all = identifier();
-        let alone = [(7, [0.0, 40e3], 100.0)];
+    fn uncertainty_along_the_line_of_sight_does_not_widen_the_direction() {
+        let heard = |variances_m2| {
+            let place_m = [300.0, 4e3];
+            Whereabouts { place_m, variances_m2 }.distance(&NINE_GHZ) < GATE
+        };
+        assert!(heard([1e4, 1.0, 0.0]) && !heard([1.0, 1e4, 0.0]));
+    }
+
+    #[test]
+    fn repetition_does_not_make_sure_and_ended_tracks_are_forgotten() {
+        let (mut all, knowledge) = identities();
         for _ in 0..1000 {
-            assert_eq!(all.emitted(&NINE_GHZ, alone.into_iter()), Some(7));
+            assert_eq!(
+                all.emitted(&NINE_GHZ, at(&[[0.0, 40e3], [20e3, 4e3]]), &knowledge),
+                Some(0)
+            );
         }
-        assert!(all.came_from(7, [0.0, 90e3]));
-        let confidence = all.identification(7).unwrap().confidence;
+        all.came_from(0, route([0.0, 90e3]));
+        let (_, confidence) = all.best(0, &knowledge).unwrap();
         assert!(confidence < 0.99, "{confidence}");
-        assert!(all.came_from(8, [0.0; 2]) && !all.came_from(9, [0.0; 2]));
-        all.keep(|number| number == 7);
-        assert!(all.came_from(9, [0.0; 2]));
+        let mut later = Identities::new(4, 3);
+        later.follow(&all, [3, 7, 9].into_iter());
+        assert_eq!(later.best(1, &knowledge), all.best(0, &knowledge));
+        assert_eq!((later.best(0, &knowledge), later.best(2, &knowledge)), (None, None));
+        let mut without = Identities::new(4, 3);
+        without.follow(&later, [3].into_iter());
+        later.follow(&without, [3, 7].into_iter());
+        assert_eq!(later.best(1, &knowledge), None);
     }
 }

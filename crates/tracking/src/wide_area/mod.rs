@@ -16,8 +16,8 @@
 //! off again after a late one see the same reports in the same places, and the same input gives the same bits.
 //!
 //! What goes with it and is used by others: which detections are used at all ([`selection`]), whether targets are followed
-//! as a group ([`group`]), who they are ([`identification`]), what is known beforehand ([`prior`]), and where sensors should
-//! look next ([`cue`]); and when pictures are given out ([`schedule`]).
+//! as a group ([`group`]), who they are (`identification`, from each [`Emission`] and where the targets came from), what is known
+//! beforehand ([`prior`]), and where sensors should look next ([`cue`]); and when pictures are given out ([`schedule`]).
 //!
 //! Source: patent JP4702010B2.
 
@@ -25,15 +25,17 @@ pub mod choice;
 pub mod correction;
 pub mod cue;
 pub mod distribution;
+pub mod emission;
 pub(crate) mod expectation;
 pub mod group;
-pub mod identification;
+pub(crate) mod identification;
 pub mod prior;
 pub(crate) mod report;
 pub mod schedule;
 pub mod selection;
 pub mod settings;
 
+pub use emission::{Emission, EmissionRefusal};
 pub use formats::wide_area::WideAreaReport;
 pub use report::{ReportRefusal, TARGETS_MAX};
 pub use settings::WideArea;

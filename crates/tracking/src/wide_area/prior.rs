@@ -3,7 +3,7 @@
 //! Who comes from where is often known: from this bearing come airliners; from that field, fours of the same type. Such
 //! knowledge is of a place, not of a target, so it is stated by place: a sector of bearings from a point, or a circle. It
 //! applies to a wide-area report by where its targets came from, or where they are if that is not known, and says two
-//! things: which types are likely (module [`identification`](super::identification)), and how many fly together. Where a
+//! things: which types are likely (module `identification`), and how many fly together. Where a
 //! formation of four is likely and two are reported, the correction may count on four.
 //!
 //! Statements that contradict each other are refused, since nobody could say which one holds: probabilities beyond 1, a type
@@ -13,6 +13,11 @@
 use std::f64::consts::TAU;
 
 use super::{TARGETS_MAX, WideAreaReport};
+
+/// Most types that can be described.
+pub const TYPES_MAX: usize = 64;
+/// Most places of which something can be known.
+pub const PRIORS_MAX: usize = 256;
 
 /// All of it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,7 +31,7 @@ pub struct Knowledge {
 /// A type of target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetType {
-    /// Its name, for people.
+    /// Its name, for people: 1 to 12 printable characters of ASCII.
     pub name: String,
     /// What it emits; empty if that is not known.
     pub emissions: Vec<EmissionBand>,
@@ -147,7 +152,19 @@ impl Knowledge {
                 target.name
             ));
         }
+        if self.types.len() > TYPES_MAX || self.priors.len() > PRIORS_MAX {
+            return Some(format!(
+                "at most {TYPES_MAX} types and {PRIORS_MAX} priors can be described"
+            ));
+        }
         for (place, target) in self.types.iter().enumerate() {
+            if messages::TargetType::new(&target.name, 1.0).is_none() {
+                return Some(format!(
+                    "type {:?}: its name must have 1 to {} printable characters",
+                    target.name,
+                    messages::TYPE_NAME_MAX
+                ));
+            }
             if self.types[..place].iter().any(|other| other.name == target.name) {
                 return Some(format!("type {:?} is described twice", target.name));
             }
@@ -316,7 +333,11 @@ mod tests {
     #[test]
     fn what_contradicts_itself_is_refused_with_its_number() {
         type Spoil = fn(&mut Knowledge);
-        let cases: [(&str, Spoil); 9] = [
+        let cases: [(&str, Spoil); 11] = [
+            ("type \"a long name indeed\": its name", |all| {
+                all.types[0].name = "a long name indeed".to_owned()
+            }),
+            ("at most 64 types", |all| all.types = vec![all.types[0].clone(); 65]),
             ("prior 1: the probabilities of its types", |all| {
                 all.priors[0].types[0].1 = 0.9999 + 0.01
             }),

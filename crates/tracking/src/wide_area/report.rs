@@ -9,7 +9,7 @@ pub const TARGETS_MAX: u32 = 256;
 /// Most reports kept at a time.
 pub(crate) const REPORTS_MAX: usize = 4096;
 /// Farthest coordinate that is a place, metres: beyond it nothing on Earth is in one plane with the sensors.
-const PLACE_MAX_M: f64 = 1e7;
+pub(crate) const PLACE_MAX_M: f64 = 1e7;
 
 /// Why a report was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]

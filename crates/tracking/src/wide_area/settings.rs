@@ -83,6 +83,21 @@ pub struct Coverage {
     pub radius_m: f64,
 }
 
+impl Default for EarlyConfirmation {
+    fn default() -> Self {
+        Self {
+            new_target_share: 1.0,
+            beside_confirmed_only: true,
+            confirmation: Confirmation {
+                reliability_min: 0.51,
+                detections_min: 2,
+                log_likelihood_ratio_min: None,
+            },
+            company_min: 0.5,
+        }
+    }
+}
+
 impl Default for WideArea {
     fn default() -> Self {
         Self {
@@ -92,16 +107,7 @@ impl Default for WideArea {
             tracks_min: 0.5,
             others_count: true,
             sharing: None,
-            confirmation: Some(EarlyConfirmation {
-                new_target_share: 1.0,
-                beside_confirmed_only: true,
-                confirmation: Confirmation {
-                    reliability_min: 0.51,
-                    detections_min: 2,
-                    log_likelihood_ratio_min: None,
-                },
-                company_min: 0.5,
-            }),
+            confirmation: Some(EarlyConfirmation::default()),
             deletion: None,
             groups: None,
             knowledge: Knowledge::default(),
