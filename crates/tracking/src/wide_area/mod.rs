@@ -9,7 +9,8 @@
 //! A report ([`WideAreaReport`]) arrives late; what it says is of its time of observation. The clusters' tracks are moved
 //! there along their velocities, and the cluster meant is found ([`choice`]) or the number is shared among several
 //! ([`distribution`]). In the first scan after its arrival the hypotheses of that cluster, and then the children of each of
-//! them, are corrected ([`correction`]). For as long as a report is valid it also helps new tracks to be confirmed, and its
+//! them, are corrected ([`correction`]). For as long as a report is valid, hypotheses with enough tracks are held at a small
+//! share, so that they are still there when the next one comes; the report also helps new tracks to be confirmed, and its
 //! silence about a place that it covers helps clusters to be given up ([`settings`]).
 //!
 //! Everything is derived anew in each scan from the reports and the population before the scan. So scans that are worked
