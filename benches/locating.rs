@@ -29,6 +29,7 @@ fn bearing(next: u64, emitters: u64) -> Bearing {
         platform_m: [platform[0], platform[1], 3_000.0],
         heading_rad: Some(angle + std::f64::consts::FRAC_PI_2),
         frequency_hz: None,
+        pulse_interval_s: None,
     }
 }
 

@@ -11,7 +11,7 @@
 use std::time::Duration;
 
 use bus::{Bus, Root, SharedMemory, WaitMode};
-use messages::{Health, LifeState, ProcessKind, SystemTrack, TrackState};
+use messages::{Health, LifeState, ProcessKind, SystemTrack, TrackKind, TrackState};
 use runtime::clock::mono_ns;
 use runtime::signals::Stop;
 
@@ -51,7 +51,7 @@ fn is_end(health: &Health) -> bool {
     launcher && health.name() == ProcessKind::Launcher.word() && health.life() == Some(LifeState::Finished)
 }
 
-/// One line per update: time, number, state, who it is, where it is, how fast, and who sees it.
+/// One line per update: time, number, state, who and what it is, where it is, how fast, and who sees it.
 fn show(track: &SystemTrack) {
     let seconds = track.reference_time_ns as f64 / messages::NS_PER_S;
     let state = TrackState::from_code(track.state).map_or("?", TrackState::word);
@@ -62,8 +62,17 @@ fn show(track: &SystemTrack) {
         .iter()
         .map(|part| format!("{}:{:.2}", part.source, part.weight))
         .collect();
+    let group = match TrackKind::from_code(track.kind) {
+        Some(TrackKind::Group) => format!(" group of {}", track.members),
+        _ => String::new(),
+    };
+    let target_type = track
+        .target_type
+        .name()
+        .map(|name| format!(" {name}"))
+        .unwrap_or_default();
     println!(
-        "{seconds:.3} track {} {state} {} at {x:.0} {y:.0} {z:.0} m, {:.0} m/s, sources {}",
+        "{seconds:.3} track {} {state} {}{group}{target_type} at {x:.0} {y:.0} {z:.0} m, {:.0} m/s, sources {}",
         track.track_number,
         track.identity,
         vx.hypot(vy),

@@ -4,9 +4,10 @@
 //! and what tipped the scales. Each of these can be had as a record by whoever gives [`crate::Tracker::scan_explained`] an
 //! observer. Records are made of what is there anyway and kept nowhere; where nobody observes, nothing is made of them.
 //!
-//! Records come in this order: the scan; then of each cluster that the scan has worked off what became of its tracks, the
-//! cluster as a whole, its hypotheses after reduction, the most reliable first, each with its tracks. Tracks that begin at a
-//! detection far from all others come last, without a cluster. A scan that came late has those after it explained again.
+//! Records come in this order: the scan; then of each cluster that the scan has worked off what became of its tracks, how a
+//! wide-area report corrected it, the cluster as a whole, its hypotheses after reduction, the most reliable first, each with its
+//! tracks. Tracks that begin at a detection far from all others come last, without a cluster, and then the groups that are given
+//! out. A scan that came late has those after it explained again.
 
 use std::fmt;
 
@@ -44,6 +45,8 @@ pub enum Explanation<'a> {
         /// What it was compared with; NaN if nothing was.
         limit: f64,
     },
+    /// A wide-area report has corrected a cluster's reliabilities (WA-4).
+    Correction(CorrectionRecord),
     /// A cluster as a whole.
     Cluster(ClusterRecord<'a>),
     /// One of the hypotheses that are left of it.
@@ -53,6 +56,30 @@ pub enum Explanation<'a> {
     },
     /// A track of the hypothesis before.
     Member(TrackRecord),
+    /// After a scan: a cluster's tracks are given out as those of one group (WA-7).
+    Group {
+        /// The group's number.
+        number: u32,
+        /// Expected number of its members.
+        members: u32,
+        /// Probability that the cluster has fewer tracks than members.
+        probability: f64,
+        /// The least one.
+        limit: f64,
+    },
+}
+
+/// How reliabilities were corrected by a wide-area report (WA-4).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CorrectionRecord {
+    /// Targets that the report asks for in the cluster.
+    pub targets: f64,
+    /// Sum of the reliabilities of the hypotheses with at least so many tracks, before and after.
+    pub before: f64,
+    /// After.
+    pub after: f64,
+    /// Whether they are the children of this scan; else those before the scan.
+    pub of_children: bool,
 }
 
 /// What can become of a track.
@@ -62,10 +89,16 @@ pub enum TrackEvent {
     Started,
     /// It is confirmed: value its reliability, limit the least.
     Confirmed,
+    /// The same earlier than otherwise, because a wide-area report shows more targets (WA-6).
+    ConfirmedEarly,
     /// A branch was missed too often for a target that is still there: value that probability, limit the least.
     MissedTooOften,
     /// A branch had no detection for too long: value seconds, limit the most.
     SilentTooLong,
+    /// The same two, earlier than otherwise, because a wide-area report shows nothing there (WA-8).
+    AbsentMissed,
+    /// See [`Self::AbsentMissed`].
+    AbsentSilent,
     /// A branch was too rarely in a confirmed track's gate (SP-7): value the share, limit the least.
     OutOfCompany,
     /// No branch of it is in any hypothesis that is left.
@@ -73,13 +106,20 @@ pub enum TrackEvent {
 }
 
 impl TrackEvent {
+    /// A branch is given up: missed too often, silent for too long.
+    pub(crate) const ENDS: [Self; 2] = [Self::MissedTooOften, Self::SilentTooLong];
+    pub(crate) const ABSENT_ENDS: [Self; 2] = [Self::AbsentMissed, Self::AbsentSilent];
+
     /// The word that tables use.
     pub fn word(self) -> &'static str {
         match self {
             Self::Started => "started",
             Self::Confirmed => "confirmed",
+            Self::ConfirmedEarly => "confirmed_early",
             Self::MissedTooOften => "missed_too_often",
             Self::SilentTooLong => "silent_too_long",
+            Self::AbsentMissed => "absent_missed_too_often",
+            Self::AbsentSilent => "absent_silent_too_long",
             Self::OutOfCompany => "out_of_company",
             Self::Ended => "ended",
         }

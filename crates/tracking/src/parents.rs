@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use crate::explanation::CorrectionRecord;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::ranked::log_sum;
 use crate::wide_area::correction::{Gains, Rule, has_enough, lacking};
@@ -30,6 +31,33 @@ pub(crate) struct Asked {
     pub(crate) correction: Option<Rule>,
     /// Whether those of their children are corrected, too.
     pub(crate) corrects_children: bool,
+}
+
+impl Asked {
+    fn is_enough(&self, hypothesis: &Hypothesis) -> bool {
+        self.targets
+            .is_none_or(|targets| has_enough(hypothesis.members.len(), targets))
+    }
+
+    fn gains(&self, hypotheses: &[Hypothesis]) -> Gains {
+        let rated = hypotheses
+            .iter()
+            .map(|hypothesis| (hypothesis.log_reliability, self.is_enough(hypothesis)));
+        self.correction.map_or(Gains::NONE, |rule| Gains::of_all(rated, rule))
+    }
+
+    /// What the correction of these hypotheses comes to, if it changes them.
+    pub(crate) fn explained(&self, hypotheses: &[Hypothesis]) -> Option<CorrectionRecord> {
+        let gains = self.gains(hypotheses);
+        let enough = hypotheses.iter().filter(|hypothesis| self.is_enough(hypothesis));
+        let before: f64 = enough.map(|hypothesis| hypothesis.log_reliability.exp()).sum();
+        (gains != Gains::NONE).then(|| CorrectionRecord {
+            targets: self.targets.unwrap_or(f64::NAN),
+            before: before.min(1.0),
+            after: (before * gains.gain(true).exp()).min(1.0),
+            of_children: false,
+        })
+    }
 }
 
 /// The hypotheses of one cluster, or of several together.
@@ -94,21 +122,15 @@ impl Parents {
     }
 
     fn multiply(&mut self, population: &Population, cluster: &Cluster, hypotheses_max: usize, asked: &Asked) {
-        let targets = asked.targets;
         let range = cluster.hypotheses.start as usize..cluster.hypotheses.end as usize;
         let hypotheses = &population.hypotheses[range];
-        let is_enough =
-            |hypothesis: &Hypothesis| targets.is_none_or(|targets| has_enough(hypothesis.members.len(), targets));
-        let rated = hypotheses
-            .iter()
-            .map(|hypothesis| (hypothesis.log_reliability, is_enough(hypothesis)));
         // WA-4, to the hypotheses themselves; their children follow once they are drawn.
-        let gains = asked.correction.map_or(Gains::NONE, |rule| Gains::of_all(rated, rule));
+        let gains = asked.gains(hypotheses);
         self.corrected |= asked.corrects_children && gains != Gains::NONE;
         self.products.clear();
         for (one, parent) in (0..).zip(&self.list) {
             for (other, hypothesis) in (0..).zip(hypotheses) {
-                let corrected = hypothesis.log_reliability + gains.gain(is_enough(hypothesis));
+                let corrected = hypothesis.log_reliability + gains.gain(asked.is_enough(hypothesis));
                 let product = parent.log_reliability + corrected;
                 self.products.push((product, one, other));
             }
@@ -125,7 +147,7 @@ impl Parents {
             members.extend_from_slice(&self.members[parent.members.start as usize..parent.members.end as usize]);
             let of_other = population.members_of(&hypotheses[other as usize]);
             members.extend_from_slice(of_other);
-            let lacking = targets.map_or(0, |targets| lacking(of_other.len(), targets));
+            let lacking = asked.targets.map_or(0, |targets| lacking(of_other.len(), targets));
             list.push(Parent {
                 log_reliability,
                 lacking: parent.lacking + lacking,

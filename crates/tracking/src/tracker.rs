@@ -231,7 +231,7 @@ impl Tracker {
         let first = self.scans[..self.open].partition_point(|scan| scan.time_ns < due_ns);
         if first < self.open {
             (first..self.open).for_each(|place| self.identify(place));
-            self.report();
+            self.report(None);
         }
         Ok(())
     }
@@ -335,7 +335,7 @@ impl Tracker {
             self.work_off(place, observer);
             self.identify(place);
         }
-        self.report();
+        self.report(observer);
     }
 
     /// Makes the population after the open scan at `place` of the one before it.
@@ -467,7 +467,7 @@ impl Tracker {
     }
 
     /// Of each confirmed ancestor the most reliable branch (HT-10).
-    fn report(&mut self) {
+    fn report(&mut self, observer: Option<&dyn Observer>) {
         let population = &self.populations[self.open];
         let (settings, wide_area) = (&self.settings, &self.settings.wide_area);
         let (reports, describes) = (self.wide_area.list(), wide_area.describes_tracks());
@@ -493,6 +493,14 @@ impl Tracker {
             if self.best[..nth].iter().all(|(.., other)| *other != place) {
                 let confirmed = cluster.tracks.clone().map(of).filter(|track| track.is_confirmed());
                 let joined = joined(confirmed.map(report), group, population.time_ns, &settings.motion);
+                if let (Some(observer), Some(joined)) = (observer, &joined) {
+                    observer.explain(&Explanation::Group {
+                        number: joined.number,
+                        members: group.members,
+                        probability: group.probability,
+                        limit: wide_area.groups.map_or(f64::NAN, |groups| groups.probability_min),
+                    });
+                }
                 self.reports.extend(joined);
             }
         }

@@ -18,12 +18,12 @@ use messages::NS_PER_S;
 
 use crate::counts::Counts;
 use crate::directions::{Claims, Directions};
-use crate::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, TrackRecord};
+use crate::explanation::{ClusterRecord, CorrectionRecord, Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gating::{Gating, NONE, PAIRS_MAX, Plot};
 use crate::motion::Motion;
 use crate::parents::{Asked, Parents};
 use crate::population::{Cluster, Population};
-use crate::ranked::{COLUMNS_MAX, Choice, OWN, PROBLEMS_MAX, ROWS_MAX, Ranked, Solution};
+use crate::ranked::{COLUMNS_MAX, Choice, OWN, PROBLEMS_MAX, ROWS_MAX, Ranked, Solution, log_sum};
 use crate::sensor::Sensor;
 use crate::settings::{Deletion, Settings};
 use crate::splitting::{DetectionCounts, Limits, company, mean_motion};
@@ -240,13 +240,18 @@ impl Update {
         let confirmed = self.numbers.len();
         self.pose(&group, counts);
         dropped += self.draw(&group, next, counts);
+        let uncorrected = scan.observer.map(|_| self.share_of_enough());
         self.correct_children(scan.settings.wide_area.correction);
+        if let (Some(observer), Some(before)) = (scan.observer, uncorrected) {
+            self.explain_corrections(&group, observer, before);
+        }
         counts.wide_area_corrections += u64::from(self.parents.corrected);
         dropped += self.stage.reduce(reduction, counts);
         counts.drop_probability(dropped);
         let confirmation = &scan.settings.confirmation;
         let may_be = |track: &Track| confirmation.is_met(track);
         self.stage.confirm(may_be, &mut next.next_number, counts);
+        let first_early = next.next_number;
         if let Some(early) = group.early_confirmation(confirmed) {
             let before = counts.confirmed;
             let may_be = |track: &Track| early.is_met(track);
@@ -254,7 +259,13 @@ impl Update {
             counts.wide_area_confirmations += counts.confirmed - before;
         }
         if let Some(observer) = scan.observer {
-            self.explain(&group, observer, first_number, (&counted, counts), dropped);
+            self.explain(
+                &group,
+                observer,
+                [first_number, first_early],
+                (&counted, counts),
+                dropped,
+            );
         }
         self.stage.separate(next, reduction, &detections, counts);
     }
@@ -264,14 +275,14 @@ impl Update {
         &self,
         group: &Group<'_>,
         observer: &dyn Observer,
-        first_number: u32,
+        [first_number, first_early]: [u32; 2],
         (before, after): (&Counts, &Counts),
         dropped_probability: f64,
     ) {
         let scan = group.scan;
         let record = |track: &Track| TrackRecord::of(track, scan.plots, scan.first_serial);
         let staged = || self.stage.hypotheses().flat_map(|(_, tracks)| tracks);
-        let confirmation = &scan.settings.confirmation;
+        let (plain, early) = (&scan.settings.confirmation, group.easier_confirmation());
         for (place, track) in self.stage.tracks.iter().enumerate() {
             let earlier = &self.stage.tracks[..place];
             let is_new = track.number >= first_number && !earlier.iter().any(|other| other.number == track.number);
@@ -279,12 +290,13 @@ impl Update {
                 let branches = self.stage.tracks.iter().filter(|other| other.number == track.number);
                 let best = branches.max_by(|one, other| one.reliability.total_cmp(&other.reliability));
                 let best = best.unwrap_or(track);
-                scan.explain(
-                    TrackEvent::Confirmed,
-                    best,
-                    best.reliability,
-                    confirmation.reliability_min,
-                );
+                let (event, limit) = match early {
+                    Some(early) if track.number >= first_early => {
+                        (TrackEvent::ConfirmedEarly, early.confirmation.reliability_min)
+                    }
+                    _ => (TrackEvent::Confirmed, plain.reliability_min),
+                };
+                scan.explain(event, best, best.reliability, limit);
             }
         }
         for (place, number) in group.tracks().enumerate() {
@@ -313,6 +325,35 @@ impl Update {
         }
     }
 
+    /// Tells how wide-area reports corrected the clusters before the scan, and the children that are now on the stage; of
+    /// these so large a share had enough tracks before.
+    fn explain_corrections(&self, group: &Group<'_>, observer: &dyn Observer, before: f64) {
+        let hypotheses = &group.scan.before.hypotheses;
+        for (cluster, expectation) in group.clusters().zip(group.expectations()) {
+            let range = cluster.hypotheses.start as usize..cluster.hypotheses.end as usize;
+            if let Some(correction) = group.asked(&expectation).explained(&hypotheses[range]) {
+                observer.explain(&Explanation::Correction(correction));
+            }
+        }
+        let after = self.share_of_enough();
+        if before != after {
+            let due = group.expectations().filter(|expectation| expectation.is_due);
+            observer.explain(&Explanation::Correction(CorrectionRecord {
+                targets: due.filter_map(|expectation| expectation.targets).sum(),
+                before,
+                after,
+                of_children: true,
+            }));
+        }
+    }
+
+    /// Share of the children's reliability that those have with as many tracks as a due wide-area report asks for.
+    fn share_of_enough(&self) -> f64 {
+        let children = (0..self.stage.len()).map(|child| self.stage.log_reliability(child));
+        let enough = children.clone().zip(&self.kin).filter(|(_, (_, is_enough))| *is_enough);
+        (log_sum(enough.map(|(log_reliability, _)| log_reliability)) - log_sum(children)).exp()
+    }
+
     /// Lets the tracks of a cluster take the directions in their gates ([`crate::directions`]); its hypotheses stay, but for
     /// the tracks that have been silent for too long.
     pub(crate) fn take_in(
@@ -329,7 +370,7 @@ impl Update {
             let mut track = scan.before.tracks[number as usize];
             directions.take_in(&mut track, claims);
             self.missed[number as usize] = if is_gone(&track, scan, &scan.settings.deletion) {
-                explain_end(scan, &track, &scan.settings.deletion);
+                explain_end(scan, &track, &scan.settings.deletion, TrackEvent::ENDS);
                 REMOVED
             } else {
                 self.stage.add_track(track).unwrap_or(UNMADE)
@@ -685,7 +726,8 @@ impl Update {
             let gone = in_time || early.is_some();
             let apart = self.lacks_company(group, &track);
             if gone {
-                explain_end(scan, &track, &early.unwrap_or(scan.settings.deletion));
+                let events = early.map_or(TrackEvent::ENDS, |_| TrackEvent::ABSENT_ENDS);
+                explain_end(scan, &track, &early.unwrap_or(scan.settings.deletion), events);
             } else if apart {
                 explain_company(scan, &track);
             }
@@ -807,14 +849,14 @@ fn next_of_as_many_bits(bits: u64) -> u64 {
     carried | (((bits ^ carried) >> 2) / lowest)
 }
 
-fn explain_end(scan: &Scan<'_>, track: &Track, deletion: &Deletion) {
+fn explain_end(scan: &Scan<'_>, track: &Track, deletion: &Deletion, [missed, silent]: [TrackEvent; 2]) {
     if has_missed_too_much(track, deletion) {
         let limit = deletion.missed_probability;
-        scan.explain(TrackEvent::MissedTooOften, track, track.log_silence.exp(), limit);
+        scan.explain(missed, track, track.log_silence.exp(), limit);
     } else {
         let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
         let [silent_s, limit_s] = [silent_ns, deletion.silent_ns].map(|time_ns| time_ns as f64 / NS_PER_S);
-        scan.explain(TrackEvent::SilentTooLong, track, silent_s, limit_s);
+        scan.explain(silent, track, silent_s, limit_s);
     }
 }
 

@@ -4,9 +4,11 @@
 //! search. Both are in the tracker: the state predicted to the time of the look, and the gate in which a detection would be
 //! accepted (HT-2). A cue is that, in the plane: an ellipse around the predicted position.
 
+use formats::detection::Detection;
 use messages::AXES;
 
 use crate::gate::gates;
+use crate::measurement::Measurement;
 use crate::settings::MotionSettings;
 use crate::track_report::TrackReport;
 
@@ -64,6 +66,18 @@ impl Looks {
         };
         self.sensors.iter().filter_map(next)
     }
+}
+
+/// Mean of the largest standard deviations of detections' places, metres, where `sigmas` are those of detections that state
+/// none. `None` if no detection has a place: directions alone do not.
+pub fn sigma_m(detections: &[Detection], sigmas: Option<[f64; 4]>) -> Option<f64> {
+    let places = detections
+        .iter()
+        .filter_map(|detection| Measurement::of(detection, sigmas)?.place());
+    let (sum_m, count) = places.fold((0.0, 0.0), |(sum_m, count), (_, sigma_m)| {
+        (sum_m + sigma_m, count + 1.0)
+    });
+    (count > 0.0).then_some(sum_m / count)
 }
 
 /// A cue for `sensor_id`, whose detections have a standard deviation of `sigma_m` in any direction, at `time_ns`.

@@ -99,9 +99,10 @@ Examples:
   koseki fuse --tracks all.csv --config sensors.toml --out fused.csv
 
 FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
-         and, where known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid. Metres, m/s, the upper
-         triangle of the covariance row by row; state is tentative, confirmed, coasted or terminated. A file may hold
-         several sensors; several files are merged by time. Rows that cannot be used are left out and counted.
+         and, where known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, and of what `koseki track`
+         knows of targets kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the
+         covariance row by row; state is tentative, confirmed, coasted or terminated. A file may hold several sensors;
+         several files are merged by time. Rows that cannot be used are left out and counted.
 --out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
          and more, a row per update. With --refresh a row at every whole multiple of it for each track that is confirmed or
          coasted. Several values in a column are joined with |.
@@ -165,6 +166,8 @@ Examples:
   koseki track --detections radar.csv lidar.csv camera.csv --config sensors.toml --out tracks.csv
   koseki track --detections radar.csv --out tracks.csv --explain why.csv --json
   koseki track --detections radar.csv --wide-area counts.csv --out tracks.csv
+  koseki track --detections radar.csv --wide-area counts.csv --emissions heard.csv --config types.toml --out tracks.csv
+  koseki track --detections radar.csv --period 1 --cues looks.csv --out tracks.csv
 
 FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz      a row per detection, in any order
          kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
@@ -177,8 +180,14 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
 --wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row for each report of how many targets there were around a
          place (docs/wide-area.md); arrival_s counts like time_s; route: east and north of the places passed, oldest first,
          joined with |.
---out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,hypotheses,reliability    a row for each confirmed
-         track after each scan; state is confirmed, or coasted after a scan without it; sensor_id is 0, the tracker.
+--emissions    time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,frequency_hz[,pulse_interval_s]    a row for each emission that
+         was heard, as for `koseki locate`; with the types and priors of --config it tells what the tracks are.
+--out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,kind,members,type,type_confidence,hypotheses,
+         reliability    a row for each confirmed track after each scan, or with --period at its whole multiples; state is
+         confirmed, or coasted after a scan without it; sensor_id is 0, the tracker; kind is group where targets are not told
+         apart, with their expected number, and type is what the target is, if that is known.
+--cues   made_s,time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,longer_m,shorter_m,orientation_rad    after each scan, where
+         each sensor should look for each confirmed track when it looks next: an ellipse, its longer axis clockwise from north.
 --explain what became of each scan, cluster, hypothesis and track, and why; docs/tracking.md says what the columns are
 --config a deployment as for `koseki up` (sensor_id 1 is its first source, whose [source.tracker] holds), or the
          following alone. Nothing of it has to be given; what is said of a sensor are facts, the rest serves all alike:
@@ -231,15 +240,24 @@ pub(crate) struct Track {
     /// How many targets a wide-area sensor has seen, which reports late: a CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) wide_area: Option<PathBuf>,
+    /// What an on-board receiver has heard, to tell types of targets by: a CSV file of bearings
+    #[arg(long, value_name = "FILE")]
+    pub(crate) emissions: Option<PathBuf>,
     /// What is known of the sensors, and settings of the tracker: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
     /// File for the tracks
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
+    /// Give the tracks out at the whole multiples of this period, instead of after each scan
+    #[arg(long, value_name = "SECONDS", value_parser = refresh)]
+    pub(crate) period: Option<Duration>,
     /// File for what was considered and decided
     #[arg(long, value_name = "FILE")]
     pub(crate) explain: Option<PathBuf>,
+    /// File for where each sensor should look next
+    #[arg(long, value_name = "FILE")]
+    pub(crate) cues: Option<PathBuf>,
     /// Print what was read and found as one JSON object
     #[arg(long)]
     pub(crate) json: bool,

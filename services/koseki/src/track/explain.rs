@@ -7,7 +7,7 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 use anyhow::Context as _;
-use tracking::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, TrackRecord};
+use tracking::explanation::{ClusterRecord, CorrectionRecord, Explanation, Observer, TrackEvent, TrackRecord};
 
 use crate::files::OutputFile;
 
@@ -106,6 +106,10 @@ impl Observer for Explained {
                 inner.next_cluster();
                 inner.track(*event, track, *value, *limit);
             }
+            Explanation::Correction(correction) => {
+                inner.next_cluster();
+                inner.correction(correction);
+            }
             Explanation::Cluster(cluster) => {
                 inner.next_cluster();
                 inner.cluster(cluster);
@@ -113,6 +117,22 @@ impl Observer for Explained {
             Explanation::Hypothesis { reliability } => {
                 inner.hypothesis += 1;
                 inner.waiting = Some((*reliability, String::new()));
+            }
+            Explanation::Group {
+                number,
+                members,
+                probability,
+                limit,
+            } => {
+                inner.cluster = 0;
+                inner.write(&Row {
+                    event: "group",
+                    number: Some(*number),
+                    probability: Some(*probability),
+                    value: Some(f64::from(*members)),
+                    limit: Some(*limit),
+                    ..Row::default()
+                });
             }
             Explanation::Member(track) => {
                 if let Some((_, tracks)) = &mut inner.waiting {
@@ -168,6 +188,20 @@ impl Inner {
             ..Row::default()
         });
         self.cluster = cluster;
+    }
+
+    fn correction(&mut self, correction: &CorrectionRecord) {
+        self.write(&Row {
+            event: if correction.of_children {
+                "corrected_children"
+            } else {
+                "corrected"
+            },
+            probability: Some(correction.after),
+            value: Some(correction.before),
+            limit: Some(correction.targets).filter(|targets| targets.is_finite()),
+            ..Row::default()
+        });
     }
 
     fn cluster(&mut self, cluster: &ClusterRecord<'_>) {

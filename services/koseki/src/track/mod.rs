@@ -4,27 +4,32 @@
 //! comes out of its recorded detections again, byte for byte. The files are read into memory whole, since a scan may be
 //! anywhere in them.
 
+mod cues;
+mod emissions;
 mod explain;
 mod input;
+mod rows;
 mod summary;
 mod support;
 
-use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use formats::tracks_csv::{TrackerTrackWriter, sensor_id};
+use formats::tracks_csv::sensor_id;
 use runtime::Config;
 use runtime::config::{SeenDetections, Source, Tracking};
 use tracking::explanation::Observer;
 use tracking::scans::scans_of;
-use tracking::{Settings, TrackReport, Tracker};
+use tracking::{Settings, Tracker};
 
 use crate::args::{Track, Usage};
-use crate::files::{InputError, OutputFile, is_same_file};
+use crate::files::{InputError, is_same_file};
 use crate::offline::Progress;
+use cues::Cues;
+use emissions::Emissions;
 use explain::Explained;
 use input::Input;
+use rows::Rows;
 use summary::{Summary, Tracked};
 use support::Support;
 
@@ -40,58 +45,67 @@ pub(crate) fn run(track: &Track) -> anyhow::Result<()> {
     };
     let mut input = Input::read(&track.detections)?;
     let mut support = track.wide_area.as_deref().map(Support::read).transpose()?;
+    let mut emissions = track.emissions.as_deref().map(Emissions::read).transpose()?;
     let scans = scans_of(&mut input.detections);
     let settings = config.settings(&input.seen(&scans))?;
     input.check(&settings)?;
+    emissions.iter().try_for_each(|emissions| emissions.check(&settings))?;
+    let cues = |path: &PathBuf| Cues::begin(path, &settings);
+    let mut cues = track.cues.as_ref().map(cues).transpose()?;
     let mut tracker = Tracker::new(settings).map_err(anyhow::Error::msg)?;
     if let Some(first) = input.first_scan(&scans) {
         tracker.number_from(first);
     }
-    let unwritten = || format!("{} cannot be made", track.out.display());
-    let out = OutputFile::begin(&track.out)?;
-    let mut writer = TrackerTrackWriter::begin(out, 0).with_context(unwritten)?;
+    let unwritten = |path: &Path| format!("{} cannot be written", path.display());
+    let mut rows = Rows::begin(&track.out, track.period)?;
     let explained = track.explain.as_deref().map(Explained::begin).transpose()?;
     let observer = explained.as_ref().map(|explained| explained as &dyn Observer);
     let mut progress = Progress::new(input.octets);
-    let (mut tracked, mut reports) = (Tracked::default(), Vec::new());
+    let mut tracked = Tracked::default();
     for scan in &scans {
+        // A picture shows what all scans up to its time have shown.
+        rows.pictures(scan.time_ns - 1, &tracker)
+            .with_context(|| unwritten(&track.out))?;
         let begin_ns = runtime::clock::mono_ns();
         if let Some(support) = &mut support {
             support.give(scan.time_ns, &mut tracker);
+        }
+        if let Some(emissions) = &mut emissions {
+            emissions.give(scan.time_ns, &mut tracker);
         }
         let detections = &input.detections[scan.detections.clone()];
         let taken = tracker.scan_explained(scan.sensor_id, scan.time_ns, detections, observer);
         tracked.scan(scan, runtime::clock::mono_ns() - begin_ns, taken, &tracker);
         if taken.is_ok() {
-            reports.clear();
-            reports.extend_from_slice(tracker.tracks());
-            reports.sort_unstable_by_key(TrackReport::order);
-            write(&mut writer, &reports, &mut tracked.rows).with_context(unwritten)?;
+            rows.after_scan(&tracker).with_context(|| unwritten(&track.out))?;
+            if let (Some(cues), Some(path)) = (&mut cues, &track.cues) {
+                cues.after_scan(scan, detections, &tracker)
+                    .with_context(|| unwritten(path))?;
+            }
         }
         progress.at(input.octets_until(scan.detections.end));
     }
     drop(progress);
-    writer.into_inner().finish()?;
-    if let (Some(explained), Some(path)) = (explained, &track.explain) {
-        explained.finish(path)?;
+    if let Some(last) = scans.last() {
+        rows.pictures(last.time_ns, &tracker)
+            .with_context(|| unwritten(&track.out))?;
     }
     let summary = Summary {
         out: &track.out,
+        rows: rows.written,
+        cues: cues.as_ref().map(|cues| cues.written),
         input: &input,
         support: support.as_ref(),
+        emissions: emissions.as_ref(),
         tracker: &tracker,
         tracked,
     };
-    summary.show(track.json)
-}
-
-/// Writes the tracks after a scan, in the order of times as an adapter publishes them.
-fn write(writer: &mut TrackerTrackWriter<OutputFile>, reports: &[TrackReport], rows: &mut u64) -> io::Result<()> {
-    for report in reports {
-        writer.write(&report.sensor_track(0), report.hypotheses, report.reliability)?;
-        *rows += 1;
+    rows.finish()?;
+    cues.map(Cues::finish).transpose()?;
+    if let (Some(explained), Some(path)) = (explained, &track.explain) {
+        explained.finish(path)?;
     }
-    Ok(())
+    summary.show(track.json)
 }
 
 /// What `--config` names.
@@ -149,17 +163,27 @@ fn check_files(track: &Track) -> Result<(), Usage> {
         let what = format!("--detections names {} twice; name it once", file.display());
         return Err(Usage(what));
     }
-    for (option, written) in [("--out", Some(&track.out)), ("--explain", track.explain.as_ref())] {
-        let Some(written) = written else { continue };
-        let mut inputs = track.detections.iter().chain(&track.config).chain(&track.wide_area);
-        if inputs.any(|input| is_same_file(input, written)) {
+    let given = [("--explain", &track.explain), ("--cues", &track.cues)];
+    let given = given
+        .iter()
+        .filter_map(|(option, path)| Some((*option, path.as_ref()?)));
+    let outputs: Vec<(&str, &PathBuf)> = std::iter::once(("--out", &track.out)).chain(given).collect();
+    let inputs: Vec<&PathBuf> = track
+        .detections
+        .iter()
+        .chain(&track.config)
+        .chain(&track.wide_area)
+        .chain(&track.emissions)
+        .collect();
+    for (place, (option, written)) in outputs.iter().enumerate() {
+        if inputs.iter().any(|input| is_same_file(input, written)) {
             let what = format!("{option} {} is an input; name another file", written.display());
             return Err(Usage(what));
         }
-    }
-    let twice = |explain: &std::path::PathBuf| *explain == track.out || is_same_file(explain, &track.out);
-    if track.explain.as_ref().is_some_and(twice) {
-        return Err(Usage("--out and --explain name one file; name two".to_owned()));
+        let is_other = |(_, earlier): &&(&str, &PathBuf)| earlier == written || is_same_file(earlier, written);
+        if let Some((other, _)) = outputs[..place].iter().find(is_other) {
+            return Err(Usage(format!("{other} and {option} name one file; name two")));
+        }
     }
     Ok(())
 }

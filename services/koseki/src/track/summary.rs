@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use tracking::scans::ScanOfDetections;
 use tracking::{Counts, Refusal, Tracker};
 
+use super::emissions::Emissions;
 use super::input::Input;
 use super::support::Support;
 
@@ -28,8 +29,6 @@ pub(super) struct Tracked {
     in_tracks: u64,
     /// Most tracks, branches included.
     branches_max: usize,
-    /// Rows written.
-    pub(super) rows: u64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,8 +65,13 @@ impl Tracked {
 /// What there is to say.
 pub(super) struct Summary<'a> {
     pub(super) out: &'a Path,
+    /// Rows written.
+    pub(super) rows: u64,
+    /// Cues written, if that was asked for.
+    pub(super) cues: Option<u64>,
     pub(super) input: &'a Input,
     pub(super) support: Option<&'a Support>,
+    pub(super) emissions: Option<&'a Emissions>,
     pub(super) tracker: &'a Tracker,
     pub(super) tracked: Tracked,
 }
@@ -102,7 +106,8 @@ impl Summary<'_> {
         });
         json!({
             "out": self.out.display().to_string(),
-            "rows": tracked.rows,
+            "rows": self.rows,
+            "cues": self.cues,
             "scans": tracked.times_ns.len(),
             "detections": counts.detections,
             "rows_refused": self.input.refusals.rows(),
@@ -124,6 +129,15 @@ impl Summary<'_> {
                 "unmatched": counts.wide_area_reports_unmatched,
                 "corrections": counts.wide_area_corrections,
                 "confirmations": counts.wide_area_confirmations,
+                "deletions": counts.wide_area_deletions,
+            })),
+            "emissions": self.emissions.map(|emissions| json!({
+                "rows_refused": emissions.refusals.rows(),
+                "refused": emissions.refused,
+                "after_last_scan": emissions.left(),
+                "taken": counts.emissions,
+                "used": counts.emissions_used,
+                "unclear": counts.emissions_unclear,
             })),
             "dropped_probability_max": counts.dropped_probability_max,
             "dropped_probability_mean": counts.dropped_probability_mean(),
@@ -156,12 +170,25 @@ impl Summary<'_> {
             }
             writeln!(
                 text,
-                "wide area: {} reports, {} used, {} of them near no track; {} clusters corrected, {} tracks confirmed earlier",
+                "wide area: {} reports, {} used, {} of them near no track; {} clusters corrected, {} tracks confirmed \
+                 earlier, {} given up earlier",
                 counts.wide_area_reports,
                 counts.wide_area_reports_used,
                 counts.wide_area_reports_unmatched,
                 counts.wide_area_corrections,
-                counts.wide_area_confirmations
+                counts.wide_area_confirmations,
+                counts.wide_area_deletions
+            )?;
+        }
+        if let Some(emissions) = self.emissions {
+            text.push_str(&emissions.refusals.as_text());
+            for (refusal, count) in &emissions.refused {
+                writeln!(text, "refused: {count} emissions: {refusal}")?;
+            }
+            writeln!(
+                text,
+                "emissions: {}, {} used, {} of them not clearly of one track",
+                counts.emissions, counts.emissions_used, counts.emissions_unclear
             )?;
         }
         for (_, sentence, count) in refused(counts).iter().filter(|(_, _, count)| *count > 0) {
@@ -190,7 +217,10 @@ impl Summary<'_> {
             self.time_ms(0.5),
             self.time_ms(1.0)
         )?;
-        writeln!(text, "{}: {} rows", self.out.display(), tracked.rows)
+        if let Some(cues) = self.cues {
+            writeln!(text, "cues: {cues}")?;
+        }
+        writeln!(text, "{}: {} rows", self.out.display(), self.rows)
     }
 
     /// Share of the detections that are in no confirmed track.
