@@ -259,10 +259,11 @@ fn write_sensor_track(out: &mut impl Write, first_day_ns: i64, sensor_id: u32, t
     write_description(out, track.kind, track.members, &track.target_type)
 }
 
-/// The kind of track, a group's members, the target's type and its confidence; all empty for a single target of no type.
+/// The kind of track, a group's members, the target's type and its confidence; all empty for a single target of no type. A group
+/// without members is none.
 fn write_description(out: &mut impl Write, kind: u8, members: u16, target_type: &TargetType) -> io::Result<()> {
     match TrackKind::from_code(kind) {
-        Some(TrackKind::Group) => write!(out, ",{},{members},", TrackKind::Group.word())?,
+        Some(TrackKind::Group) if members > 0 => write!(out, ",{},{members},", TrackKind::Group.word())?,
         _ => write!(out, ",,,")?,
     }
     match target_type.name() {
@@ -419,6 +420,12 @@ mod tests {
             ("0", "1")
         );
         assert_eq!((value(&columns, "kind"), value(&columns, "members")), ("group", "4"));
+        // What somebody published without checking it is not written as if it were known.
+        let mut writer = SensorTrackWriter::begin(Vec::new(), 1_000).unwrap();
+        let mut hostile = SensorTrack { members: 0, ..track };
+        hostile.target_type.confidence = 7.0;
+        writer.write(&hostile).unwrap();
+        assert!(writer.writer.ends_with(b",0,1,,,,\n"));
         assert_eq!(
             (value(&columns, "type"), value(&columns, "type_confidence")),
             ("fast?boat 2", "0.8125")

@@ -18,7 +18,7 @@ pub(crate) struct Description {
 impl Description {
     /// Whether a report says anything of the kind.
     pub(crate) fn is_in(report: &SensorTrack) -> bool {
-        is_group(report) || report.target_type.confidence > 0.0
+        is_group(report) || report.target_type.is_known()
     }
 
     /// Of contributions with their weights, in the order of their sources.
@@ -30,7 +30,8 @@ impl Description {
                 heaviest = weight;
                 (all.kind, all.members) = (TrackKind::Group, report.members);
             }
-            if report.target_type.confidence > all.target_type.confidence {
+            let target_type = &report.target_type;
+            if target_type.is_known() && target_type.confidence > all.target_type.confidence {
                 all.target_type = report.target_type;
             }
         }
@@ -38,8 +39,9 @@ impl Description {
     }
 }
 
+/// A group without members is none.
 fn is_group(report: &SensorTrack) -> bool {
-    report.kind == TrackKind::Group as u8
+    report.kind == TrackKind::Group as u8 && report.members > 0
 }
 
 #[cfg(test)]
@@ -94,6 +96,11 @@ mod tests {
     #[test]
     fn a_report_of_a_single_target_of_no_type_says_nothing() {
         assert!(!Description::is_in(&SensorTrack::default()));
+        let mut hostile = report(2, 0.9);
+        (hostile.members, hostile.target_type.confidence) = (0, 7.0);
+        assert!(!Description::is_in(&hostile));
+        let of_both = [(&hostile, 0.9), (&report(0, 0.2), 0.1)];
+        assert_eq!(Description::of(of_both.into_iter()).target_type.name(), Some("T0"));
         assert!(Description::is_in(&report(2, 0.0)) && Description::is_in(&report(0, 0.3)));
     }
 }

@@ -32,10 +32,15 @@ impl TargetType {
         })
     }
 
+    /// Whether a type is known: with a probability that can be one.
+    pub fn is_known(&self) -> bool {
+        self.confidence > 0.0 && self.confidence <= 1.0
+    }
+
     /// The name without its padding, where a type is known.
     pub fn name(&self) -> Option<&str> {
         let text = std::str::from_utf8(&self.name).ok()?.trim_end_matches([' ', '\0']);
-        (self.confidence > 0.0 && !text.is_empty()).then_some(text)
+        (self.is_known() && !text.is_empty()).then_some(text)
     }
 }
 
@@ -48,6 +53,10 @@ mod tests {
         let known = TargetType::new("A320", 0.8).unwrap();
         assert_eq!((known.name(), known.confidence), (Some("A320"), 0.8));
         assert_eq!(TargetType::default().name(), None);
+        for confidence in [0.0, -0.5, 1.5, f32::NAN] {
+            let unlikely = TargetType { confidence, ..known };
+            assert!(!unlikely.is_known() && unlikely.name().is_none());
+        }
         assert!(TargetType::new("twelve chars", 1.0).is_some());
         for (name, confidence) in [
             ("", 0.5),
