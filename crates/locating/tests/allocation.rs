@@ -30,6 +30,7 @@ fn bearing(second: i64, state: &mut u64) -> Bearing {
         platform_m,
         heading_rad: Some(angle + 1.57),
         frequency_hz: (emitter.is_multiple_of(6)).then_some(1e8 + 1e6 * f64::from(emitter)),
+        pulse_interval_s: None,
     }
 }
 

@@ -291,6 +291,7 @@ proptest! {
                 platform_m: [east, north, 0.0],
                 heading_rad,
                 frequency_hz: None,
+                pulse_interval_s: None,
             };
             if let Ok(Some(report)) = locator.bearing(&bearing) {
                 prop_assert!(is_finite(&report), "{report:?}");

@@ -36,5 +36,6 @@ pub(crate) fn bearing(time_s: f64, platform: [f64; 2], emitter: [f64; 2], sigma_
         platform_m: [platform[0], platform[1], 3_000.0],
         heading_rad: None,
         frequency_hz: None,
+        pulse_interval_s: None,
     }
 }
