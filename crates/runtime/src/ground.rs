@@ -134,6 +134,9 @@ fn each_topic(config: &Config, processes: usize, visit: &mut impl Visit) -> Resu
             visit.visit(&messages::platform_states(&source.name), ONE_AND_ITS_SUCCESSOR)?;
         }
     }
+    for sensor in &config.wide_area_sensors {
+        visit.visit(&messages::wide_area(&sensor.name), ONE_AND_ITS_SUCCESSOR)?;
+    }
     visit.visit(&messages::system_tracks(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;

@@ -14,6 +14,7 @@ mod offline;
 mod raw;
 mod tracker;
 mod wide_area;
+mod wide_area_sensor;
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -36,6 +37,7 @@ pub(crate) use network::loopback_of;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
 pub use tracker::{SeenDetections, SourceTracker, Tracking};
+pub use wide_area_sensor::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
 /// Stands for the configuration of the demonstration, which is part of the executable.
 pub const BUILT_IN_DEMO: &str = "built-in:demo";
@@ -58,6 +60,8 @@ pub struct Config {
     pub first_day_ns: Option<i64>,
     /// The sources, in the order of their numbers.
     pub sources: Vec<Source>,
+    /// The wide-area sensors, in the order of their numbers; they are no sources.
+    pub wide_area_sensors: Vec<WideAreaSensor>,
     /// The network inputs; each is an adapter process.
     pub receivers: Vec<Receiver>,
     /// The outputs to the network; each is a gateway process.
@@ -300,6 +304,11 @@ impl Config {
     /// The source called `name`.
     pub fn source(&self, name: &str) -> Option<&Source> {
         self.sources.iter().find(|source| source.name == name)
+    }
+
+    /// The wide-area sensor called `name`.
+    pub fn wide_area_sensor(&self, name: &str) -> Option<&WideAreaSensor> {
+        self.wide_area_sensors.iter().find(|sensor| sensor.name == name)
     }
 
     /// The receiver called `name`.

@@ -358,6 +358,9 @@ impl Default for RawSplitting {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawSourceTracker {
+    /// Names of the wide-area sensors that the tracker listens to.
+    #[serde(default)]
+    pub(crate) wide_area_sensors: Vec<String>,
     #[serde(default)]
     scans: RawBoundaries,
     wait_s: Option<f64>,
@@ -403,6 +406,8 @@ pub struct SourceTracker {
     pub settings: tracker::Settings,
     /// How detections are cut into scans; their numbers count from 1970 here.
     pub cutter: CutterSettings,
+    /// Numbers of the wide-area sensors that the tracker listens to, in their order.
+    pub wide_area_sensors: Vec<u16>,
 }
 
 impl RawSourceTracker {
@@ -451,6 +456,8 @@ impl RawSourceTracker {
                 epoch_ns: 0,
             },
             settings,
+            // Found when the sensors are known.
+            wide_area_sensors: Vec::new(),
         })
     }
 }
