@@ -1,17 +1,21 @@
 //! One source's way from observations to its topics.
 
-use bus::{Mark, Publisher, SharedMemory};
+use bus::{Mark, Publisher, SharedMemory, Subscriber};
 use formats::bearing::Bearing;
 use formats::reports::{Observation, Service};
-use messages::{COUNTERS_MAX, Counter, PlatformState, SensorBearing, SensorDetection, SensorTrack};
+use formats::wide_area::WideAreaReport;
+use messages::{COUNTERS_MAX, Counter, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
 use runtime::clock::mono_ns;
 use runtime::config::Source;
 use runtime::{HealthEntry, Process};
+use tracking::wide_area::arrivals::Arrivals;
 
 use crate::stages::{Made, Stage};
 
 /// Reports that are gathered before they are published, at most: those of one batch of datagrams.
 const GATHERED_MAX: usize = 4096;
+/// Slices taken at a time of what a tracker listens to.
+const SLICES_PER_LOOK: usize = 64;
 
 /// Hands what is observed to the source's stage, gathers what comes out, and publishes it in slices, in the order in which it
 /// came.
@@ -26,6 +30,8 @@ pub(crate) struct Channel {
     /// For sources whose tracks are made of bearings: these, and where their platform was.
     bearings: Option<Publisher<SharedMemory, SensorBearing>>,
     platforms: Option<Publisher<SharedMemory, PlatformState>>,
+    /// What the stage's tracker listens to: wide-area sensors.
+    counts: Vec<Subscriber<SharedMemory, WideArea>>,
     gathered: Made,
 }
 
@@ -40,10 +46,17 @@ impl Channel {
         );
         let open_bearings = |_| process.bus.publisher(&bearings, process.incarnation);
         let open_platforms = |_| process.bus.publisher(&platforms, process.incarnation);
+        let listens_to = source.tracker.iter().flat_map(|tracker| &tracker.wide_area_sensors);
+        let counts = listens_to.map(|number| {
+            let sensor = &process.config.wide_area_sensors[usize::from(*number)];
+            let topic = messages::wide_area(&sensor.name);
+            process.bus.subscriber(&topic, || process.incarnation)
+        });
         Ok(Self {
+            counts: counts.collect::<Result<_, _>>()?,
             source: source.number,
             name: source.name.clone(),
-            stage: Stage::new(source, process.first_day_ns())?,
+            stage: Stage::new(source, process.first_day_ns(), Arrivals::new())?,
             publisher: process.bus.publisher(&topic, process.incarnation)?,
             detections: source.tracker.as_ref().map(open).transpose()?,
             bearings: source.locator.as_ref().map(open_bearings).transpose()?,
@@ -62,6 +75,7 @@ impl Channel {
 
     /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
     pub(crate) fn take(&mut self, observation: &Observation, ingested_ns: i64) -> anyhow::Result<()> {
+        self.listen()?;
         self.stage.take(observation, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
@@ -74,12 +88,28 @@ impl Channel {
 
     /// Takes a record that speaks of the sensor.
     pub(crate) fn service(&mut self, service: &Service, ingested_ns: i64) -> anyhow::Result<()> {
+        self.listen()?;
         self.stage.service(service, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
+    /// Hands the stage what wide-area sensors have said: before each piece of data, so that nothing that has come waits for the
+    /// scan after the one that it is for.
+    fn listen(&mut self) -> anyhow::Result<()> {
+        let stage = &mut self.stage;
+        for sensor in &mut self.counts {
+            sensor.take(SLICES_PER_LOOK, |_, samples| {
+                for sample in samples {
+                    stage.wide_area(WideAreaReport::of_sample(sample));
+                }
+            })?;
+        }
+        Ok(())
+    }
+
     /// Publishes what has been gathered.
     pub(crate) fn publish(&mut self) -> anyhow::Result<()> {
+        self.listen()?;
         let mark = Mark {
             progress_ns: self.stage.progress_ns(),
             sent_ns: mono_ns(),
@@ -144,6 +174,9 @@ impl Channel {
             *counter += decoded;
         }
         entry.set(Counter::Published, self.publisher.counts().samples);
+        let lost = self.counts.iter().map(|sensor| sensor.counts());
+        let lost = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
+        entry.set(Counter::WideAreaLost, lost);
         entry
     }
 

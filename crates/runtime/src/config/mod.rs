@@ -321,7 +321,8 @@ impl Config {
         self.gateways.iter().find(|gateway| gateway.name == name)
     }
 
-    /// The names of the adapter processes, in the order of their first sources. External sources have none.
+    /// The names of the adapter processes, in the order of their first sources, then of the wide-area sensors. External ones
+    /// have none.
     pub fn adapters(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for source in self
@@ -331,6 +332,11 @@ impl Config {
         {
             if !names.contains(&source.adapter.as_str()) {
                 names.push(&source.adapter);
+            }
+        }
+        for sensor in &self.wide_area_sensors {
+            if !matches!(sensor.input, WideAreaInput::External) && !names.contains(&sensor.adapter.as_str()) {
+                names.push(&sensor.adapter);
             }
         }
         names

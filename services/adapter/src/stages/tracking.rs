@@ -13,10 +13,12 @@
 
 use anyhow::Context as _;
 use formats::detection::Detection;
+use formats::wide_area::WideAreaReport;
 use messages::{COUNTERS_MAX, Counter};
 use runtime::config::SourceTracker;
 use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
 use tracking::scans::silent_times_ns;
+use tracking::wide_area::arrivals::Arrivals;
 use tracking::{TrackReport, Tracker};
 
 use super::Made;
@@ -38,11 +40,15 @@ pub(crate) struct Tracking {
     late: u64,
     refused: u64,
     scans: u64,
+    /// Reports of wide-area sensors that wait for the scans to come to their arrival.
+    counts: Arrivals,
+    counts_late: u64,
+    counts_refused: u64,
 }
 
 impl Tracking {
     /// Scan numbers count from `epoch_ns` (UTC, nanoseconds).
-    pub(super) fn new(source: u16, tracker: &SourceTracker, epoch_ns: i64) -> anyhow::Result<Self> {
+    pub(super) fn new(source: u16, tracker: &SourceTracker, epoch_ns: i64, counts: Arrivals) -> anyhow::Result<Self> {
         let settings = &tracker.settings;
         let sensor = settings.sensors.first().context("a tracker needs a sensor")?;
         Ok(Self {
@@ -60,6 +66,9 @@ impl Tracking {
             late: 0,
             refused: 0,
             scans: 0,
+            counts,
+            counts_late: 0,
+            counts_refused: 0,
         })
     }
 
@@ -70,6 +79,14 @@ impl Tracking {
             Taken::TooLate => self.late += 1,
             Taken::Refused => self.refused += 1,
         }
+    }
+
+    /// Takes a report of a wide-area sensor. It is for the first scan after its arrival, or for the next one if that has been
+    /// worked off.
+    pub(super) fn wide_area(&mut self, report: WideAreaReport) {
+        let is_late = self.latest.is_some_and(|(_, time_ns)| report.arrival_ns <= time_ns);
+        self.counts_late += u64::from(is_late);
+        self.counts_refused += u64::from(!self.counts.arrive(report));
     }
 
     /// The sensor's time has come to `time_ns` (UTC, nanoseconds), and its next turn begins there or not.
@@ -103,6 +120,11 @@ impl Tracking {
             self.refused + counts.unusable_detections + counts.crowded_out_detections;
         counters[Counter::RefusedTracks as usize] += counts.refused_tracks;
         counters[Counter::Scans as usize] = self.scans;
+        counters[Counter::WideAreaReports as usize] = counts.wide_area_reports;
+        counters[Counter::WideAreaRefused as usize] = counts.wide_area_reports_refused + self.counts_refused;
+        counters[Counter::WideAreaLate as usize] = self.counts_late;
+        counters[Counter::WideAreaUsed as usize] = counts.wide_area_reports_used;
+        counters[Counter::WideAreaUnmatched as usize] = counts.wide_area_reports_unmatched;
     }
 
     fn work_off(&mut self, made: &mut Made) {
@@ -121,11 +143,14 @@ impl Tracking {
             None => self.tracker.number_from(scan.number),
             Some(before) => {
                 for time_ns in silent_times_ns(before, now) {
+                    self.counts.give(time_ns, &mut self.tracker, |_| ());
                     let taken = self.tracker.scan(self.sensor_id, time_ns, &[]);
                     self.publish(taken.is_ok(), made);
                 }
             }
         }
+        // What the tracker refuses it counts.
+        self.counts.give(scan.time_ns, &mut self.tracker, |_| ());
         let taken = self
             .tracker
             .scan(self.sensor_id, scan.time_ns, self.cutter.detections());
