@@ -6,232 +6,20 @@
 
 #[path = "common/home.rs"]
 mod home;
+#[path = "common/pair.rs"]
+mod pair;
 
 use std::fs;
-use std::net::{SocketAddr, UdpSocket};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use bus::{Bus, SharedMemory, Subscriber};
+use bus::{SharedMemory, Subscriber};
 use formats::asterix::registry;
-use formats::outgoing::{SensorReports, SystemReports};
+use formats::outgoing::SystemReports;
 use frames::time::NS_PER_DAY;
-use frames::{Geodetic, SensorFrame, SystemFrame};
-use home::{Home, Running, kill, until};
-use messages::{SystemTrack, TrackState, WideArea};
+use home::{kill, until};
+use messages::{Cue, SystemTrack, TrackState, WideArea};
+use pair::{HEADER, NS, ROWS, SPEED_MPS, Site, deployment, free_ports, system, utc_ns};
 use runtime::clock::mono_ns;
 use rustix::process::Signal;
-
-/// Time between two turns of the radar, and how fast its targets fly.
-const PERIOD: Duration = Duration::from_millis(200);
-const SPEED_MPS: f64 = 100.0;
-const PLACE: [f64; 2] = [41.297063, 2.078447];
-const NS: f64 = 1e9;
-const HEADER: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count\n";
-const TRACKER: &str = "scans = \"turn\"\ndetection_probability = 0.9\nclutter_density = 1e-9\n[source.tracker.motion]\n\
-                       process_noise_m2ps3 = [20.0, 5.0]\n";
-
-struct Site {
-    home: Home,
-    radar: Radar,
-    socket: UdpSocket,
-    remote: SocketAddr,
-}
-
-/// Sees two targets side by side, mostly as one.
-struct Radar {
-    reports: SensorReports,
-    turns: usize,
-    period_s: f64,
-}
-
-fn utc_ns() -> i64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64
-}
-
-fn system() -> (Geodetic, SystemFrame) {
-    let place = Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap();
-    (place, SystemFrame::at(place))
-}
-
-/// Ports that were free a moment ago.
-fn free_ports() -> [SocketAddr; 2] {
-    let sockets = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
-    sockets.map(|socket| socket.local_addr().unwrap())
-}
-
-impl Radar {
-    fn new() -> Self {
-        let (place, system) = system();
-        let table = registry::default_edition(48).unwrap();
-        let frame = SensorFrame::new(&system, place, 0.0);
-        Self {
-            reports: SensorReports::new(table, 1, 1, frame, system, 1400).unwrap(),
-            turns: 0,
-            period_s: PERIOD.as_secs_f64(),
-        }
-    }
-
-    /// Middle of the two targets at the turn at hand, east and north.
-    fn middle_m(&self) -> [f64; 2] {
-        [-12e3 + SPEED_MPS * self.period_s * self.turns as f64, 15e3]
-    }
-
-    /// The plots of a turn that begins at `begin_ns`; both targets are in every fourth one.
-    fn turn(&mut self, begin_ns: i64, send: &mut dyn FnMut(&[u8])) {
-        let [east, north] = self.middle_m();
-        let off = 15.0 * ((self.turns * 7) % 5) as f64 - 30.0;
-        let places = match self.turns % 4 {
-            3 => vec![[east + off, north + 100.0], [east - off, north - 100.0]],
-            _ => vec![[east + off, north - off]],
-        };
-        self.reports.status(begin_ns, send);
-        for (number, [east, north]) in places.into_iter().enumerate() {
-            let time_ns = begin_ns + 8_000_000 * number as i64;
-            self.reports.plot(time_ns, [east, north, 3000.0], true, send);
-        }
-        self.reports.flush(send);
-        self.turns += 1;
-    }
-}
-
-impl Site {
-    /// A radar whose tracker listens to a wide-area sensor that is configured like this, behind receiver `link` or not.
-    fn live(sensor: &str) -> Self {
-        let [radar, remote] = free_ports();
-        let receiver = |name: &str, listen: SocketAddr| {
-            format!("[[receiver]]\nname = \"{name}\"\n[receiver.udp]\nlisten = \"{listen}\"\n")
-        };
-        let link = if sensor.contains("\"link\"") {
-            receiver("link", remote)
-        } else {
-            String::new()
-        };
-        let source = "[source.live]\nreceiver = \"lan\"\n";
-        let text = receiver("lan", radar) + &link + &deployment(sensor, source, "0.2");
-        let site = Self {
-            home: Home::new(),
-            radar: Radar::new(),
-            socket: UdpSocket::bind("127.0.0.1:0").unwrap(),
-            remote,
-        };
-        fs::write(site.home.path("site.toml"), format!("name = \"test\"\n{text}")).unwrap();
-        fs::write(site.home.path("radar.port"), radar.to_string()).unwrap();
-        site
-    }
-
-    fn start(&self) -> Running {
-        let running = self
-            .home
-            .start(&["up", "site.toml", "--instance", "test", "--out", "out"]);
-        running.until_said("instance test runs");
-        until("the radar's adapter listens", || {
-            self.home.status_row("lan").state == "running"
-        });
-        running
-    }
-
-    fn turn(&mut self) {
-        let radar: SocketAddr = self.read("radar.port").parse().unwrap();
-        let socket = &self.socket;
-        self.radar
-            .turn(utc_ns(), &mut |block| drop(socket.send_to(block, radar)));
-        std::thread::sleep(PERIOD);
-    }
-
-    fn bus(&self) -> Bus<SharedMemory> {
-        Bus::open(&self.home.root("test"), "watching").unwrap()
-    }
-
-    fn send(&self, datagram: &[u8]) {
-        self.socket.send_to(datagram, self.remote).unwrap();
-    }
-
-    /// A row that was observed `delay_s` ago at the targets' middle.
-    fn row(&self, delay_s: f64, count: u32) -> String {
-        let day_s = |ns: i64| ns.rem_euclid(NS_PER_DAY) as f64 / NS;
-        let now_ns = utc_ns();
-        let observed_s = day_s(now_ns - (delay_s * NS) as i64);
-        let [east, north] = self.radar.middle_m();
-        let east = east - delay_s * SPEED_MPS;
-        format!(
-            "{observed_s},{},{east},{north},0,{SPEED_MPS},0,0,{count}\n",
-            day_s(now_ns)
-        )
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.home.path(name)).unwrap_or_default()
-    }
-
-    /// What `koseki track` makes of the recorded detections, with the recorded counts or without.
-    fn tracked(&self, out: &str, with_counts: bool) -> Vec<String> {
-        let (detections, counts) = (
-            format!("{out}/detections_radar.csv"),
-            format!("{out}/wide_area_remote.csv"),
-        );
-        let mut arguments = vec![
-            "track",
-            "--detections",
-            &detections,
-            "--config",
-            "site.toml",
-            "--out",
-            "again.csv",
-        ];
-        if with_counts {
-            arguments.extend(["--wide-area", &counts]);
-        }
-        let output = self.home.run(&arguments);
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-        rows(&self.read("again.csv"))
-    }
-
-    fn published(&self) -> Vec<String> {
-        rows(&self.read("out/sensor_tracks_radar.csv"))
-    }
-
-    /// Sum of a counter over everything in the final report that has one.
-    fn counted(&self, label: &str) -> u64 {
-        fn sum(value: &serde_json::Value, label: &str) -> u64 {
-            match value {
-                serde_json::Value::Object(members) => {
-                    let own = members.get(label).and_then(serde_json::Value::as_u64).unwrap_or(0);
-                    own + members.values().map(|value| sum(value, label)).sum::<u64>()
-                }
-                serde_json::Value::Array(items) => items.iter().map(|item| sum(item, label)).sum(),
-                _ => 0,
-            }
-        }
-        let report: serde_json::Value = serde_json::from_str(&self.read("out/report.json")).unwrap();
-        // What a process says of its socket is said twice.
-        sum(&report["sources"], label) + sum(&report["network"], label)
-    }
-}
-
-fn deployment(sensor: &str, source: &str, period_s: &str) -> String {
-    let [latitude, longitude] = PLACE;
-    format!(
-        "[frame]\nlatitude_deg = {latitude}\nlongitude_deg = {longitude}\n[[wide_area_sensor]]\nname = \"remote\"\n{sensor}\
-         [[source]]\nname = \"radar\"\nperiod_s = {period_s}\nfresh_s = 30.0\n{source}[source.covariance]\nrange_sigma_m = 50.0\n\
-         azimuth_sigma_deg = 0.15\n[source.tracker]\nwide_area_sensors = [\"remote\"]\n{TRACKER}"
-    )
-}
-
-/// The rows of a file of sensor tracks, without the sensor's id and what comes after the state.
-fn rows(text: &str) -> Vec<String> {
-    let header = text.lines().next().unwrap_or_default();
-    let end = header
-        .split(',')
-        .position(|name| name == "velocity_valid")
-        .unwrap_or_default();
-    let row = |line: &str| {
-        let values: Vec<&str> = line.split(',').collect();
-        [&values[..1], &values[2..=end]].concat().join(",")
-    };
-    text.lines().skip(1).map(row).collect()
-}
-
-const ROWS: &str = "[wide_area_sensor.live]\nreceiver = \"link\"\n";
 
 /// Takes what has been published until there are so many reports.
 fn until_published(counts: &mut Subscriber<SharedMemory, WideArea>, seen: &mut Vec<WideArea>, wanted: usize) {
@@ -315,8 +103,7 @@ fn a_silent_sensor_changes_nothing_and_one_that_is_killed_comes_back() {
     }
     let before = site.home.status_row("link");
     kill(before.pid, Signal::KILL);
-    let tracks = || site.published().len();
-    let at_kill = tracks();
+    let at_kill = site.lines();
     let mut back = false;
     for turn in 0..300 {
         site.turn();
@@ -365,9 +152,6 @@ fn another_systems_tracks_become_counts() {
     let tracks = "[wide_area_sensor.tracks]\nreceiver = \"link\"\nperiod_s = 1.0\ngroup_m = 500.0\n";
     let mut site = Site::live(tracks);
     let running = site.start();
-    until("the other adapter listens", || {
-        site.home.status_row("link").state == "running"
-    });
     let bus = site.bus();
     let mut counts = bus
         .subscriber(&messages::wide_area("remote"), || mono_ns() as u64)
@@ -491,4 +275,95 @@ fn a_recording_is_supported_alike_at_any_speed() {
         said.contains("wide-area sensor \"remote\"") && said.contains("wide_area_sensor[0].recorded.file"),
         "{said}"
     );
+}
+
+#[test]
+fn cues_and_even_times_in_a_running_deployment() {
+    let mut site = Site::live(ROWS);
+    let text = site.read("site.toml");
+    let keys = "scans = \"turn\"\ncues = true\noutput_period_s = 0.25\n";
+    fs::write(
+        site.home.path("site.toml"),
+        text.replacen("scans = \"turn\"\n", keys, 1),
+    )
+    .unwrap();
+    let running = site.start();
+    let bus = site.bus();
+    let mut subscriber = bus.subscriber(&messages::cues("radar"), || mono_ns() as u64).unwrap();
+    let mut cues: Vec<Cue> = Vec::new();
+    for _ in 0..200 {
+        site.turn();
+        subscriber.take(64, |_, slice| cues.extend_from_slice(slice)).unwrap();
+        if cues.len() > 20 && site.lines() > 20 {
+            break;
+        }
+    }
+    assert_eq!(subscriber.counts().lost, 0);
+    drop((subscriber, bus));
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    assert!(cues.len() > 20, "{cues:?}");
+    for cue in &cues {
+        assert!(
+            (cue.position_m[1] - 15e3).abs() < 500.0 && cue.half_axes_m[0] >= cue.half_axes_m[1],
+            "{cue:?}"
+        );
+        assert!(
+            cue.half_axes_m[1] > 0.0 && cue.track_number > 0 && cue.stages.published_ns > 0,
+            "{cue:?}"
+        );
+    }
+    assert!(
+        cues.windows(2)
+            .all(|pair| pair[1].sequence == pair[0].sequence + 1 && pair[1].time_ns >= pair[0].time_ns)
+    );
+    let times: Vec<f64> = site
+        .published()
+        .iter()
+        .map(|row| row.split(',').next().unwrap().parse().unwrap())
+        .collect();
+    assert!(
+        times.len() > 20 && times.is_sorted() && times.iter().all(|time_s| (time_s * 4.0).fract() == 0.0),
+        "{times:?}"
+    );
+    site.home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn what_a_direction_finder_hears_identifies_a_track() {
+    let mut site = Site::live(ROWS);
+    let [ears, _] = free_ports();
+    let text = site
+        .read("site.toml")
+        .replacen("scans = \"turn\"\n", "scans = \"turn\"\nemissions = [\"finder\"]\n", 1);
+    let more = format!(
+        "[[source.tracker.wide_area.type]]\nname = \"patrol\"\nemissions = [{{ frequency_hz = [9.3e9, 9.5e9] }}]\n\
+         [[source.tracker.wide_area.prior]]\ncircle = {{ centre_m = [0.0, 0.0], radius_m = 90e3 }}\ntypes = {{ patrol = 0.6 }}\n\
+         [[receiver]]\nname = \"ears\"\n[receiver.udp]\nlisten = \"{ears}\"\n[[source]]\nname = \"finder\"\n[source.live]\n\
+         receiver = \"ears\"\n[source.locator]\n"
+    );
+    fs::write(site.home.path("site.toml"), text + &more).unwrap();
+    let running = site.start();
+    until("the finder's adapter listens", || {
+        site.home.status_row("ears").state == "running"
+    });
+    let named = |site: &Site| site.read("out/sensor_tracks_radar.csv").contains(",patrol,");
+    for turn in 0..200 {
+        if turn > 10 {
+            let ([east, north], now_s) = (site.radar.middle_m(), utc_ns().rem_euclid(NS_PER_DAY) as f64 / NS);
+            let bearing = east.atan2(north).rem_euclid(std::f64::consts::TAU);
+            let header = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz";
+            let row = format!("{header}\n{now_s},1,{bearing},0.02,0,0,0,,9.4e9\n{now_s},2,{bearing},0.02,0,0,0,,\n");
+            site.socket.send_to(row.as_bytes(), ears).unwrap();
+        }
+        site.turn();
+        if named(&site) {
+            break;
+        }
+    }
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    assert!(named(&site), "{}", site.read("out/sensor_tracks_radar.csv"));
+    assert!(site.counted("emissions") > 0 && site.counted("emissions_refused") > 0);
+    site.home.assert_nothing_is_left("test");
 }

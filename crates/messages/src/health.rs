@@ -292,6 +292,9 @@ counters! {
     WideAreaLate = "wide_area_late", "Wide-area reports that came when the scan they were for had been worked off: used in the next one.";
     WideAreaUsed = "wide_area_used", "Wide-area reports that the adapter's tracker used.";
     WideAreaUnmatched = "wide_area_unmatched", "Wide-area reports, of those used, that were near no track.";
+    Emissions = "emissions", "Emissions of direction finders that the adapter's tracker took, to identify its tracks.";
+    EmissionsRefused = "emissions_refused", "Emissions refused: without a frequency, with a value that cannot be, too late, without room, or lost on the way.";
+    EmissionsUnclear = "emissions_unclear", "Emissions in whose direction there was no track, or more than one.";
     Cues = "cues", "Cues published: where the sensor should look next.";
     DetectionsWithoutFix = "detections_without_fix", "Bearings of transmitters whose place the geometry does not yet allow to be told.";
 }

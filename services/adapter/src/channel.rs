@@ -4,7 +4,7 @@ use bus::{Mark, Publisher, SharedMemory, Subscriber};
 use formats::bearing::Bearing;
 use formats::reports::{Observation, Service};
 use formats::wide_area::WideAreaReport;
-use messages::{COUNTERS_MAX, Counter, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
+use messages::{COUNTERS_MAX, Counter, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
 use runtime::clock::mono_ns;
 use runtime::config::Source;
 use runtime::{HealthEntry, Process};
@@ -30,8 +30,12 @@ pub(crate) struct Channel {
     /// For sources whose tracks are made of bearings: these, and where their platform was.
     bearings: Option<Publisher<SharedMemory, SensorBearing>>,
     platforms: Option<Publisher<SharedMemory, PlatformState>>,
+    /// For sources that are told where to look next.
+    cues: Option<Publisher<SharedMemory, Cue>>,
     /// What the stage's tracker listens to: wide-area sensors.
     counts: Vec<Subscriber<SharedMemory, WideArea>>,
+    /// And direction finders, which hear emissions.
+    emissions: Vec<Subscriber<SharedMemory, SensorBearing>>,
     gathered: Made,
 }
 
@@ -52,8 +56,20 @@ impl Channel {
             let topic = messages::wide_area(&sensor.name);
             process.bus.subscriber(&topic, || process.incarnation)
         });
+        let finders = source.tracker.iter().flat_map(|tracker| &tracker.emissions);
+        let emissions = finders.map(|number| {
+            let finder = &process.config.sources[usize::from(*number)];
+            let topic = messages::sensor_bearings(&finder.name);
+            process.bus.subscriber(&topic, || process.incarnation)
+        });
+        let cues = messages::cues(&source.name);
+        let cued = source.tracker.as_ref().filter(|tracker| tracker.cues);
         Ok(Self {
             counts: counts.collect::<Result<_, _>>()?,
+            emissions: emissions.collect::<Result<_, _>>()?,
+            cues: cued
+                .map(|_| process.bus.publisher(&cues, process.incarnation))
+                .transpose()?,
             source: source.number,
             name: source.name.clone(),
             stage: Stage::new(source, process.first_day_ns(), Arrivals::new())?,
@@ -93,7 +109,7 @@ impl Channel {
         self.publish_many()
     }
 
-    /// Hands the stage what wide-area sensors have said: before each piece of data, so that nothing that has come waits for the
+    /// Hands the stage what wide-area sensors and direction finders have said: before each piece of data, so that nothing that has come waits for the
     /// scan after the one that it is for.
     fn listen(&mut self) -> anyhow::Result<()> {
         let stage = &mut self.stage;
@@ -102,6 +118,11 @@ impl Channel {
                 for sample in samples {
                     stage.wide_area(WideAreaReport::of_sample(sample));
                 }
+            })?;
+        }
+        for finder in &mut self.emissions {
+            finder.take(SLICES_PER_LOOK, |_, bearings| {
+                bearings.iter().for_each(|bearing| stage.emission(bearing))
             })?;
         }
         Ok(())
@@ -120,6 +141,7 @@ impl Channel {
             detections,
             bearings,
             platforms,
+            cues,
         } = &self.gathered;
         if let Some(publisher) = self.detections.as_mut().filter(|_| !detections.is_empty()) {
             publisher.send(mark, detections.len(), |index, sequence| {
@@ -153,6 +175,15 @@ impl Channel {
                 report
             })?;
         }
+        if let Some(publisher) = self.cues.as_mut().filter(|_| !cues.is_empty()) {
+            publisher.send(mark, cues.len(), |index, sequence| {
+                let mut cue = cues[index];
+                cue.sequence = sequence;
+                cue.stages.published_ns = mark.sent_ns;
+                cue
+            })?;
+        }
+        self.gathered.cues.clear();
         self.gathered.tracks.clear();
         self.gathered.detections.clear();
         self.gathered.bearings.clear();
@@ -177,6 +208,9 @@ impl Channel {
         let lost = self.counts.iter().map(|sensor| sensor.counts());
         let lost = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
         entry.set(Counter::WideAreaLost, lost);
+        let lost = self.emissions.iter().map(|finder| finder.counts());
+        let lost: u64 = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
+        entry.counters[Counter::EmissionsRefused as usize] += lost;
         entry
     }
 

@@ -35,7 +35,7 @@ pub(crate) const ADAPTER_REMARKS: [Counter; 6] = [
 ];
 
 /// What an adapter says that makes tracks of detections.
-pub(crate) const TRACKING: [Counter; 10] = [
+pub(crate) const TRACKING: [Counter; 13] = [
     Counter::Detections,
     Counter::Scans,
     Counter::DetectionsWithoutFix,
@@ -45,6 +45,9 @@ pub(crate) const TRACKING: [Counter; 10] = [
     Counter::WideAreaLate,
     Counter::WideAreaRefused,
     Counter::WideAreaLost,
+    Counter::Emissions,
+    Counter::EmissionsRefused,
+    Counter::EmissionsUnclear,
     Counter::Cues,
 ];
 
@@ -119,6 +122,9 @@ pub(crate) fn counted_by(kind: ProcessKind) -> &'static [Counter] {
             WideAreaLate,
             WideAreaUsed,
             WideAreaUnmatched,
+            Emissions,
+            EmissionsRefused,
+            EmissionsUnclear,
             Cues,
         ],
         ProcessKind::Fusion => &[

@@ -20,7 +20,8 @@ use super::raw::{
     AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawLimits, RawPlace, RawRecorded,
     RawSource,
 };
-use super::wide_area_sensor::{RawWideAreaSensor, check_company, check_wide_area_sensors, sensors_called};
+use super::tracker_links::check_links;
+use super::wide_area_sensor::{check_company, check_wide_area_sensors};
 use super::{Config, ConfigError, Fusion, Input, Instrument, Order, Recorded, RecordedFormat, Source, SourceTracker};
 use crate::cores::{self, Placement};
 
@@ -119,9 +120,7 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
         weighing.push(weighed);
     }
     let wide_area_sensors = check_wide_area_sensors(&raw, &frame, &mut network)?;
-    for (source, raw_source) in sources.iter_mut().zip(&raw.sources) {
-        listen(source, raw_source, &raw.wide_area_sensors)?;
-    }
+    check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
     check_company(&sources, &wide_area_sensors)?;
     let receivers = network.receivers(&sources, &wide_area_sensors)?;
     let gateways = check_gateways(&raw.gateways, &sources, &wide_area_sensors)?;
@@ -283,16 +282,6 @@ pub(super) fn check_limits(key: &str, raw: &RawLimits) -> Checked<Limits> {
         time_step_ns: nanoseconds(within(&part("time_step_s"), raw.time_step_s, 0.01, 40e3)?),
         tracks: within(&part("tracks"), raw.tracks as f64, 1.0, 1e6)? as usize,
     })
-}
-
-/// Lets the tracker of a source know what it listens to.
-fn listen(source: &mut Source, raw: &RawSource, sensors: &[RawWideAreaSensor]) -> Checked<()> {
-    let (Some(tracker), Some(raw)) = (&mut source.tracker, &raw.tracker) else {
-        return Ok(());
-    };
-    let key = format!("source[{}].tracker.wide_area_sensors", source.number);
-    tracker.wide_area_sensors = sensors_called(&key, &raw.wide_area_sensors, sensors)?;
-    Ok(())
 }
 
 fn check_tracker(

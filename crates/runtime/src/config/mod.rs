@@ -13,6 +13,7 @@ mod network;
 mod offline;
 mod raw;
 mod tracker;
+mod tracker_links;
 mod wide_area;
 mod wide_area_sensor;
 

@@ -361,6 +361,12 @@ pub(crate) struct RawSourceTracker {
     /// Names of the wide-area sensors that the tracker listens to.
     #[serde(default)]
     pub(crate) wide_area_sensors: Vec<String>,
+    /// Names of the direction finders whose emissions it hears.
+    #[serde(default)]
+    pub(crate) emissions: Vec<String>,
+    #[serde(default)]
+    pub(crate) cues: bool,
+    pub(crate) output_period_s: Option<f64>,
     #[serde(default)]
     scans: RawBoundaries,
     wait_s: Option<f64>,
@@ -408,6 +414,12 @@ pub struct SourceTracker {
     pub cutter: CutterSettings,
     /// Numbers of the wide-area sensors that the tracker listens to, in their order.
     pub wide_area_sensors: Vec<u16>,
+    /// Numbers of the sources, direction finders, whose emissions it hears, in their order.
+    pub emissions: Vec<u16>,
+    /// Whether it says after each scan where the sensor should look next.
+    pub cues: bool,
+    /// Time between two outputs of its tracks, nanoseconds; `None`: they come after each scan.
+    pub output_period_ns: Option<i64>,
 }
 
 impl RawSourceTracker {
@@ -456,8 +468,11 @@ impl RawSourceTracker {
                 epoch_ns: 0,
             },
             settings,
-            // Found when the sensors are known.
+            // Its links are found when all sources and sensors are known.
             wide_area_sensors: Vec::new(),
+            emissions: Vec::new(),
+            cues: false,
+            output_period_ns: None,
         })
     }
 }

@@ -15,7 +15,7 @@ use ::tracking::wide_area::arrivals::Arrivals;
 use formats::bearing::Bearing;
 use formats::reports::{Converter, Observation, Service};
 use formats::wide_area::WideAreaReport;
-use messages::{COUNTERS_MAX, PlatformState, SensorBearing, SensorDetection, SensorTrack};
+use messages::{COUNTERS_MAX, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack};
 use runtime::config::Source;
 
 use self::locating::Locating;
@@ -32,6 +32,8 @@ pub(crate) struct Made {
     pub(crate) bearings: Vec<SensorBearing>,
     /// Where their platform was.
     pub(crate) platforms: Vec<PlatformState>,
+    /// Where the sensor should look next, to be published after the tracks.
+    pub(crate) cues: Vec<Cue>,
 }
 
 /// One source's way from observations to sensor tracks.
@@ -60,9 +62,7 @@ impl Stage {
     /// If the configuration asks for what cannot be made.
     pub(crate) fn new(source: &Source, first_day_ns: i64, counts: Arrivals) -> anyhow::Result<Self> {
         let kind = match (&source.tracker, &source.locator) {
-            (Some(tracker), _) => {
-                Kind::Tracking(Box::new(Tracking::new(source.number, tracker, first_day_ns, counts)?))
-            }
+            (Some(tracker), _) => Kind::Tracking(Box::new(Tracking::new(source, tracker, first_day_ns, counts)?)),
             (None, Some(locator)) => Kind::Locating(Box::new(Locating::new(source, locator)?)),
             (None, None) => Kind::Through,
         };
@@ -130,6 +130,13 @@ impl Stage {
     pub(crate) fn wide_area(&mut self, report: WideAreaReport) {
         if let Kind::Tracking(tracking) = &mut self.kind {
             tracking.wide_area(report);
+        }
+    }
+
+    /// Takes a bearing that a direction finder has heard to which its tracker listens.
+    pub(crate) fn emission(&mut self, bearing: &SensorBearing) {
+        if let Kind::Tracking(tracking) = &mut self.kind {
+            tracking.emission(bearing);
         }
     }
 
