@@ -317,6 +317,38 @@ fn cues_and_even_times_in_a_running_deployment() {
         cues.windows(2)
             .all(|pair| pair[1].sequence == pair[0].sequence + 1 && pair[1].time_ns >= pair[0].time_ns)
     );
+    // `koseki track` says the same of the recorded detections.
+    let detections = "out/detections_radar.csv";
+    let arguments = [
+        "track",
+        "--detections",
+        detections,
+        "--config",
+        "site.toml",
+        "--out",
+        "again.csv",
+        "--cues",
+        "looks.csv",
+    ];
+    let output = site.home.run(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let looks = site.read("looks.csv");
+    let looks: Vec<Vec<f64>> = looks
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').map(|value| value.parse().unwrap()).collect())
+        .collect();
+    assert!(looks.len() >= cues.len());
+    for (look, cue) in looks.iter().zip(&cues) {
+        let [x, y, z] = cue.position_m;
+        let [longer, shorter] = cue.half_axes_m;
+        // To the last digit of the file.
+        let same = |found: &[f64], said: &[f64]| found.iter().zip(said).all(|(one, other)| (one - other).abs() < 6e-4);
+        assert!(
+            same(&look[4..7], &[x, y, z]) && same(&look[10..], &[longer, shorter, cue.orientation_rad]),
+            "{cue:?}"
+        );
+    }
     let times: Vec<f64> = site
         .published()
         .iter()

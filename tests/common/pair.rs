@@ -119,7 +119,9 @@ impl Site {
             .start(&["up", "site.toml", "--instance", "test", "--out", "out"]);
         running.until_said("instance test runs");
         for receiver in ["lan", "link"] {
-            until("the adapters listen", || self.home.status_row(receiver).state == "running");
+            until("the adapters listen", || {
+                self.home.status_row(receiver).state == "running"
+            });
         }
         running
     }

@@ -257,14 +257,9 @@ impl Tracker {
         picture.extend(self.reports.iter().map(|track| track.moved_to(time_ns, noise)));
     }
 
-    /// Where the sensor `sensor_id` should look at `time_ns` for each confirmed track, into `cues` (WA-12). `sigma_m` says what
-    /// standard deviation its detections have at a place, metres.
-    pub fn cues_at(
-        &self,
-        (sensor_id, time_ns): (u32, i64),
-        sigma_m: impl Fn([f64; messages::AXES]) -> f64,
-        cues: &mut Vec<Cue>,
-    ) {
+    /// Where the sensor `sensor_id`, whose detections have a standard deviation of `sigma_m` metres, should look at
+    /// `time_ns` for each confirmed track, into `cues` (WA-12).
+    pub fn cues_at(&self, (sensor_id, time_ns): (u32, i64), sigma_m: f64, cues: &mut Vec<Cue>) {
         let Settings {
             motion,
             gate_probability,
@@ -273,8 +268,7 @@ impl Tracker {
         let look = (sensor_id, time_ns);
         let all = self.reports.iter();
         cues.clear();
-        let sigma_m = |track: &TrackReport| sigma_m(track.estimate.position_m());
-        cues.extend(all.map(|track| cue(track, look, sigma_m(track), *gate_probability, motion)));
+        cues.extend(all.map(|track| cue(track, look, sigma_m, *gate_probability, motion)));
     }
 
     /// What was done and refused so far.

@@ -496,7 +496,7 @@ fn cues_and_pictures_are_predictions() {
     }
     assert_eq!(looks.next().collect::<Vec<_>>(), [(1, 20 * S)]);
     let (mut cues, mut picture) = (Vec::new(), Vec::new());
-    tracker.cues_at((1, 20 * S), |_| 10.0, &mut cues);
+    tracker.cues_at((1, 20 * S), 10.0, &mut cues);
     let [cue] = &cues[..] else { panic!("{cues:?}") };
     assert!(
         (cue.position_m[0] - 300.0).abs() < 2.0 && (cue.velocity_mps[0] - 15.0).abs() < 1.0,
@@ -505,7 +505,7 @@ fn cues_and_pictures_are_predictions() {
     // A detection's gate: more than three of its standard deviations, and wider when it is longer until the look.
     assert!(cue.half_axes_m[1] > 30.0 && cue.half_axes_m[0] < 60.0 && cue.track_number == 1);
     let narrow = cue.half_axes_m[0];
-    tracker.cues_at((1, 25 * S), |_| 10.0, &mut cues);
+    tracker.cues_at((1, 25 * S), 10.0, &mut cues);
     assert!(cues[0].half_axes_m[0] > narrow);
     tracker.picture_at(21 * S + S / 2, &mut picture);
     assert!(picture.len() == 1 && picture[0].time_ns == 21 * S + S / 2);

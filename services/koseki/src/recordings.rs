@@ -96,9 +96,9 @@ enum What {
 #[derive(Clone, Debug)]
 struct Key {
     /// `source "radar"`.
-    whose: String,
+    whose: Box<str>,
     /// Where it is configured: `source[0].recorded`.
-    place: String,
+    place: Box<str>,
 }
 
 impl fmt::Display for What {
@@ -162,8 +162,8 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
             continue;
         };
         let key = Key {
-            whose: format!("source \"{}\"", source.name),
-            place: format!("source[{}].recorded", source.number),
+            whose: format!("source \"{}\"", source.name).into(),
+            place: format!("source[{}].recorded", source.number).into(),
         };
         let file = data.join(&recorded.file);
         let looked = fs::read(&file)
@@ -197,8 +197,8 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
         _ => "recorded",
     };
     let key = Key {
-        whose: format!("wide-area sensor \"{}\"", sensor.name),
-        place: format!("wide_area_sensor[{}].{part}", sensor.number),
+        whose: format!("wide-area sensor \"{}\"", sensor.name).into(),
+        place: format!("wide_area_sensor[{}].{part}", sensor.number).into(),
     };
     let table = |error| What::Table {
         key: key.clone(),

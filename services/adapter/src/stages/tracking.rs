@@ -20,7 +20,6 @@
 
 use anyhow::Context as _;
 use formats::detection::Detection;
-use formats::reports::CovarianceModel;
 use formats::wide_area::WideAreaReport;
 use messages::{COUNTERS_MAX, Counter, SensorBearing, StageTimes, TrackState, sensor_bearing_bits};
 use runtime::config::{Source, SourceTracker};
@@ -28,7 +27,7 @@ use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
 use tracking::scans::silent_times_ns;
 use tracking::wide_area::Emission;
 use tracking::wide_area::arrivals::Arrivals;
-use tracking::wide_area::cue::{Cue, Looks};
+use tracking::wide_area::cue::{Cue, Looks, sigma_m};
 use tracking::wide_area::schedule::Schedule;
 use tracking::{TrackReport, Tracker};
 
@@ -77,9 +76,8 @@ struct Pictures {
 #[derive(Debug)]
 struct Cueing {
     looks: Looks,
-    covariance: CovarianceModel,
-    /// Where the sensor stands, metres east and north.
-    place_m: [f64; 2],
+    /// Standard deviation of the detections' places when there were any last, metres.
+    sigma_m: f64,
     cues: Vec<Cue>,
     said: u64,
 }
@@ -101,8 +99,7 @@ impl Tracking {
         };
         let cueing = || Cueing {
             looks: Looks::of([sensor.sensor_id].into_iter()),
-            covariance: source.model.covariance,
-            place_m: source.model.frame.place(),
+            sigma_m: 0.0,
             cues: Vec::with_capacity(settings.capacity.tracks),
             said: 0,
         };
@@ -280,17 +277,10 @@ impl Tracking {
     /// Says where the sensor should look next, as long after its latest scan as that came after the one before.
     fn cue(&mut self, time_ns: i64, made: &mut Made) {
         let Some(cueing) = &mut self.cueing else { return };
+        cueing.sigma_m = sigma_m(self.cutter.detections(), None).unwrap_or(cueing.sigma_m);
         cueing.looks.saw(self.sensor_id, time_ns);
         let Some(look) = cueing.looks.next().next() else { return };
-        let ([east, north], covariance) = (cueing.place_m, &cueing.covariance);
-        let sigma_m = |position_m: [f64; 3]| match covariance.polar {
-            Some(polar) => {
-                let range_m = (position_m[0] - east).hypot(position_m[1] - north);
-                polar.range_m.max(polar.azimuth_rad * range_m)
-            }
-            None => covariance.position_sigma_m,
-        };
-        self.tracker.cues_at(look, sigma_m, &mut cueing.cues);
+        self.tracker.cues_at(look, cueing.sigma_m, &mut cueing.cues);
         cueing.said += cueing.cues.len() as u64;
         made.cues.extend(cueing.cues.iter().map(|cue| messages::Cue {
             time_ns: cue.time_ns,
