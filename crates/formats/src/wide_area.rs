@@ -7,6 +7,8 @@
 
 use std::io::{self, Read, Write};
 
+use messages::{StageTimes, WideArea, wide_area_bits};
+
 use crate::csv_table::{Column, CsvError, Row, Table};
 use crate::tracks_csv::write_time;
 
@@ -28,6 +30,36 @@ pub struct WideAreaReport {
     pub targets: u32,
     /// Where the targets came from, east and north in metres, if that is known.
     pub origin_m: Option<[f64; 2]>,
+}
+
+impl WideAreaReport {
+    /// As a sample of the sensor numbered `sensor`.
+    pub fn sample(&self, sensor: u16, stages: StageTimes) -> WideArea {
+        WideArea {
+            time_of_observation_ns: self.time_ns,
+            arrival_ns: self.arrival_ns,
+            stages,
+            position_m: self.position_m,
+            velocity_mps: self.velocity_mps,
+            origin_m: self.origin_m.unwrap_or_default(),
+            targets: self.targets,
+            sensor,
+            valid: self.origin_m.map_or(0, |_| wide_area_bits::ORIGIN),
+            ..WideArea::default()
+        }
+    }
+
+    /// What a sample says.
+    pub fn of_sample(sample: &WideArea) -> Self {
+        Self {
+            time_ns: sample.time_of_observation_ns,
+            arrival_ns: sample.arrival_ns,
+            position_m: sample.position_m,
+            velocity_mps: sample.velocity_mps,
+            targets: sample.targets,
+            origin_m: (sample.valid & wide_area_bits::ORIGIN != 0).then_some(sample.origin_m),
+        }
+    }
 }
 
 /// Reads wide-area reports, row by row.
@@ -132,6 +164,11 @@ impl<W: Write> WideAreaWriter<W> {
         Ok(Self { writer, first_day_ns })
     }
 
+    /// Goes on behind rows that an earlier writer has left.
+    pub fn resume(writer: W, first_day_ns: i64) -> Self {
+        Self { writer, first_day_ns }
+    }
+
     /// Writes one row.
     ///
     /// # Errors
@@ -195,6 +232,12 @@ mod tests {
         let mut writer = WideAreaWriter::begin(Vec::new(), 1_000).unwrap();
         writer.write(&report).unwrap();
         writer.write(&without).unwrap();
+        for report in [report, without] {
+            assert_eq!(
+                WideAreaReport::of_sample(&report.sample(3, StageTimes::default())),
+                report
+            );
+        }
         let text = String::from_utf8(writer.into_inner()).unwrap();
         let rows = text.strip_prefix(HEADER).unwrap();
         assert!(

@@ -6,9 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SCHEMA UINT64_C(0x183e17564ccf6f2b) /* Every BatchHeader.schema must equal this. */
+#define KOSEKI_SCHEMA UINT64_C(0x53b2b8c79416d599) /* Every BatchHeader.schema must equal this. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
-#define KOSEKI_COUNTERS_MAX UINT64_C(0x40) /* Length of Health.counters. */
+#define KOSEKI_COUNTERS_MAX UINT64_C(0x50) /* Length of Health.counters. */
 #define KOSEKI_IDENTITY_ADDRESS UINT64_C(0x1) /* Bit of a flags or valid field. */
 #define KOSEKI_IDENTITY_MODE_3A UINT64_C(0x2) /* Bit of a flags or valid field. */
 #define KOSEKI_IDENTITY_CALLSIGN UINT64_C(0x4) /* Bit of a flags or valid field. */
@@ -395,10 +395,10 @@ typedef struct KosekiHealth {
     uint32_t reserved; /* Reserved, 0. */
     uint8_t name[32]; /* Name of the process, UTF-8, padded with zeros. */
     uint8_t note[56]; /* What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros. */
-    uint64_t counters[64]; /* Values of the counters, indexed by `Counter`. */
+    uint64_t counters[80]; /* Values of the counters, indexed by `Counter`. */
     KosekiRegistration registration; /* Systematic errors of the source, where fusion speaks of one. */
 } KosekiHealth;
-static_assert(sizeof(KosekiHealth) == 760, "size");
+static_assert(sizeof(KosekiHealth) == 888, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
 static_assert(offsetof(KosekiHealth, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiHealth, progress_ns) == 16, "offset");
@@ -411,7 +411,7 @@ static_assert(offsetof(KosekiHealth, reserved) == 36, "offset");
 static_assert(offsetof(KosekiHealth, name) == 40, "offset");
 static_assert(offsetof(KosekiHealth, note) == 72, "offset");
 static_assert(offsetof(KosekiHealth, counters) == 128, "offset");
-static_assert(offsetof(KosekiHealth, registration) == 640, "offset");
+static_assert(offsetof(KosekiHealth, registration) == 768, "offset");
 
 typedef struct KosekiProgress {
     uint64_t consumer_incarnation; /* Monotonic start time of the consumer, nanoseconds: a restart shows as a new value. */
@@ -419,7 +419,7 @@ typedef struct KosekiProgress {
     uint64_t done_sequence; /* Samples of that source worked off: all with a sequence number below this. */
     uint64_t done_batches; /* Slices of that publisher taken since the consumer joined. */
     int64_t progress_ns; /* How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown. */
-    uint16_t source; /* Source number of the topic, plus 32768 for that of its detections; 65535 for the system tracks. */
+    uint16_t source; /* Source number of the topic, plus 32768 for that of its detections; number of a wide-area */
     uint16_t consumer; /* The consumer: a `ProcessKind` code. */
     uint16_t reserved[2]; /* Reserved, 0. */
     int64_t said_ns; /* Monotonic time at which this was said, nanoseconds. */

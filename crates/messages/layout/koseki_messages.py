@@ -5,9 +5,9 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SCHEMA = 0x183e17564ccf6f2b  # Every BatchHeader.schema must equal this.
+SCHEMA = 0x53b2b8c79416d599  # Every BatchHeader.schema must equal this.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
-COUNTERS_MAX = 0x40  # Length of Health.counters.
+COUNTERS_MAX = 0x50  # Length of Health.counters.
 IDENTITY_ADDRESS = 0x1  # Bit of a flags or valid field.
 IDENTITY_MODE_3A = 0x2  # Bit of a flags or valid field.
 IDENTITY_CALLSIGN = 0x4  # Bit of a flags or valid field.
@@ -508,7 +508,7 @@ class Health(ctypes.Structure):
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
         ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
         ("note", ctypes.c_uint8 * 56),  # What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros.
-        ("counters", ctypes.c_uint64 * 64),  # Values of the counters, indexed by `Counter`.
+        ("counters", ctypes.c_uint64 * 80),  # Values of the counters, indexed by `Counter`.
         ("registration", Registration),  # Systematic errors of the source, where fusion speaks of one.
     ]
 
@@ -517,7 +517,7 @@ class Health(ctypes.Structure):
         return "Health"
 
 
-assert ctypes.sizeof(Health) == 760
+assert ctypes.sizeof(Health) == 888
 assert Health.said_ns.offset == 0
 assert Health.incarnation.offset == 8
 assert Health.progress_ns.offset == 16
@@ -530,7 +530,7 @@ assert Health.reserved.offset == 36
 assert Health.name.offset == 40
 assert Health.note.offset == 72
 assert Health.counters.offset == 128
-assert Health.registration.offset == 640
+assert Health.registration.offset == 768
 
 
 class Progress(ctypes.Structure):
@@ -540,7 +540,7 @@ class Progress(ctypes.Structure):
         ("done_sequence", ctypes.c_uint64),  # Samples of that source worked off: all with a sequence number below this.
         ("done_batches", ctypes.c_uint64),  # Slices of that publisher taken since the consumer joined.
         ("progress_ns", ctypes.c_int64),  # How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown.
-        ("source", ctypes.c_uint16),  # Source number of the topic, plus 32768 for that of its detections; 65535 for the system tracks.
+        ("source", ctypes.c_uint16),  # Source number of the topic, plus 32768 for that of its detections; number of a wide-area
         ("consumer", ctypes.c_uint16),  # The consumer: a `ProcessKind` code.
         ("reserved", ctypes.c_uint16 * 2),  # Reserved, 0.
         ("said_ns", ctypes.c_int64),  # Monotonic time at which this was said, nanoseconds.

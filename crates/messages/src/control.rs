@@ -17,7 +17,8 @@ sample! {
         done_batches: u64,
         /// How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown.
         progress_ns: i64,
-        /// Source number of the topic, plus 32768 for that of its detections; 65535 for the system tracks.
+        /// Source number of the topic, plus 32768 for that of its detections; number of a wide-area
+        /// sensor plus 16384; 65535 for the system tracks.
         source: u16,
         /// The consumer: a `ProcessKind` code.
         consumer: u16,

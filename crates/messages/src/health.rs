@@ -4,7 +4,7 @@ use crate::Registration;
 use crate::layout::sample;
 
 /// Length of [`Health::counters`].
-pub const COUNTERS_MAX: usize = 64;
+pub const COUNTERS_MAX: usize = 80;
 
 /// [`Health::source`] of a message that speaks of the whole process.
 pub const NO_SOURCE: u16 = u16::MAX;
@@ -14,7 +14,7 @@ pub type HealthName = [u8; 32];
 
 sample! {
     /// State and counters of one process, or of one source within it.
-    Health, size 760 {
+    Health, size 888 {
         /// When this was said, monotonic, nanoseconds.
         said_ns: i64,
         /// Monotonic start time of the process, nanoseconds.
@@ -38,7 +38,7 @@ sample! {
         /// What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros.
         note: [u8; 56],
         /// Values of the counters, indexed by `Counter`.
-        counters: [u64; 64],
+        counters: [u64; 80],
         /// Systematic errors of the source, where fusion speaks of one.
         registration: Registration,
     }
@@ -285,5 +285,16 @@ counters! {
     Detections = "detections", "Detections published, of which the source's adapter makes tracks.";
     DetectionsRefused = "detections_refused", "Detections for which the adapter's tracker had no room or no use.";
     Scans = "scans", "Scans that the adapter's tracker worked off, silent ones included.";
+    RejectedTargets = "rejected_targets", "Wide-area reports with more targets than any cluster can have.";
+    WideAreaReports = "wide_area_reports", "Wide-area reports that the adapter's tracker took.";
+    WideAreaRefused = "wide_area_refused", "Wide-area reports that the adapter's tracker refused, or for which there was no room.";
+    WideAreaLost = "wide_area_lost", "Wide-area reports that were published and did not reach their reader, a tracker or the recorder.";
+    WideAreaLate = "wide_area_late", "Wide-area reports that came when the scan they were for had been worked off: used in the next one.";
+    WideAreaUsed = "wide_area_used", "Wide-area reports that the adapter's tracker used.";
+    WideAreaUnmatched = "wide_area_unmatched", "Wide-area reports, of those used, that were near no track.";
+    Emissions = "emissions", "Emissions of direction finders that the adapter's tracker took, to identify its tracks.";
+    EmissionsRefused = "emissions_refused", "Emissions refused: without a frequency, with a value that cannot be, too late, without room, or lost on the way.";
+    EmissionsUnclear = "emissions_unclear", "Emissions in whose direction there was no track, or more than one.";
+    Cues = "cues", "Cues published: where the sensor should look next.";
     DetectionsWithoutFix = "detections_without_fix", "Bearings of transmitters whose place the geometry does not yet allow to be told.";
 }

@@ -46,7 +46,7 @@ pub use system_track::{CONTRIBUTIONS_MAX, Contribution, SystemTrack, contributio
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
     Capacity, Topic, TopicName, control, cues, detections_number, health, platform_states, progress, sensor_bearings,
-    sensor_detections, sensor_tracks, system_tracks, wide_area,
+    sensor_detections, sensor_tracks, system_tracks, wide_area, wide_area_number,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 

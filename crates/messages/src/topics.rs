@@ -86,6 +86,11 @@ pub fn detections_number(source: u16) -> u16 {
     source | 1 << 15
 }
 
+/// By what number [`Progress`] speaks of a wide-area sensor.
+pub fn wide_area_number(sensor: u16) -> u16 {
+    sensor | 1 << 14
+}
+
 /// Bearings of one source whose adapter locates their transmitters, before the tracks that they led to.
 pub fn sensor_bearings(source_name: &str) -> Topic<SensorBearing> {
     let capacity = Capacity {

@@ -129,10 +129,16 @@ fn each_topic(config: &Config, processes: usize, visit: &mut impl Visit) -> Resu
         if source.tracker.is_some() {
             visit.visit(&messages::sensor_detections(&source.name), ONE_AND_ITS_SUCCESSOR)?;
         }
+        if source.tracker.as_ref().is_some_and(|tracker| tracker.cues) {
+            visit.visit(&messages::cues(&source.name), ONE_AND_ITS_SUCCESSOR)?;
+        }
         if source.locator.is_some() {
             visit.visit(&messages::sensor_bearings(&source.name), ONE_AND_ITS_SUCCESSOR)?;
             visit.visit(&messages::platform_states(&source.name), ONE_AND_ITS_SUCCESSOR)?;
         }
+    }
+    for sensor in &config.wide_area_sensors {
+        visit.visit(&messages::wide_area(&sensor.name), ONE_AND_ITS_SUCCESSOR)?;
     }
     visit.visit(&messages::system_tracks(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;

@@ -1,17 +1,21 @@
 //! One source's way from observations to its topics.
 
-use bus::{Mark, Publisher, SharedMemory};
+use bus::{Mark, Publisher, SharedMemory, Subscriber};
 use formats::bearing::Bearing;
 use formats::reports::{Observation, Service};
-use messages::{COUNTERS_MAX, Counter, PlatformState, SensorBearing, SensorDetection, SensorTrack};
+use formats::wide_area::WideAreaReport;
+use messages::{COUNTERS_MAX, Counter, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
 use runtime::clock::mono_ns;
 use runtime::config::Source;
 use runtime::{HealthEntry, Process};
+use tracking::wide_area::arrivals::Arrivals;
 
 use crate::stages::{Made, Stage};
 
 /// Reports that are gathered before they are published, at most: those of one batch of datagrams.
 const GATHERED_MAX: usize = 4096;
+/// Slices taken at a time of what a tracker listens to.
+const SLICES_PER_LOOK: usize = 64;
 
 /// Hands what is observed to the source's stage, gathers what comes out, and publishes it in slices, in the order in which it
 /// came.
@@ -26,6 +30,12 @@ pub(crate) struct Channel {
     /// For sources whose tracks are made of bearings: these, and where their platform was.
     bearings: Option<Publisher<SharedMemory, SensorBearing>>,
     platforms: Option<Publisher<SharedMemory, PlatformState>>,
+    /// For sources that are told where to look next.
+    cues: Option<Publisher<SharedMemory, Cue>>,
+    /// What the stage's tracker listens to: wide-area sensors.
+    counts: Vec<Subscriber<SharedMemory, WideArea>>,
+    /// And direction finders, which hear emissions.
+    emissions: Vec<Subscriber<SharedMemory, SensorBearing>>,
     gathered: Made,
 }
 
@@ -40,10 +50,29 @@ impl Channel {
         );
         let open_bearings = |_| process.bus.publisher(&bearings, process.incarnation);
         let open_platforms = |_| process.bus.publisher(&platforms, process.incarnation);
+        let listens_to = source.tracker.iter().flat_map(|tracker| &tracker.wide_area_sensors);
+        let counts = listens_to.map(|number| {
+            let sensor = &process.config.wide_area_sensors[usize::from(*number)];
+            let topic = messages::wide_area(&sensor.name);
+            process.bus.subscriber(&topic, || process.incarnation)
+        });
+        let finders = source.tracker.iter().flat_map(|tracker| &tracker.emissions);
+        let emissions = finders.map(|number| {
+            let finder = &process.config.sources[usize::from(*number)];
+            let topic = messages::sensor_bearings(&finder.name);
+            process.bus.subscriber(&topic, || process.incarnation)
+        });
+        let cues = messages::cues(&source.name);
+        let cued = source.tracker.as_ref().filter(|tracker| tracker.cues);
         Ok(Self {
+            counts: counts.collect::<Result<_, _>>()?,
+            emissions: emissions.collect::<Result<_, _>>()?,
+            cues: cued
+                .map(|_| process.bus.publisher(&cues, process.incarnation))
+                .transpose()?,
             source: source.number,
             name: source.name.clone(),
-            stage: Stage::new(source, process.first_day_ns())?,
+            stage: Stage::new(source, process.first_day_ns(), Arrivals::new())?,
             publisher: process.bus.publisher(&topic, process.incarnation)?,
             detections: source.tracker.as_ref().map(open).transpose()?,
             bearings: source.locator.as_ref().map(open_bearings).transpose()?,
@@ -62,6 +91,7 @@ impl Channel {
 
     /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
     pub(crate) fn take(&mut self, observation: &Observation, ingested_ns: i64) -> anyhow::Result<()> {
+        self.listen()?;
         self.stage.take(observation, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
@@ -74,12 +104,33 @@ impl Channel {
 
     /// Takes a record that speaks of the sensor.
     pub(crate) fn service(&mut self, service: &Service, ingested_ns: i64) -> anyhow::Result<()> {
+        self.listen()?;
         self.stage.service(service, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
+    /// Hands the stage what wide-area sensors and direction finders have said: before each piece of data, so that nothing that has come waits for the
+    /// scan after the one that it is for.
+    fn listen(&mut self) -> anyhow::Result<()> {
+        let stage = &mut self.stage;
+        for sensor in &mut self.counts {
+            sensor.take(SLICES_PER_LOOK, |_, samples| {
+                for sample in samples {
+                    stage.wide_area(WideAreaReport::of_sample(sample));
+                }
+            })?;
+        }
+        for finder in &mut self.emissions {
+            finder.take(SLICES_PER_LOOK, |_, bearings| {
+                bearings.iter().for_each(|bearing| stage.emission(bearing))
+            })?;
+        }
+        Ok(())
+    }
+
     /// Publishes what has been gathered.
     pub(crate) fn publish(&mut self) -> anyhow::Result<()> {
+        self.listen()?;
         let mark = Mark {
             progress_ns: self.stage.progress_ns(),
             sent_ns: mono_ns(),
@@ -90,6 +141,7 @@ impl Channel {
             detections,
             bearings,
             platforms,
+            cues,
         } = &self.gathered;
         if let Some(publisher) = self.detections.as_mut().filter(|_| !detections.is_empty()) {
             publisher.send(mark, detections.len(), |index, sequence| {
@@ -123,6 +175,15 @@ impl Channel {
                 report
             })?;
         }
+        if let Some(publisher) = self.cues.as_mut().filter(|_| !cues.is_empty()) {
+            publisher.send(mark, cues.len(), |index, sequence| {
+                let mut cue = cues[index];
+                cue.sequence = sequence;
+                cue.stages.published_ns = mark.sent_ns;
+                cue
+            })?;
+        }
+        self.gathered.cues.clear();
         self.gathered.tracks.clear();
         self.gathered.detections.clear();
         self.gathered.bearings.clear();
@@ -144,6 +205,12 @@ impl Channel {
             *counter += decoded;
         }
         entry.set(Counter::Published, self.publisher.counts().samples);
+        let lost = self.counts.iter().map(|sensor| sensor.counts());
+        let lost = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
+        entry.set(Counter::WideAreaLost, lost);
+        let lost = self.emissions.iter().map(|finder| finder.counts());
+        let lost: u64 = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
+        entry.counters[Counter::EmissionsRefused as usize] += lost;
         entry
     }
 

@@ -44,7 +44,7 @@ impl Content {
     /// Whether everything has been read.
     pub(crate) fn is_exhausted(&self) -> bool {
         match self {
-            Self::Asterix(packed, _) => packed.ends.is_empty(),
+            Self::Asterix(packed, _) => packed.is_exhausted(),
             Self::Lines(lines) => lines.offset == lines.bytes.len(),
             Self::Tracks(tracks) => tracks.reader.is_none(),
         }
@@ -164,7 +164,7 @@ pub(crate) struct Packed {
 
 impl Packed {
     /// Takes datagrams out of what the recording packs them in.
-    fn new(bytes: Vec<u8>) -> Self {
+    pub(crate) fn new(bytes: Vec<u8>) -> Self {
         let (mut unpacked, mut ends) = (Vec::new(), VecDeque::new());
         if Container::detect(&bytes) == Container::Raw {
             unpacked = bytes;
@@ -183,8 +183,13 @@ impl Packed {
         }
     }
 
+    /// Whether every block has been handed out.
+    pub(crate) fn is_exhausted(&self) -> bool {
+        self.ends.is_empty()
+    }
+
     /// The octets of the next data block. What is no block ends its datagram, and is handed out to be counted.
-    fn next_block(&mut self) -> &[u8] {
+    pub(crate) fn next_block(&mut self) -> &[u8] {
         let end = self.ends.front().copied().unwrap_or(self.offset);
         let rest = &self.bytes[self.offset..end];
         let length = blocks(rest)

@@ -3,7 +3,7 @@
 //!
 //! Where the data come from is one file each: `recording` and `content` decode a recorded file, and `replay` paces it by its own
 //! times;
-//! `datagrams`, `lines` and `bearings` receive from the network. What they share is the way from there: the source's stage makes sensor
+//! `datagrams`, `lines` and `bearings` receive from the network. `wide_area` is the same for sensors that only count. What they share is the way from there: the source's stage makes sensor
 //! tracks of what was observed (`stages`), and, for live sources, `channel` publishes them.
 
 #![forbid(unsafe_code)]
@@ -16,6 +16,7 @@ mod lines;
 pub mod recording;
 mod replay;
 mod stages;
+mod wide_area;
 
 use anyhow::Context as _;
 use runtime::config::{Input, Source, Transport};
@@ -25,13 +26,17 @@ use crate::bearings::Bearings;
 use crate::datagrams::Datagrams;
 use crate::lines::Lines;
 
-/// Runs the adapter that the process is named after: of the receiver of that name, or of the recorded source. Runs until
+/// Runs the adapter that the process is named after: of the receiver of that name, of the recorded source, or of a
+/// wide-area sensor. Runs until
 /// it has finished or is told to stop.
 ///
 /// # Errors
 /// If there is no such source, its input cannot be read, or shared memory fails.
 pub fn run(process: &Process) -> anyhow::Result<()> {
     let (config, name) = (&process.config, &process.name);
+    if let Some(sensor) = config.wide_area_sensors.iter().find(|sensor| sensor.adapter == *name) {
+        return runtime::service::run(process, wide_area::agent(process, sensor)?.as_mut());
+    }
     let sources: Vec<&Source> = config.sources.iter().filter(|source| source.adapter == *name).collect();
     if let Some(receiver) = config.receiver(name) {
         let has_bearings = sources.iter().any(|source| source.locator.is_some());

@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use formats::reports::{Observation, Reorder, Service};
 use messages::{COUNTERS_MAX, Counter, SensorDetection, SensorTrack};
 use runtime::config::{Recorded, Source};
+use tracking::wide_area::arrivals::Arrivals;
 
 use crate::content::Content;
 use crate::stages::{Made, Stage};
@@ -86,11 +87,25 @@ impl Recording {
     /// # Errors
     /// If it is to be a table of sensor tracks and its header is none of such a table.
     pub fn new(bytes: Vec<u8>, recorded: &Recorded, source: &Source, first_day_ns: i64) -> anyhow::Result<Self> {
+        Self::supported(bytes, recorded, source, first_day_ns, Arrivals::default())
+    }
+
+    /// As [`Self::new`], for a source whose tracker listens to wide-area sensors: these are their `counts`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn supported(
+        bytes: Vec<u8>,
+        recorded: &Recorded,
+        source: &Source,
+        first_day_ns: i64,
+        counts: Arrivals,
+    ) -> anyhow::Result<Self> {
         let mut recording = Self {
             content: Content::open(bytes, recorded, first_day_ns)?,
             intake: Intake {
                 source: source.number,
-                stage: Stage::new(source, first_day_ns)?,
+                stage: Stage::new(source, first_day_ns, counts)?,
                 made: Made::default(),
                 reorder: Reorder::new(recorded.reorder_ns),
                 late: 0,

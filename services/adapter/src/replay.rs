@@ -14,8 +14,10 @@ use runtime::clock::mono_ns;
 use runtime::config::{Recorded, Source};
 use runtime::flow::Flow;
 use runtime::{Agent, HealthEntry, Now, Process, Speed, Turn};
+use tracking::wide_area::arrivals::Arrivals;
 
 use crate::recording::{AHEAD, Recording};
+use crate::wide_area::recorded;
 
 /// How long to wait for consumers before looking again.
 const PATIENCE: Duration = Duration::from_millis(20);
@@ -46,6 +48,17 @@ struct Detections {
     flow: Flow<SharedMemory>,
 }
 
+/// What the wide-area sensors that the source's tracker listens to have counted: read here, and not taken from their
+/// topics, so that the tracks do not depend on who is faster.
+fn counts(process: &Process, source: &Source) -> anyhow::Result<Arrivals> {
+    let mut reports = Vec::new();
+    for number in source.tracker.iter().flat_map(|tracker| &tracker.wide_area_sensors) {
+        let sensor = &process.config.wide_area_sensors[usize::from(*number)];
+        reports.extend(recorded::read(sensor, &process.options.data, process.first_day_ns())?.reports);
+    }
+    Ok(Arrivals::of(reports))
+}
+
 /// Maps the machine's monotonic clock to the recording's time.
 #[derive(Clone, Copy, Debug)]
 struct Clock {
@@ -71,7 +84,7 @@ impl Replay {
         let mut waiter = process.bus.waiter(WaitMode::Event);
         waiter.watch(&process.bus, &messages::progress())?;
         Ok(Self {
-            recording: Recording::new(bytes, recorded, source, first_day_ns)
+            recording: Recording::supported(bytes, recorded, source, first_day_ns, counts(process, source)?)
                 .with_context(|| path.display().to_string())?,
             publisher: process.bus.publisher(&topic, process.incarnation)?,
             flow: Flow::new(

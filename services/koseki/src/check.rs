@@ -5,7 +5,7 @@ use std::path::Path;
 
 use bus::WaitMode;
 use runtime::Config;
-use runtime::config::{Input, Monitor, MonitorWait, Order, Source};
+use runtime::config::{Input, Monitor, MonitorWait, Order, Source, TrackFeed, WideAreaInput, WideAreaSensor};
 use telemetry::Stage;
 use telemetry::table::duration;
 use tracking::cutting::Boundaries;
@@ -69,6 +69,14 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
         let found = found.iter().find(|found| found.source == source.number);
         let _ = writeln!(text, "source {}     {}", source.number, describe(source, config, found));
     }
+    for sensor in &config.wide_area_sensors {
+        let _ = writeln!(
+            text,
+            "wide area {}  {}",
+            sensor.number,
+            describe_wide_area(sensor, config)
+        );
+    }
     text
 }
 
@@ -109,6 +117,37 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
             Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
         });
     format!("{}, every {period} s: {input}{tracked}", source.name)
+}
+
+fn describe_wide_area(sensor: &WideAreaSensor, config: &Config) -> String {
+    let input = match &sensor.input {
+        WideAreaInput::Live(receiver) => format!("counts, live, behind receiver {receiver}"),
+        WideAreaInput::Recorded(file) => format!("counts, {}", file.display()),
+        WideAreaInput::Tracks(tracks) => {
+            let from = match &tracks.feed {
+                TrackFeed::Receiver(receiver) => format!("live, behind receiver {receiver}"),
+                TrackFeed::File(file) => file.display().to_string(),
+            };
+            let (period, group) = (tracks.period_ns as f64 / NS as f64, tracks.group_m);
+            format!("another system's tracks, {from}; those within {group} m are counted every {period} s")
+        }
+        WideAreaInput::External => "counts, external, published by a process of its own".to_owned(),
+    };
+    let listens = |source: &&Source| {
+        let tracker = source.tracker.as_ref();
+        tracker.is_some_and(|tracker| tracker.wide_area_sensors.contains(&sensor.number))
+    };
+    let listeners: Vec<&str> = config
+        .sources
+        .iter()
+        .filter(listens)
+        .map(|source| source.name.as_str())
+        .collect();
+    let heard = match &listeners[..] {
+        [] => "no tracker".to_owned(),
+        names => format!("the tracker of {}", names.join(", ")),
+    };
+    format!("{}: {input}; {heard} listens to it", sensor.name)
 }
 
 fn wait(mode: WaitMode) -> &'static str {
@@ -186,6 +225,24 @@ mod tests {
             text.contains("2000 system tracks") && text.contains("3.0 GB are free"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn the_summary_says_what_counts_and_who_listens() {
+        let text = include_str!("../../../config/demo.toml");
+        let listening = "detection_probability = 0.95\nwide_area_sensors = [\"own\"]\n";
+        let sensors = "\n[[wide_area_sensor]]\nname = \"own\"\n[wide_area_sensor.external]\n\
+                       [[wide_area_sensor]]\nname = \"other\"\n[wide_area_sensor.external]\n";
+        let text = text.replacen("detection_probability = 0.95\n", listening, 1) + sensors;
+        let path = Path::new("demo.toml");
+        let summary = summary(path, &Config::parse(path, &text, &[]).unwrap(), &[], None);
+        assert!(
+            summary.contains(
+                "wide area 0  own: counts, external, published by a process of its own; the tracker of radar-south"
+            ),
+            "{summary}"
+        );
+        assert!(summary.contains("; no tracker listens to it"), "{summary}");
     }
 
     #[test]

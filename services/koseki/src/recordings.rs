@@ -18,8 +18,9 @@ use formats::csv_table::CsvError;
 use formats::reports::observation::{Reading, read};
 use formats::sbs::{Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
+use formats::wide_area::WideAreaReader;
 use runtime::Config;
-use runtime::config::{Input, Recorded, RecordedFormat, Truncated};
+use runtime::config::{Input, Recorded, RecordedFormat, Truncated, WideAreaInput, WideAreaSensor};
 
 /// How thoroughly to look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,14 +88,17 @@ enum What {
     Table {
         key: Key,
         error: Box<CsvError>,
+        of: &'static str,
     },
 }
 
 /// Whose recording it is.
 #[derive(Clone, Debug)]
 struct Key {
-    name: String,
-    number: u16,
+    /// `source "radar"`.
+    whose: Box<str>,
+    /// Where it is configured: `source[0].recorded`.
+    place: Box<str>,
 }
 
 impl fmt::Display for What {
@@ -102,41 +106,41 @@ impl fmt::Display for What {
         match self {
             Self::Unreadable { key, error } => write!(
                 f,
-                "cannot be read: {error}; it is the recording of source \"{}\": name its folder with --data, or correct \
-                 source[{}].recorded.file",
-                key.name, key.number
+                "cannot be read: {error}; it is the recording of {}: name its folder with --data, or correct \
+                 {}.file",
+                key.whose, key.place
             ),
             Self::Empty { key } => write!(
                 f,
-                "byte 0: the file is empty, expected data blocks; it is the recording of source \"{}\": record or copy it \
+                "byte 0: the file is empty, expected data blocks; it is the recording of {}: record or copy it \
                  anew",
-                key.name
+                key.whose
             ),
             Self::OtherCategory { key, found, expected } => write!(
                 f,
-                "byte 0: found blocks of category {} only, expected {} for source \"{}\": correct source[{}].recorded.file \
+                "byte 0: found blocks of category {} only, expected {} for {}: correct {}.file \
                  or .editions",
                 categories(found, "and"),
                 categories(expected, "or"),
-                key.name,
-                key.number
+                key.whose,
+                key.place
             ),
             Self::NoReport { key } => write!(
                 f,
-                "byte 0: found no target report in any block, expected some for source \"{}\": correct \
-                 source[{}].recorded.file, or the editions under which it is read",
-                key.name, key.number
+                "byte 0: found no target report in any block, expected some for {}: correct \
+                 {}.file, or the editions under which it is read",
+                key.whose, key.place
             ),
             Self::Truncated { key, error } => write!(
                 f,
                 "{error}: the recording was cut short; copy it anew, or use it without this block by \
-                 source[{}].recorded.truncated = \"accept\"",
-                key.number
+                 {}.truncated = \"accept\"",
+                key.place
             ),
-            Self::Table { key, error } => write!(
+            Self::Table { key, error, of } => write!(
                 f,
-                "{error}; it is the recording of source \"{}\", to be read as a table of sensor tracks",
-                key.name
+                "{error}; it is the recording of {}, to be read as a table of {of}",
+                key.whose
             ),
             Self::Damaged { error } => write!(
                 f,
@@ -158,8 +162,8 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
             continue;
         };
         let key = Key {
-            name: source.name.clone(),
-            number: source.number,
+            whose: format!("source \"{}\"", source.name).into(),
+            place: format!("source[{}].recorded", source.number).into(),
         };
         let file = data.join(&recorded.file);
         let looked = fs::read(&file)
@@ -177,7 +181,50 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
             Err(what) => return Err(RecordingError { file, what }),
         }
     }
+    for sensor in &config.wide_area_sensors {
+        inspect_wide_area(sensor, data, depth)?;
+    }
     Ok(found)
+}
+
+/// Looks at the recording of a wide-area sensor, if it has one. Rows that cannot be read are its adapter's to count.
+fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Result<(), RecordingError> {
+    let Some(file) = sensor.recording().map(|file| data.join(file)) else {
+        return Ok(());
+    };
+    let part = match sensor.input {
+        WideAreaInput::Tracks(_) => "tracks",
+        _ => "recorded",
+    };
+    let key = Key {
+        whose: format!("wide-area sensor \"{}\"", sensor.name).into(),
+        place: format!("wide_area_sensor[{}].{part}", sensor.number).into(),
+    };
+    let table = |error| What::Table {
+        key: key.clone(),
+        error: Box::new(error),
+        of: "wide-area reports",
+    };
+    let looked = match fs::read(&file) {
+        Err(error) => Err(What::Unreadable {
+            key: key.clone(),
+            error,
+        }),
+        Ok(bytes) => match &sensor.input {
+            WideAreaInput::Tracks(tracks) => {
+                let recorded = Recorded {
+                    file: file.clone(),
+                    format: RecordedFormat::Asterix,
+                    asterix: tracks.asterix.clone(),
+                    reorder_ns: 0,
+                    truncated: Truncated::Accept,
+                };
+                look(&bytes, &recorded, &key, depth).map(|_| ())
+            }
+            _ => WideAreaReader::new(&bytes[..], 0).map(|_| ()).map_err(table),
+        },
+    };
+    looked.map_err(|what| RecordingError { file, what })
 }
 
 fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Found, What> {
@@ -288,6 +335,7 @@ fn read_rows(bytes: &[u8], key: &Key) -> Result<Found, What> {
     let table = |error| What::Table {
         key: key.clone(),
         error: Box::new(error),
+        of: "sensor tracks",
     };
     let mut found = Found::default();
     for track in SensorTrackReader::new(bytes, 0, |_| Some(0)).map_err(table)? {

@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 pub(crate) const LEVELS: [Counter; 3] = [Counter::LiveTracks, Counter::TentativeTracks, Counter::CoastedTracks];
 
 /// Why an adapter did not pass a report on.
-pub(crate) const REJECTIONS: [Counter; 13] = [
+pub(crate) const REJECTIONS: [Counter; 14] = [
     Counter::RejectedFieldMonitor,
     Counter::RejectedTestTarget,
     Counter::RejectedNoPosition,
@@ -19,6 +19,7 @@ pub(crate) const REJECTIONS: [Counter; 13] = [
     Counter::RejectedLate,
     Counter::RejectedQuality,
     Counter::RejectedSource,
+    Counter::RejectedTargets,
     Counter::RefusedTracks,
     Counter::DetectionsRefused,
 ];
@@ -34,7 +35,21 @@ pub(crate) const ADAPTER_REMARKS: [Counter; 6] = [
 ];
 
 /// What an adapter says that makes tracks of detections.
-pub(crate) const TRACKING: [Counter; 3] = [Counter::Detections, Counter::Scans, Counter::DetectionsWithoutFix];
+pub(crate) const TRACKING: [Counter; 13] = [
+    Counter::Detections,
+    Counter::Scans,
+    Counter::DetectionsWithoutFix,
+    Counter::WideAreaReports,
+    Counter::WideAreaUsed,
+    Counter::WideAreaUnmatched,
+    Counter::WideAreaLate,
+    Counter::WideAreaRefused,
+    Counter::WideAreaLost,
+    Counter::Emissions,
+    Counter::EmissionsRefused,
+    Counter::EmissionsUnclear,
+    Counter::Cues,
+];
 
 /// Reports that fusion took, but did not use.
 pub(crate) const FUSION_REFUSALS: [Counter; 7] = [
@@ -55,11 +70,12 @@ pub(crate) const FUSION_REMARKS: [Counter; 3] = [
 ];
 
 /// What is worth knowing of a process as a whole, and said nowhere else.
-pub(crate) const PROCESS_REMARKS: [Counter; 4] = [
+pub(crate) const PROCESS_REMARKS: [Counter; 5] = [
     Counter::OrdersObeyed,
     Counter::OrdersRefused,
     Counter::WaitedForConsumers,
     Counter::RowsWritten,
+    Counter::WideAreaLost,
 ];
 
 /// What a process of this kind counts, levels apart: of these, metrics show a 0 too, because what is not there has no
@@ -99,6 +115,17 @@ pub(crate) fn counted_by(kind: ProcessKind) -> &'static [Counter] {
             DetectionsRefused,
             DetectionsWithoutFix,
             Scans,
+            RejectedTargets,
+            WideAreaReports,
+            WideAreaRefused,
+            WideAreaLost,
+            WideAreaLate,
+            WideAreaUsed,
+            WideAreaUnmatched,
+            Emissions,
+            EmissionsRefused,
+            EmissionsUnclear,
+            Cues,
         ],
         ProcessKind::Fusion => &[
             Taken,
@@ -133,7 +160,7 @@ pub(crate) fn counted_by(kind: ProcessKind) -> &'static [Counter] {
             DeadlineMisses,
             StagesLate,
         ],
-        ProcessKind::Recorder => &[Taken, Lost, SchemaMismatch, RowsWritten],
+        ProcessKind::Recorder => &[Taken, Lost, SchemaMismatch, RowsWritten, WideAreaLost],
         ProcessKind::Gateway | ProcessKind::Simulator => {
             &[Taken, Lost, SchemaMismatch, RecordsSent, DatagramsSent, SendFailures]
         }

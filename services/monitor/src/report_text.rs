@@ -138,6 +138,16 @@ impl Report {
                 rows.row([source.name.as_str(), by, &count(value), counter.sentence()]);
             }
         }
+        // An adapter as a whole speaks of what is of no source: a wide-area sensor's reports.
+        for process in &self.others {
+            let own = REJECTIONS.iter().filter(|counter| !NETWORK_TROUBLE.contains(counter));
+            for (counter, value) in own.map(|counter| (counter, process.counters.get(*counter))) {
+                if value > 0 {
+                    some = true;
+                    rows.row([process.process.as_str(), "adapter", &count(value), counter.sentence()]);
+                }
+            }
+        }
         if some {
             format!("REJECTED OR NOT USED, and why\n{rows}")
         } else {

@@ -10,7 +10,8 @@ use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
 use formats::detection::Detection;
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, SystemTrackWriter};
-use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SensorDetection, SensorTrack, SystemTrack};
+use formats::wide_area::{WideAreaReport, WideAreaWriter};
+use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SensorDetection, SensorTrack, SystemTrack, WideArea};
 use runtime::config::Config;
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -29,6 +30,8 @@ pub struct RecorderAgent<S: Transport> {
     sources: Vec<SourceFile<S>>,
     /// Of the sources whose tracks are made of detections.
     detections: Vec<DetectionFile<S>>,
+    /// Of the wide-area sensors.
+    counts: Vec<CountFile<S>>,
     system: SystemFile<S>,
     waiter: Waiter<S>,
     /// Recordings: says how far the recorder has got, so that nothing is lost.
@@ -53,6 +56,17 @@ struct DetectionFile<S: Transport> {
     source: u16,
     subscriber: Subscriber<S, SensorDetection>,
     writer: DetectionWriter<BufWriter<File>>,
+    /// As of sensor tracks.
+    next_sequence: u64,
+    rows: u64,
+    ended: bool,
+}
+
+#[derive(Debug)]
+struct CountFile<S: Transport> {
+    sensor: u16,
+    subscriber: Subscriber<S, WideArea>,
+    writer: WideAreaWriter<BufWriter<File>>,
     /// As of sensor tracks.
     next_sequence: u64,
     rows: u64,
@@ -125,16 +139,37 @@ impl<S: Transport> RecorderAgent<S> {
                 ended: false,
             });
         }
+        let mut counts = Vec::new();
+        for sensor in &config.wide_area_sensors {
+            let topic = messages::wide_area(&sensor.name);
+            waiter.watch(bus, &topic)?;
+            let Opened { file, rows } = open(format!("wide_area_{}.csv", sensor.name))?;
+            let file = BufWriter::new(file);
+            counts.push(CountFile {
+                sensor: sensor.number,
+                subscriber: bus.subscriber(&topic, || incarnation)?,
+                writer: match rows {
+                    0 => WideAreaWriter::begin(file, first_day_ns)?,
+                    _ => WideAreaWriter::resume(file, first_day_ns),
+                },
+                next_sequence: rows,
+                rows: 0,
+                ended: false,
+            });
+        }
         waiter.watch(bus, &messages::system_tracks())?;
         let of_sources = sources.iter().map(|source| source.source);
         let of_detections = detections.iter().map(|file| messages::detections_number(file.source));
-        let topics: Vec<u16> = of_sources.chain([NO_SOURCE]).chain(of_detections).collect();
+        let of_counts = counts.iter().map(|file| messages::wide_area_number(file.sensor));
+        let topics = of_sources.chain([NO_SOURCE]).chain(of_detections).chain(of_counts);
+        let topics: Vec<u16> = topics.collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &topics);
         let Opened { file, rows } = open("system_tracks.csv".to_owned())?;
         let file = BufWriter::new(file);
         Ok(Self {
             sources,
             detections,
+            counts,
             system: SystemFile {
                 subscriber: bus.subscriber(&messages::system_tracks(), || incarnation)?,
                 writer: match rows {
@@ -168,6 +203,14 @@ impl<S: Transport> RecorderAgent<S> {
                 }
             })?;
         }
+        let first = self.sources.len() + 1 + self.detections.len();
+        for (file, index) in self.counts.iter_mut().zip(first..) {
+            worked |= file.write_arrived(recorded, |header, next| {
+                if let Some(reached) = &mut self.reached {
+                    reached.done(index, header, next);
+                }
+            })?;
+        }
         let index = self.sources.len();
         worked |= self.system.write_arrived(|header, next| {
             if let Some(reached) = &mut self.reached {
@@ -181,6 +224,7 @@ impl<S: Transport> RecorderAgent<S> {
         self.system.ended
             && self.sources.iter().all(|source| source.ended)
             && self.detections.iter().all(|file| file.ended)
+            && self.counts.iter().all(|file| file.ended)
     }
 }
 
@@ -244,6 +288,33 @@ impl<S: Transport> DetectionFile<S> {
     }
 }
 
+impl<S: Transport> CountFile<S> {
+    fn write_arrived(&mut self, recorded: bool, mut done: impl FnMut(&BatchHeader, u64)) -> anyhow::Result<bool> {
+        let mut failed = Ok(());
+        let (writer, next_sequence, rows, ended) = (
+            &mut self.writer,
+            &mut self.next_sequence,
+            &mut self.rows,
+            &mut self.ended,
+        );
+        let taken = self.subscriber.take(SLICES_PER_TOPIC, |header, samples| {
+            for sample in samples {
+                if recorded && sample.sequence < *next_sequence {
+                    continue;
+                }
+                *next_sequence = sample.sequence + 1;
+                *rows += 1;
+                let report = WideAreaReport::of_sample(sample);
+                failed = std::mem::replace(&mut failed, Ok(())).and_then(|()| writer.write(&report));
+            }
+            *ended |= header.flags & BatchHeader::END != 0;
+            done(header, *next_sequence);
+        })?;
+        failed.context("writing wide-area reports")?;
+        Ok(taken > 0)
+    }
+}
+
 impl<S: Transport> SystemFile<S> {
     fn write_arrived(&mut self, mut done: impl FnMut(&BatchHeader, u64)) -> anyhow::Result<bool> {
         let mut failed = Ok(());
@@ -280,11 +351,12 @@ impl<S: Transport> Agent for RecorderAgent<S> {
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
-        let (sources, detections, system) = (&self.sources, &self.detections, &self.system);
+        let (sources, detections, counts, system) = (&self.sources, &self.detections, &self.counts, &self.system);
         let has_work = || {
             system.subscriber.has_slices()
                 || sources.iter().any(|source| source.subscriber.has_slices())
                 || detections.iter().any(|file| file.subscriber.has_slices())
+                || counts.iter().any(|file| file.subscriber.has_slices())
         };
         self.waiter.wait(at_most, has_work)?;
         Ok(())
@@ -298,8 +370,15 @@ impl<S: Transport> Agent for RecorderAgent<S> {
         let system = self.system.subscriber.counts();
         whole.set(Counter::Taken, system.taken);
         whole.set(Counter::Lost, system.lost);
-        whole.set(Counter::SchemaMismatch, system.schema_mismatch);
-        whole.set(Counter::RowsWritten, self.system.rows);
+        // Wide-area sensors are no sources: what is said of their files is said here.
+        let counts = self.counts.iter().map(|file| file.subscriber.counts());
+        let (lost, refused) = counts.fold((0, 0), |(lost, refused), counts| {
+            (lost + counts.lost, refused + counts.schema_mismatch)
+        });
+        whole.set(Counter::WideAreaLost, lost);
+        whole.set(Counter::SchemaMismatch, system.schema_mismatch + refused);
+        let rows: u64 = self.counts.iter().map(|file| file.rows).sum();
+        whole.set(Counter::RowsWritten, self.system.rows + rows);
         entries.push(whole);
         for source in &self.sources {
             let counts = source.subscriber.counts();
@@ -345,6 +424,10 @@ impl<S: Transport> Agent for RecorderAgent<S> {
             .iter_mut()
             .try_for_each(|file| file.writer.flush())
             .context("writing detections")?;
+        self.counts
+            .iter_mut()
+            .try_for_each(|file| file.writer.flush())
+            .context("writing wide-area reports")?;
         self.system.writer.flush().context("writing system tracks")
     }
 }

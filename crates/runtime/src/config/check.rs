@@ -17,8 +17,11 @@ use super::check_rule::check_rule;
 use super::locate::line_of;
 use super::locating::{RawLocating, check_locating};
 use super::raw::{
-    AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawPlace, RawRecorded, RawSource,
+    AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawLimits, RawPlace, RawRecorded,
+    RawSource,
 };
+use super::tracker_links::check_links;
+use super::wide_area_sensor::{check_company, check_wide_area_sensors};
 use super::{Config, ConfigError, Fusion, Input, Instrument, Order, Recorded, RecordedFormat, Source, SourceTracker};
 use crate::cores::{self, Placement};
 
@@ -116,8 +119,11 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
         sources.push(source);
         weighing.push(weighed);
     }
-    let receivers = network.receivers(&sources)?;
-    let gateways = check_gateways(&raw.gateways, &sources)?;
+    let wide_area_sensors = check_wide_area_sensors(&raw, &frame, &mut network)?;
+    check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
+    check_company(&sources, &wide_area_sensors)?;
+    let receivers = network.receivers(&sources, &wide_area_sensors)?;
+    let gateways = check_gateways(&raw.gateways, &sources, &wide_area_sensors)?;
     let first_day_ns = first_day(&raw, &sources)?;
     let scenario = check_scenario(&raw, &sources)?;
     let external = sources.iter().any(|source| matches!(source.input, Input::External));
@@ -137,6 +143,7 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
         order: raw.time.order,
         first_day_ns,
         sources,
+        wide_area_sensors,
         receivers,
         gateways,
         scenario,
@@ -144,7 +151,7 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
     })
 }
 
-fn place(key: &str, raw: &RawPlace) -> Checked<Geodetic> {
+pub(super) fn place(key: &str, raw: &RawPlace) -> Checked<Geodetic> {
     Geodetic::from_degrees(raw.latitude_deg, raw.longitude_deg, raw.height_m).map_err(|error| {
         let part = match error {
             frames::GeodeticError::Latitude(_) => "latitude_deg",
@@ -213,21 +220,7 @@ fn check_source(
             return Err(problem(key("name"), what));
         }
     };
-    let limits = &raw.limits;
-    let limits = Limits {
-        range_m: within(&key("limits.range_m"), limits.range_m, 1.0, 2e6)?,
-        height_min_m: within(&key("limits.height_min_m"), limits.height_min_m, -1e4, 1e5)?,
-        height_max_m: within(
-            &key("limits.height_max_m"),
-            limits.height_max_m,
-            limits.height_min_m,
-            1e5,
-        )?,
-        speed_mps: within(&key("limits.speed_mps"), limits.speed_mps, 0.1, 2e4)?,
-        jump_m: within(&key("limits.jump_m"), limits.jump_m, 0.0, 1e6)?,
-        time_step_ns: nanoseconds(within(&key("limits.time_step_s"), limits.time_step_s, 0.01, 40e3)?),
-        tracks: within(&key("limits.tracks"), limits.tracks as f64, 1.0, 1e6)? as usize,
-    };
+    let limits = check_limits(&key("limits"), &raw.limits)?;
     let period_s = within(&key("period_s"), raw.period_s, 1e-3, 3600.0)?;
     let tracker = check_tracker(index, raw, &input, network, period_s)?;
     let locator = check_locator(index, raw, &input, network)?;
@@ -276,6 +269,19 @@ fn check_source(
         },
     };
     Ok((source, weighed))
+}
+
+pub(super) fn check_limits(key: &str, raw: &RawLimits) -> Checked<Limits> {
+    let part = |part: &str| format!("{key}.{part}");
+    Ok(Limits {
+        range_m: within(&part("range_m"), raw.range_m, 1.0, 2e6)?,
+        height_min_m: within(&part("height_min_m"), raw.height_min_m, -1e4, 1e5)?,
+        height_max_m: within(&part("height_max_m"), raw.height_max_m, raw.height_min_m, 1e5)?,
+        speed_mps: within(&part("speed_mps"), raw.speed_mps, 0.1, 2e4)?,
+        jump_m: within(&part("jump_m"), raw.jump_m, 0.0, 1e6)?,
+        time_step_ns: nanoseconds(within(&part("time_step_s"), raw.time_step_s, 0.01, 40e3)?),
+        tracks: within(&part("tracks"), raw.tracks as f64, 1.0, 1e6)? as usize,
+    })
 }
 
 fn check_tracker(

@@ -12,6 +12,7 @@ use scenario::SensorKind;
 use super::check::{Checked, check_name, nanoseconds, problem, within};
 use super::network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 use super::raw::{RawGateway, RawHeights, RawLive, RawReceiver, RawTechnology, RawUdp};
+use super::wide_area_sensor::WideAreaSensor;
 use super::{Input, Instrument, RecordedFormat, Simulated, Source};
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
@@ -88,23 +89,43 @@ impl Network {
     /// A source behind one of the receivers.
     pub(super) fn live(&self, index: usize, raw: &RawLive) -> Checked<Live> {
         let key = |part: &str| format!("source[{index}].live.{part}");
-        if !self.receivers.iter().any(|receiver| receiver.name == raw.receiver) {
-            let known: Vec<&str> = self.receivers.iter().map(|receiver| receiver.name.as_str()).collect();
+        self.known(&key("receiver"), &raw.receiver)?;
+        Ok(Live {
+            receiver: raw.receiver.clone(),
+            asterix: asterix(&key("editions"), &raw.editions, raw.strict)?,
+        })
+    }
+
+    fn known(&self, key: &str, name: &str) -> Checked<&Receiver> {
+        let found = self.receivers[..self.named]
+            .iter()
+            .find(|receiver| receiver.name == name);
+        found.ok_or_else(|| {
+            let known: Vec<&str> = self.receivers[..self.named]
+                .iter()
+                .map(|receiver| receiver.name.as_str())
+                .collect();
             let known = if known.is_empty() {
                 "none".to_owned()
             } else {
                 known.join(", ")
             };
-            let what = format!(
-                "there is no [[receiver]] named \"{}\"; those before the sources are: {known}",
-                raw.receiver
-            );
-            return Err(problem(key("receiver"), what));
-        }
-        Ok(Live {
-            receiver: raw.receiver.clone(),
-            asterix: asterix(&key("editions"), &raw.editions, raw.strict)?,
+            problem(
+                key,
+                format!("there is no [[receiver]] named \"{name}\"; there are: {known}"),
+            )
         })
+    }
+
+    /// Refuses, at `key`, a name that is not that of a receiver of datagrams.
+    pub(super) fn datagrams(&self, key: &str, name: &str) -> Checked<()> {
+        match self.known(key, name)?.transport {
+            Transport::Udp(_) => Ok(()),
+            _ => {
+                let what = format!("\"{name}\" takes no datagrams; name a [[receiver]] with [receiver.udp]");
+                Err(problem(key, what))
+            }
+        }
     }
 
     /// Whether the receiver called `name` reads SBS-1.
@@ -140,14 +161,27 @@ impl Network {
     }
 
     /// All receivers, each of which must have work, and be able to tell its sources apart.
-    pub(super) fn receivers(self, sources: &[Source]) -> Checked<Vec<Receiver>> {
+    pub(super) fn receivers(self, sources: &[Source], sensors: &[WideAreaSensor]) -> Checked<Vec<Receiver>> {
         for (index, receiver) in self.receivers[..self.named].iter().enumerate() {
             let key = format!("receiver[{index}].name");
             let name = &receiver.name;
             let owned = |source: &&Source| matches!(&source.input, Input::Live(live) if live.receiver == *name);
             let behind: Vec<&Source> = sources.iter().filter(owned).collect();
-            if behind.is_empty() {
-                let what = format!("no source has [source.live] with receiver = \"{name}\"");
+            let counting: Vec<&WideAreaSensor> = sensors
+                .iter()
+                .filter(|sensor| sensor.receiver() == Some(name.as_str()))
+                .collect();
+            if behind.is_empty() && counting.is_empty() {
+                let what = format!(
+                    "no source has [source.live] with receiver = \"{name}\", and no wide-area sensor is behind it"
+                );
+                return Err(problem(key, what));
+            }
+            if !counting.is_empty() && behind.len() + counting.len() > 1 {
+                let what = format!(
+                    "a wide-area sensor is alone behind its receiver, but {} have receiver = \"{name}\"",
+                    behind.len() + counting.len()
+                );
                 return Err(problem(key, what));
             }
             if let Some(other) = sources.iter().find(|source| source.adapter == *name && !owned(source)) {
@@ -268,7 +302,11 @@ fn table(key: &str, number: u8, edition: Option<&str>) -> Checked<&'static Categ
 }
 
 /// The gateways.
-pub(super) fn check_gateways(raw: &[RawGateway], sources: &[Source]) -> Checked<Vec<Gateway>> {
+pub(super) fn check_gateways(
+    raw: &[RawGateway],
+    sources: &[Source],
+    sensors: &[WideAreaSensor],
+) -> Checked<Vec<Gateway>> {
     let mut names = BTreeSet::new();
     let mut gateways = Vec::new();
     for (index, each) in raw.iter().enumerate() {
@@ -278,7 +316,11 @@ pub(super) fn check_gateways(raw: &[RawGateway], sources: &[Source]) -> Checked<
             let what = format!("\"{}\" is the name of an earlier gateway; give each its own", each.name);
             return Err(problem(key("name"), what));
         }
-        if sources.iter().any(|source| source.adapter == each.name) {
+        let mut adapters = sources
+            .iter()
+            .map(|source| &source.adapter)
+            .chain(sensors.iter().map(|sensor| &sensor.adapter));
+        if adapters.any(|adapter| *adapter == each.name) {
             let what = format!(
                 "\"{}\" is the name of an adapter process; give the gateway another",
                 each.name

@@ -13,7 +13,9 @@ mod network;
 mod offline;
 mod raw;
 mod tracker;
+mod tracker_links;
 mod wide_area;
+mod wide_area_sensor;
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -36,6 +38,7 @@ pub(crate) use network::loopback_of;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
 pub use tracker::{SeenDetections, SourceTracker, Tracking};
+pub use wide_area_sensor::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
 /// Stands for the configuration of the demonstration, which is part of the executable.
 pub const BUILT_IN_DEMO: &str = "built-in:demo";
@@ -58,6 +61,8 @@ pub struct Config {
     pub first_day_ns: Option<i64>,
     /// The sources, in the order of their numbers.
     pub sources: Vec<Source>,
+    /// The wide-area sensors, in the order of their numbers; they are no sources.
+    pub wide_area_sensors: Vec<WideAreaSensor>,
     /// The network inputs; each is an adapter process.
     pub receivers: Vec<Receiver>,
     /// The outputs to the network; each is a gateway process.
@@ -302,6 +307,11 @@ impl Config {
         self.sources.iter().find(|source| source.name == name)
     }
 
+    /// The wide-area sensor called `name`.
+    pub fn wide_area_sensor(&self, name: &str) -> Option<&WideAreaSensor> {
+        self.wide_area_sensors.iter().find(|sensor| sensor.name == name)
+    }
+
     /// The receiver called `name`.
     pub fn receiver(&self, name: &str) -> Option<&Receiver> {
         self.receivers.iter().find(|receiver| receiver.name == name)
@@ -312,7 +322,8 @@ impl Config {
         self.gateways.iter().find(|gateway| gateway.name == name)
     }
 
-    /// The names of the adapter processes, in the order of their first sources. External sources have none.
+    /// The names of the adapter processes, in the order of their first sources, then of the wide-area sensors. External ones
+    /// have none.
     pub fn adapters(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for source in self
@@ -322,6 +333,11 @@ impl Config {
         {
             if !names.contains(&source.adapter.as_str()) {
                 names.push(&source.adapter);
+            }
+        }
+        for sensor in &self.wide_area_sensors {
+            if !matches!(sensor.input, WideAreaInput::External) && !names.contains(&sensor.adapter.as_str()) {
+                names.push(&sensor.adapter);
             }
         }
         names

@@ -10,6 +10,7 @@ use serde::Deserialize;
 
 use super::locating::RawLocating;
 use super::tracker::RawSourceTracker;
+use super::wide_area_sensor::RawWideAreaSensor;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -22,6 +23,8 @@ pub(crate) struct RawConfig {
     pub(crate) receivers: Vec<RawReceiver>,
     #[serde(default, rename = "source")]
     pub(crate) sources: Vec<RawSource>,
+    #[serde(default, rename = "wide_area_sensor")]
+    pub(crate) wide_area_sensors: Vec<RawWideAreaSensor>,
     #[serde(default, rename = "gateway")]
     pub(crate) gateways: Vec<RawGateway>,
     pub(crate) scenario: Option<scenario::ScenarioSettings>,

@@ -358,6 +358,15 @@ impl Default for RawSplitting {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawSourceTracker {
+    /// Names of the wide-area sensors that the tracker listens to.
+    #[serde(default)]
+    pub(crate) wide_area_sensors: Vec<String>,
+    /// Names of the direction finders whose emissions it hears.
+    #[serde(default)]
+    pub(crate) emissions: Vec<String>,
+    #[serde(default)]
+    pub(crate) cues: bool,
+    pub(crate) output_period_s: Option<f64>,
     #[serde(default)]
     scans: RawBoundaries,
     wait_s: Option<f64>,
@@ -403,6 +412,14 @@ pub struct SourceTracker {
     pub settings: tracker::Settings,
     /// How detections are cut into scans; their numbers count from 1970 here.
     pub cutter: CutterSettings,
+    /// Numbers of the wide-area sensors that the tracker listens to, in their order.
+    pub wide_area_sensors: Vec<u16>,
+    /// Numbers of the sources, direction finders, whose emissions it hears, in their order.
+    pub emissions: Vec<u16>,
+    /// Whether it says after each scan where the sensor should look next.
+    pub cues: bool,
+    /// Time between two outputs of its tracks, nanoseconds; `None`: they come after each scan.
+    pub output_period_ns: Option<i64>,
 }
 
 impl RawSourceTracker {
@@ -451,6 +468,11 @@ impl RawSourceTracker {
                 epoch_ns: 0,
             },
             settings,
+            // Its links are found when all sources and sensors are known.
+            wide_area_sensors: Vec::new(),
+            emissions: Vec::new(),
+            cues: false,
+            output_period_ns: None,
         })
     }
 }

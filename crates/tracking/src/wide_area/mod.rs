@@ -16,14 +16,17 @@
 //! Everything is derived anew in each scan from the reports and the population before the scan. So scans that are worked
 //! off again after a late one see the same reports in the same places, and the same input gives the same bits.
 //!
-//! What goes with it and is used by others: which detections are used at all ([`selection`]), whether targets are followed
+//! What goes with it and is used by others: where the tracks of another system become counts ([`counting`]), where reports
+//! wait until their time has come ([`arrivals`]), which detections are used at all ([`selection`]), whether targets are followed
 //! as a group ([`group`]), who they are (`identification`, from each [`Emission`] and where the targets came from), what is known
 //! beforehand ([`prior`]), and where sensors should look next ([`cue`]); and when pictures are given out ([`schedule`]).
 //!
 //! Source: patent JP4702010B2.
 
+pub mod arrivals;
 pub mod choice;
 pub mod correction;
+pub mod counting;
 pub mod cue;
 pub mod distribution;
 pub mod emission;
@@ -38,5 +41,5 @@ pub mod settings;
 
 pub use emission::{Emission, EmissionRefusal};
 pub use formats::wide_area::WideAreaReport;
-pub use report::{ReportRefusal, TARGETS_MAX};
+pub use report::{ReportRefusal, TARGETS_MAX, fault_in};
 pub use settings::WideArea;

@@ -55,8 +55,8 @@ impl std::fmt::Display for ReportRefusal {
 
 impl std::error::Error for ReportRefusal {}
 
-/// What is wrong with a report; `None` if nothing is.
-pub(crate) fn fault(report: &WideAreaReport, settings: &WideArea) -> Option<ReportRefusal> {
+/// What is wrong with a report, whoever may use it; `None` if nothing is.
+pub fn fault_in(report: &WideAreaReport) -> Option<ReportRefusal> {
     let is_place = |value: f64| value.abs() <= PLACE_MAX_M;
     let origin = report.origin_m.unwrap_or_default();
     let numbers = report.position_m.iter().chain(&origin).all(|value| is_place(*value))
@@ -64,14 +64,17 @@ pub(crate) fn fault(report: &WideAreaReport, settings: &WideArea) -> Option<Repo
     if !numbers {
         return Some(ReportRefusal::NoPlace);
     }
-    let delay_ns = report.arrival_ns.saturating_sub(report.time_ns);
-    if delay_ns < 0 {
+    if report.arrival_ns < report.time_ns {
         return Some(ReportRefusal::NegativeDelay);
     }
-    if delay_ns > settings.delay_max_ns {
-        return Some(ReportRefusal::TooLate(delay_ns));
-    }
     (report.targets > TARGETS_MAX).then_some(ReportRefusal::TooManyTargets(report.targets))
+}
+
+/// What is wrong with a report for a tracker with these settings; `None` if nothing is.
+pub(crate) fn fault(report: &WideAreaReport, settings: &WideArea) -> Option<ReportRefusal> {
+    let delay_ns = report.arrival_ns.saturating_sub(report.time_ns);
+    let late = (delay_ns > settings.delay_max_ns).then_some(ReportRefusal::TooLate(delay_ns));
+    fault_in(report).or(late)
 }
 
 /// Whether a report says something at `time_ns`.

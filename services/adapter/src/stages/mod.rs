@@ -11,9 +11,11 @@
 mod locating;
 mod tracking;
 
+use ::tracking::wide_area::arrivals::Arrivals;
 use formats::bearing::Bearing;
 use formats::reports::{Converter, Observation, Service};
-use messages::{COUNTERS_MAX, PlatformState, SensorBearing, SensorDetection, SensorTrack};
+use formats::wide_area::WideAreaReport;
+use messages::{COUNTERS_MAX, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack};
 use runtime::config::Source;
 
 use self::locating::Locating;
@@ -30,6 +32,8 @@ pub(crate) struct Made {
     pub(crate) bearings: Vec<SensorBearing>,
     /// Where their platform was.
     pub(crate) platforms: Vec<PlatformState>,
+    /// Where the sensor should look next, to be published after the tracks.
+    pub(crate) cues: Vec<Cue>,
 }
 
 /// One source's way from observations to sensor tracks.
@@ -51,13 +55,14 @@ enum Kind {
 }
 
 impl Stage {
-    /// The stage of `source`, whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds).
+    /// The stage of `source`, whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds). A tracker begins with
+    /// the `counts` of wide-area sensors; more may come.
     ///
     /// # Errors
     /// If the configuration asks for what cannot be made.
-    pub(crate) fn new(source: &Source, first_day_ns: i64) -> anyhow::Result<Self> {
+    pub(crate) fn new(source: &Source, first_day_ns: i64, counts: Arrivals) -> anyhow::Result<Self> {
         let kind = match (&source.tracker, &source.locator) {
-            (Some(tracker), _) => Kind::Tracking(Box::new(Tracking::new(source.number, tracker, first_day_ns)?)),
+            (Some(tracker), _) => Kind::Tracking(Box::new(Tracking::new(source, tracker, first_day_ns, counts)?)),
             (None, Some(locator)) => Kind::Locating(Box::new(Locating::new(source, locator)?)),
             (None, None) => Kind::Through,
         };
@@ -119,6 +124,20 @@ impl Stage {
             Kind::Locating(_) => {}
         }
         self.follow();
+    }
+
+    /// Takes a report of a wide-area sensor that its tracker listens to.
+    pub(crate) fn wide_area(&mut self, report: WideAreaReport) {
+        if let Kind::Tracking(tracking) = &mut self.kind {
+            tracking.wide_area(report);
+        }
+    }
+
+    /// Takes a bearing that a direction finder has heard to which its tracker listens.
+    pub(crate) fn emission(&mut self, bearing: &SensorBearing) {
+        if let Kind::Tracking(tracking) = &mut self.kind {
+            tracking.emission(bearing);
+        }
     }
 
     /// The source's data have ended: what waits for more is worked off.

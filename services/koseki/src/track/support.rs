@@ -5,17 +5,17 @@ use std::io::BufReader;
 use std::path::Path;
 
 use formats::csv_table::CsvError;
-use formats::wide_area::{WideAreaReader, WideAreaReport};
+use formats::wide_area::WideAreaReader;
 use tracking::Tracker;
+use tracking::wide_area::arrivals::Arrivals;
 
 use crate::files::{InputError, open};
 use crate::offline::Refusals;
 
 /// Reports in the order of their arrival, and what became of them.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Support {
-    reports: Vec<WideAreaReport>,
-    given: usize,
+    arrivals: Arrivals,
     pub(super) refusals: Refusals,
     /// Reports that the tracker refused, by reason.
     pub(super) refused: BTreeMap<String, u64>,
@@ -27,37 +27,34 @@ impl Support {
     /// # Errors
     /// If it cannot be read or lacks a column.
     pub(super) fn read(path: &Path) -> Result<Self, InputError> {
-        let mut support = Self::default();
+        let (mut reports, mut refusals) = (Vec::new(), Refusals::default());
         let reader = WideAreaReader::new(BufReader::new(open(path)?), 0);
         for row in reader.map_err(|error| InputError::new(path, error))? {
             match row {
-                Ok(report) => support.reports.push(report),
+                Ok(report) => reports.push(report),
                 Err(error @ (CsvError::Value { .. } | CsvError::Length { .. })) => {
-                    support.refusals.unreadable(path, &error);
+                    refusals.unreadable(path, &error);
                 }
                 Err(error) => return Err(InputError::new(path, error)),
             }
         }
-        support
-            .reports
-            .sort_by_key(|report| (report.arrival_ns, report.time_ns));
-        Ok(support)
+        Ok(Self {
+            arrivals: Arrivals::of(reports),
+            refusals,
+            refused: BTreeMap::new(),
+        })
     }
 
     /// Gives the tracker what has arrived until `time_ns`.
     pub(super) fn give(&mut self, time_ns: i64, tracker: &mut Tracker) {
-        let waiting = &self.reports[self.given..];
-        let arrived = waiting.partition_point(|report| report.arrival_ns <= time_ns);
-        for report in &waiting[..arrived] {
-            if let Err(refusal) = tracker.wide_area(report) {
-                *self.refused.entry(refusal.to_string()).or_default() += 1;
-            }
-        }
-        self.given += arrived;
+        let refused = &mut self.refused;
+        self.arrivals.give(time_ns, tracker, |refusal| {
+            *refused.entry(refusal.to_string()).or_default() += 1;
+        });
     }
 
     /// How many reports came after the last scan, and were of no use.
     pub(super) fn left(&self) -> usize {
-        self.reports.len() - self.given
+        self.arrivals.waiting()
     }
 }

@@ -1,0 +1,158 @@
+//! What the tracker of a source listens to besides its own sensor, and what it says besides tracks after scans.
+//!
+//! Found when all sources and sensors of a file are known, as trackers name them:
+//!
+//! ```toml
+//! [source.tracker]
+//! wide_area_sensors = ["remote"]   # their counts support hypotheses (WA-2)
+//! emissions = ["patrol"]           # direction finders on board: what they hear identifies tracks (WA-9)
+//! cues = true                      # after each scan it says where the sensor should look next (WA-12)
+//! output_period_s = 1.0            # tracks at even times instead of after each scan (WA-11)
+//! ```
+
+use super::check::{Checked, nanoseconds, problem, within};
+use super::raw::RawSource;
+use super::wide_area_sensor::{RawWideAreaSensor, sensors_called};
+use super::{Input, Source};
+
+/// Lets the trackers know what they are linked with.
+pub(super) fn check_links(sources: &mut [Source], raw: &[RawSource], sensors: &[RawWideAreaSensor]) -> Checked<()> {
+    let finder = |source: &Source| (source.name.clone(), source.locator.is_some());
+    let finders: Vec<(String, bool)> = sources.iter().map(finder).collect();
+    for (source, raw) in sources.iter_mut().zip(raw) {
+        let (Some(tracker), Some(raw)) = (&mut source.tracker, &raw.tracker) else {
+            continue;
+        };
+        let key = |part: &str| format!("source[{}].tracker.{part}", source.number);
+        tracker.wide_area_sensors = sensors_called(&key("wide_area_sensors"), &raw.wide_area_sensors, sensors)?;
+        tracker.emissions = finders_called(&key("emissions"), &raw.emissions, &finders)?;
+        tracker.cues = raw.cues;
+        tracker.output_period_ns = match raw.output_period_s {
+            Some(period_s) => Some(nanoseconds(within(&key("output_period_s"), period_s, 0.01, 3600.0)?)),
+            None => None,
+        };
+        if !tracker.emissions.is_empty() && tracker.settings.wide_area.knowledge.types.is_empty() {
+            let what = "no type is described that an emission could be of; add [[source.tracker.wide_area.type]]";
+            return Err(problem(key("emissions"), what));
+        }
+        if !matches!(source.input, Input::Recorded(_)) {
+            continue;
+        }
+        if !tracker.emissions.is_empty() {
+            let what = "direction finders are live, but the source is a recording: leave it out";
+            return Err(problem(key("emissions"), what));
+        }
+        if tracker.cues {
+            return Err(problem(
+                key("cues"),
+                "the sensor of a recording looks nowhere: leave it out",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The numbers of the direction finders of these names, in their order.
+fn finders_called(key: &str, names: &[String], finders: &[(String, bool)]) -> Checked<Vec<u16>> {
+    let mut numbers = Vec::new();
+    for name in names {
+        let number = finders.iter().position(|(finder, hears)| finder == name && *hears);
+        let Some(number) = number else {
+            let known = finders.iter().filter(|(_, hears)| *hears);
+            let known: Vec<&str> = known.map(|(finder, _)| finder.as_str()).collect();
+            let known = if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
+            };
+            let what = format!("there is no direction finder named \"{name}\" among the sources; there are: {known}");
+            return Err(problem(key, what));
+        };
+        if numbers.contains(&(number as u16)) {
+            return Err(problem(key, format!("\"{name}\" is named twice; name it once")));
+        }
+        numbers.push(number as u16);
+    }
+    numbers.sort_unstable();
+    Ok(numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use crate::Config;
+
+    const SITE: &str = r#"name = "t"
+[frame]
+latitude_deg = 41.0
+longitude_deg = 2.0
+[[receiver]]
+name = "lan"
+[receiver.udp]
+listen = "127.0.0.1:8600"
+[[receiver]]
+name = "ears"
+[receiver.udp]
+listen = "127.0.0.1:8601"
+[[source]]
+name = "radar"
+[source.live]
+receiver = "lan"
+[source.tracker]
+emissions = ["finder"]
+cues = true
+output_period_s = 0.5
+[[source.tracker.wide_area.type]]
+name = "patrol"
+[[source]]
+name = "finder"
+[source.live]
+receiver = "ears"
+[source.locator]
+"#;
+
+    #[test]
+    fn links_are_heard_and_what_cannot_be_is_refused() {
+        let parse = |text: &str| Config::parse(Path::new("t.toml"), text, &[]).map_err(|error| error.to_string());
+        let config = parse(SITE).unwrap();
+        let tracker = config.sources[0].tracker.as_ref().unwrap();
+        assert_eq!((&tracker.emissions[..], tracker.cues), (&[1][..], true));
+        assert_eq!(tracker.output_period_ns, Some(500_000_000));
+        for (old, new, line, expected) in [
+            ("[\"finder\"]", "[\"radar\"]", 18, "there are: finder"),
+            ("[\"finder\"]", "[\"finder\", \"finder\"]", 18, "named twice"),
+            (
+                "[[source.tracker.wide_area.type]]\nname = \"patrol\"\n",
+                "",
+                18,
+                "no type is described",
+            ),
+            (
+                "output_period_s = 0.5",
+                "output_period_s = 0.0",
+                20,
+                "between 0.01 and 3600",
+            ),
+        ] {
+            let message = parse(&SITE.replacen(old, new, 1)).unwrap_err();
+            assert!(message.starts_with(&format!("t.toml:{line}: ")), "{new}: {message}");
+            assert!(message.contains(expected) && message.lines().count() == 1, "{message}");
+        }
+        let recorded =
+            SITE.replacen(
+                "[source.live]\nreceiver = \"lan\"",
+                "[source.recorded]\nfile = \"x.ast\"",
+                1,
+            )
+            .replacen(
+                "[[receiver]]\nname = \"lan\"\n[receiver.udp]\nlisten = \"127.0.0.1:8600\"\n",
+                "",
+                1,
+            ) + "[time]\ndate = \"2026-05-10\"\n";
+        let message = parse(&recorded).unwrap_err();
+        assert!(message.contains("direction finders are live"), "{message}");
+        let message = parse(&recorded.replacen("emissions = [\"finder\"]\n", "", 1)).unwrap_err();
+        assert!(message.contains("looks nowhere"), "{message}");
+    }
+}

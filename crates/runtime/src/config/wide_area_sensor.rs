@@ -1,0 +1,375 @@
+//! Wide-area sensors: who knows how many targets there are (WA), and which trackers listen to them.
+//!
+//! A wide-area sensor is no source: it has no tracks that fusion could weigh, and no number among the sources. Its reports
+//! are counts, and go to the trackers of sources that name it. What it delivers is one of three: rows of counts
+//! (FM-6) as datagrams or as a recording, the tracks of another system (ASTERIX CAT062), which are counted by place, or
+//! what a process of the integrator's own publishes.
+//!
+//! ```toml
+//! [[wide_area_sensor]]
+//! name = "remote"                  # its reports are at wide-area/remote/reports
+//! [wide_area_sensor.live]          # rows of counts in datagrams
+//! receiver = "link"
+//!
+//! [[wide_area_sensor]]
+//! name = "centre"
+//! [wide_area_sensor.tracks]        # another system's tracks, counted
+//! receiver = "lan"                 # or file = "centre.ast"
+//! period_s = 4.0                   # how often it says where each of its tracks is
+//! group_m = 500.0                  # tracks no farther from each other are counted together
+//!
+//! [[source]]
+//! name = "radar"
+//! [source.tracker]
+//! wide_area_sensors = ["remote", "centre"]
+//! ```
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use formats::reports::{CovarianceModel, SourceModel};
+use frames::{SensorFrame, SystemFrame};
+use serde::Deserialize;
+
+use super::check::{Checked, Problem, check_limits, check_name, nanoseconds, place, problem, within};
+use super::check_network::{Network, asterix};
+use super::raw::{RawConfig, RawCovariance, RawExternal, RawLimits, RawPlace, RawReceiver, RawSource};
+use super::{Asterix, Input, Source};
+
+/// Most wide-area sensors of a deployment.
+const SENSORS_MAX: usize = 16;
+
+/// One wide-area sensor.
+#[derive(Clone, Debug)]
+pub struct WideAreaSensor {
+    /// Its number: its place among the wide-area sensors in the file, from 0.
+    pub number: u16,
+    /// Its name, which is also part of its topic's name.
+    pub name: String,
+    /// Where its reports come from.
+    pub input: WideAreaInput,
+    /// Name of the adapter process that publishes it: that of its receiver, or its own.
+    pub adapter: String,
+}
+
+/// Where the reports of a wide-area sensor come from.
+#[derive(Clone, Debug)]
+pub enum WideAreaInput {
+    /// Rows of counts (FM-6) in the datagrams of the receiver of this name.
+    Live(String),
+    /// A file of rows (FM-6), relative to the data folder unless absolute.
+    Recorded(PathBuf),
+    /// Another system's tracks, counted by place.
+    Tracks(Box<CountedTracks>),
+    /// A process that is no part of the deployment publishes the topic.
+    External,
+}
+
+/// Another system's tracks, and how they become counts.
+#[derive(Clone, Debug)]
+pub struct CountedTracks {
+    /// Where they come from.
+    pub feed: TrackFeed,
+    /// How their records are read.
+    pub asterix: Asterix,
+    /// Whose they are, and what they may contain.
+    pub model: SourceModel,
+    /// Time between two reports of one track, nanoseconds: tracks of one period are counted together.
+    pub period_ns: i64,
+    /// Tracks that are no farther from each other make one report, metres.
+    pub group_m: f64,
+}
+
+/// Where another system's tracks come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TrackFeed {
+    /// Datagrams of the receiver of this name.
+    Receiver(String),
+    /// A recording, relative to the data folder unless absolute.
+    File(PathBuf),
+}
+
+impl WideAreaSensor {
+    /// The receiver that it is behind, if it is behind one.
+    pub fn receiver(&self) -> Option<&str> {
+        match &self.input {
+            WideAreaInput::Live(receiver) => Some(receiver),
+            WideAreaInput::Tracks(tracks) => match &tracks.feed {
+                TrackFeed::Receiver(receiver) => Some(receiver),
+                TrackFeed::File(_) => None,
+            },
+            WideAreaInput::Recorded(_) | WideAreaInput::External => None,
+        }
+    }
+
+    /// The recording that its reports come from, if they come from one.
+    pub fn recording(&self) -> Option<&PathBuf> {
+        match &self.input {
+            WideAreaInput::Recorded(file) => Some(file),
+            WideAreaInput::Tracks(tracks) => match &tracks.feed {
+                TrackFeed::File(file) => Some(file),
+                TrackFeed::Receiver(_) => None,
+            },
+            WideAreaInput::Live(_) | WideAreaInput::External => None,
+        }
+    }
+}
+
+/// `[[wide_area_sensor]]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawWideAreaSensor {
+    name: String,
+    live: Option<RawRows>,
+    recorded: Option<RawRecordedRows>,
+    tracks: Option<RawCountedTracks>,
+    external: Option<RawExternal>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawRows {
+    receiver: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawRecordedRows {
+    file: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawCountedTracks {
+    receiver: Option<String>,
+    file: Option<String>,
+    #[serde(default = "four_seconds")]
+    period_s: f64,
+    #[serde(default = "half_a_kilometre")]
+    group_m: f64,
+    #[serde(default)]
+    editions: BTreeMap<String, String>,
+    #[serde(default)]
+    strict: bool,
+    sac: Option<u8>,
+    sic: Option<u8>,
+    /// For positions on the other system's own plane.
+    place: Option<RawPlace>,
+    #[serde(default)]
+    limits: RawLimits,
+}
+
+fn four_seconds() -> f64 {
+    4.0
+}
+
+fn half_a_kilometre() -> f64 {
+    500.0
+}
+
+/// The wide-area sensors of a file.
+pub(super) fn check_wide_area_sensors(
+    raw: &RawConfig,
+    system: &SystemFrame,
+    network: &mut Network,
+) -> Checked<Vec<WideAreaSensor>> {
+    if raw.wide_area_sensors.len() > SENSORS_MAX {
+        let what = format!(
+            "there are {}; at most {SENSORS_MAX} can be",
+            raw.wide_area_sensors.len()
+        );
+        return Err(problem("wide_area_sensor", what));
+    }
+    let mut names = BTreeSet::new();
+    let mut sensors = Vec::new();
+    for (index, each) in raw.wide_area_sensors.iter().enumerate() {
+        let key = format!("wide_area_sensor[{index}].name");
+        check_name(&key, &each.name)?;
+        if !names.insert(&each.name) {
+            let what = format!(
+                "\"{}\" is the name of an earlier wide-area sensor; give each its own",
+                each.name
+            );
+            return Err(problem(key, what));
+        }
+        let sensor = check_sensor(index, each, (system, &raw.frame), network)?;
+        check_process_name(&sensor, &raw.sources, &raw.receivers)?;
+        sensors.push(sensor);
+    }
+    Ok(sensors)
+}
+
+fn check_sensor(
+    index: usize,
+    raw: &RawWideAreaSensor,
+    frame: (&SystemFrame, &RawPlace),
+    network: &mut Network,
+) -> Checked<WideAreaSensor> {
+    let key = |part: &str| format!("wide_area_sensor[{index}].{part}");
+    let input = match (&raw.live, &raw.recorded, &raw.tracks, &raw.external) {
+        (Some(live), None, None, None) => {
+            network.datagrams(&key("live.receiver"), &live.receiver)?;
+            WideAreaInput::Live(live.receiver.clone())
+        }
+        (None, Some(recorded), None, None) => WideAreaInput::Recorded(PathBuf::from(&recorded.file)),
+        (None, None, Some(tracks), None) => {
+            WideAreaInput::Tracks(Box::new(check_tracks(&key("tracks"), tracks, frame, network)?))
+        }
+        (None, None, None, Some(_)) => WideAreaInput::External,
+        _ => {
+            let what = format!(
+                "\"{}\" needs exactly one of [wide_area_sensor.live], [wide_area_sensor.recorded], \
+                 [wide_area_sensor.tracks] and [wide_area_sensor.external]",
+                raw.name
+            );
+            return Err(problem(key("name"), what));
+        }
+    };
+    let mut sensor = WideAreaSensor {
+        number: index as u16,
+        name: raw.name.clone(),
+        input,
+        adapter: raw.name.clone(),
+    };
+    if let Some(receiver) = sensor.receiver() {
+        sensor.adapter = receiver.to_owned();
+    }
+    Ok(sensor)
+}
+
+fn check_tracks(
+    key: &str,
+    raw: &RawCountedTracks,
+    (system, origin): (&SystemFrame, &RawPlace),
+    network: &Network,
+) -> Checked<CountedTracks> {
+    let part = |part: &str| format!("{key}.{part}");
+    let feed = match (&raw.receiver, &raw.file) {
+        (Some(receiver), None) => {
+            network.datagrams(&part("receiver"), receiver)?;
+            TrackFeed::Receiver(receiver.clone())
+        }
+        (None, Some(file)) => TrackFeed::File(PathBuf::from(file)),
+        _ => return Err(problem(key, "give either receiver (live) or file (a recording)")),
+    };
+    let sac_sic = match (raw.sac, raw.sic) {
+        (None, None) => None,
+        (Some(sac), Some(sic)) => Some((sac, sic)),
+        _ => return Err(problem(key, "sac and sic go together: give both or neither")),
+    };
+    let stands = raw.place.as_ref().unwrap_or(origin);
+    let turned = within(&part("place.north_offset_deg"), stands.north_offset_deg, -360.0, 360.0)?;
+    let stands = place(&part("place"), stands)?;
+    let covariance = RawCovariance::default();
+    Ok(CountedTracks {
+        feed,
+        asterix: asterix(&part("editions"), &raw.editions, raw.strict)?,
+        period_ns: nanoseconds(within(&part("period_s"), raw.period_s, 0.1, 600.0)?),
+        group_m: within(&part("group_m"), raw.group_m, 0.0, 1e5)?,
+        model: SourceModel {
+            number: 0,
+            sac_sic,
+            positions: Default::default(),
+            frame: SensorFrame::new(system, stands, turned.to_radians()),
+            system: *system,
+            height_m: stands.height_m(),
+            // Tracks have places; nothing is assumed of their heights.
+            assumed_height_m: 0.0,
+            qnh_hpa: formats::reports::STANDARD_PRESSURE_HPA,
+            limits: check_limits(&part("limits"), &raw.limits)?,
+            covariance: CovarianceModel {
+                from: covariance.from,
+                position_sigma_m: covariance.position_sigma_m,
+                velocity_sigma_mps: covariance.velocity_sigma_mps,
+                height_sigma_m: covariance.height_sigma_m,
+                polar: None,
+                poor_quality: covariance.poor_quality,
+            },
+        },
+    })
+}
+
+/// The numbers of the sensors that the tracker of a source names.
+pub(super) fn sensors_called(key: &str, names: &[String], raw: &[RawWideAreaSensor]) -> Checked<Vec<u16>> {
+    let mut numbers = Vec::new();
+    for name in names {
+        let Some(number) = raw.iter().position(|sensor| sensor.name == *name) else {
+            let known: Vec<&str> = raw.iter().map(|sensor| sensor.name.as_str()).collect();
+            let known = if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
+            };
+            let what = format!("there is no [[wide_area_sensor]] named \"{name}\"; there are: {known}");
+            return Err(problem(key, what));
+        };
+        if numbers.contains(&(number as u16)) {
+            return Err(problem(key, format!("\"{name}\" is named twice; name it once")));
+        }
+        numbers.push(number as u16);
+    }
+    // In the order of their numbers, so that the order in which they are named does not matter.
+    numbers.sort_unstable();
+    Ok(numbers)
+}
+
+/// Recordings go with recordings: their times are of another day than those of what comes live.
+pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> Checked<()> {
+    let is_recorded = |source: &Source| matches!(source.input, Input::Recorded(_));
+    let differ = |recorded: bool, source: &Source| -> Option<Problem> {
+        let tracker = source.tracker.as_ref()?;
+        let of_other_kind = |number: &&u16| sensors[usize::from(**number)].recording().is_some() != recorded;
+        let sensor = &sensors[usize::from(*tracker.wide_area_sensors.iter().find(of_other_kind)?)];
+        let [own, other] = if recorded {
+            ["a recording", "none"]
+        } else {
+            ["none", "a recording"]
+        };
+        let what = format!(
+            "\"{}\" is {other}, but the source is {own}: their times are of different days",
+            sensor.name
+        );
+        let key = format!("source[{}].tracker.wide_area_sensors", source.number);
+        Some(problem(key, what))
+    };
+    if let Some(problem) = sources.iter().find_map(|source| differ(is_recorded(source), source)) {
+        return Err(problem);
+    }
+    let live = sensors.iter().find(|sensor| sensor.recording().is_none());
+    if let Some(sensor) = live.filter(|_| sources.iter().all(is_recorded)) {
+        let what = format!(
+            "\"{}\" is live, but all sources are recordings: give it one, too ([wide_area_sensor.recorded])",
+            sensor.name
+        );
+        return Err(problem(format!("wide_area_sensor[{}].name", sensor.number), what));
+    }
+    let recording = sensors.iter().find(|sensor| sensor.recording().is_some());
+    if let Some(sensor) = recording.filter(|_| !sources.iter().any(is_recorded)) {
+        let what = format!(
+            "\"{}\" is a recording, but no source is a recording: its times are of another day",
+            sensor.name
+        );
+        return Err(problem(format!("wide_area_sensor[{}].name", sensor.number), what));
+    }
+    Ok(())
+}
+
+/// No two adapter processes have one name; those behind receivers have the receivers'.
+fn check_process_name(sensor: &WideAreaSensor, sources: &[RawSource], receivers: &[RawReceiver]) -> Checked<()> {
+    let mut names = sources
+        .iter()
+        .map(|source| &source.name)
+        .chain(receivers.iter().map(|receiver| &receiver.name));
+    if sensor.receiver().is_none() && names.any(|name| *name == sensor.name) {
+        let what = format!(
+            "\"{}\" is also the name of an adapter process, that of a source or receiver; give the sensor another",
+            sensor.name
+        );
+        return Err(problem(format!("wide_area_sensor[{}].name", sensor.number), what));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "wide_area_sensor_tests.rs"]
+mod tests;

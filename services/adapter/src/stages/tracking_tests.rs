@@ -1,0 +1,158 @@
+//! What the stage says at even times, of where to look, and of who is who.
+
+use std::path::Path;
+
+use formats::detection::DetectionKind;
+use messages::SensorTrack;
+use runtime::Config;
+
+use super::*;
+
+const S: i64 = 1_000_000_000;
+const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[[receiver]]\nname = \"lan\"\n\
+                    [receiver.udp]\nlisten = \"127.0.0.1:8600\"\n[[receiver]]\nname = \"ears\"\n[receiver.udp]\nlisten = \"127.0.0.1:8601\"\n\
+                    [[source]]\nname = \"radar\"\nperiod_s = 4.0\n[source.live]\nreceiver = \"lan\"\n[source.covariance]\nposition_sigma_m = 50.0\n\
+                    [source.tracker]\nscans = \"period\"\nclutter_density = 1e-10\nKEYS\n[[source.tracker.wide_area.type]]\nname = \"patrol\"\n\
+                    emissions = [{ frequency_hz = [9.3e9, 9.5e9] }]\n[[source.tracker.wide_area.prior]]\n\
+                    circle = { centre_m = [0.0, 0.0], radius_m = 90e3 }\ntypes = { patrol = 0.6 }\n\
+                    [[source]]\nname = \"finder\"\n[source.live]\nreceiver = \"ears\"\n[source.locator]\n";
+
+fn stage(keys: &str) -> Tracking {
+    let config = Config::parse(Path::new("t.toml"), &SITE.replace("KEYS", keys), &[]).unwrap();
+    let source = &config.sources[0];
+    Tracking::new(source, source.tracker.as_ref().unwrap(), 0, Arrivals::new()).unwrap()
+}
+
+fn east_m(time_s: f64) -> f64 {
+    1000.0 + 100.0 * time_s
+}
+
+/// A detection of a target that flies east.
+fn seen(time_s: f64) -> Detection {
+    Detection {
+        time_of_measurement_ns: (time_s * 1e9) as i64,
+        sensor_id: 1,
+        scan: 0,
+        detection_id: 0,
+        kind: DetectionKind::Position2,
+        values: [east_m(time_s), 20e3, 0.0],
+        range_rate_mps: None,
+        sigmas: Some([50.0, 50.0, 0.0, 0.0]),
+        platform_m: [0.0; 3],
+        truth: None,
+    }
+}
+
+/// One detection in the middle of each period, and the time in the middle of its second half.
+fn fly(tracking: &mut Tracking, scans: std::ops::Range<u32>, made: &mut Made) {
+    for scan in scans {
+        let time_s = 4.0 * f64::from(scan) + 1.2;
+        tracking.take(seen(time_s), 0, made);
+        tracking.passed((time_s * 1e9) as i64 + 2 * S, false, 0, made);
+    }
+}
+
+#[test]
+fn tracks_come_at_even_times_and_what_is_extrapolated_says_so() {
+    let mut tracking = stage("output_period_s = 1.5");
+    let mut made = Made::default();
+    fly(&mut tracking, 0..20, &mut made);
+    let times: Vec<i64> = made.tracks.iter().map(|track| track.time_of_measurement_ns).collect();
+    assert!(times.len() > 20 && times.is_sorted(), "{times:?}");
+    assert!(times.iter().all(|time_ns| time_ns % 1_500_000_000 == 0), "{times:?}");
+    // None is left out, and no later one is older than the progress that was said.
+    assert!(
+        times.windows(2).all(|pair| pair[1] - pair[0] == 1_500_000_000),
+        "{times:?}"
+    );
+    assert_eq!(tracking.progress_ns(), *times.last().unwrap());
+    let is = |track: &&SensorTrack, state: TrackState| track.state == state as u8;
+    let coasted = made
+        .tracks
+        .iter()
+        .filter(|track| is(track, TrackState::Coasted))
+        .count();
+    let confirmed = made
+        .tracks
+        .iter()
+        .filter(|track| is(track, TrackState::Confirmed))
+        .count();
+    // One scan in four seconds, a picture each one and a half: most pictures follow no scan.
+    assert!(confirmed > 8 && coasted > confirmed, "{confirmed} {coasted}");
+    for track in &made.tracks {
+        let expected = east_m(track.time_of_measurement_ns as f64 / 1e9);
+        assert!((track.position_m[0] - expected).abs() < 100.0, "{track:?}");
+    }
+}
+
+#[test]
+fn without_a_period_tracks_come_after_scans() {
+    let mut tracking = stage("");
+    let mut made = Made::default();
+    fly(&mut tracking, 0..10, &mut made);
+    let times = made.tracks.iter().map(|track| track.time_of_measurement_ns);
+    assert!(times.clone().all(|time_ns| time_ns % (4 * S) == 1_200_000_000) && times.count() > 5);
+    assert!(made.cues.is_empty());
+}
+
+#[test]
+fn the_next_detection_is_where_the_cue_says() {
+    let mut tracking = stage("cues = true");
+    let mut made = Made::default();
+    fly(&mut tracking, 0..12, &mut made);
+    assert!(made.cues.len() > 6, "{:?}", made.cues);
+    let mut counters = [0; COUNTERS_MAX];
+    counters[Counter::Reports as usize] = 12;
+    tracking.count(&mut counters);
+    assert_eq!(counters[Counter::Cues as usize], made.cues.len() as u64);
+    for cue in &made.cues {
+        let time_s = cue.time_ns as f64 / 1e9;
+        // One turn after a detection there is the next one, within the ellipse.
+        assert_eq!(cue.time_ns % (4 * S), 1_200_000_000, "{cue:?}");
+        let away = (cue.position_m[0] - east_m(time_s)).hypot(cue.position_m[1] - 20e3);
+        assert!(away < cue.half_axes_m[1] && cue.half_axes_m[0] < 2e3, "{cue:?}");
+        assert!((0.0..std::f64::consts::PI).contains(&cue.orientation_rad) && cue.track_number > 0);
+    }
+}
+
+#[test]
+fn emissions_identify_a_track_and_bad_ones_are_counted() {
+    let mut tracking = stage("emissions = [\"finder\"]");
+    let mut made = Made::default();
+    fly(&mut tracking, 0..6, &mut made);
+    assert!(made.tracks.iter().all(|track| track.target_type.name().is_none()));
+    let heard = |time_s: f64| SensorBearing {
+        time_of_measurement_ns: (time_s * 1e9) as i64,
+        bearing_rad: east_m(time_s).atan2(20e3),
+        sigma_rad: 0.01,
+        frequency_hz: 9.4e9,
+        valid: sensor_bearing_bits::FREQUENCY,
+        ..SensorBearing::default()
+    };
+    tracking.emission(&heard(23.0));
+    for bad in [
+        SensorBearing {
+            valid: 0,
+            ..heard(23.5)
+        },
+        SensorBearing {
+            bearing_rad: f64::NAN,
+            ..heard(23.5)
+        },
+        SensorBearing {
+            frequency_hz: -1.0,
+            ..heard(23.5)
+        },
+    ] {
+        tracking.emission(&bad);
+    }
+    made.tracks.clear();
+    fly(&mut tracking, 6..9, &mut made);
+    let last = made.tracks.last().unwrap();
+    assert_eq!(last.target_type.name(), Some("patrol"), "{last:?}");
+    let mut counters = [0; COUNTERS_MAX];
+    counters[Counter::Reports as usize] = 9;
+    tracking.count(&mut counters);
+    assert_eq!(counters[Counter::Emissions as usize], 1);
+    assert_eq!(counters[Counter::EmissionsRefused as usize], 3);
+}

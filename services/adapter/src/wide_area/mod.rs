@@ -1,0 +1,73 @@
+//! Wide-area sensors: their reports come in, are checked, and are published for the trackers that listen (WA-2).
+//!
+//! A report is a count and no track, so it goes neither through a stage nor to fusion. What comes live is read in datagrams
+//! ([`live`]), as rows of counts ([`rows`]) or as another system's tracks that are counted ([`tracks`]). A recording is read
+//! whole ([`recorded`]) and published in the order of arrivals ([`replay`]), for the recorder and other readers.
+//!
+//! A tracker of a recorded source does not wait for what is published: it reads the recording itself, so that its tracks
+//! do not depend on which process is faster. That of a live source takes what has been published
+//! ([`Channel`](crate::channel::Channel)).
+
+mod live;
+pub(crate) mod recorded;
+mod replay;
+mod rows;
+mod tracks;
+
+use messages::{COUNTERS_MAX, Counter};
+use runtime::config::{Transport, WideAreaInput, WideAreaSensor};
+use runtime::{Agent, Process};
+use tracking::wide_area::{ReportRefusal, WideAreaReport, fault_in};
+
+use self::live::{Live, Reader};
+use self::replay::Replay;
+use self::rows::Rows;
+use self::tracks::Tracks;
+
+/// The agent of a wide-area sensor.
+///
+/// # Errors
+/// If its input cannot be read, or shared memory fails.
+pub(crate) fn agent(process: &Process, sensor: &WideAreaSensor) -> anyhow::Result<Box<dyn Agent>> {
+    if sensor.recording().is_some() {
+        return Ok(Box::new(Replay::new(process, sensor)?));
+    }
+    let reader = match &sensor.input {
+        WideAreaInput::Tracks(tracks) => Reader::Tracks(Box::new(Tracks::new(tracks, process.first_day_ns()))),
+        _ => Reader::Rows(Rows::default()),
+    };
+    let receiver = sensor.receiver().and_then(|name| process.config.receiver(name));
+    let live = match receiver.map(|receiver| &receiver.transport) {
+        Some(Transport::Udp(settings)) => Live::new(process, settings, sensor, reader),
+        Some(Transport::Loopback { port }) => Live::loopback(process, *port, sensor, reader),
+        _ => anyhow::bail!("wide-area sensor {} is behind no receiver of datagrams", sensor.name),
+    };
+    Ok(Box::new(live?))
+}
+
+/// What a check has refused, by reason.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rejected {
+    place: u64,
+    time: u64,
+    targets: u64,
+}
+
+impl Rejected {
+    /// Whether a report can be one; counts why not.
+    fn passes(&mut self, report: &WideAreaReport) -> bool {
+        match fault_in(report) {
+            None => return true,
+            Some(ReportRefusal::NoPlace) => self.place += 1,
+            Some(ReportRefusal::TooManyTargets(_)) => self.targets += 1,
+            Some(_) => self.time += 1,
+        }
+        false
+    }
+
+    fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
+        counters[Counter::RejectedPosition as usize] += self.place;
+        counters[Counter::RejectedTime as usize] += self.time;
+        counters[Counter::RejectedTargets as usize] += self.targets;
+    }
+}

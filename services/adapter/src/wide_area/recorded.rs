@@ -1,0 +1,76 @@
+//! A recording of a wide-area sensor, read whole.
+
+use std::io::BufReader;
+use std::path::Path;
+
+use anyhow::Context as _;
+use formats::csv_table::CsvError;
+use formats::wide_area::WideAreaReader;
+use messages::{COUNTERS_MAX, Counter};
+use runtime::config::{WideAreaInput, WideAreaSensor};
+use tracking::wide_area::WideAreaReport;
+use tracking::wide_area::arrivals::order;
+
+use super::Rejected;
+use super::tracks::Tracks;
+use crate::content::Packed;
+
+/// What a recording held.
+#[derive(Debug)]
+pub(crate) struct Recorded {
+    /// In the order of their arrival.
+    pub(crate) reports: Vec<WideAreaReport>,
+    /// What was counted and refused, indexed by [`Counter`].
+    pub(crate) counters: [u64; COUNTERS_MAX],
+}
+
+/// Reads the recording of `sensor`, in the folder `data`, whose first day begins at `first_day_ns` (UTC, nanoseconds). What cannot
+/// be used is left out and counted.
+///
+/// # Errors
+/// If it cannot be read, or lacks a column.
+pub(crate) fn read(sensor: &WideAreaSensor, data: &Path, first_day_ns: i64) -> anyhow::Result<Recorded> {
+    let file = sensor.recording().context("the wide-area sensor has no recording")?;
+    let path = data.join(file);
+    let mut read = Recorded {
+        reports: Vec::new(),
+        counters: [0; COUNTERS_MAX],
+    };
+    let done = match &sensor.input {
+        WideAreaInput::Tracks(tracks) => read.tracks(Tracks::new(tracks, first_day_ns), &path),
+        _ => read.rows(&path, first_day_ns),
+    };
+    done.with_context(|| format!("reading {}", path.display()))?;
+    read.reports.sort_by(order);
+    Ok(read)
+}
+
+impl Recorded {
+    fn rows(&mut self, path: &Path, first_day_ns: i64) -> anyhow::Result<()> {
+        let file = std::fs::File::open(path)?;
+        let mut rejected = Rejected::default();
+        for row in WideAreaReader::new(BufReader::new(file), first_day_ns)? {
+            self.counters[Counter::Records as usize] += 1;
+            match row {
+                Ok(report) if rejected.passes(&report) => self.reports.push(report),
+                Ok(_) => {}
+                Err(CsvError::Value { .. } | CsvError::Length { .. }) => {
+                    self.counters[Counter::BlocksRefused as usize] += 1;
+                }
+                Err(error) => return Err(error.into()),
+            }
+        }
+        rejected.count(&mut self.counters);
+        Ok(())
+    }
+
+    fn tracks(&mut self, mut tracks: Tracks, path: &Path) -> anyhow::Result<()> {
+        let mut packed = Packed::new(std::fs::read(path)?);
+        while !packed.is_exhausted() {
+            tracks.take(packed.next_block(), None, &mut self.reports);
+        }
+        tracks.end(&mut self.reports);
+        tracks.count(&mut self.counters);
+        Ok(())
+    }
+}

@@ -1,0 +1,143 @@
+//! Rows of counts in datagrams.
+//!
+//! Each datagram is a table by itself (FM-6): a header line, and a row per report, as with bearings. Times are seconds since
+//! midnight (UTC), of the day that brings them nearest to the time of receipt.
+//!
+//! A report has arrived when the kernel took its datagram from the network; the `arrival_s` of its row only holds where it is
+//! later, as of a sender that says from when on its report may be used. So nothing is used before it was there.
+
+use formats::wide_area::WideAreaReader;
+use frames::time::{DayUnroller, NS_PER_DAY};
+use messages::{COUNTERS_MAX, Counter};
+use tracking::wide_area::WideAreaReport;
+
+use super::Rejected;
+
+/// How far after its receipt a report may say that it arrives, nanoseconds.
+const AHEAD_MAX_NS: i64 = 60_000_000_000;
+
+/// See the module's documentation.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    rows: u64,
+    rows_refused: u64,
+    octets_refused: u64,
+    rejected: Rejected,
+}
+
+impl Rows {
+    /// Takes the rows of a datagram that was received at `received_ns` (UTC, nanoseconds).
+    pub(super) fn take(&mut self, bytes: &[u8], received_ns: i64, reports: &mut Vec<WideAreaReport>) {
+        let Ok(rows) = WideAreaReader::new(bytes, 0) else {
+            self.octets_refused += bytes.len() as u64;
+            self.rows_refused += 1;
+            return;
+        };
+        let days = DayUnroller::near(received_ns);
+        let utc_ns = |time_ns: i64| days.utc_ns(time_ns.rem_euclid(NS_PER_DAY));
+        for row in rows {
+            self.rows += 1;
+            let Ok(row) = row else {
+                self.rows_refused += 1;
+                continue;
+            };
+            let stated = WideAreaReport {
+                time_ns: utc_ns(row.time_ns),
+                arrival_ns: utc_ns(row.arrival_ns),
+                ..row
+            };
+            if !self.rejected.passes(&stated) {
+                continue;
+            }
+            if stated.arrival_ns.saturating_sub(received_ns) > AHEAD_MAX_NS {
+                self.rejected.time += 1;
+                continue;
+            }
+            reports.push(WideAreaReport {
+                arrival_ns: stated.arrival_ns.max(received_ns),
+                ..stated
+            });
+        }
+    }
+
+    pub(super) fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
+        counters[Counter::Records as usize] += self.rows;
+        counters[Counter::BlocksRefused as usize] += self.rows_refused;
+        counters[Counter::BytesRefused as usize] += self.octets_refused;
+        self.rejected.count(counters);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const HEADER: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count\n";
+    /// Noon of a day, and five seconds.
+    const NOON_NS: i64 = 20_000 * NS_PER_DAY + 43_205_000_000_000;
+
+    fn take(rows: &str) -> (Vec<WideAreaReport>, [u64; COUNTERS_MAX]) {
+        let (mut table, mut reports, mut counters) = (Rows::default(), Vec::new(), [0; COUNTERS_MAX]);
+        table.take(format!("{HEADER}{rows}").as_bytes(), NOON_NS, &mut reports);
+        table.count(&mut counters);
+        (reports, counters)
+    }
+
+    #[test]
+    fn a_report_arrives_when_it_was_received_or_later_if_it_says_so() {
+        let (reports, _) = take("43200,43201,1,2,3,4,5,6,2\n43200,43209,1,2,3,4,5,6,0\n");
+        let arrivals: Vec<i64> = reports
+            .iter()
+            .map(|report| (report.arrival_ns - NOON_NS) / 1_000_000_000)
+            .collect();
+        assert_eq!(arrivals, [0, 4]);
+        assert_eq!(reports[0].time_ns, NOON_NS - 5_000_000_000);
+        assert_eq!((reports[0].targets, reports[1].targets), (2, 0));
+    }
+
+    #[test]
+    fn what_cannot_be_is_counted_by_reason_and_the_rest_is_taken() {
+        let (reports, counters) = take(
+            "43200,43201,1,2,3,4,5,6,10000\n43200,43201,nan,2,3,4,5,6,1\n43200,43201,1e9,2,3,4,5,6,1\n\
+             43202,43201,1,2,3,4,5,6,1\n43200,43201,1,2\n43200,43299,1,2,3,4,5,6,1\n43200,43201,1,2,3,4,5,6,256\n",
+        );
+        assert_eq!(reports.len(), 1);
+        for (counter, expected) in [
+            (Counter::Records, 7),
+            (Counter::BlocksRefused, 2),
+            (Counter::RejectedTargets, 1),
+            (Counter::RejectedPosition, 1),
+            (Counter::RejectedTime, 2),
+        ] {
+            assert_eq!(counters[counter as usize], expected, "{counter:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_comes_is_taken_or_counted(
+            bytes in prop::collection::vec(any::<u8>(), 0..400),
+            rows in "([0-9]{1,6}(\\.[0-9])?,){8}[0-9]{1,5}\n",
+            place in 0..300usize,
+        ) {
+            let mut datagram = format!("{HEADER}{rows}").into_bytes();
+            let place = place.min(datagram.len());
+            datagram.splice(place..place, bytes.iter().copied().take(3));
+            for bytes in [&bytes[..], &datagram] {
+                let (mut table, mut reports, mut counters) = (Rows::default(), Vec::new(), [0; COUNTERS_MAX]);
+                table.take(bytes, NOON_NS, &mut reports);
+                table.count(&mut counters);
+                let of = |counter: Counter| counters[counter as usize];
+                let refused = of(Counter::RejectedTargets) + of(Counter::RejectedPosition) + of(Counter::RejectedTime)
+                    + of(Counter::BlocksRefused);
+                let unreadable = u64::from(of(Counter::BytesRefused) > 0 || bytes.is_empty());
+                prop_assert_eq!(reports.len() as u64 + refused, of(Counter::Records) + unreadable);
+                for report in &reports {
+                    prop_assert!(tracking::wide_area::fault_in(report).is_none() && report.arrival_ns >= NOON_NS);
+                }
+            }
+        }
+    }
+}
