@@ -29,6 +29,7 @@
 //!         platform_m,
 //!         heading_rad: None,
 //!         frequency_hz: None,
+//!         pulse_interval_s: None,
 //!     })?;
 //!     last = report.or(last);
 //! }
