@@ -30,6 +30,8 @@ pub(crate) enum Purpose {
     Transmitter,
     /// One look of a direction finder at a transmitter.
     Bearing,
+    /// Size, way and speed of a formation.
+    Formation,
 }
 
 /// The stream for `purpose` at `source`, of the thing numbered (`first`, `second`).

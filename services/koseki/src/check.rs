@@ -85,8 +85,15 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
     let period = weighed.period_ns as f64 / NS as f64;
     let input = match (&source.input, found) {
         (Input::Simulated(_), _) => {
-            let targets = config.scenario.as_ref().map_or(0, |scenario| scenario.targets);
-            format!("simulated; observes a world of {targets} targets")
+            let world = config.scenario.as_ref();
+            let targets = world.map_or(0, |world| world.targets);
+            let formations: u32 = world.map_or(0, |world| world.formations.iter().map(|kind| kind.count).sum());
+            let besides = match formations {
+                0 => String::new(),
+                1 => " and a formation".to_owned(),
+                _ => format!(" and {formations} formations"),
+            };
+            format!("simulated; observes a world of {targets} targets{besides}")
         }
         (Input::Live(live), _) => format!("live, behind receiver {}", live.receiver),
         (Input::External, _) => "external, published by a process of its own".to_owned(),
