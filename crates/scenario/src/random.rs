@@ -32,6 +32,10 @@ pub(crate) enum Purpose {
     Bearing,
     /// Size, way and speed of a formation.
     Formation,
+    /// Whether a radar resolves two targets in one turn.
+    Resolution,
+    /// One look of a radar at several targets that it does not resolve.
+    MergedLook,
 }
 
 /// The stream for `purpose` at `source`, of the thing numbered (`first`, `second`).

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use formats::bearings_csv::BearingWriter;
-use formats::detection::{Detection, DetectionKind, Truth as Of};
+use formats::detection::{Detection, DetectionKind};
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, sensor_id};
 use messages::SensorTrack;
@@ -213,7 +213,7 @@ fn detection(sensor_id: u32, number: u32, plot: &Plot) -> Detection {
         range_rate_mps: None,
         sigmas: Some(sigmas),
         platform_m: plot.site_m,
-        truth: Some(plot.target.map_or(Of::FalseAlarm, Of::Target)),
+        truth: Some(plot.of),
     }
 }
 
