@@ -3,7 +3,7 @@
 //! A demonstration or a test needs reports whose truth is known. [`Truth`] says where every target is at any time;
 //! a [`SimulatedSensor`] looks at it as a radar, a multilateration system or an ADS-B receiver would, tracks what it
 //! sees with a filter of its own, and delivers sensor tracks; a [`SimulatedDirectionFinder`] flies about and measures
-//! bearings of those that transmit; [`Accuracy`] compares the
+//! bearings of those that transmit; a [`SimulatedWideAreaSensor`] says from afar how many there are; [`Accuracy`] compares the
 //! fused picture with the truth.
 //!
 //! Everything is a pure function of settings, seed and time. Truth is closed-form in time, so it can be asked for any
@@ -36,6 +36,7 @@ mod sensor_settings;
 mod settings;
 mod traffic;
 mod truth;
+mod wide_area;
 
 pub use accuracy::{Accuracy, AccuracyReport, PictureTrack};
 pub use direction_finder::{DirectionFinderSettings, PlatformPose, SimulatedDirectionFinder};
@@ -46,3 +47,4 @@ pub use sensor::{FALSE_TARGETS_MAX, SimulatedSensor};
 pub use sensor_settings::{SensorIdentity, SensorKind, SensorSettings};
 pub use settings::{ScenarioSettings, TARGETS_MAX};
 pub use truth::{TargetKind, TargetState, Truth};
+pub use wide_area::{SimulatedWideAreaSensor, WideAreaSettings};

@@ -36,6 +36,8 @@ pub(crate) enum Purpose {
     Resolution,
     /// One look of a radar at several targets that it does not resolve.
     MergedLook,
+    /// One report of a wide-area sensor.
+    WideArea,
 }
 
 /// The stream for `purpose` at `source`, of the thing numbered (`first`, `second`).
