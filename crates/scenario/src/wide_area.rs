@@ -13,7 +13,7 @@ use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::Deserialize;
 
-use crate::error::{SettingsError, within};
+use crate::error::{SettingsError, count_within, within};
 use crate::grouping::groups;
 use crate::random::{Purpose, stream};
 use crate::truth::{TargetState, Truth};
@@ -45,6 +45,8 @@ pub struct WideAreaSettings {
     pub velocity_sigma_mps: f64,
     /// Probability that a count is wrong by one (0).
     pub count_wrong_probability: f64,
+    /// The most that it counts in one group: of more it reports so many, 1 to 256 (256).
+    pub counted_max: u32,
     /// Targets nearer to each other than this are in one report, metres (5,000).
     pub resolution_m: f64,
     /// Whether reports say where their targets were first seen (no).
@@ -66,6 +68,7 @@ impl Default for WideAreaSettings {
             position_sigma_m: 1000.0,
             velocity_sigma_mps: 10.0,
             count_wrong_probability: 0.0,
+            counted_max: 256,
             resolution_m: 5000.0,
             origins: false,
             absence_s: 0.0,
@@ -91,6 +94,7 @@ impl WideAreaSettings {
         within("position_sigma_m", self.position_sigma_m, 0.0, 1e5)?;
         within("velocity_sigma_mps", self.velocity_sigma_mps, 0.0, 1e3)?;
         within("count_wrong_probability", self.count_wrong_probability, 0.0, 1.0)?;
+        count_within("counted_max", self.counted_max, 1, 256)?;
         within("resolution_m", self.resolution_m, 1.0, 1e6)?;
         within("absence_s", self.absence_s, 0.0, FORGOTTEN_AFTER_S)
     }
@@ -251,6 +255,7 @@ impl SimulatedWideAreaSensor {
         };
         let origin_m = self.sightings[first as usize].map(|sighting| sighting.origin_m);
         let origin_m = origin_m.filter(|_| self.settings.origins);
+        let counted = counted.min(self.settings.counted_max);
         out.push(self.stamped(time_s, position_m, velocity_mps, counted, origin_m));
     }
 

@@ -91,13 +91,17 @@ fn reports_are_as_set() {
     }
 }
 
-/// Three that are 3 km from their neighbours are one group for a sensor of 4 km and three for one of 1 km.
+/// Three that are 3 km from their neighbours are one group for a sensor of 4 km and three for one of 1 km; one that counts to two
+/// reports two of them.
 #[test]
 fn groups_are_what_it_cannot_tell_apart() {
     let truth = truth(formation());
-    for (resolution_m, expected) in [(4000.0, vec![3]), (1000.0, vec![1, 1, 1])] {
+    for (resolution_m, counted_max, expected) in
+        [(4000.0, 256, vec![3]), (4000.0, 2, vec![2]), (1000.0, 2, vec![1, 1, 1])]
+    {
         let settings = WideAreaSettings {
             resolution_m,
+            counted_max,
             ..WideAreaSettings::default()
         };
         let counts: Vec<u32> = run(&mut sensor(&settings, 1), &truth, 1.0)
@@ -188,6 +192,7 @@ fn messages_name_key_value_and_limit() {
             "count_wrong_probability = nan",
             "count_wrong_probability = NaN: must be between 0 and 1",
         ),
+        ("counted_max = 0", "counted_max = 0: must be between 1 and 256"),
         ("absence_s = 121", "absence_s = 121: must be between 0 and 120"),
     ] {
         let settings: WideAreaSettings = toml::from_str(text).expect("well-formed");
