@@ -196,6 +196,11 @@ impl<W: Write> WideAreaWriter<W> {
         self.writer.flush()
     }
 
+    /// What is written to.
+    pub fn get_ref(&self) -> &W {
+        &self.writer
+    }
+
     /// What was written to; not flushed.
     pub fn into_inner(self) -> W {
         self.writer

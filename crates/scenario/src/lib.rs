@@ -3,7 +3,8 @@
 //! A demonstration or a test needs reports whose truth is known. [`Truth`] says where every target is at any time;
 //! a [`SimulatedSensor`] looks at it as a radar, a multilateration system or an ADS-B receiver would, tracks what it
 //! sees with a filter of its own, and delivers sensor tracks; a [`SimulatedDirectionFinder`] flies about and measures
-//! bearings of those that transmit; [`Accuracy`] compares the fused picture with the truth.
+//! bearings of those that transmit; a [`SimulatedWideAreaSensor`] says from afar how many there are; [`Accuracy`] compares the
+//! fused picture with the truth.
 //!
 //! Everything is a pure function of settings, seed and time. Truth is closed-form in time, so it can be asked for any
 //! moment in any order and by any process, and never ends. Every random number is drawn from a stream of its own,
@@ -12,7 +13,7 @@
 //! its tracks begin anew, as those of a real sensor would.
 //!
 //! Simplifications: the earth is flat (the system's East-North-Up frame), radars measure the range already corrected
-//! for slant, and no sensor confuses two targets with each other.
+//! for slant, and no sensor confuses two targets with each other; a radar that delivers plots may see several as one.
 
 #![forbid(unsafe_code)]
 
@@ -20,23 +21,30 @@ mod accuracy;
 mod direction_finder;
 mod error;
 mod false_target;
+mod formation;
+mod formation_settings;
+mod grouping;
 mod local_track;
 mod measurement;
 mod path;
 mod plot;
 mod random;
+mod resolution;
 mod schedule;
 mod sensor;
 mod sensor_settings;
 mod settings;
 mod traffic;
 mod truth;
+mod wide_area;
 
 pub use accuracy::{Accuracy, AccuracyReport, PictureTrack};
 pub use direction_finder::{DirectionFinderSettings, PlatformPose, SimulatedDirectionFinder};
 pub use error::SettingsError;
+pub use formation_settings::FormationSettings;
 pub use plot::Plot;
 pub use sensor::{FALSE_TARGETS_MAX, SimulatedSensor};
 pub use sensor_settings::{SensorIdentity, SensorKind, SensorSettings};
 pub use settings::{ScenarioSettings, TARGETS_MAX};
 pub use truth::{TargetKind, TargetState, Truth};
+pub use wide_area::{SimulatedWideAreaSensor, WideAreaSettings};

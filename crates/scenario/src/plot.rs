@@ -3,6 +3,7 @@
 //! A tracker that is to be tried takes these instead of the sensor's tracks. They know nothing of earlier looks, and of
 //! which target they are only the truth knows.
 
+use formats::detection::Truth as Of;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, Poisson};
 
@@ -18,8 +19,8 @@ pub struct Plot {
     pub time_of_measurement_ns: i64,
     /// Number of the sensor's period (a radar's turn) in which it was made, from 0.
     pub scan: u64,
-    /// Number of the target; `None` for a false one.
-    pub target: Option<u32>,
+    /// What it is of.
+    pub of: Of,
     /// Measured position: east, north, up, metres; up is 0 without a height.
     pub position_m: [f64; 3],
     /// Standard deviations of that, as the sensor knows them, metres; of the height 0 without one.
@@ -35,7 +36,7 @@ pub struct Plot {
 impl Plot {
     pub(crate) fn new(
         (time_of_measurement_ns, scan): (i64, u64),
-        target: Option<u32>,
+        of: Of,
         found: &Measurement,
         site_m: [f64; 3],
         errors: &MeasurementErrors,
@@ -43,7 +44,7 @@ impl Plot {
         Self {
             time_of_measurement_ns,
             scan,
-            target,
+            of,
             position_m: found.position_m.into(),
             sigma_m: std::array::from_fn(|axis| found.covariance_m2[(axis, axis)].sqrt()),
             height: found.height,

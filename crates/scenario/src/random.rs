@@ -30,6 +30,14 @@ pub(crate) enum Purpose {
     Transmitter,
     /// One look of a direction finder at a transmitter.
     Bearing,
+    /// Size, way and speed of a formation.
+    Formation,
+    /// Whether a radar resolves two targets in one turn.
+    Resolution,
+    /// One look of a radar at several targets that it does not resolve.
+    MergedLook,
+    /// One report of a wide-area sensor.
+    WideArea,
 }
 
 /// The stream for `purpose` at `source`, of the thing numbered (`first`, `second`).

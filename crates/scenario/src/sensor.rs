@@ -4,6 +4,7 @@
 //! biases), whether they are there (misses, dropouts, false targets), and what has become of them (a track that ended
 //! comes back with a new number).
 
+use formats::detection::Truth as Of;
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
 use rand::RngExt as _;
 
@@ -13,6 +14,7 @@ use crate::local_track::LocalTrack;
 use crate::measurement::Measurement;
 use crate::plot::Plot;
 use crate::random::{Purpose, stream};
+use crate::resolution::Company;
 use crate::schedule::{Aim, Slot};
 use crate::sensor_settings::{Checked, Dropouts, SensorIdentity, SensorKind, SensorSettings};
 use crate::truth::{TargetState, Truth};
@@ -96,39 +98,46 @@ impl SimulatedSensor {
     ///
     /// Sequence number and stages are left 0, for the publisher to fill in.
     pub fn scan(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>) {
-        self.scan_for(truth, out, &mut |_| {});
+        self.scan_for(truth, out, None);
     }
 
     /// As [`SimulatedSensor::scan`], and appends to `plots` what the sensor detected, in order of the time too.
     pub fn scan_with_plots(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, plots: &mut Vec<Plot>) {
         let first = plots.len();
         let slot = self.slot;
-        self.scan_for(truth, out, &mut |plot| plots.push(plot));
+        self.scan_for(truth, out, Some(plots));
         let looks = &self.looks;
         let settings = &looks.settings;
         Plot::false_ones(settings, (looks.seed, looks.source), &slot, |time_s, found| {
-            let (time_ns, scan) = (looks.utc_ns(time_s), slot.period(settings).0);
-            let site_m = settings.coverage.position_m;
-            plots.push(Plot::new((time_ns, scan), None, &found, site_m, &settings.errors));
+            plots.push(looks.plot(&slot, time_s, Of::FalseAlarm, &found));
         });
         // Of one time, targets come in the order of their numbers, false ones after them: the sort is stable.
         plots[first..].sort_by_key(|plot| plot.time_of_measurement_ns);
     }
 
-    fn scan_for(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, detected: &mut dyn FnMut(Plot)) {
+    fn scan_for(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, mut plots: Option<&mut Vec<Plot>>) {
         let first = out.len();
         let looks = &self.looks;
         let mut told = Told {
             next_number: &mut self.next_number,
             out,
-            detected,
         };
         for index in self.targets.len()..truth.len() {
             self.targets.push(looks.watched(index as u64));
         }
-        for (index, watched) in self.targets.iter_mut().enumerate().take(truth.len()) {
+        let cell = looks.settings.resolution.as_ref().filter(|_| plots.is_some());
+        let company = cell.map(|cell| Company::find(cell, looks, &self.slot, truth, &self.targets));
+        for index in 0..truth.len() {
             let see = |time_s| Seen::target(truth.target_at(index, time_s), looks);
-            looks.look(&self.slot, (index as u64, Some(index as u32)), watched, see, &mut told);
+            let look = looks.look(&self.slot, index as u64, &mut self.targets[index], see, &mut told);
+            let (Some((time_s, found)), Some(plots)) = (look, &mut plots) else {
+                continue;
+            };
+            let echo = match &company {
+                Some(company) => company.echo(looks, &self.slot, (truth, time_s), &self.targets, (index, found)),
+                None => found.map(|found| (Of::Target(index as u32), found)),
+            };
+            plots.extend(echo.map(|(of, found)| looks.plot(&self.slot, time_s, of, &found)));
         }
 
         let (period, slot_of_period) = self.slot.period(&looks.settings);
@@ -149,7 +158,10 @@ impl SimulatedSensor {
         }
         for (target, watched) in &mut self.false_targets {
             let see = |time_s| Seen::false_target(target, time_s);
-            looks.look(&self.slot, (target.thing, None), watched, see, &mut told);
+            let look = looks.look(&self.slot, target.thing, watched, see, &mut told);
+            if let (Some((time_s, Some(found))), Some(plots)) = (look, &mut plots) {
+                plots.push(looks.plot(&self.slot, time_s, Of::FalseAlarm, &found));
+            }
         }
         let over_s = self.slot.begin_s();
         self.false_targets
@@ -162,17 +174,17 @@ impl SimulatedSensor {
 
 /// What the sensor keeps of one target.
 #[derive(Clone, Copy, Debug)]
-struct Watched {
+pub(crate) struct Watched {
     /// The target's turn within a period, 0 to 1.
     phase: f64,
     /// Whether it has the equipment that this sensor needs.
-    equipped: bool,
+    pub(crate) equipped: bool,
     latest_look_s: f64,
     track: Option<LocalTrack>,
 }
 
 /// What there is to be seen at the time of a look.
-struct Seen {
+pub(crate) struct Seen {
     position_m: [f64; 3],
     identity: Identity,
     on_ground: bool,
@@ -181,7 +193,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn target(state: TargetState, looks: &Looks) -> Self {
+    pub(crate) fn target(state: TargetState, looks: &Looks) -> Self {
         Self {
             position_m: state.position_m,
             identity: looks.identity_of(&state),
@@ -209,15 +221,14 @@ impl Seen {
 struct Told<'a> {
     next_number: &'a mut u32,
     out: &'a mut Vec<SensorTrack>,
-    detected: &'a mut dyn FnMut(Plot),
 }
 
 /// All that a look depends on and never changes.
 #[derive(Clone, Debug)]
-struct Looks {
-    settings: Checked,
-    seed: u64,
-    source: u16,
+pub(crate) struct Looks {
+    pub(crate) settings: Checked,
+    pub(crate) seed: u64,
+    pub(crate) source: u16,
     start_utc_ns: i64,
 }
 
@@ -232,43 +243,30 @@ impl Looks {
         }
     }
 
-    /// Looks at one thing, target number `target` if it is one, if its turn comes in this slot; tells what it detects, and
-    /// reports its track if there is one then.
+    /// Looks at one thing if its turn comes in this slot, and reports its track if there is one then; when, and what it
+    /// found.
     fn look(
         &self,
         slot: &Slot,
-        (thing, target): (u64, Option<u32>),
+        thing: u64,
         watched: &mut Watched,
         see: impl Fn(f64) -> Seen,
         told: &mut Told<'_>,
-    ) {
+    ) -> Option<(f64, Option<Measurement>)> {
         let aim = Aim {
             seed: self.seed,
             source: self.source,
             thing,
             phase: watched.phase,
         };
-        let Some(time_s) = slot.look_s(&self.settings, &aim, |time_s| see(time_s).position_m) else {
-            return;
-        };
+        let time_s = slot.look_s(&self.settings, &aim, |time_s| see(time_s).position_m)?;
         // A target that moves against the antenna's turn at the edge of two sectors must not be counted twice.
         if time_s - watched.latest_look_s < 0.5 * self.settings.schedule.period_s {
-            return;
+            return None;
         }
         watched.latest_look_s = time_s;
         let seen = see(time_s);
         let found = self.find(slot, thing, watched.equipped, time_s, &seen);
-        if let Some(found) = &found {
-            let (settings, scan) = (&self.settings, slot.period(&self.settings).0);
-            let site_m = settings.coverage.position_m;
-            (told.detected)(Plot::new(
-                (self.utc_ns(time_s), scan),
-                target,
-                found,
-                site_m,
-                &settings.errors,
-            ));
-        }
         let tracking = &self.settings.tracking;
         match (&mut watched.track, &found) {
             (Some(track), found) => track.look(time_s, found.as_ref(), tracking),
@@ -276,7 +274,7 @@ impl Looks {
                 watched.track = Some(LocalTrack::new(*told.next_number, time_s, first, tracking));
                 *told.next_number = told.next_number.wrapping_add(1).max(1);
             }
-            (None, None) => return,
+            (None, None) => {}
         }
         if let Some(track) = watched.track {
             told.out.push(self.report(&track, time_s, &seen, found.as_ref()));
@@ -284,14 +282,33 @@ impl Looks {
                 watched.track = None;
             }
         }
+        Some((time_s, found))
+    }
+
+    fn plot(&self, slot: &Slot, time_s: f64, of: Of, found: &Measurement) -> Plot {
+        let (settings, scan) = (&self.settings, slot.period(&self.settings).0);
+        let site_m = settings.coverage.position_m;
+        Plot::new((self.utc_ns(time_s), scan), of, found, site_m, &settings.errors)
     }
 
     fn utc_ns(&self, time_s: f64) -> i64 {
         self.start_utc_ns + (time_s * messages::NS_PER_S).round() as i64
     }
 
-    fn find(&self, slot: &Slot, thing: u64, equipped: bool, time_s: f64, seen: &Seen) -> Option<Measurement> {
-        if !equipped || !self.settings.coverage.contains(seen.position_m) || self.dropped_out(thing, time_s) {
+    /// Whether a look at it could find it.
+    pub(crate) fn may_find(&self, thing: u64, equipped: bool, time_s: f64, position_m: [f64; 3]) -> bool {
+        equipped && self.settings.coverage.contains(position_m) && !self.dropped_out(thing, time_s)
+    }
+
+    pub(crate) fn find(
+        &self,
+        slot: &Slot,
+        thing: u64,
+        equipped: bool,
+        time_s: f64,
+        seen: &Seen,
+    ) -> Option<Measurement> {
+        if !self.may_find(thing, equipped, time_s, seen.position_m) {
             return None;
         }
         let mut random = stream(self.seed, Purpose::Look, self.source, thing, slot.number);

@@ -90,6 +90,13 @@ pub struct SensorSettings {
     pub plots: bool,
     /// How many false plots it has per period, on average, 0 to 5000 (0; with `plots` only).
     pub false_plots_per_period: Option<f64>,
+    /// Two targets that differ in range by less than this, and in azimuth by less than `azimuth_resolution_rad`, give one plot
+    /// in their middle, metres (150 if only the other is given; with `plots` only. Neither given: one plot each).
+    pub range_resolution_m: Option<f64>,
+    /// See `range_resolution_m`, radians (0.026, the width of a beam of 1.5 degrees).
+    pub azimuth_resolution_rad: Option<f64>,
+    /// Probability that two such neighbours are resolved in a turn all the same (0; with a resolution only).
+    pub resolved_probability: Option<f64>,
     /// Spectral density of the acceleration that the sensor's own filter allows for, east and north, m²/s³; a tenth
     /// of it upwards (20: honest on straight legs and in turns at 25° of bank alike).
     pub acceleration_density_m2ps3: Option<f64>,
@@ -131,6 +138,9 @@ impl SensorSettings {
             false_tracks_per_period: None,
             plots: false,
             false_plots_per_period: None,
+            range_resolution_m: None,
+            azimuth_resolution_rad: None,
+            resolved_probability: None,
             acceleration_density_m2ps3: None,
             first_speed_sigma_mps: None,
             confirming_hits: None,
@@ -206,6 +216,7 @@ impl SensorSettings {
             equipped_share,
             false_tracks_per_period,
             false_plots_per_period,
+            resolution: self.resolution()?,
             identity: self.identity_or_usual(),
             dropouts: self.dropouts()?,
             tracking: self.tracking()?,
@@ -237,9 +248,17 @@ impl SensorSettings {
             let limit = "left out: a radar has range_sigma_m and azimuth_sigma_rad";
             return Err(SettingsError::new("horizontal_sigma_m", value, limit));
         }
-        if let (false, Some(value)) = (self.plots, self.false_plots_per_period) {
-            let limit = "left out: only a sensor with plots = true has it";
-            return Err(SettingsError::new("false_plots_per_period", value, limit));
+        let of_plots = [
+            ("false_plots_per_period", self.false_plots_per_period),
+            ("range_resolution_m", self.range_resolution_m),
+            ("azimuth_resolution_rad", self.azimuth_resolution_rad),
+            ("resolved_probability", self.resolved_probability),
+        ];
+        for (key, value) in of_plots {
+            if let (false, Some(value)) = (self.plots, value) {
+                let limit = "left out: only a sensor with plots = true has it";
+                return Err(SettingsError::new(key, value, limit));
+            }
         }
         if self.plots && !radar {
             let limit = "left out: only a radar delivers plots";
@@ -342,6 +361,29 @@ impl SensorSettings {
         })
     }
 
+    fn resolution(&self) -> Result<Option<ResolutionCell>, SettingsError> {
+        let resolved_probability = self.resolved_probability.unwrap_or(0.0);
+        if self.range_resolution_m.is_none() && self.azimuth_resolution_rad.is_none() {
+            return match self.resolved_probability {
+                None => Ok(None),
+                Some(value) => {
+                    let limit = "left out: needs range_resolution_m or azimuth_resolution_rad beside it";
+                    Err(SettingsError::new("resolved_probability", value, limit))
+                }
+            };
+        }
+        within("resolved_probability", resolved_probability, 0.0, 1.0)?;
+        let range_m = self.range_resolution_m.unwrap_or(150.0);
+        within("range_resolution_m", range_m, 1e-3, 1e5)?;
+        let azimuth_rad = self.azimuth_resolution_rad.unwrap_or(0.026);
+        within("azimuth_resolution_rad", azimuth_rad, 1e-7, 0.5)?;
+        Ok(Some(ResolutionCell {
+            range_m,
+            azimuth_rad,
+            resolved_probability,
+        }))
+    }
+
     fn dropouts(&self) -> Result<Option<Dropouts>, SettingsError> {
         let per_hour = self.dropouts_per_hour.unwrap_or(0.0);
         within("dropouts_per_hour", per_hour, 0.0, 360.0)?;
@@ -396,6 +438,8 @@ pub(crate) struct Checked {
     pub(crate) equipped_share: f64,
     pub(crate) false_tracks_per_period: f64,
     pub(crate) false_plots_per_period: f64,
+    /// `None`: targets are always told apart.
+    pub(crate) resolution: Option<ResolutionCell>,
     pub(crate) identity: SensorIdentity,
     pub(crate) dropouts: Option<Dropouts>,
     pub(crate) tracking: Tracking,
@@ -449,6 +493,15 @@ pub(crate) enum PlaneErrors {
     },
 }
 
+/// What a radar can tell apart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ResolutionCell {
+    pub(crate) range_m: f64,
+    pub(crate) azimuth_rad: f64,
+    /// Probability that neighbours in one cell are told apart all the same.
+    pub(crate) resolved_probability: f64,
+}
+
 /// One outage of `duration_s` in each stretch of `every_s`, per target.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dropouts {
@@ -467,53 +520,5 @@ pub(crate) struct Tracking {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn refused(settings: &str) -> String {
-        toml::from_str::<SensorSettings>(settings)
-            .expect("well-formed")
-            .validate()
-            .expect_err("not usable")
-            .to_string()
-    }
-
-    #[test]
-    fn usual_values_are_usable() {
-        for kind in ["radar", "multilateration", "ads-b"] {
-            let settings: SensorSettings = toml::from_str(&format!("kind = \"{kind}\"")).expect("well-formed");
-            settings.validate().expect("usable");
-        }
-        for (name, settings) in SensorSettings::demonstration() {
-            settings.validate().expect(name);
-        }
-    }
-
-    #[test]
-    fn messages_name_key_value_and_limit() {
-        assert_eq!(
-            refused("kind = \"radar\"\ndetection_probability = 1.5"),
-            "detection_probability = 1.5: must be between 0.001 and 1"
-        );
-        assert_eq!(
-            refused("kind = \"radar\"\nperiod_s = 4\nphase_s = 5"),
-            "phase_s = 5: must be between 0 and 4"
-        );
-        assert_eq!(
-            refused("kind = \"ads-b\"\nrange_sigma_m = 5"),
-            "range_sigma_m = 5: must be left out: only a radar has it"
-        );
-        assert_eq!(
-            refused("kind = \"radar\"\ndropouts_per_hour = 100\ndropout_duration_s = 40"),
-            "dropout_duration_s = 40: must be between 0 and 36, the time from one dropout to the next"
-        );
-        let unknown = toml::from_str::<SensorSettings>("kind = \"radar\"\nperiod = 4");
-        assert!(unknown.expect_err("unknown key").to_string().contains("period"));
-    }
-
-    #[test]
-    fn primary_radar_has_no_height() {
-        let settings: SensorSettings = toml::from_str("kind = \"radar\"\nidentity = \"none\"").expect("well-formed");
-        assert_eq!(settings.checked().expect("usable").errors.height_sigma_m, None);
-    }
-}
+#[path = "sensor_settings_tests.rs"]
+mod tests;

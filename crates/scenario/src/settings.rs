@@ -3,6 +3,8 @@
 use serde::Deserialize;
 
 use crate::error::{SettingsError, count_within, within};
+use crate::formation::Formation;
+use crate::formation_settings::FormationSettings;
 
 /// Most targets of a scenario.
 pub const TARGETS_MAX: u32 = 100_000;
@@ -11,7 +13,8 @@ pub const TARGETS_MAX: u32 = 100_000;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ScenarioSettings {
-    /// How many targets there are, 1 to 100,000 (default 80). Those that no share speaks of fly en route.
+    /// How many targets there are beside formations, 1 to 100,000, with formations also 0 (default 80). Those that no share
+    /// speaks of fly en route.
     pub targets: u32,
     /// Half the side of the square in which en-route paths have their centres, metres, 40,000 to 400,000 (100,000).
     pub half_width_m: f64,
@@ -27,6 +30,9 @@ pub struct ScenarioSettings {
     pub ship_speed_max_mps: f64,
     /// Share of the en-route targets that meet another one, crossing its path at the same time in every lap (0.3).
     pub crossing_share: f64,
+    /// Formations, kind by kind (none). Their members have the numbers after those of all others.
+    #[serde(rename = "formation")]
+    pub formations: Vec<FormationSettings>,
 }
 
 impl Default for ScenarioSettings {
@@ -40,6 +46,7 @@ impl Default for ScenarioSettings {
             ship_share: 0.0,
             ship_speed_max_mps: 12.0,
             crossing_share: 0.3,
+            formations: Vec::new(),
         }
     }
 }
@@ -61,7 +68,8 @@ impl ScenarioSettings {
     /// # Errors
     /// The first setting that cannot be used, with its value and what it has to be.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        count_within("targets", self.targets, 1, TARGETS_MAX)?;
+        let least = u32::from(self.formations.is_empty());
+        count_within("targets", self.targets, least, TARGETS_MAX)?;
         within("half_width_m", self.half_width_m, 40_000.0, 400_000.0)?;
         within("terminal_share", self.terminal_share, 0.0, 1.0)?;
         within("holding_share", self.holding_share, 0.0, 1.0)?;
@@ -77,7 +85,27 @@ impl ScenarioSettings {
                 "at most 1",
             ));
         }
-        Ok(())
+        self.formations.iter().try_for_each(FormationSettings::validate)?;
+        let members = |kind: &FormationSettings| kind.count.saturating_mul(kind.members_max());
+        let most = self
+            .formations
+            .iter()
+            .map(members)
+            .fold(self.targets, u32::saturating_add);
+        count_within("targets + members of formations", most, 1, TARGETS_MAX)
+    }
+
+    /// How many targets there are with this seed: those that are not in formation, and all members.
+    pub fn target_count(&self, seed: u64) -> u32 {
+        let members: u32 = self.drawn_formations(seed).map(|formation| formation.members).sum();
+        self.targets + members
+    }
+
+    pub(crate) fn drawn_formations(&self, seed: u64) -> impl Iterator<Item = Formation> + '_ {
+        let kinds = self.formations.iter().enumerate();
+        kinds.flat_map(move |(kind, settings)| {
+            (0..settings.count).map(move |index| Formation::draw(settings, seed, kind, index))
+        })
     }
 }
 

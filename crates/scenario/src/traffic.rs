@@ -2,6 +2,8 @@
 //!
 //! Turn radii follow from the speed at a bank angle of 25°, as aircraft fly them; vehicles turn on tens of metres, ships on hundreds.
 
+use std::sync::Arc;
+
 use messages::Callsign;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
@@ -10,7 +12,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 use crate::path::{ClosedPath, Waypoint};
 use crate::random::{Purpose, stream};
 use crate::settings::ScenarioSettings;
-use crate::truth::{Target, TargetKind};
+use crate::truth::{Route, Target, TargetKind};
 
 /// Lateral acceleration at 25° of bank, m/s².
 const TURN_ACCELERATION_MPS2: f64 = 4.57;
@@ -62,16 +64,21 @@ pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
         };
         targets.push(with_identity(target, index, seed));
     }
+    for formation in settings.drawn_formations(seed) {
+        let formation = Arc::new(formation);
+        for number in 0..formation.members {
+            let formation = Arc::clone(&formation);
+            let member = unnamed(TargetKind::Formation, Route::Member { formation, number });
+            targets.push(with_identity(member, targets.len(), seed));
+        }
+    }
     targets
 }
 
 fn en_route_target(random: &mut ChaCha8Rng, half_width_m: f64) -> Target {
     let plan = EnRoutePlan::draw(random, half_width_m);
-    unnamed(
-        TargetKind::EnRoute,
-        ClosedPath::new(&plan.waypoints(0.0, [0.0, 0.0])),
-        plan.lead,
-    )
+    let path = ClosedPath::new(&plan.waypoints(0.0, [0.0, 0.0]));
+    unnamed(TargetKind::EnRoute, alone(path, plan.lead))
 }
 
 /// The plan of another target, turned about a point of its path: both pass that point at the same time, one level
@@ -83,10 +90,14 @@ fn crossing_target(partner: &mut ChaCha8Rng, random: &mut ChaCha8Rng, half_width
     let side = if random.random_bool(0.5) { 1.0 } else { -1.0 };
     let turn_rad = side * random.random_range(0.35..1.2);
     let turned = plan.waypoints(turn_rad, [meeting[0], meeting[1]]);
-    let mut target = unnamed(TargetKind::EnRoute, ClosedPath::new(&turned), plan.lead);
+    let path = ClosedPath::new(&turned);
     let mut beside = || 70.0 * normal(random);
-    target.offset_m = [beside(), beside(), LEVEL_M];
-    target
+    let route = Route::Alone {
+        lead_s: plan.lead * path.lap_s(),
+        path,
+        offset_m: [beside(), beside(), LEVEL_M],
+    };
+    unnamed(TargetKind::EnRoute, route)
 }
 
 /// A closed route of six waypoints: the corners of a rectangle, and a bend in each of its long sides.
@@ -180,7 +191,7 @@ fn terminal_target(random: &mut ChaCha8Rng, lead: f64) -> Target {
         point(back, 0.0, 1200.0, 110.0),
         point(-15_000.0, 0.0, 850.0, 90.0),
     ];
-    unnamed(TargetKind::Terminal, ClosedPath::new(&waypoints), lead)
+    unnamed(TargetKind::Terminal, alone(ClosedPath::new(&waypoints), lead))
 }
 
 /// Minute-long legs joined by half circles; targets of one stack differ by a level.
@@ -204,7 +215,7 @@ fn holding_target(random: &mut ChaCha8Rng, place: usize, half_width_m: f64) -> T
         stop_s: 0.0,
     });
     let lead = random.random_range(0.0..1.0);
-    unnamed(TargetKind::Holding, ClosedPath::new(&waypoints), lead)
+    unnamed(TargetKind::Holding, alone(ClosedPath::new(&waypoints), lead))
 }
 
 /// A round along taxiways beside the runway, with a stop.
@@ -232,7 +243,7 @@ fn surface_target(random: &mut ChaCha8Rng) -> Target {
         point(begin, near + depth, corner_speed),
     ];
     let lead = random.random_range(0.0..1.0);
-    unnamed(TargetKind::Surface, ClosedPath::new(&waypoints), lead)
+    unnamed(TargetKind::Surface, alone(ClosedPath::new(&waypoints), lead))
 }
 
 /// A round trip of hours between four places at sea, all of the way at one speed.
@@ -254,16 +265,22 @@ fn ship_target(random: &mut ChaCha8Rng, settings: &ScenarioSettings) -> Target {
         }
     });
     let lead = random.random_range(0.0..1.0);
-    unnamed(TargetKind::Ship, ClosedPath::new(&waypoints), lead)
+    unnamed(TargetKind::Ship, alone(ClosedPath::new(&waypoints), lead))
 }
 
-/// A target that follows `path` and has flown the part `lead` of a lap at time 0.
-fn unnamed(kind: TargetKind, path: ClosedPath, lead: f64) -> Target {
-    Target {
-        kind,
+/// Along `path`, of which the part `lead` of a lap has been flown at time 0.
+fn alone(path: ClosedPath, lead: f64) -> Route {
+    Route::Alone {
         lead_s: lead * path.lap_s(),
         path,
         offset_m: [0.0; 3],
+    }
+}
+
+fn unnamed(kind: TargetKind, route: Route) -> Target {
+    Target {
+        kind,
+        route,
         address: 0,
         callsign: *b"        ",
         mode_3a: None,

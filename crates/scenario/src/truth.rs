@@ -1,9 +1,12 @@
 //! Where every target is, at any time.
 
+use std::sync::Arc;
+
 use messages::Callsign;
 
 use crate::error::SettingsError;
-use crate::path::ClosedPath;
+use crate::formation::Formation;
+use crate::path::{ClosedPath, Kinematics};
 use crate::settings::ScenarioSettings;
 use crate::traffic;
 
@@ -20,6 +23,8 @@ pub enum TargetKind {
     Surface,
     /// A ship.
     Ship,
+    /// An aircraft that flies in formation for a part of its way.
+    Formation,
 }
 
 impl TargetKind {
@@ -27,6 +32,7 @@ impl TargetKind {
     pub fn speed_max_mps(self) -> f64 {
         match self {
             Self::EnRoute => 260.0,
+            Self::Formation => 300.0,
             Self::Terminal => 200.0,
             Self::Holding => 130.0,
             Self::Surface => 20.0,
@@ -60,14 +66,48 @@ pub struct TargetState {
 #[derive(Clone, Debug)]
 pub(crate) struct Target {
     pub(crate) kind: TargetKind,
-    pub(crate) path: ClosedPath,
-    /// Where in its lap the target is at time 0, seconds.
-    pub(crate) lead_s: f64,
-    /// Added to every position of the path, metres.
-    pub(crate) offset_m: [f64; 3],
+    pub(crate) route: Route,
     pub(crate) address: u32,
     pub(crate) callsign: Callsign,
     pub(crate) mode_3a: Option<u16>,
+}
+
+/// Where a target flies.
+#[derive(Clone, Debug)]
+pub(crate) enum Route {
+    /// By itself.
+    Alone {
+        path: ClosedPath,
+        /// Where in its lap the target is at time 0, seconds.
+        lead_s: f64,
+        /// Added to every position of the path, metres.
+        offset_m: [f64; 3],
+    },
+    /// As this member of a formation.
+    Member { formation: Arc<Formation>, number: u32 },
+}
+
+impl Route {
+    fn at(&self, time_s: f64) -> Kinematics {
+        match self {
+            Self::Alone { path, lead_s, offset_m } => {
+                let mut state = path.at(lead_s + time_s);
+                for (coordinate, offset) in state.position_m.iter_mut().zip(offset_m) {
+                    *coordinate += offset;
+                }
+                state
+            }
+            Self::Member { formation, number } => {
+                let mut state = formation.path.at(formation.lead_s + time_s);
+                let (beside_m, sideways_mps) = formation.beside(*number, formation.lead_s + time_s);
+                for axis in 0..2 {
+                    state.position_m[axis] += beside_m[axis];
+                    state.velocity_mps[axis] += sideways_mps[axis];
+                }
+                state
+            }
+        }
+    }
 }
 
 /// Heights below this count as on the ground, metres.
@@ -112,13 +152,15 @@ impl Truth {
     /// If there is no such target.
     pub fn target_at(&self, index: usize, time_s: f64) -> TargetState {
         let target = &self.targets[index];
-        let state = target.path.at(target.lead_s + time_s);
-        let position_m: [f64; 3] = std::array::from_fn(|axis| state.position_m[axis] + target.offset_m[axis]);
+        let Kinematics {
+            position_m,
+            velocity_mps,
+        } = target.route.at(time_s);
         TargetState {
             id: index as u32,
             kind: target.kind,
             position_m,
-            velocity_mps: state.velocity_mps,
+            velocity_mps,
             address: target.address,
             callsign: target.callsign,
             mode_3a: target.mode_3a,

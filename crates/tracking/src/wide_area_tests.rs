@@ -245,6 +245,12 @@ fn clusters_are_given_up_earlier_only_where_absence_was_seen() {
     let cases = [
         ("without support", None, vec![none], 5),
         ("none reported there", Some(early), vec![none], 2),
+        (
+            "none reported where a target was",
+            Some(early),
+            vec![report(8, 9, 1), none],
+            2,
+        ),
         ("silence is not absence", Some(early), vec![], 5),
         ("a target reported there", Some(early), vec![there], 5),
         ("later report holds", Some(early), vec![none, report(10, 11, 1)], 5),
@@ -259,6 +265,12 @@ fn clusters_are_given_up_earlier_only_where_absence_was_seen() {
             "seen elsewhere, place out of coverage",
             Some(watching(100.0)),
             vec![elsewhere],
+            5,
+        ),
+        (
+            "others seen later, place covered",
+            Some(watching(100e3)),
+            vec![report(8, 9, 1), elsewhere],
             5,
         ),
         ("covered, but silent", Some(watching(100e3)), vec![], 5),

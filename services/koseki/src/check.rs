@@ -6,6 +6,7 @@ use std::path::Path;
 use bus::WaitMode;
 use runtime::Config;
 use runtime::config::{Input, Monitor, MonitorWait, Order, Source, TrackFeed, WideAreaInput, WideAreaSensor};
+use scenario::ScenarioSettings;
 use telemetry::Stage;
 use telemetry::table::duration;
 use tracking::cutting::Boundaries;
@@ -85,8 +86,8 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
     let period = weighed.period_ns as f64 / NS as f64;
     let input = match (&source.input, found) {
         (Input::Simulated(_), _) => {
-            let targets = config.scenario.as_ref().map_or(0, |scenario| scenario.targets);
-            format!("simulated; observes a world of {targets} targets")
+            let world = config.scenario.as_ref().map_or_else(String::new, describe_world);
+            format!("simulated; observes a world of {world}")
         }
         (Input::Live(live), _) => format!("live, behind receiver {}", live.receiver),
         (Input::External, _) => "external, published by a process of its own".to_owned(),
@@ -119,8 +120,18 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
     format!("{}, every {period} s: {input}{tracked}", source.name)
 }
 
+fn describe_world(world: &ScenarioSettings) -> String {
+    let formations: u32 = world.formations.iter().map(|kind| kind.count).sum();
+    match (world.targets, formations) {
+        (targets, 0) => format!("{targets} targets"),
+        (0, formations) => format!("formations only, {formations} of them"),
+        (targets, formations) => format!("{targets} targets beside {formations} formations"),
+    }
+}
+
 fn describe_wide_area(sensor: &WideAreaSensor, config: &Config) -> String {
     let input = match &sensor.input {
+        _ if sensor.simulated.is_some() => "counts, simulated".to_owned(),
         WideAreaInput::Live(receiver) => format!("counts, live, behind receiver {receiver}"),
         WideAreaInput::Recorded(file) => format!("counts, {}", file.display()),
         WideAreaInput::Tracks(tracks) => {

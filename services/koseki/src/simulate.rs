@@ -2,29 +2,33 @@
 //!
 //! The world and its sensors are those of the demonstration (`scenario`), without a clock: each sensor is asked for one
 //! delivery after the other. So a run of an hour takes seconds, and the same seed gives the same bytes. Direction finders
-//! give a table of bearings (FM-7), in which a transmitter has the number of its target.
+//! give a table of bearings (FM-7), in which a transmitter has the number of its target; wide-area sensors one of counts (FM-6).
 
 use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context as _;
 use formats::bearings_csv::BearingWriter;
-use formats::detection::{Detection, DetectionKind, Truth as Of};
+use formats::detection::{Detection, DetectionKind};
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, sensor_id};
+use formats::wide_area::WideAreaWriter;
 use messages::SensorTrack;
 use runtime::Config;
-use runtime::config::{BUILT_IN_DEMO, Input, Instrument, Source};
-use scenario::{Plot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, TargetState, Truth};
+use runtime::config::{DEMO, Input, Instrument, Source};
+use scenario::{
+    Plot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
+};
 
 use crate::args::{Simulate, Usage};
 use crate::files::OutputFile;
 
-/// Scenarios by name: what they change of the demonstration.
-const NAMED: [(&str, &[&str]); 3] = [
-    ("demo", &[]),
+/// Scenarios by name: the deployment that they are of, and what they change of it.
+const NAMED: [(&str, &str, &[&str]); 4] = [
+    ("demo", DEMO, &[]),
     (
         "en-route",
+        DEMO,
         &[
             "scenario.terminal_share=0.0",
             "scenario.holding_share=0.0",
@@ -32,7 +36,8 @@ const NAMED: [(&str, &[&str]); 3] = [
             "scenario.crossing_share=1.0",
         ],
     ),
-    ("dense", &["scenario.targets=400"]),
+    ("dense", DEMO, &["scenario.targets=400"]),
+    ("wide-area", include_str!("../../../config/wide-area.toml"), &[]),
 ];
 
 /// Simulates.
@@ -40,7 +45,7 @@ const NAMED: [(&str, &[&str]); 3] = [
 /// # Errors
 /// If there is no such scenario, or a file cannot be written.
 pub(crate) fn run(simulate: &Simulate) -> anyhow::Result<()> {
-    let config = config(&simulate.scenario)?;
+    let config = config(&simulate.scenario, &simulate.set)?;
     let instruments: Vec<(&Source, &Instrument)> = config.sources.iter().filter_map(simulated).collect();
     let (Some(world), false) = (&config.scenario, instruments.is_empty()) else {
         let what = "has no [scenario] with simulated sources; take config/demo.toml for a pattern";
@@ -69,6 +74,13 @@ pub(crate) fn run(simulate: &Simulate) -> anyhow::Result<()> {
             }
         }
     }
+    for sensor in &config.wide_area_sensors {
+        if let Some(settings) = &sensor.simulated {
+            let simulated = SimulatedWideAreaSensor::new(settings, simulate.seed, sensor.number, 0)?;
+            let counts = write_counts(out, &sensor.name, simulated, &truth, end_s)?;
+            said += &format!("wide-area sensor {}: {counts} reports\n", sensor.name);
+        }
+    }
     let rows = write_truth(&out.join("truth.csv"), &truth, &observers, end_s)?;
     said += &format!(
         "{} targets, {rows} rows of truth; files in {}\n",
@@ -80,23 +92,23 @@ pub(crate) fn run(simulate: &Simulate) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The configuration that a name or a file stands for.
-fn config(scenario: &Path) -> anyhow::Result<Config> {
-    let named = NAMED.iter().find(|(name, _)| Path::new(name) == scenario);
+/// The configuration that a name or a file stands for, with values replaced.
+fn config(scenario: &Path, set: &[String]) -> anyhow::Result<Config> {
+    let named = NAMED.iter().find(|(name, ..)| Path::new(name) == scenario);
     match named {
-        Some((_, changes)) => {
+        Some((_, text, changes)) => {
             let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
-            Ok(Config::read(Path::new(BUILT_IN_DEMO), &changes)?)
+            Ok(Config::parse(scenario, text, &[&changes, set].concat())?)
         }
         None if !scenario.exists() => {
-            let names = NAMED.map(|(name, _)| name).join(", ");
+            let names = NAMED.map(|(name, ..)| name).join(", ");
             let what = format!(
                 "--scenario {}: no such file or scenario; there are {names}",
                 scenario.display()
             );
             Err(Usage(what).into())
         }
-        None => Ok(Config::read(scenario, &[])?),
+        None => Ok(Config::read(scenario, set)?),
     }
 }
 
@@ -170,7 +182,31 @@ fn write_bearings(
     Ok(count)
 }
 
-/// Everything that observes the world.
+/// Writes what one wide-area sensor observes up to `end_s`, in the order of arrival; how many reports that is.
+fn write_counts(
+    folder: &Path,
+    name: &str,
+    mut sensor: SimulatedWideAreaSensor,
+    truth: &Truth,
+    end_s: f64,
+) -> anyhow::Result<u64> {
+    let path = folder.join(format!("wide_area_{name}.csv"));
+    let unwritten = || format!("{} cannot be written", path.display());
+    let mut table = WideAreaWriter::begin(OutputFile::begin(&path)?, 0).with_context(unwritten)?;
+    let (mut observed, mut count) = (Vec::new(), 0);
+    while sensor.observed_s() <= end_s {
+        observed.clear();
+        sensor.observe(truth, &mut observed);
+        for report in &observed {
+            table.write(report).with_context(unwritten)?;
+        }
+        count += observed.len() as u64;
+    }
+    table.into_inner().finish()?;
+    Ok(count)
+}
+
+/// Everything that observes the world and can show where a target is: what is counted from afar alone is in no picture.
 #[derive(Default)]
 struct Observers {
     sensors: Vec<SimulatedSensor>,
@@ -213,7 +249,7 @@ fn detection(sensor_id: u32, number: u32, plot: &Plot) -> Detection {
         range_rate_mps: None,
         sigmas: Some(sigmas),
         platform_m: plot.site_m,
-        truth: Some(plot.target.map_or(Of::FalseAlarm, Of::Target)),
+        truth: Some(plot.of),
     }
 }
 

@@ -462,7 +462,7 @@ fn run_settings(config: &Config, options: &Options) -> RunSettings {
             .scenario
             .as_ref()
             .filter(|_| simulated > 0)
-            .map(|world| world.targets),
+            .map(|world| world.target_count(options.seed)),
         interval_s: config.monitor.interval_ns as f64 / 1e9,
         deadline_us: config.fusion.deadline_ns as f64 / 1e3,
         monitor_wait: match config.monitor.wait {

@@ -4,6 +4,7 @@
 //! tracks, `system_tracks.csv`, in the order of fusion. Neither order depends on scheduling when the inputs are recorded,
 //! so neither do the files: they carry the times of the data and none of the machine's. Where an adapter makes a source's
 //! tracks of detections, `detections_<name>.csv` holds these, exactly: `koseki track` makes the same tracks of them (FM-6).
+//! What wide-area sensors have counted is in `wide_area_<name>.csv`, as exactly.
 
 #![forbid(unsafe_code)]
 

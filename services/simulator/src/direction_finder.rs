@@ -31,7 +31,7 @@ impl DirectionFinder {
         simulated.restart_at(((Now::read().utc_ns - start_utc_ns) as f64 / NS_PER_S).max(0.0));
         Ok(Self {
             simulated,
-            sender: sender_to(process, source)?,
+            sender: sender_to(process, &source.adapter)?,
             heard: Vec::new(),
             datagram: Vec::with_capacity(DATAGRAM_OCTETS_MAX),
             records: 0,

@@ -2,8 +2,8 @@
 //! real sensors do.
 //!
 //! Each sensor speaks the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
-//! CAT021 with CAT023 (`sensor`); a direction finder sends tables of bearings (`direction_finder`). Their datagrams go to
-//! the adapter of their source at the deployment's own loopback address. So a demonstration runs through the same sockets,
+//! CAT021 with CAT023 (`sensor`); a direction finder sends tables of bearings (`direction_finder`), a wide-area sensor tables of
+//! counts, as late as they are to arrive (`wide_area`). Their datagrams go to the adapter of their source at the deployment's own loopback address. So a demonstration runs through the same sockets,
 //! decoders and checks as a deployment with real sensors, and what a category cannot say (a radar's report has no
 //! covariance) is missing here as it is there. A radar that delivers plots sends those, false ones among them, and says when
 //! its antenna points north.
@@ -14,6 +14,7 @@
 
 mod direction_finder;
 mod sensor;
+mod wide_area;
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -22,12 +23,13 @@ use std::time::Duration;
 use anyhow::Context as _;
 use messages::NS_PER_S;
 use net::{SenderSettings, UdpSender};
-use runtime::config::{Input, Instrument, Source, Transport};
+use runtime::config::{Input, Instrument, Transport};
 use runtime::{Agent, HealthEntry, Now, Process, Turn};
 use scenario::Truth;
 
 use crate::direction_finder::DirectionFinder;
 use crate::sensor::Sensor;
+use crate::wide_area::WideArea;
 
 /// Most octets in a datagram: what fits into one frame of Ethernet.
 const DATAGRAM_OCTETS_MAX: usize = 1472;
@@ -79,6 +81,14 @@ impl Simulator {
                 }
             });
         }
+        for sensor in &config.wide_area_sensors {
+            if let Some(settings) = &sensor.simulated {
+                let unusable = || format!("simulated wide-area sensor {}", sensor.name);
+                observers.push(Box::new(
+                    WideArea::new(process, sensor, settings).with_context(unusable)?,
+                ));
+            }
+        }
         Ok(Self {
             truth: Truth::new(world, process.options.seed)?,
             start_utc_ns: process.options.scenario_start_ns,
@@ -87,9 +97,9 @@ impl Simulator {
     }
 }
 
-/// A socket that sends to the receiver of a simulated source.
-fn sender_to(process: &Process, source: &Source) -> anyhow::Result<UdpSender> {
-    let receiver = process.config.receiver(&source.adapter).context("it has no receiver")?;
+/// A socket that sends to the receiver of a simulated source or sensor, which is named like its adapter.
+fn sender_to(process: &Process, adapter: &str) -> anyhow::Result<UdpSender> {
+    let receiver = process.config.receiver(adapter).context("it has no receiver")?;
     let Transport::Loopback { port } = receiver.transport else {
         anyhow::bail!("its receiver is not the deployment's own");
     };

@@ -42,7 +42,7 @@ impl Sensor {
             // Sensors report flight levels; the height of the simulated world is pressure altitude.
             reports: SensorReports::new(table, sac, sic, model.frame, model.system, DATAGRAM_OCTETS_MAX)?
                 .with_height(HeightReference::Barometric),
-            sender: sender_to(process, source)?,
+            sender: sender_to(process, &source.adapter)?,
             next_status_ns: i64::MIN,
             sends_plots: settings.plots,
             start_utc_ns,

@@ -21,7 +21,7 @@ use super::raw::{
     RawSource,
 };
 use super::tracker_links::check_links;
-use super::wide_area_sensor::{check_company, check_wide_area_sensors};
+use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
 use super::{Config, ConfigError, Fusion, Input, Instrument, Order, Recorded, RecordedFormat, Source, SourceTracker};
 use crate::cores::{self, Placement};
 
@@ -54,7 +54,7 @@ pub(super) fn problem(key: impl Into<String>, what: impl Into<String>) -> Proble
     }
 }
 
-fn simulated_problem(key: &str, error: &scenario::SettingsError) -> Problem {
+pub(super) fn simulated_problem(key: &str, error: &scenario::SettingsError) -> Problem {
     problem(
         format!("{key}.{}", error.key),
         format!("{}: must be {}", error.value, error.limit),
@@ -125,7 +125,7 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
     let receivers = network.receivers(&sources, &wide_area_sensors)?;
     let gateways = check_gateways(&raw.gateways, &sources, &wide_area_sensors)?;
     let first_day_ns = first_day(&raw, &sources)?;
-    let scenario = check_scenario(&raw, &sources)?;
+    let scenario = check_scenario(&raw, &sources, &wide_area_sensors)?;
     let external = sources.iter().any(|source| matches!(source.input, Input::External));
     if (external || !receivers.is_empty()) && raw.time.order == Order::Time {
         return Err(problem(
@@ -479,20 +479,29 @@ fn first_day(raw: &RawConfig, sources: &[Source]) -> Checked<Option<i64>> {
     }
 }
 
-fn check_scenario(raw: &RawConfig, sources: &[Source]) -> Checked<Option<scenario::ScenarioSettings>> {
-    let simulated = sources
+fn check_scenario(
+    raw: &RawConfig,
+    sources: &[Source],
+    sensors: &[WideAreaSensor],
+) -> Checked<Option<scenario::ScenarioSettings>> {
+    let source = sources
         .iter()
-        .find(|source| matches!(source.input, Input::Simulated(_)));
-    match (&raw.scenario, simulated) {
+        .find(|source| matches!(source.input, Input::Simulated(_)))
+        .map(|source| format!("source[{}].name", source.number));
+    let sensor = sensors
+        .iter()
+        .find(|sensor| sensor.simulated.is_some())
+        .map(|sensor| format!("wide_area_sensor[{}].name", sensor.number));
+    match (&raw.scenario, source.or(sensor)) {
         (Some(settings), _) => {
             settings
                 .validate()
                 .map_err(|error| simulated_problem("scenario", &error))?;
             Ok(Some(settings.clone()))
         }
-        (None, Some(source)) => {
+        (None, Some(key)) => {
             let what = "is simulated, but there is no [scenario] to observe";
-            Err(problem(format!("source[{}].name", source.number), what))
+            Err(problem(key, what))
         }
         (None, None) => Ok(None),
     }

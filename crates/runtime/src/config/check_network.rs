@@ -17,6 +17,8 @@ use super::{Input, Instrument, RecordedFormat, Simulated, Source};
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
 const FIRST_SIMULATED_PORT: u16 = 30_001;
+/// Port of the first simulated wide-area sensor; the others follow.
+const FIRST_SIMULATED_WIDE_AREA_PORT: u16 = 31_001;
 /// Most octets that a datagram can carry over IPv4.
 const DATAGRAM_OCTETS_MAX: usize = 65_507;
 /// The shortest block that takes any report whole.
@@ -142,12 +144,7 @@ impl Network {
 
     /// A simulated source, with a receiver of its own.
     pub(super) fn simulated(&mut self, index: usize, name: &str, instrument: Instrument) -> Simulated {
-        self.receivers.push(Receiver {
-            name: name.to_owned(),
-            transport: Transport::Loopback {
-                port: FIRST_SIMULATED_PORT + index as u16,
-            },
-        });
+        self.loopback(name, FIRST_SIMULATED_PORT + index as u16);
         Simulated {
             instrument,
             live: Live {
@@ -158,6 +155,18 @@ impl Network {
                 },
             },
         }
+    }
+
+    /// The receiver of a simulated wide-area sensor.
+    pub(super) fn simulated_wide_area_sensor(&mut self, index: usize, name: &str) {
+        self.loopback(name, FIRST_SIMULATED_WIDE_AREA_PORT + index as u16);
+    }
+
+    fn loopback(&mut self, name: &str, port: u16) {
+        self.receivers.push(Receiver {
+            name: name.to_owned(),
+            transport: Transport::Loopback { port },
+        });
     }
 
     /// All receivers, each of which must have work, and be able to tell its sources apart.

@@ -345,9 +345,11 @@ impl Config {
 
     /// Whether any sensor is simulated.
     pub fn is_simulated(&self) -> bool {
+        let sensors = &self.wide_area_sensors;
         self.sources
             .iter()
             .any(|source| matches!(source.input, Input::Simulated(_)))
+            || sensors.iter().any(|sensor| sensor.simulated.is_some())
     }
 
     /// Whether all sources are recordings: then producers wait for consumers, so that nothing is lost.

@@ -3,7 +3,7 @@
 //! A wide-area sensor is no source: it has no tracks that fusion could weigh, and no number among the sources. Its reports
 //! are counts, and go to the trackers of sources that name it. What it delivers is one of three: rows of counts
 //! (FM-6) as datagrams or as a recording, the tracks of another system (ASTERIX CAT062), which are counted by place, or
-//! what a process of the integrator's own publishes.
+//! what a process of the integrator's own publishes. A simulated one sends rows of counts as datagrams.
 //!
 //! ```toml
 //! [[wide_area_sensor]]
@@ -18,6 +18,11 @@
 //! period_s = 4.0                   # how often it says where each of its tracks is
 //! group_m = 500.0                  # tracks no farther from each other are counted together
 //!
+//! [[wide_area_sensor]]
+//! name = "simulated"
+//! [wide_area_sensor.simulated]     # observes the [scenario]
+//! position_sigma_m = 1000.0
+//!
 //! [[source]]
 //! name = "radar"
 //! [source.tracker]
@@ -31,7 +36,9 @@ use formats::reports::{CovarianceModel, SourceModel};
 use frames::{SensorFrame, SystemFrame};
 use serde::Deserialize;
 
-use super::check::{Checked, Problem, check_limits, check_name, nanoseconds, place, problem, within};
+use super::check::{
+    Checked, Problem, check_limits, check_name, nanoseconds, place, problem, simulated_problem, within,
+};
 use super::check_network::{Network, asterix};
 use super::raw::{RawConfig, RawCovariance, RawExternal, RawLimits, RawPlace, RawReceiver, RawSource};
 use super::{Asterix, Input, Source};
@@ -50,6 +57,8 @@ pub struct WideAreaSensor {
     pub input: WideAreaInput,
     /// Name of the adapter process that publishes it: that of its receiver, or its own.
     pub adapter: String,
+    /// What it is simulated with: then its rows come over the loopback network, to a receiver of its own name.
+    pub simulated: Option<Box<scenario::WideAreaSettings>>,
 }
 
 /// Where the reports of a wide-area sensor come from.
@@ -124,6 +133,7 @@ pub(crate) struct RawWideAreaSensor {
     recorded: Option<RawRecordedRows>,
     tracks: Option<RawCountedTracks>,
     external: Option<RawExternal>,
+    simulated: Option<scenario::WideAreaSettings>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -206,20 +216,27 @@ fn check_sensor(
     network: &mut Network,
 ) -> Checked<WideAreaSensor> {
     let key = |part: &str| format!("wide_area_sensor[{index}].{part}");
-    let input = match (&raw.live, &raw.recorded, &raw.tracks, &raw.external) {
-        (Some(live), None, None, None) => {
+    let input = match (&raw.live, &raw.recorded, &raw.tracks, &raw.external, &raw.simulated) {
+        (Some(live), None, None, None, None) => {
             network.datagrams(&key("live.receiver"), &live.receiver)?;
             WideAreaInput::Live(live.receiver.clone())
         }
-        (None, Some(recorded), None, None) => WideAreaInput::Recorded(PathBuf::from(&recorded.file)),
-        (None, None, Some(tracks), None) => {
+        (None, Some(recorded), None, None, None) => WideAreaInput::Recorded(PathBuf::from(&recorded.file)),
+        (None, None, Some(tracks), None, None) => {
             WideAreaInput::Tracks(Box::new(check_tracks(&key("tracks"), tracks, frame, network)?))
         }
-        (None, None, None, Some(_)) => WideAreaInput::External,
+        (None, None, None, Some(_), None) => WideAreaInput::External,
+        (None, None, None, None, Some(settings)) => {
+            settings
+                .validate()
+                .map_err(|error| simulated_problem(&key("simulated"), &error))?;
+            network.simulated_wide_area_sensor(index, &raw.name);
+            WideAreaInput::Live(raw.name.clone())
+        }
         _ => {
             let what = format!(
                 "\"{}\" needs exactly one of [wide_area_sensor.live], [wide_area_sensor.recorded], \
-                 [wide_area_sensor.tracks] and [wide_area_sensor.external]",
+                 [wide_area_sensor.tracks], [wide_area_sensor.external] and [wide_area_sensor.simulated]",
                 raw.name
             );
             return Err(problem(key("name"), what));
@@ -230,6 +247,7 @@ fn check_sensor(
         name: raw.name.clone(),
         input,
         adapter: raw.name.clone(),
+        simulated: raw.simulated.clone().map(Box::new),
     };
     if let Some(receiver) = sensor.receiver() {
         sensor.adapter = receiver.to_owned();
@@ -360,7 +378,8 @@ fn check_process_name(sensor: &WideAreaSensor, sources: &[RawSource], receivers:
         .iter()
         .map(|source| &source.name)
         .chain(receivers.iter().map(|receiver| &receiver.name));
-    if sensor.receiver().is_none() && names.any(|name| *name == sensor.name) {
+    let is_named_so = sensor.receiver().is_none() || sensor.simulated.is_some();
+    if is_named_so && names.any(|name| *name == sensor.name) {
         let what = format!(
             "\"{}\" is also the name of an adapter process, that of a source or receiver; give the sensor another",
             sensor.name

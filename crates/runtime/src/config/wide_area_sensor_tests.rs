@@ -93,6 +93,34 @@ fn every_kind_is_heard_and_trackers_know_theirs() {
     );
 }
 
+/// A simulated one sends rows of counts to a receiver of its own, and makes the deployment a simulated one.
+#[test]
+fn simulated_ones_bring_their_receiver_along() {
+    let simulated = SITE.replacen(
+        "[wide_area_sensor.external]",
+        "[wide_area_sensor.simulated]\nperiod_s = 4.0\n[scenario]",
+        1,
+    );
+    let config = parse(&simulated).unwrap();
+    assert!(config.is_simulated());
+    let sensor = config.wide_area_sensor("own").unwrap();
+    assert_eq!(sensor.simulated.as_ref().unwrap().period_s, 4.0);
+    assert_eq!((sensor.receiver(), sensor.adapter.as_str()), (Some("own"), "own"));
+    let receiver = config.receiver("own").unwrap();
+    let is_own = matches!(receiver.transport, crate::config::Transport::Loopback { port: 31_003 });
+    assert!(is_own, "{:?}", receiver.transport);
+    for (old, new, line, expected) in [
+        ("\n[scenario]", "", 31, "there is no [scenario] to observe"),
+        ("period_s = 4.0", "period_s = 0", 33, "must be between 0.1 and 600"),
+        ("period_s = 4.0", "every_s = 4.0", 33, "unknown field `every_s`"),
+        ("name = \"own\"", "name = \"lan\"", 31, "also the name of an adapter"),
+    ] {
+        let message = parse(&simulated.replacen(old, new, 1)).unwrap_err();
+        assert!(message.starts_with(&format!("t.toml:{line}: ")), "{new}: {message}");
+        assert!(message.contains(expected) && message.lines().count() == 1, "{message}");
+    }
+}
+
 #[test]
 fn what_cannot_be_is_refused_with_line_and_remedy() {
     let file = "[wide_area_sensor.tracks]\nfile = \"x.ast\"\n";

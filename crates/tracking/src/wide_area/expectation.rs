@@ -226,18 +226,19 @@ impl Expectations {
     fn find_absences(&mut self, before: &Population, time_ns: i64, reports: &[WideAreaReport], settings: &WideArea) {
         let coverage = settings.deletion.and_then(|early| early.coverage);
         for (expectation, cluster) in self.list.iter_mut().zip(&before.clusters) {
-            if expectation.targets.is_some() {
-                continue;
-            }
             let centre = centre_of(cluster, before);
             // Where several valid reports speak of the place, the latest one holds.
             let (mut latest_ns, mut is_absent) = (i64::MIN, false);
+            let mut none_ns = i64::MIN;
             for report in reports
                 .iter()
                 .filter(|report| report::is_valid(report, time_ns, settings))
             {
                 let seconds = report.time_ns.saturating_sub(before.time_ns) as f64 / NS_PER_S;
                 let is_near = centre.distance_m(report.position_m, seconds) < settings.range_m;
+                if is_near && report.targets == 0 {
+                    none_ns = none_ns.max(report.time_ns);
+                }
                 let covers =
                     coverage.is_some_and(|circle| centre.distance_m(circle.centre_m, seconds) <= circle.radius_m);
                 let says = if is_near {
@@ -254,7 +255,10 @@ impl Expectations {
                     }
                 }
             }
-            expectation.is_absent = is_absent;
+            // Targets that were reported are not gone because a later report of others does not mention them; one of none
+            // says so.
+            let is_over = expectation.targets.is_none() || none_ns > expectation.observed_ns;
+            expectation.is_absent = is_absent && is_over;
         }
     }
 }

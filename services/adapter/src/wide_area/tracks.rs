@@ -117,3 +117,111 @@ impl Tracks {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use formats::asterix::registry;
+    use formats::outgoing::SystemReports;
+    use messages::SystemTrack;
+    use proptest::prelude::*;
+    use runtime::Config;
+    use runtime::config::WideAreaInput;
+
+    use super::*;
+
+    const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[[receiver]]\nname = \"lan\"\n\
+                        [receiver.udp]\nlisten = \"127.0.0.1:8600\"\n[[receiver]]\nname = \"link\"\n[receiver.udp]\n\
+                        listen = \"127.0.0.1:8601\"\n[[source]]\nname = \"radar\"\n[source.live]\nreceiver = \"lan\"\n\
+                        [[wide_area_sensor]]\nname = \"centre\"\n[wide_area_sensor.tracks]\nreceiver = \"link\"\nperiod_s = 2.0\n";
+    const S: i64 = 1_000_000_000;
+    /// Noon of some day.
+    const NOON_NS: i64 = 20_000 * 86_400 * S + 43_200 * S;
+
+    fn tracks() -> (Tracks, SystemReports) {
+        let config = Config::parse(Path::new("t.toml"), SITE, &[]).unwrap();
+        let WideAreaInput::Tracks(settings) = &config.wide_area_sensors[0].input else {
+            panic!("{config:?}");
+        };
+        let table = registry::default_edition(62).unwrap();
+        let sender = SystemReports::new(table, 1, 1, config.frame, &[], 1400).unwrap();
+        (Tracks::new(settings, 0), sender.with_tentative())
+    }
+
+    /// Three tracks near each other at a time: confirmed, coasted, and one more.
+    fn block(sender: &mut SystemReports, time_ns: i64, third: TrackState) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for (number, state) in (1..).zip([TrackState::Confirmed, TrackState::Coasted, third]) {
+            let track = SystemTrack {
+                reference_time_ns: time_ns,
+                time_of_measurement_ns: time_ns,
+                track_number: number,
+                position_m: [10e3 + 100.0 * f64::from(number), 5e3, 1000.0],
+                velocity_mps: [50.0, 0.0, 0.0],
+                state: state as u8,
+                ..SystemTrack::default()
+            };
+            sender.report(&track, &mut |block| bytes.extend_from_slice(block));
+        }
+        sender.flush(&mut |block| bytes.extend_from_slice(block));
+        bytes
+    }
+
+    #[test]
+    fn tentative_and_ended_tracks_do_not_count_and_silence_completes_a_picture() {
+        for third in [TrackState::Tentative, TrackState::Terminated] {
+            let ((mut tracks, mut sender), mut reports) = (tracks(), Vec::new());
+            let bytes = block(&mut sender, NOON_NS, third);
+            tracks.take(&bytes, Some(NOON_NS + S / 4), &mut reports);
+            tracks.silent(NOON_NS + 2 * S, &mut reports);
+            assert_eq!(reports, []);
+            tracks.silent(NOON_NS + 3 * S, &mut reports);
+            let [report] = &reports[..] else { panic!("{reports:?}") };
+            assert_eq!((report.targets, report.arrival_ns), (2, NOON_NS + 2 * S + S / 4));
+            assert!((report.position_m[0] - 10_150.0).abs() < 20.0, "{report:?}");
+        }
+    }
+
+    #[test]
+    fn a_recording_arrives_when_it_was_measured() {
+        let ((mut tracks, mut sender), mut reports) = (tracks(), Vec::new());
+        for second in [0, 2, 4] {
+            let bytes = block(&mut sender, 43_200 * S + second * S, TrackState::Confirmed);
+            tracks.take(&bytes, None, &mut reports);
+        }
+        tracks.end(&mut reports);
+        let found: Vec<(u32, i64)> = reports
+            .iter()
+            .map(|report| (report.targets, report.arrival_ns / S))
+            .collect();
+        assert_eq!(found, [(3, 43_202), (3, 43_204), (3, 43_204)]);
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_comes_is_read_or_counted(
+            changes in prop::collection::vec((0..200usize, any::<u8>()), 0..6),
+            noise in prop::collection::vec(any::<u8>(), 0..100),
+        ) {
+            let ((mut tracks, mut sender), mut reports) = (tracks(), Vec::new());
+            let mut bytes = block(&mut sender, NOON_NS, TrackState::Confirmed);
+            for (place, octet) in changes {
+                let place = place % bytes.len();
+                bytes[place] = octet;
+            }
+            tracks.take(&bytes, Some(NOON_NS), &mut reports);
+            tracks.take(&noise, Some(NOON_NS + S), &mut reports);
+            tracks.end(&mut reports);
+            let mut counters = [0; COUNTERS_MAX];
+            tracks.count(&mut counters);
+            let counted: u32 = reports.iter().map(|report| report.targets).sum();
+            prop_assert!(u64::from(counted) <= counters[Counter::Records as usize]);
+            let refused = counters[Counter::BlocksRefused as usize];
+            prop_assert!(noise.is_empty() || refused > 0 || counters[Counter::Records as usize] > 0);
+            for report in &reports {
+                prop_assert!(tracking::wide_area::fault_in(report).is_none(), "{report:?}");
+            }
+        }
+    }
+}

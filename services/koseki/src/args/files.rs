@@ -63,16 +63,20 @@ Examples:
   koseki simulate --scenario demo --seed 1 --out case1
   koseki simulate --scenario dense --seed 3 --for 60 --out case3
   koseki simulate --scenario my.toml --seed 1 --out mine
+  koseki simulate --scenario wide-area --set scenario.formation[0].count=1 --seed 1 --for 200 --out pair
 
-NAME  demo      a busy airport and its surroundings, seen by four sensors: what `koseki demo` shows
-      en-route  the same sensors; all targets fly en route, and all of them meet another one on their way
-      dense     demo with 400 targets
+NAME  demo       a busy airport and its surroundings, seen by five sensors: what `koseki demo` shows
+      en-route   the same sensors; all targets fly en route, and all of them meet another one on their way
+      dense      demo with 400 targets
+      wide-area  formations that two radars do not resolve, and a remote sensor that counts them: config/wide-area.toml
 FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or config/maritime.toml
 
 DIR/truth.csv            a row per whole second and target that some sensor could see there
 DIR/sensor_tracks_K.csv  what sensor K reports, for `koseki fuse`
-DIR/detections_K.csv     what it detected before its own tracker made tracks of it; truth_id -1 is a false target
+DIR/detections_K.csv     what it detected before its own tracker made tracks of it; truth_id -1 is a false target,
+                         merged are several that it saw as one
 DIR/bearings_K.csv       in place of both, what direction finder K hears, for `koseki locate`; emitter_id is the target's
+DIR/wide_area_NAME.csv   what the wide-area sensor of this name counts, for `koseki track --wide-area`
 Times begin at 0. The same scenario and seed give the same bytes.";
 
 /// `koseki simulate`.
@@ -90,6 +94,9 @@ pub(crate) struct Simulate {
     /// How long a time is simulated, seconds
     #[arg(long = "for", value_name = "SECONDS", default_value = "120", value_parser = seconds)]
     pub(crate) seconds: Duration,
+    /// Replace a value of the scenario's configuration (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
 }
 
 pub(super) const FUSE_EXAMPLES: &str = "\

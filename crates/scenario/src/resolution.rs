@@ -1,0 +1,102 @@
+//! Targets that a radar cannot tell apart.
+//!
+//! A radar tells two targets apart that differ by the length of its pulse in range, or by the width of its beam in azimuth.
+//! Otherwise their echoes are one. Here, whichever are joined by a chain of such pairs give one plot in their middle, at the
+//! time at which the antenna points at the first of them; it is detected if any of them is. Now and then echoes differ
+//! enough to be told apart all the same: then a link of the chain breaks for one turn.
+//!
+//! Simple in this: echoes are equally strong, the middle is that of the places and errs like one target's, and false plots
+//! merge with nothing. Who is with whom is looked up once per delivery.
+
+use std::f64::consts::{PI, TAU};
+
+use formats::detection::Truth as Of;
+use rand::RngExt as _;
+
+use crate::grouping::groups;
+use crate::measurement::Measurement;
+use crate::random::{Purpose, stream};
+use crate::schedule::Slot;
+use crate::sensor::{Looks, Seen, Watched};
+use crate::sensor_settings::ResolutionCell;
+use crate::truth::Truth;
+
+/// Who is with whom in one delivery.
+#[derive(Debug)]
+pub(crate) struct Company {
+    /// By number of the target: the first of those that are not told apart from it, itself included.
+    firsts: Vec<usize>,
+    /// (first, target) in this order.
+    members: Vec<(usize, usize)>,
+}
+
+impl Company {
+    pub(crate) fn find(cell: &ResolutionCell, looks: &Looks, slot: &Slot, truth: &Truth, watched: &[Watched]) -> Self {
+        let (time_s, turn) = (slot.time_within_s(0.5), slot.period(&looks.settings).0);
+        let [site_east, site_north, _] = looks.settings.coverage.position_m;
+        let (mut ids, mut places, mut polar) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, watched) in watched.iter().enumerate().take(truth.len()) {
+            let position_m = truth.target_at(index, time_s).position_m;
+            if looks.may_find(index as u64, watched.equipped, time_s, position_m) {
+                let [east, north] = [position_m[0] - site_east, position_m[1] - site_north];
+                ids.push(index);
+                places.push([east, north]);
+                polar.push((east.hypot(north), east.atan2(north)));
+            }
+        }
+        let reach_m = cell.range_m + cell.azimuth_rad * looks.settings.coverage.range_max_m;
+        let apart = |one: usize, other: usize| {
+            let ((range, azimuth), (other_range, other_azimuth)) = (polar[one], polar[other]);
+            let turned_rad = (azimuth - other_azimuth + PI).rem_euclid(TAU) - PI;
+            ((range - other_range).abs() / cell.range_m).max(turned_rad.abs() / cell.azimuth_rad)
+        };
+        let breaks = |one: usize, other: usize| {
+            let pair = (ids[one] as u64) << 32 | ids[other] as u64;
+            let mut random = stream(looks.seed, Purpose::Resolution, looks.source, pair, turn);
+            random.random_bool(cell.resolved_probability)
+        };
+        let found = groups(&places, reach_m, apart, breaks);
+        let mut firsts: Vec<usize> = (0..truth.len()).collect();
+        for (place, &first) in found.iter().enumerate() {
+            firsts[ids[place]] = ids[first];
+        }
+        let mut members: Vec<(usize, usize)> = ids.iter().map(|&index| (firsts[index], index)).collect();
+        members.sort_unstable();
+        Self { firsts, members }
+    }
+
+    /// What is detected in a look at target number `index` that by itself would have found `alone`.
+    pub(crate) fn echo(
+        &self,
+        looks: &Looks,
+        slot: &Slot,
+        (truth, time_s): (&Truth, f64),
+        watched: &[Watched],
+        (index, alone): (usize, Option<Measurement>),
+    ) -> Option<(Of, Measurement)> {
+        if self.firsts[index] != index {
+            return None;
+        }
+        let begin = self.members.partition_point(|(first, _)| *first < index);
+        let all = self.members[begin..].iter().take_while(|(first, _)| *first == index);
+        let all: Vec<usize> = all.map(|(_, member)| *member).collect();
+        if all.len() < 2 {
+            return alone.map(|found| (Of::Target(index as u32), found));
+        }
+        let (mut middle_m, mut is_detected) = ([0.0; 3], alone.is_some());
+        for &member in &all {
+            let state = truth.target_at(member, time_s);
+            for (sum, coordinate) in middle_m.iter_mut().zip(state.position_m) {
+                *sum += coordinate / all.len() as f64;
+            }
+            let seen = Seen::target(state, looks);
+            let other = || looks.find(slot, member as u64, watched[member].equipped, time_s, &seen);
+            is_detected = is_detected || other().is_some();
+        }
+        is_detected.then(|| {
+            let mut random = stream(looks.seed, Purpose::MergedLook, looks.source, index as u64, slot.number);
+            let site_m = looks.settings.coverage.position_m;
+            (Of::Merged, looks.settings.errors.measure(site_m, middle_m, &mut random))
+        })
+    }
+}

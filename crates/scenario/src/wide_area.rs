@@ -1,0 +1,310 @@
+//! A simulated wide-area sensor: far away, coarse, slow and late, but it knows how many targets there are (WA-2).
+//!
+//! It watches a circle and reports, once per period, each group of targets that it cannot tell apart in place: the group's
+//! middle and velocity, with large errors, and its count, which it knows because it has watched the targets since they were
+//! apart. It may say where they were when it first saw them, and for a while report none where a group was that has
+//! vanished. What is near the edge of its circle may have left instead, and of that it says nothing.
+//!
+//! Simple in this: it never takes one target for another, and counts groups wrong by one, never to none.
+
+use formats::wide_area::WideAreaReport;
+use messages::NS_PER_S;
+use rand::RngExt as _;
+use rand_distr::{Distribution as _, StandardNormal};
+use serde::Deserialize;
+
+use crate::error::{SettingsError, count_within, within};
+use crate::grouping::groups;
+use crate::random::{Purpose, stream};
+use crate::truth::{TargetState, Truth};
+
+/// A target not seen for so long is a new one when it comes again, seconds.
+const FORGOTTEN_AFTER_S: f64 = 120.0;
+
+/// One simulated wide-area sensor. What is not given has the value in brackets.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WideAreaSettings {
+    /// Middle of what it watches: east and north, metres (0, 0).
+    pub position_m: [f64; 2],
+    /// Radius of what it watches, metres (200,000).
+    pub range_max_m: f64,
+    /// Lowest height that it sees, metres (300).
+    pub height_min_m: f64,
+    /// Time between two observations, seconds, 0.1 to 600 (8).
+    pub period_s: f64,
+    /// When the first observation is: 0 to the period, seconds (0).
+    pub phase_s: f64,
+    /// Time from an observation to the arrival of its reports, seconds, 0 to 600 (8).
+    pub delay_s: f64,
+    /// Probability that a group is reported in a period, 0.001 to 1 (1).
+    pub detection_probability: f64,
+    /// Standard deviation of a group's place, east and north, metres (1,000).
+    pub position_sigma_m: f64,
+    /// Standard deviation of its velocity, east and north, m/s (10).
+    pub velocity_sigma_mps: f64,
+    /// Probability that a count is wrong by one (0).
+    pub count_wrong_probability: f64,
+    /// The most that it counts in one group: of more it reports so many, 1 to 256 (256).
+    pub counted_max: u32,
+    /// Targets nearer to each other than this are in one report, metres (5,000).
+    pub resolution_m: f64,
+    /// Whether reports say where their targets were first seen (no).
+    pub origins: bool,
+    /// For how long it reports none where a group has vanished, seconds, 0 to 120 (0: it does not).
+    pub absence_s: f64,
+}
+
+impl Default for WideAreaSettings {
+    fn default() -> Self {
+        Self {
+            position_m: [0.0; 2],
+            range_max_m: 200_000.0,
+            height_min_m: 300.0,
+            period_s: 8.0,
+            phase_s: 0.0,
+            delay_s: 8.0,
+            detection_probability: 1.0,
+            position_sigma_m: 1000.0,
+            velocity_sigma_mps: 10.0,
+            count_wrong_probability: 0.0,
+            counted_max: 256,
+            resolution_m: 5000.0,
+            origins: false,
+            absence_s: 0.0,
+        }
+    }
+}
+
+impl WideAreaSettings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used, with its value and what it has to be.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        for coordinate_m in self.position_m {
+            within("position_m", coordinate_m, -1e6, 1e6)?;
+        }
+        within("range_max_m", self.range_max_m, 1.0, 2e6)?;
+        within("height_min_m", self.height_min_m, -1e4, 1e5)?;
+        within("period_s", self.period_s, 0.1, 600.0)?;
+        within("phase_s", self.phase_s, 0.0, self.period_s)?;
+        within("delay_s", self.delay_s, 0.0, 600.0)?;
+        within("detection_probability", self.detection_probability, 1e-3, 1.0)?;
+        within("position_sigma_m", self.position_sigma_m, 0.0, 1e5)?;
+        within("velocity_sigma_mps", self.velocity_sigma_mps, 0.0, 1e3)?;
+        within("count_wrong_probability", self.count_wrong_probability, 0.0, 1.0)?;
+        count_within("counted_max", self.counted_max, 1, 256)?;
+        within("resolution_m", self.resolution_m, 1.0, 1e6)?;
+        within("absence_s", self.absence_s, 0.0, FORGOTTEN_AFTER_S)
+    }
+
+    /// Whether a target there is seen.
+    fn covers(&self, target: &TargetState) -> bool {
+        let [east, north, up] = target.position_m;
+        self.away_m([east, north]) <= self.range_max_m && up >= self.height_min_m
+    }
+
+    /// Distance from the middle of what it watches.
+    fn away_m(&self, place_m: [f64; 2]) -> f64 {
+        distance_m(self.position_m, place_m)
+    }
+}
+
+/// See the module's documentation.
+#[derive(Clone, Debug)]
+pub struct SimulatedWideAreaSensor {
+    settings: WideAreaSettings,
+    seed: u64,
+    number: u16,
+    start_utc_ns: i64,
+    /// Number of the next period.
+    period: u64,
+    /// By number of the target.
+    sightings: Vec<Option<Sighting>>,
+}
+
+/// How a target was last reported.
+#[derive(Clone, Copy, Debug)]
+struct Sighting {
+    time_s: f64,
+    /// First member of its group.
+    first: u32,
+    /// Of its group, as reported.
+    position_m: [f64; 3],
+    velocity_mps: [f64; 3],
+    /// Where it was first reported.
+    origin_m: [f64; 2],
+}
+
+impl Sighting {
+    fn place_at(&self, time_s: f64) -> [f64; 3] {
+        let age_s = time_s - self.time_s;
+        std::array::from_fn(|axis| self.position_m[axis] + age_s * self.velocity_mps[axis])
+    }
+}
+
+impl SimulatedWideAreaSensor {
+    /// A sensor that begins at the scenario's start, which is at `start_utc_ns` (UTC, nanoseconds since 1970). `number` sets
+    /// its random numbers apart from those of other wide-area sensors.
+    ///
+    /// # Errors
+    /// A setting that cannot be used.
+    pub fn new(settings: &WideAreaSettings, seed: u64, number: u16, start_utc_ns: i64) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self {
+            settings: settings.clone(),
+            seed,
+            number,
+            start_utc_ns,
+            period: 0,
+            sightings: Vec::new(),
+        })
+    }
+
+    /// Begins anew, without memory of what it saw, with the first delivery at or after `time_s` seconds from the scenario's
+    /// start.
+    pub fn restart_at(&mut self, time_s: f64) {
+        let settings = &self.settings;
+        let periods = (time_s - settings.delay_s - settings.phase_s) / settings.period_s;
+        self.period = periods.ceil().max(0.0) as u64;
+        self.sightings.clear();
+    }
+
+    /// When the next delivery is due, seconds from the scenario's start.
+    pub fn next_delivery_s(&self) -> f64 {
+        self.observed_s() + self.settings.delay_s
+    }
+
+    /// When the reports of the next delivery are observed, seconds from the scenario's start.
+    pub fn observed_s(&self) -> f64 {
+        self.settings.phase_s + self.period as f64 * self.settings.period_s
+    }
+
+    /// Appends the reports of the next delivery, groups in the order of their first members and then those of none, and goes on
+    /// to the one after it.
+    pub fn observe(&mut self, truth: &Truth, out: &mut Vec<WideAreaReport>) {
+        let time_s = self.observed_s();
+        self.sightings.resize(truth.len().max(self.sightings.len()), None);
+        let seen: Vec<TargetState> = truth.at(time_s).filter(|target| self.settings.covers(target)).collect();
+        let places: Vec<[f64; 2]> = seen.iter().map(|target| plane(target.position_m)).collect();
+        let resolution_m = self.settings.resolution_m;
+        let apart = |one: usize, other: usize| distance_m(places[one], places[other]) / resolution_m;
+        let firsts = groups(&places, resolution_m, apart, |_, _| false);
+        for first in (0..seen.len()).filter(|place| firsts[*place] == *place) {
+            let members = || {
+                seen.iter()
+                    .zip(&firsts)
+                    .filter(|(_, of)| **of == first)
+                    .map(|(target, _)| target)
+            };
+            self.report(time_s, seen[first].id, members, out);
+        }
+        self.report_absences(time_s, &seen, out);
+        self.period += 1;
+    }
+
+    /// Reports a group, if it does in this period.
+    fn report<'a, M: Iterator<Item = &'a TargetState>>(
+        &mut self,
+        time_s: f64,
+        first: u32,
+        members: impl Fn() -> M,
+        out: &mut Vec<WideAreaReport>,
+    ) {
+        let settings = &self.settings;
+        let mut random = stream(self.seed, Purpose::WideArea, self.number, u64::from(first), self.period);
+        let is_reported = random.random_bool(settings.detection_probability);
+        let [is_wrong, is_more] = [settings.count_wrong_probability, 0.5].map(|share| random.random_bool(share));
+        let errors: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut random));
+        let targets = members().count() as u32;
+        let mean = |of: fn(&TargetState) -> [f64; 3]| -> [f64; 3] {
+            let sum = |axis: usize| members().map(|target| of(target)[axis]).sum::<f64>();
+            std::array::from_fn(|axis| sum(axis) / f64::from(targets))
+        };
+        let mut position_m = mean(|target| target.position_m);
+        let mut velocity_mps = mean(|target| target.velocity_mps);
+        for axis in 0..2 {
+            position_m[axis] += settings.position_sigma_m * errors[axis];
+            velocity_mps[axis] += settings.velocity_sigma_mps * errors[2 + axis];
+        }
+        if !is_reported {
+            // It is there all the same, and not forgotten.
+            for target in members() {
+                if let Some(sighting) = &mut self.sightings[target.id as usize] {
+                    (sighting.position_m, sighting.time_s) = (sighting.place_at(time_s), time_s);
+                }
+            }
+            return;
+        }
+        for target in members() {
+            let known = &mut self.sightings[target.id as usize];
+            let before = known.filter(|before| time_s - before.time_s <= FORGOTTEN_AFTER_S);
+            *known = Some(Sighting {
+                time_s,
+                first,
+                position_m,
+                velocity_mps,
+                origin_m: before.map_or(plane(position_m), |before| before.origin_m),
+            });
+        }
+        let counted = match (is_wrong, is_more || targets == 1) {
+            (false, _) => targets,
+            (true, true) => targets + 1,
+            (true, false) => targets - 1,
+        };
+        let origin_m = self.sightings[first as usize].map(|sighting| sighting.origin_m);
+        let origin_m = origin_m.filter(|_| self.settings.origins);
+        let counted = counted.min(self.settings.counted_max);
+        out.push(self.stamped(time_s, position_m, velocity_mps, counted, origin_m));
+    }
+
+    /// Reports none where groups have vanished, one report for each.
+    fn report_absences(&self, time_s: f64, seen: &[TargetState], out: &mut Vec<WideAreaReport>) {
+        let settings = &self.settings;
+        let mut told: Vec<(f64, u32)> = Vec::new();
+        for sighting in self.sightings.iter().flatten() {
+            let age_s = time_s - sighting.time_s;
+            let group = (sighting.time_s, sighting.first);
+            if age_s <= 0.0 || age_s > settings.absence_s || told.contains(&group) {
+                continue;
+            }
+            let place_m = sighting.place_at(time_s);
+            let near =
+                |target: &TargetState| distance_m(plane(target.position_m), plane(place_m)) < settings.resolution_m;
+            let has_left = settings.away_m(plane(place_m)) + settings.resolution_m > settings.range_max_m;
+            if has_left || seen.iter().any(near) {
+                continue;
+            }
+            told.push(group);
+            out.push(self.stamped(time_s, place_m, sighting.velocity_mps, 0, None));
+        }
+    }
+
+    fn stamped(
+        &self,
+        time_s: f64,
+        position_m: [f64; 3],
+        velocity_mps: [f64; 3],
+        targets: u32,
+        origin_m: Option<[f64; 2]>,
+    ) -> WideAreaReport {
+        let utc_ns = |time_s: f64| self.start_utc_ns + (time_s * NS_PER_S).round() as i64;
+        WideAreaReport {
+            time_ns: utc_ns(time_s),
+            arrival_ns: utc_ns(time_s + self.settings.delay_s),
+            position_m,
+            velocity_mps,
+            targets,
+            origin_m,
+        }
+    }
+}
+
+fn plane([east, north, _]: [f64; 3]) -> [f64; 2] {
+    [east, north]
+}
+
+fn distance_m(one: [f64; 2], other: [f64; 2]) -> f64 {
+    (one[0] - other[0]).hypot(one[1] - other[1])
+}
