@@ -179,6 +179,13 @@ impl Summary<'_> {
                 counts.wide_area_confirmations,
                 counts.wide_area_deletions
             )?;
+            if support.left() > 0 {
+                writeln!(
+                    text,
+                    "wide area: {} reports came after the last scan: of no use",
+                    support.left()
+                )?;
+            }
         }
         if let Some(emissions) = self.emissions {
             text.push_str(&emissions.refusals.as_text());
