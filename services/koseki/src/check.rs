@@ -5,7 +5,9 @@ use std::path::Path;
 
 use bus::WaitMode;
 use runtime::Config;
-use runtime::config::{Input, Monitor, MonitorWait, Order, Source, TrackFeed, WideAreaInput, WideAreaSensor};
+use runtime::config::{
+    Input, Monitor, MonitorWait, Order, Source, SourceTracker, TrackFeed, WideAreaInput, WideAreaSensor,
+};
 use scenario::ScenarioSettings;
 use telemetry::Stage;
 use telemetry::table::duration;
@@ -117,7 +119,11 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
             Boundaries::Turn => "; its adapter makes tracks of its plots, turn by turn",
             Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
         });
-    format!("{}, every {period} s: {input}{tracked}", source.name)
+    let links = source
+        .tracker
+        .as_ref()
+        .map_or_else(String::new, |tracker| links(tracker, config));
+    format!("{}, every {period} s: {input}{tracked}{links}", source.name)
 }
 
 fn describe_world(world: &ScenarioSettings) -> String {
@@ -126,6 +132,25 @@ fn describe_world(world: &ScenarioSettings) -> String {
         (targets, 0) => format!("{targets} targets"),
         (0, formations) => format!("formations only, {formations} of them"),
         (targets, formations) => format!("{targets} targets beside {formations} formations"),
+    }
+}
+
+/// What a tracker does besides, as far as it was asked to.
+fn links(tracker: &SourceTracker, config: &Config) -> String {
+    let mut text = String::new();
+    if let Some(period_ns) = tracker.output_period_ns {
+        // Writing to a string cannot fail.
+        let _ = write!(text, ", given out every {} s", period_ns as f64 / NS as f64);
+    }
+    let finder = |number: &u16| config.sources[usize::from(*number)].name.as_str();
+    let finders: Vec<&str> = tracker.emissions.iter().map(finder).collect();
+    if !finders.is_empty() {
+        let _ = write!(text, ", identified by what {} hears", finders.join(" and "));
+    }
+    text + if tracker.cues {
+        "; it says where to look next"
+    } else {
+        ""
     }
 }
 
@@ -241,7 +266,8 @@ mod tests {
     #[test]
     fn the_summary_says_what_counts_and_who_listens() {
         let text = include_str!("../../../config/demo.toml");
-        let listening = "detection_probability = 0.95\nwide_area_sensors = [\"own\"]\n";
+        let listening =
+            "detection_probability = 0.95\nwide_area_sensors = [\"own\"]\ncues = true\noutput_period_s = 0.5\n";
         let sensors = "\n[[wide_area_sensor]]\nname = \"own\"\n[wide_area_sensor.external]\n\
                        [[wide_area_sensor]]\nname = \"other\"\n[wide_area_sensor.external]\n";
         let text = text.replacen("detection_probability = 0.95\n", listening, 1) + sensors;
@@ -254,6 +280,10 @@ mod tests {
             "{summary}"
         );
         assert!(summary.contains("; no tracker listens to it"), "{summary}");
+        assert!(
+            summary.contains(", given out every 0.5 s; it says where to look next\n"),
+            "{summary}"
+        );
     }
 
     #[test]
