@@ -2,8 +2,9 @@
 //! real sensors do.
 //!
 //! Each sensor speaks the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
-//! CAT021 with CAT023 (`sensor`); a direction finder sends tables of bearings (`direction_finder`), a wide-area sensor tables of
-//! counts, as late as they are to arrive (`wide_area`). Their datagrams go to the adapter of their source at the deployment's own loopback address. So a demonstration runs through the same sockets,
+//! CAT021 with CAT023 (`sensor`). A direction finder sends tables of bearings (`direction_finder`), a wide-area sensor tables
+//! of counts, as late as they are to arrive (`wide_area`), both as rows in datagrams (`rows`). All go to the adapter of their
+//! source at the deployment's own loopback address. So a demonstration runs through the same sockets,
 //! decoders and checks as a deployment with real sensors, and what a category cannot say (a radar's report has no
 //! covariance) is missing here as it is there. A radar that delivers plots sends those, false ones among them, and says when
 //! its antenna points north.
@@ -13,6 +14,7 @@
 #![forbid(unsafe_code)]
 
 mod direction_finder;
+mod rows;
 mod sensor;
 mod wide_area;
 

@@ -3,25 +3,20 @@
 
 use formats::wide_area::{WideAreaReport, WideAreaWriter};
 use frames::time::NS_PER_DAY;
-use messages::{Counter, NS_PER_S};
-use net::UdpSender;
+use messages::NS_PER_S;
 use runtime::config::WideAreaSensor;
 use runtime::{HealthEntry, Now, Process};
 use scenario::{SimulatedWideAreaSensor, Truth, WideAreaSettings};
 
-use crate::{DATAGRAM_OCTETS_MAX, Observer, sender_to};
-
-/// Longest row: eleven numbers, each of at most 24 characters and a separator.
-const ROW_OCTETS_MAX: usize = 11 * 25;
+use crate::Observer;
+use crate::rows::RowSender;
 
 /// See the module's documentation.
 #[derive(Debug)]
 pub(crate) struct WideArea {
     simulated: SimulatedWideAreaSensor,
-    sender: UdpSender,
     observed: Vec<WideAreaReport>,
-    datagram: Vec<u8>,
-    records: u64,
+    sender: RowSender,
 }
 
 impl WideArea {
@@ -31,26 +26,9 @@ impl WideArea {
         simulated.restart_at(((Now::read().utc_ns - start_utc_ns) as f64 / NS_PER_S).max(0.0));
         Ok(Self {
             simulated,
-            sender: sender_to(process, &sensor.adapter)?,
             observed: Vec::new(),
-            datagram: Vec::with_capacity(DATAGRAM_OCTETS_MAX),
-            records: 0,
+            sender: RowSender::new(process, &sensor.adapter)?,
         })
-    }
-
-    /// Sends the rows from `first` on that fit into a datagram; where the next ones begin.
-    fn send_from(&mut self, first: usize, midnight_ns: i64) -> std::io::Result<usize> {
-        self.datagram.clear();
-        let mut table = WideAreaWriter::begin(&mut self.datagram, midnight_ns)?;
-        let mut next = first;
-        while next < self.observed.len() && table.get_ref().len() + ROW_OCTETS_MAX <= DATAGRAM_OCTETS_MAX {
-            table.write(&self.observed[next])?;
-            next += 1;
-        }
-        self.records += (next - first) as u64;
-        // What could not be sent is counted by the sender.
-        drop(self.sender.send(&self.datagram));
-        Ok(next)
     }
 }
 
@@ -63,21 +41,13 @@ impl Observer for WideArea {
         self.observed.clear();
         self.simulated.observe(truth, &mut self.observed);
         let midnight_ns = now_utc_ns.div_euclid(NS_PER_DAY) * NS_PER_DAY;
-        let mut next = 0;
-        while next < self.observed.len() {
-            // Writing into memory does not fail.
-            next = self.send_from(next, midnight_ns).unwrap_or(self.observed.len());
-        }
+        self.sender.send(&self.observed, |datagram, rows| {
+            let mut table = WideAreaWriter::begin(datagram, midnight_ns)?;
+            rows.iter().try_for_each(|row| table.write(row))
+        });
     }
 
     fn count(&self, entry: &mut HealthEntry) {
-        let sent = self.sender.counters();
-        for (counter, count) in [
-            (Counter::RecordsSent, self.records),
-            (Counter::DatagramsSent, sent.sent),
-            (Counter::SendFailures, sent.failed),
-        ] {
-            entry.counters[counter as usize] += count;
-        }
+        self.sender.count(entry);
     }
 }

@@ -12,20 +12,31 @@
 
 use super::check::{Checked, nanoseconds, problem, within};
 use super::raw::RawSource;
-use super::wide_area_sensor::{RawWideAreaSensor, sensors_called};
+use super::wide_area_sensor::RawWideAreaSensor;
 use super::{Input, Source};
 
 /// Lets the trackers know what they are linked with.
 pub(super) fn check_links(sources: &mut [Source], raw: &[RawSource], sensors: &[RawWideAreaSensor]) -> Checked<()> {
-    let finder = |source: &Source| (source.name.clone(), source.locator.is_some());
-    let finders: Vec<(String, bool)> = sources.iter().map(finder).collect();
+    let hears = |source: &&Source| source.locator.is_some();
+    let finders: Vec<(String, u16)> = sources
+        .iter()
+        .filter(hears)
+        .map(|finder| (finder.name.clone(), finder.number))
+        .collect();
+    let finders: Vec<(&str, u16)> = finders.iter().map(|(name, number)| (name.as_str(), *number)).collect();
+    let sensors: Vec<(&str, u16)> = (0..)
+        .zip(sensors)
+        .map(|(number, sensor)| (sensor.name.as_str(), number))
+        .collect();
     for (source, raw) in sources.iter_mut().zip(raw) {
         let (Some(tracker), Some(raw)) = (&mut source.tracker, &raw.tracker) else {
             continue;
         };
         let key = |part: &str| format!("source[{}].tracker.{part}", source.number);
-        tracker.wide_area_sensors = sensors_called(&key("wide_area_sensors"), &raw.wide_area_sensors, sensors)?;
-        tracker.emissions = finders_called(&key("emissions"), &raw.emissions, &finders)?;
+        let named = &raw.wide_area_sensors;
+        tracker.wide_area_sensors = numbers_of(&key("wide_area_sensors"), named, "[[wide_area_sensor]]", &sensors)?;
+        let kind = "direction finder among the sources";
+        tracker.emissions = numbers_of(&key("emissions"), &raw.emissions, kind, &finders)?;
         tracker.cues = raw.cues;
         tracker.output_period_ns = match raw.output_period_s {
             Some(period_s) => Some(nanoseconds(within(&key("output_period_s"), period_s, 0.01, 3600.0)?)),
@@ -52,26 +63,25 @@ pub(super) fn check_links(sources: &mut [Source], raw: &[RawSource], sensors: &[
     Ok(())
 }
 
-/// The numbers of the direction finders of these names, in their order.
-fn finders_called(key: &str, names: &[String], finders: &[(String, bool)]) -> Checked<Vec<u16>> {
+/// The numbers of these names, ascending, so that the order in which they are named does not matter. `known` are the names of
+/// a kind of thing with their numbers.
+fn numbers_of(key: &str, names: &[String], kind: &str, known: &[(&str, u16)]) -> Checked<Vec<u16>> {
     let mut numbers = Vec::new();
     for name in names {
-        let number = finders.iter().position(|(finder, hears)| finder == name && *hears);
-        let Some(number) = number else {
-            let known = finders.iter().filter(|(_, hears)| *hears);
-            let known: Vec<&str> = known.map(|(finder, _)| finder.as_str()).collect();
-            let known = if known.is_empty() {
+        let Some((_, number)) = known.iter().find(|(other, _)| other == name) else {
+            let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+            let names = if names.is_empty() {
                 "none".to_owned()
             } else {
-                known.join(", ")
+                names.join(", ")
             };
-            let what = format!("there is no direction finder named \"{name}\" among the sources; there are: {known}");
+            let what = format!("there is no {kind} named \"{name}\"; there are: {names}");
             return Err(problem(key, what));
         };
-        if numbers.contains(&(number as u16)) {
+        if numbers.contains(number) {
             return Err(problem(key, format!("\"{name}\" is named twice; name it once")));
         }
-        numbers.push(number as u16);
+        numbers.push(*number);
     }
     numbers.sort_unstable();
     Ok(numbers)

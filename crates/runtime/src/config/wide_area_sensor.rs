@@ -128,7 +128,7 @@ impl WideAreaSensor {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawWideAreaSensor {
-    name: String,
+    pub(super) name: String,
     live: Option<RawRows>,
     recorded: Option<RawRecordedRows>,
     tracks: Option<RawCountedTracks>,
@@ -305,30 +305,6 @@ fn check_tracks(
             },
         },
     })
-}
-
-/// The numbers of the sensors that the tracker of a source names.
-pub(super) fn sensors_called(key: &str, names: &[String], raw: &[RawWideAreaSensor]) -> Checked<Vec<u16>> {
-    let mut numbers = Vec::new();
-    for name in names {
-        let Some(number) = raw.iter().position(|sensor| sensor.name == *name) else {
-            let known: Vec<&str> = raw.iter().map(|sensor| sensor.name.as_str()).collect();
-            let known = if known.is_empty() {
-                "none".to_owned()
-            } else {
-                known.join(", ")
-            };
-            let what = format!("there is no [[wide_area_sensor]] named \"{name}\"; there are: {known}");
-            return Err(problem(key, what));
-        };
-        if numbers.contains(&(number as u16)) {
-            return Err(problem(key, format!("\"{name}\" is named twice; name it once")));
-        }
-        numbers.push(number as u16);
-    }
-    // In the order of their numbers, so that the order in which they are named does not matter.
-    numbers.sort_unstable();
-    Ok(numbers)
 }
 
 /// Recordings go with recordings: their times are of another day than those of what comes live.

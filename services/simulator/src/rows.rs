@@ -1,0 +1,67 @@
+//! Rows of a table in datagrams, each of which is a table by itself with its header line.
+
+use std::io;
+
+use messages::Counter;
+use net::UdpSender;
+use runtime::{HealthEntry, Process};
+
+use crate::{DATAGRAM_OCTETS_MAX, sender_to};
+
+/// The way out of an instrument that says what it has observed in rows.
+#[derive(Debug)]
+pub(crate) struct RowSender {
+    sender: UdpSender,
+    datagram: Vec<u8>,
+    rows: u64,
+}
+
+impl RowSender {
+    /// To the receiver of a simulated source or sensor, which is named like its adapter.
+    pub(crate) fn new(process: &Process, adapter: &str) -> anyhow::Result<Self> {
+        Ok(Self {
+            sender: sender_to(process, adapter)?,
+            datagram: Vec::with_capacity(DATAGRAM_OCTETS_MAX),
+            rows: 0,
+        })
+    }
+
+    /// Sends rows; `write` writes a table of those that it is given.
+    pub(crate) fn send<T>(&mut self, rows: &[T], write: impl Fn(&mut Vec<u8>, &[T]) -> io::Result<()>) {
+        let mut rest = rows;
+        while !rest.is_empty() {
+            let count = self.fill(rest, &write);
+            // What could not be sent is counted by the sender.
+            drop(self.sender.send(&self.datagram));
+            self.rows += count as u64;
+            rest = &rest[count..];
+        }
+    }
+
+    /// Writes as many rows as fit in by halving their number. Returns how many, at least one.
+    fn fill<T>(&mut self, rows: &[T], write: impl Fn(&mut Vec<u8>, &[T]) -> io::Result<()>) -> usize {
+        let mut count = rows.len();
+        loop {
+            self.datagram.clear();
+            // Writing into memory does not fail.
+            let written = write(&mut self.datagram, &rows[..count]);
+            debug_assert!(written.is_ok());
+            if count == 1 || self.datagram.len() <= DATAGRAM_OCTETS_MAX {
+                return count;
+            }
+            count = count.div_ceil(2);
+        }
+    }
+
+    /// Adds what was sent.
+    pub(crate) fn count(&self, entry: &mut HealthEntry) {
+        let sent = self.sender.counters();
+        for (counter, count) in [
+            (Counter::RecordsSent, self.rows),
+            (Counter::DatagramsSent, sent.sent),
+            (Counter::SendFailures, sent.failed),
+        ] {
+            entry.counters[counter as usize] += count;
+        }
+    }
+}
