@@ -269,6 +269,7 @@ proptest! {
     fn the_same_corrections_by_a_wide_area_report(scans in any_scans(), targets in 1..5u32) {
         let mut settings = exact_settings();
         settings.wide_area.tracks_min = 0.0;
+        settings.wide_area.corrects_confirmed_only = false;
         let before = run(&scans[..2], &settings);
         // One cluster, which every detection of the last scan belongs to.
         let reach = gates(settings.gate_probability)[1];

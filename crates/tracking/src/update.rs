@@ -29,7 +29,6 @@ use crate::settings::{Deletion, Settings};
 use crate::splitting::{DetectionCounts, Limits, company, mean_motion};
 use crate::stage::Stage;
 use crate::track::{HISTORY_MAX, NO_DETECTION, TENTATIVE, Track};
-use crate::wide_area::WideArea;
 use crate::wide_area::correction::{Gains, Rule, has_enough};
 use crate::wide_area::expectation::{Expectation, Expectations};
 use crate::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
@@ -160,13 +159,22 @@ impl<'a> Group<'a> {
 
     /// WA-4: by the rule where a report is due; later, by the one that holds.
     fn asked(&self, expectation: &Expectation) -> Asked {
-        let WideArea { correction, held, .. } = &self.scan.settings.wide_area;
+        let held = self.scan.settings.wide_area.held;
         let held = held.filter(|_| self.has_confirmed && expectation.targets.is_some());
+        let correction = self.correction();
         Asked {
             targets: expectation.targets,
-            correction: if expectation.is_due { *correction } else { held },
+            correction: if expectation.is_due { correction } else { held },
             corrects_children: expectation.is_due && correction.is_some(),
         }
+    }
+
+    /// WA-4: how reports that are due correct.
+    fn correction(&self) -> Option<Rule> {
+        let wide_area = &self.scan.settings.wide_area;
+        wide_area
+            .correction
+            .filter(|_| self.has_confirmed || !wide_area.corrects_confirmed_only)
     }
 
     /// WA-8: when tracks are given up where wide-area reports show none.
@@ -241,7 +249,7 @@ impl Update {
         self.pose(&group, counts);
         dropped += self.draw(&group, next, counts);
         let uncorrected = scan.observer.map(|_| self.share_of_enough());
-        self.correct_children(scan.settings.wide_area.correction);
+        self.correct_children(group.correction());
         if let (Some(observer), Some(before)) = (scan.observer, uncorrected) {
             self.explain_corrections(&group, observer, before);
         }

@@ -2,7 +2,7 @@
 
 use formats::detection::Detection;
 
-use crate::settings::{Confirmation, Deletion, SensorSettings};
+use crate::settings::{Clutter, Confirmation, Deletion, SensorSettings};
 use crate::testing::{S, position, settings};
 use crate::wide_area::correction::Rule;
 use crate::wide_area::group::Groups;
@@ -68,6 +68,39 @@ fn a_report_is_used_once_in_the_first_scan_after_its_arrival() {
     }
     assert_eq!(supported.counts().wide_area_corrections, 1);
     assert_eq!(plain.counts().detections, supported.counts().detections);
+}
+
+#[test]
+fn the_search_for_a_second_target_does_not_keep_the_first_from_being_believed() {
+    // Along north the sensor is so coarse that any false detection may be a second target; each scan is told of two.
+    let confirmed = |confirmed_only: bool, reported: bool| {
+        let mut chosen = settings();
+        chosen.sensors[0].clutter = Clutter::Learned;
+        chosen.wide_area.corrects_confirmed_only = confirmed_only;
+        let mut tracker = Tracker::new(chosen).unwrap();
+        let mut shown = 0;
+        for second in 0..40 {
+            if reported && second > 0 {
+                tracker.wide_area(&report(second - 1, second, 2)).unwrap();
+            }
+            let coarse = |east: f64, north: f64| Detection {
+                sigmas: Some([10.0, 1900.0, 0.0, 0.0]),
+                ..position(second * S, east, north)
+            };
+            let wobble = 3.0 * ((second * 7) % 5 - 2) as f64;
+            let clutter = ((second * 7919) % 4001 - 2000) as f64 * 10.0;
+            let scan = [
+                coarse(15.0 * second as f64 + wobble, 20.0 * wobble),
+                coarse(clutter, 1.5 * clutter),
+            ];
+            tracker.scan(1, second * S, &scan).unwrap();
+            shown += tracker.tracks().len();
+        }
+        shown
+    };
+    let (plain, with, source) = (confirmed(true, false), confirmed(true, true), confirmed(false, true));
+    assert!(plain > 20 && with >= plain, "{plain} {with} {source}");
+    assert!(source < plain / 2, "{plain} {with} {source}");
 }
 
 #[test]

@@ -58,6 +58,7 @@ const SUM_MORE: f64 = 1e-9;
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawWideArea {
     correction: OffOr<RawCorrection>,
+    corrects_confirmed_only: bool,
     held: OffOr<RawCorrection>,
     range_m: f64,
     tracks_min: f64,
@@ -224,6 +225,7 @@ impl Default for RawWideArea {
         let usual = WideArea::default();
         Self {
             correction: OffOr(usual.correction.map(RawCorrection::of)),
+            corrects_confirmed_only: usual.corrects_confirmed_only,
             held: OffOr(usual.held.map(RawCorrection::of)),
             range_m: usual.range_m,
             tracks_min: usual.tracks_min,
@@ -328,6 +330,7 @@ impl RawWideArea {
         let [shortest_s, longest_s] = TIMES_S;
         Ok(WideArea {
             correction: self.correction.checked(|raw| raw.rule(&key("correction")))?,
+            corrects_confirmed_only: self.corrects_confirmed_only,
             held: self.held.checked(|raw| raw.rule(&key("held")))?,
             range_m: within(&key("range_m"), self.range_m, 1.0, FAR_M)?,
             tracks_min: within(&key("tracks_min"), self.tracks_min, 0.0, f64::from(TARGETS_MAX))?,

@@ -17,6 +17,9 @@ use crate::track::Track;
 pub struct WideArea {
     /// WA-4: how reliabilities are corrected (`None`: not at all).
     pub correction: Option<Rule>,
+    /// Only clusters with a confirmed track are corrected, so that the search for a second target does not keep the first one
+    /// from being believed. `false` is the source's rule.
+    pub corrects_confirmed_only: bool,
     /// How reliabilities are corrected in the scans after that, for as long as the report is valid: of clusters with a
     /// confirmed track, before the scan only. A small share keeps hypotheses with enough tracks from being dropped until
     /// the next report, without making anything believed (`None`: not at all, the source's rule).
@@ -102,6 +105,7 @@ impl Default for WideArea {
     fn default() -> Self {
         Self {
             correction: Some(Rule::Share(0.6)),
+            corrects_confirmed_only: true,
             held: Some(Rule::Share(0.1)),
             range_m: 5000.0,
             tracks_min: 0.5,

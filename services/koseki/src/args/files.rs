@@ -229,9 +229,10 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
            [selection]                   # refuse detections: age_max_s, sigma_max_m, same_time_s of sensors by their priority;
                                          # kept_weight: use them with less weight
            [wide_area]
-           correction = { share = 0.6 }  # or { factor = 4.0 }; held = { share = 0.1 }, range_m = 5000.0,
-                                         # tracks_min = 0.5, others_count = true, valid_s = 30.0, delay_max_s = 120.0, and \"off\" unless given:
-                                         # sharing, deletion, groups, each {} or with keys; confirmation = {} is on
+           correction = { share = 0.6 }  # or { factor = 4.0 }; corrects_confirmed_only = true, held = { share = 0.1 },
+                                         # range_m = 5000.0, tracks_min = 0.5, others_count = true, valid_s = 30.0,
+                                         # delay_max_s = 120.0, and \"off\" unless given: sharing, deletion, groups, each {}
+                                         # or with keys; confirmation = {} is on
            [[wide_area.type]]            # name = \"patrol\", emissions = [{ frequency_hz = [9.3e9, 9.5e9] }]
            [[wide_area.prior]]           # sector = { from_m = [0, 0], bearings_deg = [20, 60] } or circle; types, formations
          docs/tracking.md says when to choose what, docs/wide-area.md what stands in [wide_area] and [selection].
