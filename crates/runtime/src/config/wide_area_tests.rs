@@ -18,7 +18,7 @@ fn settings(text: &str) -> Result<Settings, String> {
         .map_err(|error| error.to_string())
 }
 
-const ALL: &str = "[wide_area]\ncorrection = { factor = 4 }\nheld = { share = 0.2 }\nrange_m = 3000\ntracks_min = 0\nothers_count = false\n\
+const ALL: &str = "[wide_area]\ncorrection = { factor = 4 }\ncorrects_confirmed_only = false\nheld = { share = 0.2 }\nrange_m = 3000\ntracks_min = 0\nothers_count = false\n\
     groups = { probability_min = 0.7 }\nvalid_s = 20\ndelay_max_s = 0\n\
     [wide_area.sharing]\nwhole = false\nby_tracks = true\nexcess = 1.2\ngroup_m = 400\n\
     [wide_area.confirmation]\nnew_target_share = 0.5\nbeside_confirmed_only = false\nreliability_min = 0.8\n\
@@ -42,6 +42,7 @@ fn every_key_is_heard() {
     };
     let expected = WideArea {
         correction: Some(Rule::Factor(4.0)),
+        corrects_confirmed_only: false,
         held: Some(Rule::Share(0.2)),
         range_m: 3000.0,
         tracks_min: 0.0,
