@@ -160,10 +160,18 @@ fn what_a_killed_measurement_leaves_is_removed_by_the_next() {
     bench.end();
     home::until("its processes have ended", || home.processes().is_empty());
     assert!(home.root(&instance).path().exists());
+    let folders = || {
+        let all = std::fs::read_dir(std::env::temp_dir()).unwrap().flatten();
+        let prefix = format!("koseki-{instance}-");
+        all.filter(|folder| folder.file_name().to_string_lossy().starts_with(&prefix))
+            .count()
+    };
+    assert_eq!(folders(), 1);
     let next = home.run(&options);
     let said = String::from_utf8_lossy(&next.stderr);
     assert_eq!(next.status.code(), Some(0), "{said}");
     assert!(said.contains(&format!("instance {instance} had left")), "{said}");
+    assert_eq!(folders(), 0);
     home.assert_nothing_is_left(&instance);
 }
 

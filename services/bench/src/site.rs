@@ -53,7 +53,7 @@ impl Site {
     pub(crate) fn prepare(settings: &Settings, stop: &Stop) -> anyhow::Result<Self> {
         remove_left_behind();
         let instance = format!("{INSTANCES}{}", std::process::id());
-        let folder = tempfile::Builder::new().prefix("koseki-bench-").tempdir();
+        let folder = tempfile::Builder::new().prefix(&folder_prefix(&instance)).tempdir();
         let folder = folder.context("making a folder for the configuration")?;
         let config = write_config(
             folder.path(),
@@ -245,8 +245,22 @@ fn remove_left_behind() {
         if let Ok(claim) = left.root.claim()
             && claim.remove().is_ok()
         {
+            remove_folders(&folder_prefix(name));
             progress::say(&format!("removed what the killed bench of instance {name} had left"));
         }
+    }
+}
+
+/// How the name of the folder begins that holds an instance's configuration.
+fn folder_prefix(instance: &str) -> String {
+    format!("koseki-{instance}-")
+}
+
+fn remove_folders(prefix: &str) {
+    let folders = std::fs::read_dir(std::env::temp_dir()).into_iter().flatten().flatten();
+    for folder in folders.filter(|folder| folder.file_name().to_string_lossy().starts_with(prefix)) {
+        // As above.
+        let _ = std::fs::remove_dir_all(folder.path());
     }
 }
 
