@@ -7,19 +7,16 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
-use formats::detection::Detection;
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, SystemTrackWriter};
-use formats::wide_area::{WideAreaReport, WideAreaWriter};
-use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SensorDetection, SensorTrack, SystemTrack, WideArea};
+use formats::wide_area::WideAreaWriter;
+use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SystemTrack};
 use runtime::config::Config;
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::recovery::{self, Opened};
-
-/// Slices taken from one topic before the next one's turn.
-const SLICES_PER_TOPIC: usize = 64;
+use crate::topic_file::{SLICES_PER_TOPIC, TopicFile};
 
 /// Turns in which what is still waiting is written at the end.
 const TURNS_AT_CLOSE: usize = 1000;
@@ -27,50 +24,15 @@ const TURNS_AT_CLOSE: usize = 1000;
 /// The recorder as an agent; generic over the transport, so that tests drive it in process.
 #[derive(Debug)]
 pub struct RecorderAgent<S: Transport> {
-    sources: Vec<SourceFile<S>>,
+    sources: Vec<TopicFile<S, SensorTrackWriter<BufWriter<File>>>>,
     /// Of the sources whose tracks are made of detections.
-    detections: Vec<DetectionFile<S>>,
+    detections: Vec<TopicFile<S, DetectionWriter<BufWriter<File>>>>,
     /// Of the wide-area sensors.
-    counts: Vec<CountFile<S>>,
+    counts: Vec<TopicFile<S, WideAreaWriter<BufWriter<File>>>>,
     system: SystemFile<S>,
     waiter: Waiter<S>,
     /// Recordings: says how far the recorder has got, so that nothing is lost.
     reached: Option<Reached<S>>,
-}
-
-#[derive(Debug)]
-struct SourceFile<S: Transport> {
-    source: u16,
-    subscriber: Subscriber<S, SensorTrack>,
-    writer: SensorTrackWriter<BufWriter<File>>,
-    /// Reports of a recording are numbered: those below this have been written, whoever publishes them again.
-    next_sequence: u64,
-    /// Reports of a recording that were published but are in no row: a recorder died with them.
-    missed: u64,
-    rows: u64,
-    ended: bool,
-}
-
-#[derive(Debug)]
-struct DetectionFile<S: Transport> {
-    source: u16,
-    subscriber: Subscriber<S, SensorDetection>,
-    writer: DetectionWriter<BufWriter<File>>,
-    /// As of sensor tracks.
-    next_sequence: u64,
-    rows: u64,
-    ended: bool,
-}
-
-#[derive(Debug)]
-struct CountFile<S: Transport> {
-    sensor: u16,
-    subscriber: Subscriber<S, WideArea>,
-    writer: WideAreaWriter<BufWriter<File>>,
-    /// As of sensor tracks.
-    next_sequence: u64,
-    rows: u64,
-    ended: bool,
 }
 
 #[derive(Debug)]
@@ -101,66 +63,50 @@ impl<S: Transport> RecorderAgent<S> {
         let resume = recovery::claim(folder, run)?;
         let open = |name: String| recovery::open(&folder.join(name), resume);
         let mut waiter = bus.waiter(WaitMode::Event);
-        let mut sources = Vec::new();
+        let (mut sources, mut detections, mut counts) = (Vec::new(), Vec::new(), Vec::new());
         for source in &config.sources {
-            let topic = messages::sensor_tracks(&source.name);
-            waiter.watch(bus, &topic)?;
-            let Opened { file, rows } = open(format!("sensor_tracks_{}.csv", source.name))?;
-            let file = BufWriter::new(file);
-            sources.push(SourceFile {
-                source: source.number,
-                subscriber: bus.subscriber(&topic, || incarnation)?,
-                writer: match rows {
-                    0 => SensorTrackWriter::begin(file, first_day_ns)?,
-                    _ => SensorTrackWriter::resume(file, first_day_ns),
-                },
-                // A recording's reports are numbered from 0, and each is one row.
-                next_sequence: rows,
-                missed: 0,
-                rows: 0,
-                ended: false,
-            });
+            let (topic, number) = (messages::sensor_tracks(&source.name), source.number);
+            let file = open(format!("sensor_tracks_{}.csv", source.name))?;
+            let ground = (bus, &mut waiter);
+            sources.push(TopicFile::open(
+                ground,
+                incarnation,
+                &topic,
+                number,
+                file,
+                first_day_ns,
+            )?);
         }
-        let mut detections = Vec::new();
         for source in config.sources.iter().filter(|source| source.tracker.is_some()) {
-            let topic = messages::sensor_detections(&source.name);
-            waiter.watch(bus, &topic)?;
-            let Opened { file, rows } = open(format!("detections_{}.csv", source.name))?;
-            let file = BufWriter::new(file);
-            detections.push(DetectionFile {
-                source: source.number,
-                subscriber: bus.subscriber(&topic, || incarnation)?,
-                writer: match rows {
-                    0 => DetectionWriter::begin(file, first_day_ns)?,
-                    _ => DetectionWriter::resume(file, first_day_ns),
-                },
-                next_sequence: rows,
-                rows: 0,
-                ended: false,
-            });
+            let (topic, number) = (messages::sensor_detections(&source.name), source.number);
+            let file = open(format!("detections_{}.csv", source.name))?;
+            let ground = (bus, &mut waiter);
+            detections.push(TopicFile::open(
+                ground,
+                incarnation,
+                &topic,
+                number,
+                file,
+                first_day_ns,
+            )?);
         }
-        let mut counts = Vec::new();
         for sensor in &config.wide_area_sensors {
-            let topic = messages::wide_area(&sensor.name);
-            waiter.watch(bus, &topic)?;
-            let Opened { file, rows } = open(format!("wide_area_{}.csv", sensor.name))?;
-            let file = BufWriter::new(file);
-            counts.push(CountFile {
-                sensor: sensor.number,
-                subscriber: bus.subscriber(&topic, || incarnation)?,
-                writer: match rows {
-                    0 => WideAreaWriter::begin(file, first_day_ns)?,
-                    _ => WideAreaWriter::resume(file, first_day_ns),
-                },
-                next_sequence: rows,
-                rows: 0,
-                ended: false,
-            });
+            let (topic, number) = (messages::wide_area(&sensor.name), sensor.number);
+            let file = open(format!("wide_area_{}.csv", sensor.name))?;
+            let ground = (bus, &mut waiter);
+            counts.push(TopicFile::open(
+                ground,
+                incarnation,
+                &topic,
+                number,
+                file,
+                first_day_ns,
+            )?);
         }
         waiter.watch(bus, &messages::system_tracks())?;
-        let of_sources = sources.iter().map(|source| source.source);
-        let of_detections = detections.iter().map(|file| messages::detections_number(file.source));
-        let of_counts = counts.iter().map(|file| messages::wide_area_number(file.sensor));
+        let of_sources = sources.iter().map(|source| source.number);
+        let of_detections = detections.iter().map(|file| messages::detections_number(file.number));
+        let of_counts = counts.iter().map(|file| messages::wide_area_number(file.number));
         let topics = of_sources.chain([NO_SOURCE]).chain(of_detections).chain(of_counts);
         let topics: Vec<u16> = topics.collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &topics);
@@ -225,93 +171,6 @@ impl<S: Transport> RecorderAgent<S> {
             && self.sources.iter().all(|source| source.ended)
             && self.detections.iter().all(|file| file.ended)
             && self.counts.iter().all(|file| file.ended)
-    }
-}
-
-impl<S: Transport> SourceFile<S> {
-    fn write_arrived(&mut self, recorded: bool, mut done: impl FnMut(&BatchHeader, u64)) -> anyhow::Result<bool> {
-        let mut failed = Ok(());
-        let (writer, next_sequence, rows, ended) = (
-            &mut self.writer,
-            &mut self.next_sequence,
-            &mut self.rows,
-            &mut self.ended,
-        );
-        let (source, missed) = (self.source, &mut self.missed);
-        let taken = self.subscriber.take(SLICES_PER_TOPIC, |header, reports| {
-            for report in reports {
-                if recorded && report.sequence < *next_sequence {
-                    continue;
-                }
-                *missed += if recorded { report.sequence - *next_sequence } else { 0 };
-                *next_sequence = report.sequence + 1;
-                *rows += 1;
-                let report = SensorTrack { source, ..*report };
-                failed = std::mem::replace(&mut failed, Ok(())).and_then(|()| writer.write(&report));
-            }
-            *ended |= header.flags & BatchHeader::END != 0;
-            done(header, *next_sequence);
-        })?;
-        failed.context("writing sensor tracks")?;
-        Ok(taken > 0)
-    }
-}
-
-impl<S: Transport> DetectionFile<S> {
-    fn write_arrived(&mut self, recorded: bool, mut done: impl FnMut(&BatchHeader, u64)) -> anyhow::Result<bool> {
-        let mut failed = Ok(());
-        let (writer, next_sequence, rows, ended) = (
-            &mut self.writer,
-            &mut self.next_sequence,
-            &mut self.rows,
-            &mut self.ended,
-        );
-        let source = self.source;
-        let taken = self.subscriber.take(SLICES_PER_TOPIC, |header, samples| {
-            for sample in samples {
-                if recorded && sample.sequence < *next_sequence {
-                    continue;
-                }
-                *next_sequence = sample.sequence + 1;
-                let sample = SensorDetection { source, ..*sample };
-                // A kind that is not known is of another schema, whose slices are not taken.
-                if let Some(detection) = Detection::of_sample(&sample) {
-                    *rows += 1;
-                    failed = std::mem::replace(&mut failed, Ok(())).and_then(|()| writer.write(&detection));
-                }
-            }
-            *ended |= header.flags & BatchHeader::END != 0;
-            done(header, *next_sequence);
-        })?;
-        failed.context("writing detections")?;
-        Ok(taken > 0)
-    }
-}
-
-impl<S: Transport> CountFile<S> {
-    fn write_arrived(&mut self, recorded: bool, mut done: impl FnMut(&BatchHeader, u64)) -> anyhow::Result<bool> {
-        let mut failed = Ok(());
-        let (writer, next_sequence, rows, ended) = (
-            &mut self.writer,
-            &mut self.next_sequence,
-            &mut self.rows,
-            &mut self.ended,
-        );
-        let taken = self.subscriber.take(SLICES_PER_TOPIC, |header, samples| {
-            for sample in samples {
-                if recorded && sample.sequence < *next_sequence {
-                    continue;
-                }
-                *next_sequence = sample.sequence + 1;
-                *rows += 1;
-                let report = WideAreaReport::of_sample(sample);
-                failed = std::mem::replace(&mut failed, Ok(())).and_then(|()| writer.write(&report));
-            }
-            *ended |= header.flags & BatchHeader::END != 0;
-            done(header, *next_sequence);
-        })?;
-        failed.context("writing wide-area reports")?;
-        Ok(taken > 0)
     }
 }
 
@@ -383,7 +242,7 @@ impl<S: Transport> Agent for RecorderAgent<S> {
         for source in &self.sources {
             let counts = source.subscriber.counts();
             let mut entry = HealthEntry {
-                source: source.source,
+                source: source.number,
                 ..HealthEntry::default()
             };
             entry.set(Counter::Taken, counts.taken);
@@ -396,8 +255,7 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                     counts.lost
                 },
             );
-            let of_source = |file: &&DetectionFile<S>| file.source == source.source;
-            let detections = self.detections.iter().find(of_source);
+            let detections = self.detections.iter().find(|file| file.number == source.number);
             let lost = detections.map_or(0, |file| file.subscriber.counts().lost);
             entry.set(Counter::Lost, entry.counters[Counter::Lost as usize] + lost);
             entry.set(Counter::SchemaMismatch, counts.schema_mismatch);
@@ -416,18 +274,9 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                 break;
             }
         }
-        self.sources
-            .iter_mut()
-            .try_for_each(|source| source.writer.flush())
-            .context("writing sensor tracks")?;
-        self.detections
-            .iter_mut()
-            .try_for_each(|file| file.writer.flush())
-            .context("writing detections")?;
-        self.counts
-            .iter_mut()
-            .try_for_each(|file| file.writer.flush())
-            .context("writing wide-area reports")?;
+        self.sources.iter_mut().try_for_each(TopicFile::flush)?;
+        self.detections.iter_mut().try_for_each(TopicFile::flush)?;
+        self.counts.iter_mut().try_for_each(TopicFile::flush)?;
         self.system.writer.flush().context("writing system tracks")
     }
 }

@@ -10,6 +10,7 @@
 
 mod agent;
 mod recovery;
+mod topic_file;
 
 pub use agent::RecorderAgent;
 
