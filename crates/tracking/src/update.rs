@@ -344,7 +344,8 @@ impl Update {
             }
         }
         let after = self.share_of_enough();
-        if before != after {
+        // Written so that NaN, of no children at all, explains nothing.
+        if after > before {
             let due = group.expectations().filter(|expectation| expectation.is_due);
             observer.explain(&Explanation::Correction(CorrectionRecord {
                 targets: due.filter_map(|expectation| expectation.targets).sum(),

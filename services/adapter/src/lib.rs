@@ -2,9 +2,9 @@
 //! them.
 //!
 //! Where the data come from is one file each: `recording` and `content` decode a recorded file, and `replay` paces it by its own
-//! times;
-//! `datagrams`, `lines` and `bearings` receive from the network. `wide_area` is the same for sensors that only count. What they share is the way from there: the source's stage makes sensor
-//! tracks of what was observed (`stages`), and, for live sources, `channel` publishes them.
+//! times; `datagrams`, `lines` and `bearings` receive from the network. What they share is the way from there: the source's
+//! stage makes sensor tracks of what was observed (`stages`), and, for live sources, `channel` publishes them. Sensors that only
+//! count are in `wide_area`, from the network or a recording to what is published.
 
 #![forbid(unsafe_code)]
 
@@ -26,8 +26,8 @@ use crate::bearings::Bearings;
 use crate::datagrams::Datagrams;
 use crate::lines::Lines;
 
-/// Runs the adapter that the process is named after: of the receiver of that name, of the recorded source, or of a
-/// wide-area sensor. Runs until
+/// Runs the adapter that the process is named after (of the receiver of that name, of the recorded source, or of a wide-area
+/// sensor) until
 /// it has finished or is told to stop.
 ///
 /// # Errors
