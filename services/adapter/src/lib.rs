@@ -27,8 +27,7 @@ use crate::datagrams::Datagrams;
 use crate::lines::Lines;
 
 /// Runs the adapter that the process is named after (of the receiver of that name, of the recorded source, or of a wide-area
-/// sensor) until
-/// it has finished or is told to stop.
+/// sensor) until it has finished or is told to stop.
 ///
 /// # Errors
 /// If there is no such source, its input cannot be read, or shared memory fails.
