@@ -9,10 +9,10 @@ mod files;
 use std::hint::black_box;
 use std::time::Duration;
 
+use asterix::categories::{CAT021_V0_23, CAT048_V1_31};
+use asterix::{BlockWriter, Category, Decoder, Mode, NamedRecord, Record, Value, blocks};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use formats::asterix::categories::{CAT021_V0_23, CAT048_V1_31};
-use formats::asterix::{BlockWriter, Category, Decoder, Mode, NamedRecord, Record, Value, blocks};
 use formats::reports::observation;
 
 const RECORDINGS: &[(&str, &str)] = &[

@@ -15,11 +15,11 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context as _;
-use formats::asterix::{blocks, registry};
-use formats::outgoing::{HeightReference, SensorReports};
+use asterix::{blocks, registry};
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits as bits};
 use net::{Interface, ReceiverSettings, SenderSettings, UdpReceiver, UdpSender};
+use outgoing::{HeightReference, SensorReports};
 
 const TARGETS: u64 = 4_000;
 const GRID: u64 = 64;

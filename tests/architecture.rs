@@ -12,6 +12,8 @@ const ORDER: &[&str] = &[
     "estimation",
     "telemetry",
     "association",
+    "asterix",
+    "outgoing",
     "formats",
     "scenario",
     "scoring",

@@ -8,10 +8,10 @@ use std::net::{SocketAddr, UdpSocket};
 use std::process::Command;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use formats::asterix::registry;
-use formats::outgoing::SensorReports;
+use asterix::registry;
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use home::{Home, Running, kill, until};
+use outgoing::SensorReports;
 use rustix::process::Signal;
 
 /// Time between two scans: so short that a test of many scans is short, too.

@@ -9,13 +9,13 @@ use std::io::Write as _;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use formats::asterix::typed::{cat062, cat063, cat065};
-use formats::asterix::{Decoder, Mode, registry};
-use formats::outgoing::{HeightReference, SensorReports};
+use asterix::typed::{cat062, cat063, cat065};
+use asterix::{Decoder, Mode, registry};
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use home::{Home, PATIENCE, Running, kill};
 use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits as bits};
 use net::{Interface, ReceiverSettings, SenderSettings, UdpReceiver, UdpSender};
+use outgoing::{HeightReference, SensorReports};
 use rustix::process::Signal;
 
 /// Targets that the test's sensors see.

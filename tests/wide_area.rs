@@ -11,12 +11,12 @@ mod pair;
 
 use std::fs;
 
+use asterix::registry;
 use bus::{SharedMemory, Subscriber};
-use formats::asterix::registry;
-use formats::outgoing::SystemReports;
 use frames::time::NS_PER_DAY;
 use home::{kill, until};
 use messages::{Cue, SystemTrack, TrackState, WideArea};
+use outgoing::SystemReports;
 use pair::{HEADER, NS, ROWS, SPEED_MPS, Site, deployment, free_ports, system, utc_ns};
 use runtime::clock::mono_ns;
 use rustix::process::Signal;

@@ -12,7 +12,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use formats::asterix::{blocks, registry};
+use asterix::{blocks, registry};
 use formats::containers::datagrams;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -4,8 +4,8 @@
 
 /// Inputs of the target `codec`: one octet that chooses the table and the mode, then the body of a data block.
 pub mod codec {
-    use formats::asterix::block::HEADER_OCTETS;
-    use formats::asterix::{Category, Mode, registry};
+    use asterix::block::HEADER_OCTETS;
+    use asterix::{Category, Mode, registry};
 
     /// The most octets of a body.
     pub const BODY_OCTETS_MAX: usize = u16::MAX as usize - HEADER_OCTETS;

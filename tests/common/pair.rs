@@ -7,11 +7,11 @@ use std::fs;
 use std::net::{SocketAddr, UdpSocket};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use asterix::registry;
 use bus::{Bus, SharedMemory};
-use formats::asterix::registry;
-use formats::outgoing::SensorReports;
 use frames::time::NS_PER_DAY;
 use frames::{Geodetic, SensorFrame, SystemFrame};
+use outgoing::SensorReports;
 
 use crate::home::{Home, Running, until};
 

@@ -5,8 +5,7 @@
 //! replay of a recording and a command-line decoder, and every byte offset in an error is an offset in what the caller
 //! passed.
 //!
-//! - [`asterix`]: EUROCONTROL's binary format for surveillance data (radar, multilateration, ADS-B);
-//! - [`containers`]: what recordings of it come packed in: captures of networks, recorders' frames;
+//! - [`containers`]: what recordings of [`asterix`] come packed in: captures of networks, recorders' frames;
 //! - [`recording`]: a recording as a whole: which of its records can be believed, and statistics of them;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`reports`]: what such records and lines mean to the pipeline: checked sensor tracks in the system frame;
@@ -15,12 +14,10 @@
 //! - [`bearing`]: directions of emitters, for sensors that measure nothing else;
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`]: these inputs as rows of text, by the rules of
 //!   [`csv_table`];
-//! - [`outgoing`]: the way back, tracks as data blocks for other systems;
 //! - [`tracks_csv`]: sensor tracks and system tracks as output.
 
 #![forbid(unsafe_code)]
 
-pub mod asterix;
 pub mod autoferry;
 pub mod bearing;
 pub mod bearings_csv;
@@ -28,7 +25,6 @@ pub mod containers;
 pub mod csv_table;
 pub mod detection;
 pub mod detections_csv;
-pub mod outgoing;
 pub mod recording;
 pub mod reports;
 pub mod sbs;

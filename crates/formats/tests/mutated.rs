@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::env;
 use std::thread;
 
-use formats::asterix::{Block, Category, Mode, blocks, registry};
+use asterix::{Block, Category, Mode, blocks, registry};
 
 /// Mutations where the environment does not say: a few seconds of testing.
 const MUTATIONS: u64 = 100_000;

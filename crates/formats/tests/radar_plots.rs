@@ -12,8 +12,8 @@ use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use formats::asterix::typed::cat048;
-use formats::asterix::{Decoder, Mode};
+use asterix::typed::cat048;
+use asterix::{Decoder, Mode};
 use formats::containers::datagrams;
 use formats::reports::observation::{self, Reading};
 use formats::reports::{

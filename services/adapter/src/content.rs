@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::io::Cursor;
 
-use formats::asterix::{Decoder, blocks};
+use asterix::{Decoder, blocks};
 use formats::containers::{Container, datagrams};
 use formats::csv_table::CsvError;
 use formats::reports::observation::{self, Reading};

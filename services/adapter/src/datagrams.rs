@@ -13,7 +13,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::time::Duration;
 
 use anyhow::Context as _;
-use formats::asterix::{Counts, Decoder, blocks};
+use asterix::{Counts, Decoder, blocks};
 use formats::reports::observation::{self, Reading};
 use messages::{COUNTERS_MAX, Counter};
 use net::{ReceiverSettings, UdpReceiver};

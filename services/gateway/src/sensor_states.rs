@@ -3,8 +3,8 @@
 //! A sensor works when its adapter goes on publishing reports of it. One that has published nothing for a while may be
 //! broken, or have nothing in view: degraded. One whose adapter says nothing any more is not connected; so is fusion.
 
-use formats::outgoing::{Condition, SendBlock, SensorStatus, StatusReports, SystemStatus};
 use messages::{Counter, Health, NO_SOURCE, ProcessKind};
+use outgoing::{Condition, SendBlock, SensorStatus, StatusReports, SystemStatus};
 use runtime::Now;
 use runtime::config::Config;
 

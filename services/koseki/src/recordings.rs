@@ -12,7 +12,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use formats::asterix::{Error as BlockError, blocks, registry};
+use asterix::{Error as BlockError, blocks, registry};
 use formats::containers::{Container, datagrams};
 use formats::csv_table::CsvError;
 use formats::reports::observation::{Reading, read};

@@ -1,10 +1,10 @@
 //! A simulated sensor with its way out: what it tracks, or its plots, in ASTERIX of the category of its kind.
 
 use anyhow::Context as _;
-use formats::asterix::{Category, registry};
-use formats::outgoing::{HeightReference, SensorReports};
+use asterix::{Category, registry};
 use messages::{Counter, NS_PER_S, SensorTrack};
 use net::UdpSender;
+use outgoing::{HeightReference, SensorReports};
 use runtime::config::Source;
 use runtime::{HealthEntry, Now, Process};
 use scenario::{Plot, SensorKind, SensorSettings, SimulatedSensor, Truth};

@@ -31,8 +31,8 @@ pub use statistics::{Rate, Sender, SenderSummary, Statistics};
 
 use std::collections::BTreeMap;
 
-use crate::asterix::{Block, Category, Edition, Error, Mode, Record, blocks_at, registry};
 use crate::containers::{Container, Counts, Datagram, Datagrams, TimeStamp};
+use asterix::{Block, Category, Edition, Error, Mode, Record, blocks_at, registry};
 
 /// The bytes of a recording, and how to read them.
 #[derive(Debug, Clone)]

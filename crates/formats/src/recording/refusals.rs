@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::asterix::Error;
 use crate::containers::Skipped;
+use asterix::Error;
 
 /// Everything refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 use frames::time::{DayUnroller, NS_PER_DAY, NS_PER_S, seconds, time_of_day_ns};
 use serde::Serialize;
 
-use crate::asterix::Record;
 use crate::containers::TimeStamp;
+use asterix::Record;
 
 /// The item with a record's time of day, 24 bits of 1/128 s; of several, the first that is present counts. CAT001 has
 /// only the last 512 s of it.

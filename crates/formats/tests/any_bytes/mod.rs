@@ -2,9 +2,9 @@
 //!
 //! Used by the property tests, by the mutated recordings and by the fuzz target: whoever has bytes calls [`check`].
 
-use formats::asterix::encode_error::EncodeFault;
-use formats::asterix::text::UNDEFINED;
-use formats::asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value, registry};
+use asterix::encode_error::EncodeFault;
+use asterix::text::UNDEFINED;
+use asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value, registry};
 use formats::reports::observation;
 
 /// No octet makes more values than this: eight flags, and the groups around them.

@@ -3,8 +3,8 @@
 use std::hint::black_box;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use formats::asterix::typed::*;
-use formats::asterix::{Decoder, Mode, registry};
+use asterix::typed::*;
+use asterix::{Decoder, Mode, registry};
 
 use crate::generator::Entropy;
 use crate::sample::block;

@@ -1,8 +1,8 @@
 //! Octets in canonical form, put together bit by bit: no spare bit set, no octet of an FSPEC too many, no code
 //! without a character. Their values have this encoding and no other.
 
-use formats::asterix::table::{Category, Content, Layout, Part, TextCoding, Uap};
-use formats::asterix::text::icao_code;
+use asterix::table::{Category, Content, Layout, Part, TextCoding, Uap};
+use asterix::text::icao_code;
 
 use crate::generator::{Entropy, fspec};
 use crate::values::{bits_each, decision, ends_in_fx, parts_sent};

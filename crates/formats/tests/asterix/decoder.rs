@@ -1,6 +1,6 @@
 //! Blocks, tables and counters together.
 
-use formats::asterix::{Counts, Decoder, Error, Mode};
+use asterix::{Counts, Decoder, Error, Mode};
 
 use crate::sample::{SAMPLE, block};
 

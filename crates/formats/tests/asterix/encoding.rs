@@ -1,7 +1,7 @@
 //! Each kind of item, into octets worked out by hand; and records packed into blocks.
 
-use formats::asterix::named::UNKNOWN_EXTENSION;
-use formats::asterix::{BlockWriter, EncodeError, NamedRecord, Value, blocks};
+use asterix::named::UNKNOWN_EXTENSION;
+use asterix::{BlockWriter, EncodeError, NamedRecord, Value, blocks};
 
 use crate::sample::{PLOT_OR_TRACK, SAMPLE, encode_item};
 

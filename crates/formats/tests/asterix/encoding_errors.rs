@@ -1,8 +1,8 @@
 //! Each error of the encoder, with its whole message: where, what, and the limits.
 
-use formats::asterix::encode_error::{EncodeFault, Place};
-use formats::asterix::named::UNKNOWN_EXTENSION;
-use formats::asterix::{EncodeError, NamedRecord, Value};
+use asterix::encode_error::{EncodeFault, Place};
+use asterix::named::UNKNOWN_EXTENSION;
+use asterix::{EncodeError, NamedRecord, Value};
 
 use crate::sample::{PLOT_OR_TRACK, SAMPLE, encode_item};
 

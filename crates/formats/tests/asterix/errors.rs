@@ -1,7 +1,7 @@
 //! Each error, with its whole message: what, where, found and expected.
 
-use formats::asterix::Mode::{Lenient, Strict};
-use formats::asterix::{Error, blocks};
+use asterix::Mode::{Lenient, Strict};
+use asterix::{Error, blocks};
 
 use crate::sample::{PLOT_OR_TRACK, SAMPLE, block, error, item, read};
 

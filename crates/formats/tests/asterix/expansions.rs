@@ -1,8 +1,8 @@
 //! The content of reserved expansion fields, from hand-made octets and from any.
 
-use formats::asterix::categories::{CAT021_V2_4, CAT048_RE_V1_12, CAT048_V1_31, CAT062_RE_V1_2, CAT062_V1_18};
-use formats::asterix::named::UNKNOWN_EXTENSION;
-use formats::asterix::{Category, Error, Expansion, Mode, Value, registry};
+use asterix::categories::{CAT021_V2_4, CAT048_RE_V1_12, CAT048_V1_31, CAT062_RE_V1_2, CAT062_V1_18};
+use asterix::named::UNKNOWN_EXTENSION;
+use asterix::{Category, Error, Expansion, Mode, Value, registry};
 use proptest::collection::vec;
 use proptest::prelude::*;
 

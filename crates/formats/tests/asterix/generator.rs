@@ -1,6 +1,6 @@
 //! Well-formed records of any table, with any content.
 
-use formats::asterix::table::{Category, Layout, Part, Profile, Uap};
+use asterix::table::{Category, Layout, Part, Profile, Uap};
 
 /// The item that says whether there is a target report. Made of anything, it would hardly ever say so.
 const MESSAGE_TYPE: &str = "000";

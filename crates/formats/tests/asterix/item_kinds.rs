@@ -1,7 +1,7 @@
 //! Each kind of item, from hand-made octets.
 
-use formats::asterix::named::UNKNOWN_EXTENSION;
-use formats::asterix::{Mode, NamedRecord, Value};
+use asterix::named::UNKNOWN_EXTENSION;
+use asterix::{Mode, NamedRecord, Value};
 
 use crate::sample::{PLOT_OR_TRACK, SAMPLE, item, read};
 

@@ -1,6 +1,6 @@
 //! Any bytes whatever: no panic, no endless loop, no octet lost; and what is well-formed is read as it was made.
 
-use formats::asterix::{Category, Decoder, Mode, NamedRecord, registry};
+use asterix::{Category, Decoder, Mode, NamedRecord, registry};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;

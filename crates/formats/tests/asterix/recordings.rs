@@ -3,10 +3,10 @@
 
 use std::collections::BTreeSet;
 
-use formats::asterix::categories::CAT021_V0_23;
-use formats::asterix::typed::fields::{Availability, Callsign};
-use formats::asterix::typed::{cat010, cat019, cat020, cat021_v0, cat021_v2, cat034, cat048, cat062, cat065};
-use formats::asterix::{Counts, Decoder, Mode, NamedRecord, Record, Value};
+use asterix::categories::CAT021_V0_23;
+use asterix::typed::fields::{Availability, Callsign};
+use asterix::typed::{cat010, cat019, cat020, cat021_v0, cat021_v2, cat034, cat048, cat062, cat065};
+use asterix::{Counts, Decoder, Mode, NamedRecord, Record, Value};
 
 use crate::agreement;
 use crate::files::recording;
@@ -139,7 +139,7 @@ fn check_system_state(record: &Record<'_>) {
         (Some(51.0), Some(0.0))
     );
     let named = NamedRecord::new(record);
-    let beyond = named.get(&["553", formats::asterix::named::UNKNOWN_EXTENSION]);
+    let beyond = named.get(&["553", asterix::named::UNKNOWN_EXTENSION]);
     assert_eq!(beyond, Some(&Value::Bytes(vec![0xCC])));
 }
 

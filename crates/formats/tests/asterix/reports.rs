@@ -1,6 +1,6 @@
 //! Records of any table with any content, all the way into sensor tracks: nothing panics, and what comes out can be used.
 
-use formats::asterix::{Decoder, Mode, registry};
+use asterix::{Decoder, Mode, registry};
 use formats::reports::observation::{Reading, read};
 use formats::reports::{
     Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use formats::asterix::categories::CAT021_V0_23;
-use formats::asterix::encode_error::EncodeFault;
-use formats::asterix::table::Uap;
-use formats::asterix::text::UNDEFINED;
-use formats::asterix::{Category, Decoder, EncodeError, Error, Mode, NamedRecord, Record, Value, registry};
+use asterix::categories::CAT021_V0_23;
+use asterix::encode_error::EncodeFault;
+use asterix::table::Uap;
+use asterix::text::UNDEFINED;
+use asterix::{Category, Decoder, EncodeError, Error, Mode, NamedRecord, Record, Value, registry};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;

@@ -1,11 +1,9 @@
 //! An invented category with an item of every kind, and blocks of it.
 
 pub(crate) use crate::any_bytes::block;
-use formats::asterix::table::Layout::{
-    Compound, Element, Explicit, Extended, Group, RandomSequence, Repetitive, RepetitiveFx,
-};
-use formats::asterix::table::*;
-use formats::asterix::{Block, EncodeError, Error, Mode, NamedRecord, Record, Value, blocks};
+use asterix::table::Layout::{Compound, Element, Explicit, Extended, Group, RandomSequence, Repetitive, RepetitiveFx};
+use asterix::table::*;
+use asterix::{Block, EncodeError, Error, Mode, NamedRecord, Record, Value, blocks};
 
 const ITEMS: &[Item] = &[
     Item::new(

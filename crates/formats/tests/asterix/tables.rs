@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use formats::asterix::categories::*;
-use formats::asterix::table::{Content, Item, Layout, MAX_FRN, Part, TextCoding};
-use formats::asterix::{Edition, registry};
+use asterix::categories::*;
+use asterix::table::{Content, Item, Layout, MAX_FRN, Part, TextCoding};
+use asterix::{Edition, registry};
 
 #[test]
 fn item_names_are_unique_and_every_item_has_its_place_in_a_profile() {

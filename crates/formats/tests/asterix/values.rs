@@ -1,9 +1,9 @@
 //! Values of any table, as any record of it may have them.
 
-use formats::asterix::named::UNKNOWN_EXTENSION;
-use formats::asterix::table::{Category, Content, Item, Layout, Part, Profile, TextCoding, Uap};
-use formats::asterix::text::icao_character;
-use formats::asterix::{NamedRecord, Value};
+use asterix::named::UNKNOWN_EXTENSION;
+use asterix::table::{Category, Content, Item, Layout, Part, Profile, TextCoding, Uap};
+use asterix::text::icao_character;
+use asterix::{NamedRecord, Value};
 
 use crate::generator::{Entropy, bit_count};
 

@@ -8,7 +8,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use formats::asterix::blocks;
+use asterix::blocks;
 use formats::containers::{Container, Counts, TimeStamp, datagrams};
 
 fn recording(name: &str) -> Option<Vec<u8>> {

@@ -1,6 +1,6 @@
 //! Which records of a recording are given, and what is said about the others.
 
-use formats::asterix::{Edition, Mode};
+use asterix::{Edition, Mode};
 use formats::containers::Container;
 use formats::recording::Recording;
 use proptest::collection::vec;

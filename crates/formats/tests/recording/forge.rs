@@ -1,6 +1,6 @@
 //! Blocks and frames made by hand, and what a recording of them gives.
 
-use formats::asterix::{Edition, registry};
+use asterix::{Edition, registry};
 use formats::recording::{Recording, Survey};
 
 /// A data block.

@@ -7,7 +7,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use formats::asterix::Edition;
+use asterix::Edition;
 use formats::recording::{Recording, Statistics};
 
 use crate::forge::{in_edition, read};

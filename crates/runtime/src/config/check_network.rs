@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::net::{SocketAddr, ToSocketAddrs as _};
 
-use formats::asterix::{Category, Edition, Mode, registry};
-use formats::outgoing::{HeightReference, Technology};
+use asterix::{Category, Edition, Mode, registry};
 use formats::sbs::SbsSettings;
 use net::{AllowedSenders, Interface, ReceiverSettings, SenderSettings};
+use outgoing::{HeightReference, Technology};
 use scenario::SensorKind;
 
 use super::check::{Checked, check_name, nanoseconds, problem, within};

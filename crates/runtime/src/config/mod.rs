@@ -23,10 +23,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bus::WaitMode;
-use formats::outgoing::Technology;
 use formats::reports::SourceModel;
 use frames::SystemFrame;
 use fusion::settings as engine;
+use outgoing::Technology;
 use serde::Deserialize;
 use telemetry::Deadlines;
 

@@ -4,9 +4,9 @@ use std::hash::Hasher as _;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
 
-use formats::asterix::{Category, Decoder, Mode};
-use formats::outgoing::HeightReference;
+use asterix::{Category, Decoder, Mode};
 use formats::sbs::SbsSettings;
+use outgoing::HeightReference;
 use rustc_hash::FxHasher;
 
 /// A network input: one socket, read by one adapter process, with one sensor or several behind it.

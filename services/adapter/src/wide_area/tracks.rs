@@ -6,7 +6,7 @@
 //! Live, a track has arrived when its datagram did. In a recording nobody knows when that was: there it arrives when it
 //! was measured.
 
-use formats::asterix::{Decoder, blocks};
+use asterix::{Decoder, blocks};
 use formats::reports::Converter;
 use formats::reports::observation::{self, Reading};
 use messages::{COUNTERS_MAX, Counter, TrackState};
@@ -122,9 +122,9 @@ impl Tracks {
 mod tests {
     use std::path::Path;
 
-    use formats::asterix::registry;
-    use formats::outgoing::SystemReports;
+    use asterix::registry;
     use messages::SystemTrack;
+    use outgoing::SystemReports;
     use proptest::prelude::*;
     use runtime::Config;
     use runtime::config::WideAreaInput;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use asterix::{Category, Expansion};
 use clap::{Args, Subcommand};
-use formats::asterix::{Category, Expansion};
 use formats::containers::Container;
 
 use super::values::{above_zero, edition, editions_help, finite, not_negative, refresh, seconds, whole_second};

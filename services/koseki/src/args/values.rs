@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use formats::asterix::table::EditionError;
-use formats::asterix::{Edition, registry};
+use asterix::table::EditionError;
+use asterix::{Edition, registry};
 use runtime::Speed;
 
 use super::ChosenEdition;

@@ -1,6 +1,6 @@
 //! The content of reserved expansion fields, by the coding rules that were chosen on the command line.
 
-use formats::asterix::{Expansion, NamedRecord, Record};
+use asterix::{Expansion, NamedRecord, Record};
 use telemetry::table::count;
 
 use crate::args::{ChosenEdition, Decode};

@@ -13,7 +13,7 @@ use std::io::{self, BufWriter, IsTerminal as _, Write};
 use std::path::Path;
 
 use anyhow::Context as _;
-use formats::asterix::{Mode, NamedRecord};
+use asterix::{Mode, NamedRecord};
 use formats::containers::TimeStamp;
 use formats::recording::{Recording, Statistics, Survey};
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use formats::asterix::Edition;
+use asterix::Edition;
 use formats::recording::{CategorySurvey, Refusal, Survey};
 use telemetry::table::count;
 

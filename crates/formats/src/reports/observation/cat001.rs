@@ -4,7 +4,7 @@
 //! corrects for slant range is one that could say so, and sends CAT048. Plots have no number, and no address.
 
 use super::*;
-use crate::asterix::typed::cat001::{Detection, TargetReport};
+use asterix::typed::cat001::{Detection, TargetReport};
 use frames::time::NS_PER_S;
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {

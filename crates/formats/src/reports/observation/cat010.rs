@@ -1,7 +1,7 @@
 //! CAT010: surface movement radar and multilateration of an airport.
 
 use super::*;
-use crate::asterix::typed::cat010::{MessageType, ServiceMessage, TargetReport};
+use asterix::typed::cat010::{MessageType, ServiceMessage, TargetReport};
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
     if let Some(report) = TargetReport::read(record) {

@@ -1,7 +1,7 @@
 //! CAT020: multilateration.
 
 use super::*;
-use crate::asterix::typed::cat020::TargetReport;
+use asterix::typed::cat020::TargetReport;
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
     TargetReport::read(record).map(|report| Reading::Target(of(&report)))

@@ -2,7 +2,7 @@
 
 use super::navigation::{covariance_of_velocity_category, radius_of_nucp};
 use super::*;
-use crate::asterix::typed::cat021_v0::TargetReport;
+use asterix::typed::cat021_v0::TargetReport;
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
     TargetReport::read(record).map(|report| Reading::Target(of(&report)))

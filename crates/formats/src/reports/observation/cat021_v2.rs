@@ -7,7 +7,7 @@
 
 use super::navigation::{covariance_of_velocity_category, radius_of_nacp, radius_of_nic, radius_of_nucp};
 use super::*;
-use crate::asterix::typed::cat021_v2::{FineTime, QualityIndicators, SurveillanceStatus, TargetReport, TargetStatus};
+use asterix::typed::cat021_v2::{FineTime, QualityIndicators, SurveillanceStatus, TargetReport, TargetStatus};
 use frames::time::NS_PER_S;
 
 /// Seconds in a day.

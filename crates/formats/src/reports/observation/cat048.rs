@@ -5,7 +5,7 @@
 //! number is then the same from turn to turn, and the plots of one aircraft are a track.
 
 use super::*;
-use crate::asterix::typed::cat048::{Detection, TargetReport, Warnings};
+use asterix::typed::cat048::{Detection, TargetReport, Warnings};
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
     TargetReport::read(record).map(|report| Reading::Target(of(&report)))

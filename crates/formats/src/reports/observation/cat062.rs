@@ -5,7 +5,7 @@
 //! flight plan alone, or coasting, is the system's extrapolation and no observation.
 
 use super::*;
-use crate::asterix::typed::cat062::{Accuracy, SystemTrackStatus, TrackMessage};
+use asterix::typed::cat062::{Accuracy, SystemTrackStatus, TrackMessage};
 
 /// Mean radius of the earth, metres.
 const EARTH_RADIUS_M: f64 = 6_371_000.0;

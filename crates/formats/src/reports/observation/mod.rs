@@ -14,12 +14,12 @@ mod navigation;
 
 use messages::{Identity, TrackState, alert_bits};
 
-use crate::asterix::Record;
-use crate::asterix::typed::fields::{
+use asterix::Record;
+use asterix::typed::fields::{
     Callsign, CartesianPosition, CartesianVelocity, Emergency, Extrapolation, FlightLevel, FlightStatus,
     GeodeticPosition, Mode3A, PolarPosition, PolarVelocity, ResolutionAdvisory, Source, TimeOfDay, TrackStatus,
 };
-use crate::asterix::typed::{cat002, cat019, cat023, cat034, cat063, cat065};
+use asterix::typed::{cat002, cat019, cat023, cat034, cat063, cat065};
 
 /// A target report in the sensor's own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

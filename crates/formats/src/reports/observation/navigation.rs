@@ -5,8 +5,8 @@
 //! unnoticed hardly ever. All of them send a category for velocity (NUCr, later NACv).
 
 use super::Quality;
-use crate::asterix::typed::fields::NAUTICAL_MILE_M;
 use crate::reports::RADIUS95_SIGMAS;
+use asterix::typed::fields::NAUTICAL_MILE_M;
 
 /// Radius of 95 % containment for a navigation uncertainty category (NUCp): RTCA DO-260, table of horizontal position
 /// error.

@@ -6,8 +6,8 @@ use frames::time::NS_PER_S;
 
 use super::navigation::*;
 use super::*;
-use crate::asterix::categories::*;
-use crate::asterix::{Category, Decoder, Mode};
+use asterix::categories::*;
+use asterix::{Category, Decoder, Mode};
 
 /// Reads a record, given as the octets of its parts.
 fn reading(table: &'static Category, parts: &[&[u8]]) -> Reading {

@@ -1,7 +1,7 @@
 //! Categories of ADS-B: 021 in both layouts, 023.
 
-use formats::asterix::typed::{cat021_v0, cat021_v2, cat023};
-use formats::asterix::{Record, Value};
+use asterix::typed::{cat021_v0, cat021_v2, cat023};
+use asterix::{Record, Value};
 
 use super::{Agreement, DEGREE, FLIGHT_LEVEL, FOOT, NM};
 

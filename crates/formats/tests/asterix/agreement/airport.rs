@@ -1,7 +1,7 @@
 //! Categories of an airport's sensors: 010, 019, 020.
 
-use formats::asterix::typed::{cat010, cat019, cat020};
-use formats::asterix::{Record, Value};
+use asterix::typed::{cat010, cat019, cat020};
+use asterix::{Record, Value};
 
 use super::{Agreement, DEGREE, FOOT, set_flags};
 

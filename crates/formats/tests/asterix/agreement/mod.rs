@@ -7,9 +7,9 @@ mod system;
 
 use std::f64::consts::PI;
 
-use formats::asterix::text::UNDEFINED;
-use formats::asterix::typed::fields::*;
-use formats::asterix::{Edition, NamedRecord, Record, Value};
+use asterix::text::UNDEFINED;
+use asterix::typed::fields::*;
+use asterix::{Edition, NamedRecord, Record, Value};
 
 const DEGREE: f64 = PI / 180.0;
 const NM: f64 = 1852.0;

@@ -1,8 +1,8 @@
 //! Categories of radars: 001 and 002, 034 and 048.
 
-use formats::asterix::typed::fields::{Emergency, FlightLevel};
-use formats::asterix::typed::{cat001, cat002, cat034, cat048};
-use formats::asterix::{Record, Value};
+use asterix::typed::fields::{Emergency, FlightLevel};
+use asterix::typed::{cat001, cat002, cat034, cat048};
+use asterix::{Record, Value};
 
 use super::{Agreement, DEGREE, FLIGHT_LEVEL, FOOT, NM};
 

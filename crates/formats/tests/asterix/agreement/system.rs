@@ -1,8 +1,8 @@
 //! Categories of surveillance data processing systems: 062, 063, 065.
 
-use formats::asterix::typed::fields::Availability;
-use formats::asterix::typed::{cat062, cat063, cat065};
-use formats::asterix::{Record, Value};
+use asterix::typed::fields::Availability;
+use asterix::typed::{cat062, cat063, cat065};
+use asterix::{Record, Value};
 
 use super::{Agreement, DEGREE, FLIGHT_LEVEL, FOOT, NM};
 

@@ -1,0 +1,59 @@
+//! CAT021: ADS-B target reports.
+//!
+//! EUROCONTROL-SPEC-0149-12, once SUR.ET1.ST05.2000-STD-12-01, in two layouts that have little but the category in
+//! common: editions 0.23 (November 2003) to 0.26, of which many ground stations still send the first, and editions 2.1
+//! to 2.7 (July 2025), each an addition to the one before. Nothing in a block tells the two apart: the receiver must
+//! know its sender.
+
+mod re;
+mod v0;
+mod v2;
+
+use crate::table::Layout::{Compound, Extended, Group, Repetitive};
+use crate::table::*;
+
+pub use re::{CAT021_RE_V1_4, CAT021_RE_V1_5};
+pub use v0::{CAT021_V0, CAT021_V0_23, CAT021_V0_24, CAT021_V0_25, CAT021_V0_26};
+pub use v2::{CAT021_V2, CAT021_V2_1, CAT021_V2_2, CAT021_V2_3, CAT021_V2_4, CAT021_V2_5, CAT021_V2_6, CAT021_V2_7};
+
+/// The same in all editions.
+const I110: Item = Item::new(
+    "110",
+    "Trajectory Intent",
+    Compound(&[
+        subitem(
+            "TIS",
+            "Trajectory Intent Status",
+            Extended(&[&[
+                flag("NAV"), // 1 not available
+                flag("NVB"), // 1 not valid
+                spare(5),
+            ]]),
+        ),
+        subitem(
+            "TID",
+            "Trajectory Intent Data",
+            Repetitive(&Group(&[
+                flag("TCA"),             // 1 number of the change point not available
+                flag("NC"),              // 1 the aircraft will not fly this path
+                element("TCPN", 6, RAW), // number of the change point
+                element("ALT", 16, signed(10.0, "ft")),
+                element("LAT", 24, signed(180.0 / pow2(23), "°")),
+                element("LON", 24, signed(180.0 / pow2(23), "°")),
+                element("PT", 4, RAW), // kind of point: 1 fly by, 2 fly over, … 7 top of climb, …
+                element("TD", 2, RAW), // turn: 1 right, 2 left, 3 none
+                flag("TRA"),           // turn radius available
+                flag("TOA"),           // 1 time over point not available
+                element("TOV", 24, unsigned(1.0, "s")), // time over point, since midnight
+                element("TTR", 16, unsigned(0.01, "NM")), // turn radius
+            ])),
+        ),
+    ]),
+);
+
+/// Of which the flag before it says whether it is an indicated air speed or a Mach number.
+const AIR_SPEED: Content = Content::Depends {
+    on: "IM",
+    cases: &[(0, unsigned(1.0 / pow2(14), "NM/s")), (1, unsigned(0.001, "Mach"))],
+    otherwise: &RAW,
+};

@@ -1,0 +1,208 @@
+//! From the pipeline's tracks to ASTERIX data blocks.
+//!
+//! Fused tracks leave as CAT062, with CAT065 and CAT063 saying how the system and its sensors are; sensor tracks leave in
+//! a category that the sensor itself would send, to feed other systems with them.
+//!
+//! ```text
+//! SystemTrack ── SystemReports ──► CAT062                          what the system knows ── StatusReports ──► CAT065, 063
+//! SensorTrack ── SensorReports ──► CAT048, 020, 021 or 010; status ──► CAT034, 019, 023 or 010
+//! ```
+//!
+//! Records are collected into blocks of one category; a full block is handed to the caller's closure, `flush` hands over
+//! the last one. Nothing here reads a clock, sends a datagram or, once warm, allocates.
+//!
+//! # What is said, and what is not
+//!
+//! A data block is a statement to strangers, who can not ask back. So an item is sent only if the track knows its content
+//! and the edition has a place for it; what an item must hold besides is set to the value that claims least, and where
+//! even that would claim something, the item stays out. Numbers are the nearest multiple of their LSB. A quantity
+//! beyond its bits is left out, not cut, unless the document says that the greatest number means "or more". Where an
+//! accuracy is told by class, it is the best class that holds, never a better one.
+//!
+//! Track numbers are shortened to what the category has; a track keeps its number while it lives, and nobody else gets it
+//! for a minute after.
+//!
+//! # Heights
+//!
+//! The pipeline's height is metric: the third coordinate of a place, which is a height above the ellipsoid. What sources
+//! measure is mostly pressure altitude, which the pipeline takes as if the atmosphere were the standard one and mean sea
+//! level the ellipsoid. Which of the two a given deployment's heights are, no track says. [`HeightReference`] does: it
+//! chooses between the items for geometric heights, which is what the frame's definition makes of them, and those for
+//! flight levels.
+
+#![forbid(unsafe_code)]
+
+mod items;
+mod place;
+mod quantity;
+mod sensor;
+mod status;
+mod system;
+mod track_numbers;
+
+pub use sensor::SensorReports;
+pub use status::{Condition, SensorStatus, ServiceEvent, StatusReports, SystemStatus};
+pub use system::{SystemReports, SystemSource, Technology};
+
+use asterix::block::HEADER_OCTETS;
+use asterix::{BlockWriter, Category};
+
+/// No record of this module has more octets.
+const RECORD_OCTETS_MAX: usize = 125;
+/// The smallest block that any record fits, with its header.
+pub const BLOCK_OCTETS_LEAST: usize = HEADER_OCTETS + RECORD_OCTETS_MAX;
+/// The largest block: its length has 16 bits.
+pub const BLOCK_OCTETS_MOST: usize = u16::MAX as usize;
+
+/// Takes finished blocks: what the caller does with one, a datagram as a rule.
+pub type SendBlock<'s> = dyn FnMut(&[u8]) + 's;
+
+/// What heights in the system are, and so which items carry them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HeightReference {
+    /// Heights above the WGS-84 ellipsoid.
+    #[default]
+    Geometric,
+    /// Pressure altitudes in the standard atmosphere: flight levels.
+    Barometric,
+}
+
+/// Why a sender can not be made.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OutgoingError {
+    /// The category is not sent, or not by this sender.
+    #[error("{table} can not be sent here; choose one of {possible}")]
+    Category {
+        /// The table asked for.
+        table: String,
+        /// The categories there are.
+        possible: &'static str,
+    },
+    /// A block size that no block has, or that not every record fits.
+    #[error("a block of at most {octets} octets is not possible; choose {BLOCK_OCTETS_LEAST} to {BLOCK_OCTETS_MOST}")]
+    BlockSize {
+        /// What was asked for.
+        octets: usize,
+    },
+}
+
+/// What a sender has done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OutgoingCounts {
+    /// Records sent, or waiting for their block to be full.
+    pub records: u64,
+    /// Blocks handed over.
+    pub blocks: u64,
+    /// States that are not sent by rule: tentative ones where they are not wanted, ends of tracks that were never sent,
+    /// states without a report where the category reports what was received.
+    pub withheld: u64,
+    /// Reports refused since every track number is taken.
+    pub refused_number: u64,
+    /// Reports refused for a position that is none, or that the category can not say.
+    pub refused_position: u64,
+    /// Reports refused for want of an address, without which the category has no report.
+    pub refused_address: u64,
+}
+
+impl OutgoingCounts {
+    /// Reports that were to be sent and were not.
+    pub fn refused(&self) -> u64 {
+        self.refused_number + self.refused_position + self.refused_address
+    }
+
+    /// Label, a sentence and the value of each counter, for whoever shows them.
+    pub fn entries(&self) -> [(&'static str, &'static str, u64); 6] {
+        [
+            ("records", "records sent", self.records),
+            ("blocks", "data blocks sent", self.blocks),
+            ("withheld", "track states not sent by rule", self.withheld),
+            (
+                "refused_number",
+                "reports refused since every track number is taken",
+                self.refused_number,
+            ),
+            (
+                "refused_position",
+                "reports refused for a position that is none, or that the category can not say",
+                self.refused_position,
+            ),
+            (
+                "refused_address",
+                "reports refused for want of an address",
+                self.refused_address,
+            ),
+        ]
+    }
+}
+
+/// Why a report was not sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unsent {
+    Withheld,
+    Number,
+    Position,
+    Address,
+}
+
+/// The block of one category that is being filled, and the counters.
+#[derive(Debug)]
+struct Outbox {
+    blocks: BlockWriter,
+    counts: OutgoingCounts,
+}
+
+impl Outbox {
+    fn new(category: u8, block_octets_max: usize) -> Result<Self, OutgoingError> {
+        if !(BLOCK_OCTETS_LEAST..=BLOCK_OCTETS_MOST).contains(&block_octets_max) {
+            return Err(OutgoingError::BlockSize {
+                octets: block_octets_max,
+            });
+        }
+        Ok(Self {
+            blocks: BlockWriter::new(category, block_octets_max as u16),
+            counts: OutgoingCounts::default(),
+        })
+    }
+
+    fn push(&mut self, record: &[u8], send: &mut SendBlock<'_>) {
+        debug_assert!(record.len() <= RECORD_OCTETS_MAX);
+        let full = self.blocks.push(record).expect("the least block holds every record");
+        self.counts.records += 1;
+        if let Some(block) = full {
+            self.counts.blocks += 1;
+            send(block);
+        }
+    }
+
+    fn flush(&mut self, send: &mut SendBlock<'_>) {
+        if let Some(block) = self.blocks.finish() {
+            self.counts.blocks += 1;
+            send(block);
+        }
+    }
+
+    fn count(&mut self, reason: Unsent) {
+        let counter = match reason {
+            Unsent::Withheld => &mut self.counts.withheld,
+            Unsent::Number => &mut self.counts.refused_number,
+            Unsent::Position => &mut self.counts.refused_position,
+            Unsent::Address => &mut self.counts.refused_address,
+        };
+        *counter += 1;
+    }
+}
+
+/// Checks that a table is one of a category's editions.
+fn check_category(
+    table: &'static Category,
+    editions: &[&Category],
+    possible: &'static str,
+) -> Result<(), OutgoingError> {
+    if table.is_one_of(editions) {
+        return Ok(());
+    }
+    Err(OutgoingError::Category {
+        table: table.to_string(),
+        possible,
+    })
+}

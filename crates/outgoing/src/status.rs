@@ -1,0 +1,233 @@
+//! What the system says of itself and of its sensors: CAT065 and CAT063.
+//!
+//! CAT065 carries three messages: the state of the system, the end of a batch of tracks for receivers that work through
+//! batches, and events of the service. CAT063 carries one record for each sensor, whose state is what the caller knows:
+//! whether it is connected and whether reports come. Biases are not estimated, and not sent.
+
+use super::{Outbox, OutgoingCounts, OutgoingError, SendBlock, check_category, items};
+use asterix::categories::{CAT063, CAT065};
+use asterix::{Category, RecordWriter};
+
+/// The field reference numbers of CAT065, the same in every edition.
+mod system_item {
+    use asterix::categories::CAT065_V1_5;
+    use asterix::table::{Frn, Uap};
+
+    const UAP: &Uap = CAT065_V1_5.uap();
+    pub(super) const SOURCE: Frn = UAP.frn("010");
+    pub(super) const MESSAGE_TYPE: Frn = UAP.frn("000");
+    pub(super) const SERVICE: Frn = UAP.frn("015");
+    pub(super) const TIME: Frn = UAP.frn("030");
+    pub(super) const BATCH: Frn = UAP.frn("020");
+    pub(super) const STATUS: Frn = UAP.frn("040");
+    pub(super) const EVENT: Frn = UAP.frn("050");
+}
+
+/// The field reference numbers of CAT063, the same in every edition.
+mod sensor_item {
+    use asterix::categories::CAT063_V1_6;
+    use asterix::table::{Frn, Uap};
+
+    const UAP: &Uap = CAT063_V1_6.uap();
+    pub(super) const SOURCE: Frn = UAP.frn("010");
+    pub(super) const SERVICE: Frn = UAP.frn("015");
+    pub(super) const TIME: Frn = UAP.frn("030");
+    pub(super) const SENSOR: Frn = UAP.frn("050");
+    pub(super) const STATUS: Frn = UAP.frn("060");
+}
+
+/// The state of the system (I065/040).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SystemStatus {
+    /// Whether its tracks may be used.
+    pub condition: Condition,
+    /// It can not keep up.
+    pub overloaded: bool,
+    /// Its time source is not valid.
+    pub time_source_invalid: bool,
+    /// Which of up to three processing systems is selected, from 1; 0 where that does not apply.
+    pub processing_system: u8,
+    /// Another value than before: tracks have been numbered anew since.
+    pub renumbered: bool,
+}
+
+/// Whether a system or sensor works.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Condition {
+    /// In operation.
+    #[default]
+    Operational,
+    /// In operation with restrictions.
+    Degraded,
+    /// Starting. CAT065 has no such state, and says that it is not known.
+    Initialising,
+    /// Not connected.
+    NotConnected,
+}
+
+/// An event of the service (I065/050); events of "main radars" are not among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum ServiceEvent {
+    /// The service has become worse.
+    Degraded = 1,
+    /// The service is as it should be again.
+    DegradationEnded = 2,
+    /// An operator has interrupted the service.
+    InterruptedByOperator = 4,
+    /// A failure has interrupted the service.
+    InterruptedByContingency = 5,
+    /// After a failure the service can begin again.
+    ReadyAfterContingency = 6,
+    /// An operator has ended the service.
+    EndedByOperator = 7,
+    /// An operator has restarted the service.
+    RestartedByOperator = 9,
+}
+
+/// The state of one sensor (I063/060).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SensorStatus {
+    /// System area code of the sensor.
+    pub sac: u8,
+    /// System identification code of the sensor.
+    pub sic: u8,
+    /// Whether it works, as the system sees it.
+    pub condition: Condition,
+    /// No reports come from it.
+    pub silent: bool,
+    /// Its time source is not valid.
+    pub time_source_invalid: bool,
+}
+
+/// Sends the state of the system (CAT065) and of its sensors (CAT063).
+#[derive(Debug)]
+pub struct StatusReports {
+    source: [u8; 2],
+    service: Option<u8>,
+    of_system: (RecordWriter, Outbox),
+    of_sensors: (RecordWriter, Outbox),
+}
+
+impl StatusReports {
+    /// A sender of these editions of CAT065 and CAT063, from a system with these codes (SAC, SIC), in blocks of at most
+    /// `block_octets_max` octets.
+    ///
+    /// # Errors
+    /// If a table is of another category, or the block size is not possible.
+    pub fn new(
+        of_system: &'static Category,
+        of_sensors: &'static Category,
+        sac: u8,
+        sic: u8,
+        block_octets_max: usize,
+    ) -> Result<Self, OutgoingError> {
+        check_category(of_system, CAT065, "CAT065")?;
+        check_category(of_sensors, CAT063, "CAT063")?;
+        Ok(Self {
+            source: [sac, sic],
+            service: None,
+            of_system: (
+                RecordWriter::new(of_system),
+                Outbox::new(of_system.number, block_octets_max)?,
+            ),
+            of_sensors: (
+                RecordWriter::new(of_sensors),
+                Outbox::new(of_sensors.number, block_octets_max)?,
+            ),
+        })
+    }
+
+    /// With this service identification (I065/015, I063/015).
+    #[must_use]
+    pub fn with_service(mut self, service: u8) -> Self {
+        self.service = Some(service);
+        self
+    }
+
+    /// Sends the state of the system at `now_utc_ns`, in a block of its own.
+    pub fn system(&mut self, now_utc_ns: i64, status: SystemStatus, send: &mut SendBlock<'_>) {
+        let no_go = match status.condition {
+            Condition::Operational => 0,
+            Condition::Degraded => 1,
+            Condition::NotConnected => 2,
+            Condition::Initialising => 3,
+        };
+        self.begin(1, now_utc_ns);
+        self.of_system
+            .0
+            .item(system_item::STATUS)
+            .bits(no_go, 2)
+            .bits(u64::from(status.overloaded), 1)
+            .bits(u64::from(status.time_source_invalid), 1)
+            .bits(u64::from(status.processing_system.min(3)), 2)
+            .bits(u64::from(status.renumbered), 1)
+            .bits(0, 1);
+        self.end(send);
+    }
+
+    /// Says that all tracks of a batch have been sent; batches are counted from 0.
+    pub fn end_of_batch(&mut self, now_utc_ns: i64, batch: u8, send: &mut SendBlock<'_>) {
+        self.begin(2, now_utc_ns);
+        self.of_system.0.item(system_item::BATCH).bits(u64::from(batch), 8);
+        self.end(send);
+    }
+
+    /// Sends an event of the service.
+    pub fn event(&mut self, now_utc_ns: i64, event: ServiceEvent, send: &mut SendBlock<'_>) {
+        self.begin(3, now_utc_ns);
+        self.of_system.0.item(system_item::EVENT).bits(event as u64, 8);
+        self.end(send);
+    }
+
+    /// Sends the state of each sensor, in as many blocks as it takes.
+    pub fn sensors(&mut self, now_utc_ns: i64, sensors: &[SensorStatus], send: &mut SendBlock<'_>) {
+        use sensor_item::*;
+        let (record, outbox) = &mut self.of_sensors;
+        for sensor in sensors {
+            items::source(record, SOURCE, self.source);
+            if let Some(service) = self.service {
+                record.item(SERVICE).bits(u64::from(service), 8);
+            }
+            items::time_of_day(record, TIME, now_utc_ns);
+            items::source(record, SENSOR, [sensor.sac, sensor.sic]);
+            let condition = match sensor.condition {
+                Condition::Operational => 0,
+                Condition::Degraded => 1,
+                Condition::Initialising => 2,
+                Condition::NotConnected => 3,
+            };
+            let (time, silent) = (u8::from(sensor.time_source_invalid), u8::from(sensor.silent));
+            record.item(STATUS).extended(&[condition << 5, time << 2 | silent << 1]);
+            outbox.push(record.finish(), send);
+        }
+        outbox.flush(send);
+    }
+
+    /// What has been sent.
+    pub fn counts(&self) -> OutgoingCounts {
+        let (system, sensors) = (self.of_system.1.counts, self.of_sensors.1.counts);
+        OutgoingCounts {
+            records: system.records + sensors.records,
+            blocks: system.blocks + sensors.blocks,
+            ..OutgoingCounts::default()
+        }
+    }
+
+    fn begin(&mut self, message: u64, now_utc_ns: i64) {
+        use system_item::*;
+        let record = &mut self.of_system.0;
+        items::source(record, SOURCE, self.source);
+        record.item(MESSAGE_TYPE).bits(message, 8);
+        if let Some(service) = self.service {
+            record.item(SERVICE).bits(u64::from(service), 8);
+        }
+        items::time_of_day(record, TIME, now_utc_ns);
+    }
+
+    fn end(&mut self, send: &mut SendBlock<'_>) {
+        let (record, outbox) = &mut self.of_system;
+        outbox.push(record.finish(), send);
+        outbox.flush(send);
+    }
+}

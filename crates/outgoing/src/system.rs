@@ -1,0 +1,548 @@
+//! Fused tracks as CAT062.
+//!
+//! | item | from | |
+//! | --- | --- | --- |
+//! | 010, 015 | the sender | service only where it has one |
+//! | 040 | `track_number` | shortened to 16 bits |
+//! | 070 | `reference_time_ns` | |
+//! | 080 | state, alerts, contributions, ground state | see below |
+//! | 100, 105 | `position_m` | in the system's own plane, which touches the earth at its origin, and on the ellipsoid |
+//! | 130 or 135, 220 | height, where a source observes it | geometric or barometric, see [`HeightReference`] |
+//! | 185 | `velocity_mps` | towards east and north at the target, as the document wants |
+//! | 060, 380 ADR and ID | `identity` | |
+//! | 290 | contributions | ages of the last update by each kind of source |
+//! | 500 | `covariance` | positions in the plane, height, velocity, rate of climb; not APW, the same in degrees |
+//!
+//! **I062/245** stays out: from ed 1.16 on the document says that it shall not be used, since I062/380 has the call sign.
+//! Receivers that read nothing else get it with [`with_target_identification`](SystemReports::with_target_identification).
+//! **I062/136**, the last flight level measured, stays out since a fused height is calculated; I062/135 is for that.
+//! **I062/200** stays out: fusion estimates no acceleration. **I062/510** is for systems that share tracks.
+//!
+//! # Track status
+//!
+//! CNF is sent with tentative tracks, TSB with the first message of a track and TSE with the last, CST while it coasts.
+//! PSR, SSR, MDS, ADS and (from ed 1.20) MLAT are set where the system has such a source and none of them supports the
+//! track now. SDS says whether co-operative sources support it. SPI and EMS come from the alerts; a transponder's alert
+//! for a changed code and a resolution advisory have no place in CAT062 that could be filled truly (I062/380 COM and ACS
+//! want what no track knows) and are not sent. SFC, from ed 1.18 on, says that the target is on the ground; before, there
+//! is no place for it. ME and MI are military and stay 0.
+//!
+//! # Ages
+//!
+//! A system track lists the sources that support it now. So that ages go on while it coasts, the last time of each kind of
+//! source is remembered with the track's number. The track's own age, TRK, counts from a birth that no state tells.
+
+use frames::SystemFrame;
+use messages::{SystemTrack, TrackState, contribution_bits};
+
+use super::items::{self, CLIMB_LSB_MPS, HEIGHT_LSB_M, LEVEL_LSB_M};
+use super::place::{self, Place};
+use super::quantity;
+use super::track_numbers::TrackNumbers;
+use super::{HeightReference, Outbox, OutgoingCounts, OutgoingError, SendBlock, Unsent, check_category};
+use asterix::categories::CAT062;
+use asterix::{Category, RecordWriter};
+use item::*;
+
+/// The field reference numbers, the same in every edition.
+mod item {
+    use asterix::categories::CAT062_V1_18;
+    use asterix::table::{Frn, Uap};
+
+    const UAP: &Uap = CAT062_V1_18.uap();
+    pub(super) const SOURCE: Frn = UAP.frn("010");
+    pub(super) const SERVICE: Frn = UAP.frn("015");
+    pub(super) const TIME: Frn = UAP.frn("070");
+    pub(super) const GEODETIC_POSITION: Frn = UAP.frn("105");
+    pub(super) const CARTESIAN_POSITION: Frn = UAP.frn("100");
+    pub(super) const VELOCITY: Frn = UAP.frn("185");
+    pub(super) const MODE_3A: Frn = UAP.frn("060");
+    pub(super) const IDENTIFICATION: Frn = UAP.frn("245");
+    pub(super) const AIRCRAFT_DATA: Frn = UAP.frn("380");
+    pub(super) const TRACK_NUMBER: Frn = UAP.frn("040");
+    pub(super) const TRACK_STATUS: Frn = UAP.frn("080");
+    pub(super) const UPDATE_AGES: Frn = UAP.frn("290");
+    pub(super) const GEOMETRIC_ALTITUDE: Frn = UAP.frn("130");
+    pub(super) const BAROMETRIC_ALTITUDE: Frn = UAP.frn("135");
+    pub(super) const CLIMB: Frn = UAP.frn("220");
+    pub(super) const ACCURACIES: Frn = UAP.frn("500");
+}
+
+/// Most tracks whose numbers are remembered, ended ones included.
+const TRACKS_MAX: usize = 16_384;
+/// LSB of positions in the plane, metres.
+const POSITION_LSB_M: f64 = 0.5;
+/// Greatest root of a covariance of positions, metres.
+const COVARIANCE_ROOT_MAX_M: f64 = 16_383.5;
+/// LSB of velocities, metres per second.
+const VELOCITY_LSB_MPS: f64 = 0.25;
+/// LSB of ages, nanoseconds.
+const AGE_LSB_NS: f64 = 250_000_000.0;
+
+/// How a source observes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Technology {
+    /// Primary radar.
+    Primary,
+    /// Secondary radar without Mode S.
+    Secondary,
+    /// Mode S radar.
+    ModeS,
+    /// ADS-B by 1090 MHz extended squitter.
+    AdsB,
+    /// Multilateration.
+    Multilateration,
+    /// Something else, or several of these in one.
+    Other,
+}
+
+/// Kinds of sources that CAT062 tells apart; [`Technology::Other`] is none of them.
+const KINDS: usize = Technology::Other as usize;
+
+impl Technology {
+    /// Bit of the kind in a set of them; 0 for no kind.
+    fn bit(self) -> u8 {
+        (1 << self as u8) & ((1 << KINDS) - 1)
+    }
+}
+
+/// What the sender must know of one source of the system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SystemSource {
+    /// Its number, as in [`Contribution::source`](messages::Contribution::source).
+    pub number: u16,
+    /// How it observes.
+    pub technology: Technology,
+}
+
+/// What is remembered of a track between its states.
+#[derive(Clone, Copy, Debug)]
+struct Support {
+    /// Time of the last update by each kind of source, nanoseconds; `i64::MIN` for never.
+    last_ns: [i64; KINDS],
+    /// Kinds that supported it when last any source did.
+    kinds: u8,
+    /// Whether one of the sources then was of no kind.
+    other: bool,
+    /// How many sources that were.
+    sources: u16,
+}
+
+impl Default for Support {
+    fn default() -> Self {
+        Self {
+            last_ns: [i64::MIN; KINDS],
+            kinds: 0,
+            other: false,
+            sources: 0,
+        }
+    }
+}
+
+/// Sends system tracks as CAT062.
+#[derive(Debug)]
+pub struct SystemReports {
+    outbox: Outbox,
+    record: RecordWriter,
+    numbers: TrackNumbers<Support>,
+    form: Form,
+    with_tentative: bool,
+}
+
+/// What is the same for all records.
+#[derive(Debug)]
+struct Form {
+    source: [u8; 2],
+    service: Option<u8>,
+    frame: SystemFrame,
+    /// By source number.
+    technologies: Vec<Technology>,
+    /// The kinds of sources the system has.
+    kinds: u8,
+    height: HeightReference,
+    simulated: bool,
+    with_identification: bool,
+    /// Whether I062/080 can say that a target is on the ground.
+    has_surface_flag: bool,
+    /// Whether I062/080 can say that multilateration no longer supports a track.
+    has_multilateration_flag: bool,
+}
+
+/// One track's part in its record.
+struct Report<'t> {
+    track: &'t SystemTrack,
+    place: Place,
+    number: u16,
+    is_first: bool,
+    is_last: bool,
+    support: Support,
+    /// Kinds of sources that support it now.
+    fresh: u8,
+}
+
+impl SystemReports {
+    /// A sender of CAT062 in the given edition, from a system with these codes (SAC, SIC), frame and sources, in blocks of
+    /// at most `block_octets_max` octets.
+    ///
+    /// # Errors
+    /// If the table is not one of CAT062, or the block size is not between [`BLOCK_OCTETS_LEAST`](super::BLOCK_OCTETS_LEAST)
+    /// and [`BLOCK_OCTETS_MOST`](super::BLOCK_OCTETS_MOST).
+    pub fn new(
+        table: &'static Category,
+        sac: u8,
+        sic: u8,
+        system: SystemFrame,
+        sources: &[SystemSource],
+        block_octets_max: usize,
+    ) -> Result<Self, OutgoingError> {
+        check_category(table, CAT062, "CAT062")?;
+        let numbered = sources.iter().map(|source| usize::from(source.number) + 1).max();
+        let mut technologies = vec![Technology::Other; numbered.unwrap_or(0)];
+        for source in sources {
+            technologies[usize::from(source.number)] = source.technology;
+        }
+        Ok(Self {
+            outbox: Outbox::new(table.number, block_octets_max)?,
+            record: RecordWriter::new(table),
+            numbers: TrackNumbers::new(u16::MAX, TRACKS_MAX),
+            form: Form {
+                source: [sac, sic],
+                service: None,
+                frame: system,
+                kinds: sources.iter().fold(0, |kinds, source| kinds | source.technology.bit()),
+                technologies,
+                height: HeightReference::default(),
+                simulated: false,
+                with_identification: false,
+                has_surface_flag: items::element_of(table, "080", "SFC").is_some(),
+                has_multilateration_flag: items::element_of(table, "080", "MLAT").is_some(),
+            },
+            with_tentative: false,
+        })
+    }
+
+    /// With this service identification (I062/015).
+    #[must_use]
+    pub fn with_service(mut self, service: u8) -> Self {
+        self.form.service = Some(service);
+        self
+    }
+
+    /// With heights of this kind; without this call they are geometric.
+    #[must_use]
+    pub fn with_height(mut self, height: HeightReference) -> Self {
+        self.form.height = height;
+        self
+    }
+
+    /// With tentative tracks, marked as such.
+    #[must_use]
+    pub fn with_tentative(mut self) -> Self {
+        self.with_tentative = true;
+        self
+    }
+
+    /// With the call sign in I062/245 too, against the document, for receivers that read it only there.
+    #[must_use]
+    pub fn with_target_identification(mut self) -> Self {
+        self.form.with_identification = true;
+        self
+    }
+
+    /// With every track marked as simulated.
+    #[must_use]
+    pub fn marked_simulated(mut self) -> Self {
+        self.form.simulated = true;
+        self
+    }
+
+    /// Sends a state, with the block it completes.
+    pub fn report(&mut self, track: &SystemTrack, send: &mut SendBlock<'_>) {
+        if let Err(reason) = self.write(track) {
+            self.outbox.count(reason);
+            return;
+        }
+        self.outbox.push(self.record.finish(), send);
+    }
+
+    /// Hands over the block that is being filled.
+    pub fn flush(&mut self, send: &mut SendBlock<'_>) {
+        self.outbox.flush(send);
+    }
+
+    /// Forgets all tracks: for when fusion has begun to number its tracks anew.
+    pub fn forget_tracks(&mut self) {
+        self.numbers.clear();
+    }
+
+    /// What has been sent and refused.
+    pub fn counts(&self) -> OutgoingCounts {
+        self.outbox.counts
+    }
+
+    fn write(&mut self, track: &SystemTrack) -> Result<(), Unsent> {
+        let state = TrackState::from_code(track.state).ok_or(Unsent::Withheld)?;
+        if state == TrackState::Tentative && !self.with_tentative {
+            return Err(Unsent::Withheld);
+        }
+        let place = Place::new(&self.form.frame, track.position_m).ok_or(Unsent::Position)?;
+        let is_last = state == TrackState::Terminated;
+        let entry = if is_last {
+            let entry = self.numbers.end(track.track_number, track.reference_time_ns);
+            *entry.ok_or(Unsent::Withheld)?
+        } else {
+            let entry = self.numbers.report(track.track_number, track.reference_time_ns);
+            let entry = entry.ok_or(Unsent::Number)?;
+            self.form.remember(&mut entry.memory, track);
+            *entry
+        };
+        self.form.write(
+            &Report {
+                track,
+                place,
+                number: entry.number,
+                is_first: entry.is_first,
+                is_last,
+                support: entry.memory,
+                fresh: self.form.fresh(track),
+            },
+            &mut self.record,
+        );
+        Ok(())
+    }
+}
+
+impl Form {
+    fn technology(&self, source: u16) -> Technology {
+        let known = self.technologies.get(usize::from(source));
+        known.copied().unwrap_or(Technology::Other)
+    }
+
+    /// Notes what supports a track now.
+    fn remember(&self, support: &mut Support, track: &SystemTrack) {
+        let contributions = track.contributions();
+        if contributions.is_empty() {
+            return;
+        }
+        (support.kinds, support.other, support.sources) = (0, false, track.source_count);
+        for contribution in contributions {
+            let technology = self.technology(contribution.source);
+            support.kinds |= technology.bit();
+            match support.last_ns.get_mut(technology as usize) {
+                Some(last_ns) => *last_ns = contribution.time_of_measurement_ns.max(*last_ns),
+                None => support.other = true,
+            }
+        }
+    }
+
+    /// The kinds of sources whose latest report is within its expected period.
+    fn fresh(&self, track: &SystemTrack) -> u8 {
+        let fresh = |flags: u16| flags & contribution_bits::FRESH != 0;
+        let contributions = track.contributions().iter();
+        contributions
+            .filter(|contribution| fresh(contribution.flags))
+            .fold(0, |kinds, contribution| {
+                kinds | self.technology(contribution.source).bit()
+            })
+    }
+
+    fn write(&self, report: &Report<'_>, record: &mut RecordWriter) {
+        let track = report.track;
+        items::source(record, SOURCE, self.source);
+        if let Some(service) = self.service {
+            record.item(SERVICE).bits(u64::from(service), 8);
+        }
+        items::time_of_day(record, TIME, track.reference_time_ns);
+        items::geodetic(record, GEODETIC_POSITION, &report.place.geodetic, 32, 25);
+        let [x, y, _] = track.position_m;
+        items::pair(record, CARTESIAN_POSITION, [x, y], POSITION_LSB_M, 24);
+        let has_height = track.height_valid != 0;
+        let [east, north] = report.place.horizontal(has_height);
+        let velocity = [east, north].map(|axis| place::along(axis, track.velocity_mps));
+        items::pair(record, VELOCITY, velocity, VELOCITY_LSB_MPS, 16);
+        items::mode_3a(record, MODE_3A, &track.identity, true);
+        self.identification(track, record);
+        record.item(TRACK_NUMBER).bits(u64::from(report.number), 16);
+        self.status(report, record);
+        ages(report, record);
+        if has_height {
+            self.vertical(report, record);
+        }
+        self.accuracies(report, record);
+    }
+
+    fn identification(&self, track: &SystemTrack, record: &mut RecordWriter) {
+        let (address, call_sign) = (track.identity.address(), items::call_sign(&track.identity));
+        if let Some(call_sign) = call_sign.filter(|_| self.with_identification) {
+            record.item(IDENTIFICATION).bits(0, 8).bits(call_sign, 48); // sent by the target
+        }
+        let present = u64::from(address.is_some()) | u64::from(call_sign.is_some()) << 1;
+        if present == 0 {
+            return;
+        }
+        record.item(AIRCRAFT_DATA).subitems(present);
+        if let Some(address) = address {
+            record.bits(u64::from(address & 0x00FF_FFFF), 24);
+        }
+        if let Some(call_sign) = call_sign {
+            record.bits(call_sign, 48);
+        }
+    }
+
+    /// I062/080; seven bits a part, the most significant first.
+    fn status(&self, report: &Report<'_>, record: &mut RecordWriter) {
+        let track = report.track;
+        let state = TrackState::from_code(track.state);
+        let flag = |holds: bool, bit: u32| u8::from(holds) << bit;
+        let geometric = track.height_valid != 0 && self.height == HeightReference::Geometric;
+        let stale = |technology: Technology| self.kinds & !report.fresh & technology.bit() != 0;
+        record.item(TRACK_STATUS).extended(&[
+            flag(report.support.sources == 1, 6) // MON
+                | flag(items::special_identification(track.alerts), 5)
+                | flag(geometric, 4) // MRH
+                | flag(state == Some(TrackState::Tentative), 0),
+            flag(self.simulated, 6) | flag(report.is_last, 5) | flag(report.is_first, 4),
+            0,
+            flag(state == Some(TrackState::Coasted), 6)
+                | flag(stale(Technology::Primary), 5)
+                | flag(stale(Technology::Secondary), 4)
+                | flag(stale(Technology::ModeS), 3)
+                | flag(stale(Technology::AdsB), 2),
+            report.support.data_source() << 5 | (items::emergency(track.alerts) as u8) << 2,
+            flag(track.on_ground != 0 && self.has_surface_flag, 3)
+                | flag(stale(Technology::Multilateration) && self.has_multilateration_flag, 0),
+        ]);
+    }
+
+    fn vertical(&self, report: &Report<'_>, record: &mut RecordWriter) {
+        let height_m = report.place.geodetic.height_m();
+        match self.height {
+            HeightReference::Geometric => {
+                if let Some(height) = items::height(height_m) {
+                    record.item(GEOMETRIC_ALTITUDE).signed(height, 16);
+                }
+            }
+            HeightReference::Barometric => {
+                if let Some(level) = items::level(height_m, 15) {
+                    record.item(BAROMETRIC_ALTITUDE).bits(0, 1).signed(level, 15); // not corrected by the local pressure
+                }
+            }
+        }
+        let climb_mps = place::along(report.place.up(), report.track.velocity_mps);
+        if let Some(climb) = quantity::signed(climb_mps, CLIMB_LSB_MPS, 16) {
+            record.item(CLIMB).signed(climb, 16);
+        }
+    }
+
+    /// I062/500, where the greatest numbers mean "or more".
+    fn accuracies(&self, report: &Report<'_>, record: &mut RecordWriter) {
+        let Accuracies {
+            position,
+            height,
+            velocity,
+            climb,
+        } = Accuracies::new(report);
+        let geometric = height.filter(|_| self.height == HeightReference::Geometric);
+        let barometric = height.filter(|_| self.height == HeightReference::Barometric);
+        let bit = |holds: bool, subitem: u32| u64::from(holds) << subitem;
+        let present = bit(position.is_some(), 0) // APC
+            | bit(position.is_some(), 1) // COV
+            | bit(geometric.is_some(), 3) // AGA
+            | bit(barometric.is_some(), 4) // ABA
+            | bit(velocity.is_some(), 5) // ATV
+            | bit(climb.is_some(), 7); // ARC
+        if present == 0 {
+            return;
+        }
+        record.item(ACCURACIES).subitems(present);
+        deviation(record, position.map(|[x, _, _]| x), POSITION_LSB_M, 16);
+        deviation(record, position.map(|[_, y, _]| y), POSITION_LSB_M, 16);
+        if let Some([_, _, root]) = position {
+            let root = root.clamp(-COVARIANCE_ROOT_MAX_M, COVARIANCE_ROOT_MAX_M);
+            record.signed(quantity::signed(root, POSITION_LSB_M, 16).unwrap_or(0), 16);
+        }
+        deviation(record, geometric, HEIGHT_LSB_M, 8);
+        deviation(record, barometric, LEVEL_LSB_M, 8);
+        deviation(record, velocity.map(|[x, _]| x), VELOCITY_LSB_MPS, 8);
+        deviation(record, velocity.map(|[_, y]| y), VELOCITY_LSB_MPS, 8);
+        deviation(record, climb, CLIMB_LSB_MPS, 8);
+    }
+}
+
+/// A standard deviation, where there is one.
+fn deviation(record: &mut RecordWriter, sigma: Option<f64>, lsb: f64, bits: u32) {
+    if let Some(sigma) = sigma {
+        record.bits(quantity::capped_deviation(sigma, lsb, bits), bits as usize);
+    }
+}
+
+/// Standard deviations of a track, as far as its covariance says something.
+struct Accuracies {
+    /// Of x and y in the system's plane, and the root of their covariance with its sign, metres.
+    position: Option<[f64; 3]>,
+    /// Of height, metres.
+    height: Option<f64>,
+    /// Of velocity towards east and north at the target, metres per second.
+    velocity: Option<[f64; 2]>,
+    /// Of the rate of climb, metres per second.
+    climb: Option<f64>,
+}
+
+impl Accuracies {
+    fn new(report: &Report<'_>) -> Self {
+        let covariance = &report.track.covariance;
+        let has_height = report.track.height_valid != 0;
+        let [east, north] = report.place.horizontal(has_height);
+        let up = report.place.up();
+        let of_position = |a, b| place::position_covariance(covariance, a, b);
+        let of_velocity = |a, b| place::velocity_covariance(covariance, a, b);
+        let both = |x: f64, y: f64| quantity::sigma(x).zip(quantity::sigma(y));
+        let position = both(covariance.get(0, 0), covariance.get(1, 1));
+        let xy = covariance.get(0, 1);
+        Self {
+            position: position
+                .filter(|_| xy.is_finite())
+                .map(|(x, y)| [x, y, xy.abs().sqrt().copysign(xy)]),
+            height: quantity::sigma(of_position(up, up)).filter(|_| has_height),
+            velocity: both(of_velocity(east, east), of_velocity(north, north)).map(Into::into),
+            climb: quantity::sigma(of_velocity(up, up)).filter(|_| has_height),
+        }
+    }
+}
+
+impl Support {
+    /// SDS: 0 co-operative and primary, 1 co-operative, 2 primary, 3 not known.
+    fn data_source(&self) -> u8 {
+        let primary = self.kinds & Technology::Primary.bit() != 0;
+        let co_operative = self.kinds & !Technology::Primary.bit() != 0;
+        match (primary, co_operative, self.other) {
+            (true, true, _) => 0,
+            (false, true, false) => 1,
+            (true, false, false) => 2,
+            _ => 3,
+        }
+    }
+}
+
+/// I062/290: how long ago each kind of source last updated the track.
+fn ages(report: &Report<'_>, record: &mut RecordWriter) {
+    /// Subitems, in the order of the kinds they are for.
+    const SUBITEMS: [u64; KINDS] = [1 << 1, 1 << 2, 1 << 3, 1 << 5, 1 << 9];
+    let known = || {
+        report
+            .support
+            .last_ns
+            .iter()
+            .zip(SUBITEMS)
+            .filter(|(last_ns, _)| **last_ns != i64::MIN)
+    };
+    let present = known().fold(0, |present, (_, subitem)| present | subitem);
+    if present == 0 {
+        return;
+    }
+    record.item(UPDATE_AGES).subitems(present);
+    for (last_ns, _) in known() {
+        let age_ns = report.track.reference_time_ns.saturating_sub(*last_ns);
+        record.bits(quantity::capped(age_ns as f64, AGE_LSB_NS, 8), 8);
+    }
+}
