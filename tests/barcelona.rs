@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 
 use adapter::recording::Recording;
 use common::Deployment;
+use configuration::{Config, Input};
 use messages::{Counter, SensorTrack, TrackState};
 use recordings::data_folder;
-use runtime::config::{Config, Input};
 
 const S: i64 = 1_000_000_000;
 /// A report is fresh at a whole second if it is not older than this.

@@ -16,11 +16,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use adapter::recording::Recording;
+use configuration::{Config, Input};
 use fusion::rules::REGISTRY;
 use fusion::{Engine, Settings};
 use messages::{SensorTrack, SystemTrack, TrackState};
 use recordings::data_folder;
-use runtime::config::{Config, Input};
 
 const S: i64 = 1_000_000_000;
 /// States of a system track are interpolated over no more than this.

@@ -524,7 +524,7 @@ fn write_site(home: &Home, change: impl FnOnce(&mut String, &mut Vec<u8>)) {
 
 /// Writes a copy of the demonstration's configuration.
 fn write_demo(home: &Home) {
-    fs::write(home.path("copy.toml"), runtime::config::DEMO).unwrap();
+    fs::write(home.path("copy.toml"), configuration::DEMO).unwrap();
 }
 
 /// The command ended with `code` after exactly one line on standard error, which contains everything `expected`.

@@ -10,7 +10,7 @@ use bus::{Bus, BusError, Claim, Held, Payload, Root, SharedMemory};
 use messages::Topic;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-use crate::config::Config;
+use crate::service::Deployment;
 use crate::signals::Stop;
 
 /// How long the processes of a launcher that was killed may take to notice, before this start is refused.
@@ -44,7 +44,7 @@ impl Ground {
     /// # Errors
     /// If it runs already, is still used, or the machine has not enough memory or rights.
     pub fn prepare(
-        config: &Config,
+        deployment: &impl Deployment,
         instance: &str,
         processes: usize,
         stop: &Stop,
@@ -61,13 +61,13 @@ impl Ground {
                 wiped.bytes as f64 / 1e6
             ));
         }
-        bus::check_space(needed_bytes(config, processes))?;
+        bus::check_space(needed_bytes(deployment, processes))?;
         let bus = Bus::open(&root, "launcher")?;
         let mut hold = Hold {
             bus: &bus,
             held: Vec::new(),
         };
-        each_topic(config, processes, &mut hold)?;
+        each_topic(deployment, processes, &mut hold)?;
         Ok(Self {
             _held: hold.held,
             bus,
@@ -110,36 +110,25 @@ impl Ground {
 }
 
 /// Most bytes that a deployment of so many `processes` takes in shared memory.
-pub fn needed_bytes(config: &Config, processes: usize) -> u64 {
+pub fn needed_bytes(deployment: &impl Deployment, processes: usize) -> u64 {
     let mut need = Need(0);
     // Adding up cannot fail.
-    let _ = each_topic(config, processes, &mut need);
+    let _ = each_topic(deployment, processes, &mut need);
     need.0
 }
 
 /// Something that is done with every topic of a deployment.
-trait Visit {
+pub trait Visit {
+    /// Does it with `topic`, which can have so many publishers at a time.
+    ///
+    /// # Errors
+    /// If shared memory refuses it.
     fn visit<T: Payload>(&mut self, topic: &Topic<T>, publishers: usize) -> Result<(), BusError>;
 }
 
 /// Every topic of a deployment, with the number of publishers that it can have at a time.
-fn each_topic(config: &Config, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
-    for source in &config.sources {
-        visit.visit(&messages::sensor_tracks(&source.name), ONE_AND_ITS_SUCCESSOR)?;
-        if source.tracker.is_some() {
-            visit.visit(&messages::sensor_detections(&source.name), ONE_AND_ITS_SUCCESSOR)?;
-        }
-        if source.tracker.as_ref().is_some_and(|tracker| tracker.cues) {
-            visit.visit(&messages::cues(&source.name), ONE_AND_ITS_SUCCESSOR)?;
-        }
-        if source.locator.is_some() {
-            visit.visit(&messages::sensor_bearings(&source.name), ONE_AND_ITS_SUCCESSOR)?;
-            visit.visit(&messages::platform_states(&source.name), ONE_AND_ITS_SUCCESSOR)?;
-        }
-    }
-    for sensor in &config.wide_area_sensors {
-        visit.visit(&messages::wide_area(&sensor.name), ONE_AND_ITS_SUCCESSOR)?;
-    }
+fn each_topic(deployment: &impl Deployment, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
+    deployment.each_input_topic(ONE_AND_ITS_SUCCESSOR, visit)?;
     visit.visit(&messages::system_tracks(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;

@@ -29,7 +29,7 @@ use messages::{Control, LifeState};
 
 use crate::clock::{Now, mono_ns};
 use crate::cores;
-use crate::service::{Agent, HealthEntry, Process, Reporter};
+use crate::service::{Agent, Deployment, HealthEntry, Process, Reporter};
 
 /// Orders that wait for the loop.
 const ORDERS_MAX: usize = 16;
@@ -79,7 +79,7 @@ impl Housekeeper {
     /// # Errors
     /// If its topics cannot be opened.
     pub fn start(
-        process: &Process,
+        process: &Process<impl Deployment>,
         core: Option<usize>,
         entries_max: usize,
         orders: Arc<Orders>,

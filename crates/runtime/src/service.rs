@@ -10,13 +10,14 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use bus::{Bus, Mark, Publisher, Root, SharedMemory};
+use bus::{Bus, BusError, Mark, Publisher, Root, SharedMemory};
 use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind, Registration};
 
 use crate::clock::{Now, mono_ns};
-use crate::config::{Config, loopback_of};
 use crate::cores;
+use crate::ground::Visit;
 use crate::housekeeping::Housekeeper;
+use crate::loopback::loopback_of;
 use crate::signals::{self, Stop};
 
 /// Time between two health messages, nanoseconds.
@@ -52,11 +53,26 @@ pub struct Options {
     pub launcher: Option<u32>,
 }
 
+/// The parts of a deployment's configuration that every process needs, whatever its work.
+pub trait Deployment {
+    /// Core that fusion has for itself; `None` if it shares one.
+    fn fusion_core(&self) -> Option<usize>;
+
+    /// Midnight of the recordings' first day, UTC, nanoseconds since 1970; `None` without recordings.
+    fn first_day_ns(&self) -> Option<i64>;
+
+    /// Visits each topic of the sources and wide-area sensors, every one with so many `publishers`.
+    ///
+    /// # Errors
+    /// The first one of `visit`.
+    fn each_input_topic(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError>;
+}
+
 /// One process of a deployment, connected and ready.
 #[derive(Debug)]
-pub struct Process {
+pub struct Process<D> {
     /// Its deployment.
-    pub config: Config,
+    pub config: D,
     /// How it was started.
     pub options: Options,
     /// Its kind.
@@ -72,12 +88,12 @@ pub struct Process {
     stop: Stop,
 }
 
-impl Process {
+impl<D: Deployment> Process<D> {
     /// Connects a process to its deployment. From now on it ends when its launcher does.
     ///
     /// # Errors
     /// If the deployment does not run, or the operating system refuses something.
-    pub fn connect(config: Config, options: Options, kind: ProcessKind, name: &str) -> anyhow::Result<Self> {
+    pub fn connect(config: D, options: Options, kind: ProcessKind, name: &str) -> anyhow::Result<Self> {
         let stop = Stop::on_signals().context("catching signals")?;
         if let Some(launcher) = options.launcher
             && !signals::stop_with_parent(launcher).context("following the launcher")?
@@ -86,7 +102,7 @@ impl Process {
         }
         // Fusion's core is for fusion alone.
         if kind != ProcessKind::Fusion
-            && let Some(core) = config.fusion.placement.core
+            && let Some(core) = config.fusion_core()
         {
             cores::stay_away_from(core);
         }
@@ -128,7 +144,7 @@ impl Process {
     /// Midnight of the day that files count their seconds from, UTC, nanoseconds.
     pub fn first_day_ns(&self) -> i64 {
         let live = || self.options.scenario_start_ns.div_euclid(frames::time::NS_PER_DAY) * frames::time::NS_PER_DAY;
-        self.config.first_day_ns.unwrap_or_else(live)
+        self.config.first_day_ns().unwrap_or_else(live)
     }
 }
 
@@ -223,10 +239,10 @@ pub struct Rest {
 ///
 /// # Errors
 /// What the agent could not cope with.
-pub fn run(process: &Process, agent: &mut dyn Agent) -> anyhow::Result<()> {
+pub fn run<D: Deployment>(process: &Process<D>, agent: &mut dyn Agent) -> anyhow::Result<()> {
     let mut reporter = Reporter::new(&process.bus, process.incarnation, process.blank_health())?;
     let mut entries = Vec::new();
-    let result = duty_cycle(process, agent, None, &mut |agent, now| {
+    let result = duty_cycle(&process.stop, agent, None, &mut |agent, now| {
         entries.clear();
         agent.health(&mut entries);
         reporter.publish(now, LifeState::Running, &entries)
@@ -243,13 +259,15 @@ pub fn run(process: &Process, agent: &mut dyn Agent) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// What the agent or the housekeeper could not cope with.
-pub fn run_apart(
-    process: &Process,
+pub fn run_apart<D: Deployment>(
+    process: &Process<D>,
     agent: &mut dyn Agent,
     rest: Option<Rest>,
     housekeeper: Housekeeper,
 ) -> anyhow::Result<()> {
-    let result = duty_cycle(process, agent, rest, &mut |agent, now| housekeeper.say(agent, now));
+    let result = duty_cycle(&process.stop, agent, rest, &mut |agent, now| {
+        housekeeper.say(agent, now)
+    });
     let closed = agent.close(Now::read());
     let said = housekeeper.close(agent, Now::read(), life_at_end(&result, &closed));
     // The housekeeper's error first: where it failed, the agent only failed because of it.
@@ -264,7 +282,7 @@ fn life_at_end(result: &anyhow::Result<()>, closed: &anyhow::Result<()>) -> Life
 }
 
 fn duty_cycle(
-    process: &Process,
+    stop: &Stop,
     agent: &mut dyn Agent,
     rest: Option<Rest>,
     say: &mut dyn FnMut(&dyn Agent, Now) -> anyhow::Result<()>,
@@ -279,7 +297,7 @@ fn duty_cycle(
             say(agent, now)?;
             next_health_ns = now.mono_ns + HEALTH_PERIOD_NS;
         }
-        if process.stop_requested() {
+        if stop.requested() {
             return Ok(());
         }
         if let Some(rest) = rest

@@ -11,12 +11,12 @@ use std::net::{IpAddr, SocketAddr};
 use std::time::Duration;
 
 use anyhow::Context as _;
+use configuration::{Process, Source};
 use formats::bearings_csv::BearingReader;
 use frames::time::DayUnroller;
 use messages::{COUNTERS_MAX, Counter};
 use net::{ReceiverSettings, UdpReceiver};
-use runtime::config::Source;
-use runtime::{Agent, HealthEntry, Now, Process, Turn};
+use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::channel::Channel;
 

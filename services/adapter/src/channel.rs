@@ -1,13 +1,13 @@
 //! One source's way from observations to its topics.
 
 use bus::{Mark, Publisher, SharedMemory, Subscriber};
+use configuration::{Process, Source};
 use formats::bearing::Bearing;
 use formats::reports::{Observation, Service};
 use formats::wide_area::WideAreaReport;
 use messages::{COUNTERS_MAX, Counter, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
+use runtime::HealthEntry;
 use runtime::clock::mono_ns;
-use runtime::config::Source;
-use runtime::{HealthEntry, Process};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::stages::{Made, Stage};

@@ -4,13 +4,13 @@ use std::collections::VecDeque;
 use std::io::Cursor;
 
 use asterix::{Decoder, blocks};
+use configuration::{Recorded, RecordedFormat};
 use formats::containers::{Container, datagrams};
 use formats::csv_table::CsvError;
 use formats::reports::observation::{self, Reading};
 use formats::sbs::{Merger, Rejection, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::{COUNTERS_MAX, Counter};
-use runtime::config::{Recorded, RecordedFormat};
 
 use crate::recording::Intake;
 

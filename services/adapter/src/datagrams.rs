@@ -14,11 +14,11 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use asterix::{Counts, Decoder, blocks};
+use configuration::{Asterix, Input, Process, Source};
 use formats::reports::observation::{self, Reading};
 use messages::{COUNTERS_MAX, Counter};
 use net::{ReceiverSettings, UdpReceiver};
-use runtime::config::{Asterix, Input, Source};
-use runtime::{Agent, HealthEntry, Now, Process, Turn};
+use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::channel::Channel;
 

@@ -19,8 +19,8 @@ mod stages;
 mod wide_area;
 
 use anyhow::Context as _;
-use runtime::config::{Input, Source, Transport};
-use runtime::{Agent, Process};
+use configuration::{Input, Process, Source, Transport};
+use runtime::Agent;
 
 use crate::bearings::Bearings;
 use crate::datagrams::Datagrams;

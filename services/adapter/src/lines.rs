@@ -6,11 +6,11 @@
 use std::time::Duration;
 
 use anyhow::Context as _;
+use configuration::{Process, Source};
 use formats::sbs::{Merger, Rejection, SbsSettings};
 use messages::{COUNTERS_MAX, Counter};
 use net::{LinesSettings, TcpLines};
-use runtime::config::Source;
-use runtime::{Agent, HealthEntry, Now, Process, Turn};
+use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::channel::Channel;
 

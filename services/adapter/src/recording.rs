@@ -5,9 +5,9 @@
 
 use std::collections::VecDeque;
 
+use configuration::{Recorded, Source};
 use formats::reports::{Observation, Reorder, Service};
 use messages::{COUNTERS_MAX, Counter, SensorDetection, SensorTrack};
-use runtime::config::{Recorded, Source};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::content::Content;

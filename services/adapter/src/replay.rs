@@ -9,11 +9,11 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Mark, Publisher, SharedMemory, WaitMode, Waiter};
+use configuration::{Process, Recorded, Source};
 use messages::{Counter, ProcessKind, SensorDetection, SensorTrack};
 use runtime::clock::mono_ns;
-use runtime::config::{Recorded, Source};
 use runtime::flow::Flow;
-use runtime::{Agent, HealthEntry, Now, Process, Speed, Turn};
+use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::recording::{AHEAD, Recording};

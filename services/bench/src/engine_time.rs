@@ -12,10 +12,11 @@ use std::hint::black_box;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
+use configuration::Config;
 use fusion::Engine;
 use messages::{SystemTrack, TrackState};
+use runtime::Now;
 use runtime::cores::Placement;
-use runtime::{Config, Now};
 use serde::{Deserialize, Serialize};
 
 use crate::drive::{Clock as _, MachineClock};

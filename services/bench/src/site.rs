@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use bus::{Bus, Root, SharedMemory, Subscriber};
+use configuration::Config;
 use messages::{Health, LifeState, NO_SOURCE, ProcessKind};
-use runtime::Config;
 use runtime::clock::mono_ns;
 use runtime::ground::Ground;
 use runtime::signals::Stop;

@@ -14,10 +14,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use bus::{Bus, InProcess, Mark, Publisher, Root, Subscriber};
+use configuration::Config;
 use fusion_service::FusionAgent;
 use messages::{Covariance, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use runtime::housekeeping;
-use runtime::{Agent, Config, Now};
+use runtime::{Agent, Now};
 
 const S: i64 = 1_000_000_000;
 const START_NS: i64 = 16_931 * 86_400 * S;

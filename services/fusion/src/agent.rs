@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{Bus, Transport, Waiter};
+use configuration::{Config, Order};
 use fusion::{Engine, Merger, Pushed};
 use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, SystemTrack, TrackState};
 use runtime::clock::mono_ns;
-use runtime::config::{Config, Order};
 use runtime::flow::Reached;
 use runtime::housekeeping::Orders;
 use runtime::{Agent, HealthEntry, Now, Turn};

@@ -1,8 +1,8 @@
 //! The sources' topics, as fusion reads them.
 
 use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
+use configuration::Config;
 use messages::{BatchHeader, COUNTERS_MAX, Counter, SensorTrack};
-use runtime::config::Config;
 
 /// Slices without a report, or of another layout, that are passed over in a row before other sources have their turn.
 const PASSED_OVER_MAX: usize = 16;

@@ -20,8 +20,9 @@ pub use agent::FusionAgent;
 use std::sync::Arc;
 
 use bus::WaitMode;
+use configuration::Process;
 use runtime::housekeeping::{self, Housekeeper};
-use runtime::{Process, Rest, cores};
+use runtime::{Rest, cores};
 
 /// How a loop rests that would otherwise never sleep: six hundredths of the time, more than the kernel would take by force.
 const REST: Rest = Rest {

@@ -1,9 +1,9 @@
 //! The system tracks on their way out.
 
 use bus::{Bus, Mark, Publisher, Transport};
+use configuration::Config;
 use messages::{Counter, ProcessKind, SystemTrack};
 use runtime::clock::mono_ns;
-use runtime::config::Config;
 use runtime::flow::Flow;
 
 /// Source number under which consumers report their progress on the system tracks.

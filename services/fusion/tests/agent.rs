@@ -4,10 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root, Subscriber};
+use configuration::Config;
 use fusion_service::FusionAgent;
 use messages::{BatchHeader, Control, Counter, Covariance, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use runtime::housekeeping::{self, Orders};
-use runtime::{Agent, Config, HealthEntry, Now, Turn};
+use runtime::{Agent, HealthEntry, Now, Turn};
 
 const S: i64 = 1_000_000_000;
 const DAY: i64 = 16_931 * 86_400 * S;

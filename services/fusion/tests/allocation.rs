@@ -11,11 +11,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
+use configuration::Config;
 use fusion_service::FusionAgent;
 use heap::{Counting, SMALL_BYTES, heap_use};
 use messages::{Control, Counter, Covariance, SensorTrack, TrackState, sensor_track_bits};
 use runtime::housekeeping;
-use runtime::{Agent, Config, HealthEntry, Now};
+use runtime::{Agent, HealthEntry, Now};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;

@@ -5,10 +5,10 @@ use std::time::Duration;
 use anyhow::Context as _;
 use asterix::registry;
 use bus::{Bus, Payload, Subscriber, Transport, WaitMode, Waiter};
+use configuration::{Config, Gateway, GatewayContent, Source};
 use messages::{Counter, Health, SensorTrack, SystemTrack, Topic, TrackState};
 use net::UdpSender;
 use outgoing::{OutgoingCounts, SendBlock, SensorReports, StatusReports, SystemReports, SystemSource};
-use runtime::config::{Config, Gateway, GatewayContent, Source};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::schedule::Schedule;

@@ -11,7 +11,7 @@ mod schedule;
 mod sensor_states;
 
 use anyhow::Context as _;
-use runtime::Process;
+use configuration::Process;
 
 /// Runs the gateway that the process is named after, until told to stop.
 ///

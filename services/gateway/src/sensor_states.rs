@@ -3,10 +3,10 @@
 //! A sensor works when its adapter goes on publishing reports of it. One that has published nothing for a while may be
 //! broken, or have nothing in view: degraded. One whose adapter says nothing any more is not connected; so is fusion.
 
+use configuration::Config;
 use messages::{Counter, Health, NO_SOURCE, ProcessKind};
 use outgoing::{Condition, SendBlock, SensorStatus, StatusReports, SystemStatus};
 use runtime::Now;
-use runtime::config::Config;
 
 /// A sensor that has not delivered for so long is degraded, nanoseconds.
 const DELIVERY_MAX_NS: i64 = 15_000_000_000;
@@ -118,7 +118,7 @@ impl Sensor {
 mod tests {
     use std::path::Path;
 
-    use runtime::config::BUILT_IN_DEMO;
+    use configuration::BUILT_IN_DEMO;
 
     use super::*;
 

@@ -4,9 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use bus::WaitMode;
-use runtime::Config;
-use runtime::config::{
-    Input, Monitor, MonitorWait, Order, Source, SourceTracker, TrackFeed, WideAreaInput, WideAreaSensor,
+use configuration::{
+    Config, Input, Monitor, MonitorWait, Order, Source, SourceTracker, TrackFeed, WideAreaInput, WideAreaSensor,
 };
 use scenario::ScenarioSettings;
 use telemetry::Stage;
@@ -247,7 +246,7 @@ fn time_of_day(time_ns: Option<i64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use runtime::config::BUILT_IN_DEMO;
+    use configuration::BUILT_IN_DEMO;
 
     #[test]
     fn the_summary_names_every_source_and_the_capacities() {

@@ -34,10 +34,10 @@ use std::time::Duration;
 
 use clap::Parser as _;
 use clap::error::ErrorKind;
+use configuration::{BUILT_IN_DEMO, Config, ConfigError, Process};
 use launcher::Orders;
 use messages::ProcessKind;
-use runtime::config::BUILT_IN_DEMO;
-use runtime::{Config, ConfigError, Now, Options, Process};
+use runtime::{Now, Options};
 
 use args::{Cli, Command, Serve, Usage};
 use recordings::{Depth, RecordingError};

@@ -13,14 +13,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use asterix::{Error as BlockError, blocks, registry};
+use configuration::{Config, Input, Recorded, RecordedFormat, Truncated, WideAreaInput, WideAreaSensor};
 use formats::containers::{Container, datagrams};
 use formats::csv_table::CsvError;
 use formats::reports::observation::{Reading, read};
 use formats::sbs::{Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area::WideAreaReader;
-use runtime::Config;
-use runtime::config::{Input, Recorded, RecordedFormat, Truncated, WideAreaInput, WideAreaSensor};
 
 /// How thoroughly to look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,14 +8,13 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context as _;
+use configuration::{Config, DEMO, Input, Instrument, Source};
 use formats::bearings_csv::BearingWriter;
 use formats::detection::{Detection, DetectionKind};
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, sensor_id};
 use formats::wide_area::WideAreaWriter;
 use messages::SensorTrack;
-use runtime::Config;
-use runtime::config::{DEMO, Input, Instrument, Source};
 use scenario::{
     Plot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
 };

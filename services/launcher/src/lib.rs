@@ -37,9 +37,10 @@ use std::io::Write as _;
 use std::time::Duration;
 
 use anyhow::Context as _;
+use configuration::Config;
+use runtime::Options;
 use runtime::ground::{self, Ground};
 use runtime::signals::Stop;
-use runtime::{Config, Options};
 
 pub use supervisor::ChildRefused;
 

@@ -3,8 +3,9 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use configuration::Config;
 use messages::{NO_SOURCE, ProcessKind};
-use runtime::{Config, Options, Speed};
+use runtime::{Options, Speed};
 
 /// One process of a deployment.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,7 +116,7 @@ impl Part {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use runtime::config::BUILT_IN_DEMO;
+    use configuration::BUILT_IN_DEMO;
 
     #[test]
     fn the_monitor_starts_first_and_stops_last() {

@@ -5,10 +5,11 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
+use configuration::Config;
 use messages::ProcessKind;
+use runtime::Now;
 use runtime::ground::Ground;
 use runtime::signals::Stop;
-use runtime::{Config, Now};
 
 use crate::backoff::FAILURES_MAX;
 use crate::board::Board;

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
+use configuration::{Config, MonitorWait};
 use messages::{Health, SystemTrack};
-use runtime::config::MonitorWait;
-use runtime::{Agent, Config, HealthEntry, Now, Options, Turn};
+use runtime::{Agent, HealthEntry, Now, Options, Turn};
 
 use crate::files::Files;
 use crate::metrics::Metrics;

@@ -74,7 +74,7 @@ pub use verdict::Verdict;
 ///
 /// # Errors
 /// If a file cannot be written or shared memory fails.
-pub fn run(process: &runtime::Process) -> anyhow::Result<()> {
+pub fn run(process: &configuration::Process) -> anyhow::Result<()> {
     let say = |line: &str| {
         let _ = writeln!(std::io::stderr(), "koseki: {}: {line}", process.name);
     };

@@ -5,8 +5,8 @@
 use std::collections::BTreeMap;
 
 use bus::{SubscriberCounts, WaitMode};
+use configuration::{Config, Input, MonitorWait, Order};
 use messages::{BatchHeader, Counter, Health, NO_SOURCE, ProcessKind, SystemTrack};
-use runtime::config::{Config, Input, MonitorWait, Order};
 use runtime::{Now, Options, Speed};
 use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage, Stages};
 

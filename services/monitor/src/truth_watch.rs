@@ -9,9 +9,9 @@
 
 use std::collections::BTreeMap;
 
+use configuration::{Config, Input, Instrument};
 use messages::{SystemTrack, TrackState};
 use runtime::Options;
-use runtime::config::{Config, Input, Instrument};
 use scenario::{Accuracy, AccuracyReport, PictureTrack, SimulatedSensor, TargetState, Truth};
 
 /// Time after the start that is left out.
@@ -120,8 +120,8 @@ impl TruthWatch {
 mod tests {
     use std::path::Path;
 
+    use configuration::BUILT_IN_DEMO;
     use runtime::Speed;
-    use runtime::config::BUILT_IN_DEMO;
 
     use super::*;
 

@@ -7,13 +7,13 @@ use std::path::Path;
 use std::rc::Rc;
 
 use bus::{Bus, InProcess, WaitMode, Waiter};
+use configuration::{BUILT_IN_DEMO, Config};
 use hdrhistogram::Histogram;
 use hdrhistogram::serialization::Deserializer;
 use hdrhistogram::serialization::interval_log::{IntervalLogIterator, LogEntry};
 use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind};
 use monitor::{MonitorAgent, Screen};
-use runtime::config::BUILT_IN_DEMO;
-use runtime::{Agent, Config, Options, Speed, Turn};
+use runtime::{Agent, Options, Speed, Turn};
 use serde_json::Value;
 use watched::{Bench, RECORDED, S, UTC_NS};
 

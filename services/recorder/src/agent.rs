@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
+use configuration::Config;
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, SystemTrackWriter};
 use formats::wide_area::WideAreaWriter;
 use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SystemTrack};
-use runtime::config::Config;
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
 

@@ -14,7 +14,7 @@ mod topic_file;
 
 pub use agent::RecorderAgent;
 
-use runtime::Process;
+use configuration::Process;
 
 /// Runs the recorder until every topic has ended or the process is told to stop.
 ///

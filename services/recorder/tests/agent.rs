@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
+use configuration::Config;
 use messages::{Counter, SensorTrack, SystemTrack};
 use recorder::RecorderAgent;
-use runtime::{Agent, Config, HealthEntry, Now, Turn};
+use runtime::{Agent, HealthEntry, Now, Turn};
 
 const NOW: Now = Now { mono_ns: 1, utc_ns: 0 };
 

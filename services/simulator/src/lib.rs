@@ -23,10 +23,10 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use anyhow::Context as _;
+use configuration::{Input, Instrument, Process, Transport};
 use messages::NS_PER_S;
 use net::{SenderSettings, UdpSender};
-use runtime::config::{Input, Instrument, Transport};
-use runtime::{Agent, HealthEntry, Now, Process, Turn};
+use runtime::{Agent, HealthEntry, Now, Turn};
 use scenario::Truth;
 
 use crate::direction_finder::DirectionFinder;

@@ -2,9 +2,10 @@
 
 use std::io;
 
+use configuration::Process;
 use messages::Counter;
 use net::UdpSender;
-use runtime::{HealthEntry, Process};
+use runtime::HealthEntry;
 
 use crate::{DATAGRAM_OCTETS_MAX, sender_to};
 

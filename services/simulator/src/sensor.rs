@@ -2,11 +2,11 @@
 
 use anyhow::Context as _;
 use asterix::{Category, registry};
+use configuration::{Process, Source};
 use messages::{Counter, NS_PER_S, SensorTrack};
 use net::UdpSender;
 use outgoing::{HeightReference, SensorReports};
-use runtime::config::Source;
-use runtime::{HealthEntry, Now, Process};
+use runtime::{HealthEntry, Now};
 use scenario::{Plot, SensorKind, SensorSettings, SimulatedSensor, Truth};
 
 use crate::{DATAGRAM_OCTETS_MAX, Observer, sender_to};

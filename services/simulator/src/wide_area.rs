@@ -1,11 +1,11 @@
 //! A simulated wide-area sensor with its way out: tables of counts in datagrams (FM-6), each with its header line, when they are
 //! to arrive.
 
+use configuration::{Process, WideAreaSensor};
 use formats::wide_area::{WideAreaReport, WideAreaWriter};
 use frames::time::NS_PER_DAY;
 use messages::NS_PER_S;
-use runtime::config::WideAreaSensor;
-use runtime::{HealthEntry, Now, Process};
+use runtime::{HealthEntry, Now};
 use scenario::{SimulatedWideAreaSensor, Truth, WideAreaSettings};
 
 use crate::Observer;

@@ -4,6 +4,7 @@
 //! emitter whose geometry allows no fix yet there is no track. Nothing waits: a track is as old as the bearing that it follows
 //! from. An emitter that falls silent has no further reports, as with any sensor.
 
+use configuration::Source;
 use formats::bearing::Bearing;
 use formats::reports::Limits;
 use locating::Locator;
@@ -12,7 +13,6 @@ use messages::{
     COUNTERS_MAX, Counter, PlatformState, SensorBearing, SensorTrack, StageTimes, platform_state_bits,
     sensor_bearing_bits,
 };
-use runtime::config::Source;
 
 use super::Made;
 

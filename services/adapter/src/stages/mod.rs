@@ -12,11 +12,11 @@ mod locating;
 mod tracking;
 
 use ::tracking::wide_area::arrivals::Arrivals;
+use configuration::Source;
 use formats::bearing::Bearing;
 use formats::reports::{Converter, Observation, Service};
 use formats::wide_area::WideAreaReport;
 use messages::{COUNTERS_MAX, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack};
-use runtime::config::Source;
 
 use self::locating::Locating;
 use self::tracking::Tracking;

@@ -19,10 +19,10 @@
 //! that was restarted, and knows nothing of the tracks before, does not give their numbers to other targets.
 
 use anyhow::Context as _;
+use configuration::{Source, SourceTracker};
 use formats::detection::Detection;
 use formats::wide_area::WideAreaReport;
 use messages::{COUNTERS_MAX, Counter, SensorBearing, StageTimes, TrackState, sensor_bearing_bits};
-use runtime::config::{Source, SourceTracker};
 use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
 use tracking::scans::silent_times_ns;
 use tracking::wide_area::Emission;

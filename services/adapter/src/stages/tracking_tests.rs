@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use configuration::Config;
 use formats::detection::DetectionKind;
 use messages::SensorTrack;
-use runtime::Config;
 
 use super::*;
 

@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Mark, Publisher, SharedMemory};
+use configuration::{Process, WideAreaSensor};
 use messages::{COUNTERS_MAX, Counter, StageTimes, WideArea};
 use net::{ReceiverSettings, UdpReceiver};
 use runtime::clock::mono_ns;
-use runtime::config::WideAreaSensor;
-use runtime::{Agent, HealthEntry, Now, Process, Turn};
+use runtime::{Agent, HealthEntry, Now, Turn};
 use tracking::wide_area::WideAreaReport;
 
 use super::rows::Rows;

@@ -14,9 +14,9 @@ mod replay;
 mod rows;
 mod tracks;
 
+use configuration::{Process, Transport, WideAreaInput, WideAreaSensor};
 use messages::{COUNTERS_MAX, Counter};
-use runtime::config::{Transport, WideAreaInput, WideAreaSensor};
-use runtime::{Agent, Process};
+use runtime::Agent;
 use tracking::wide_area::{ReportRefusal, WideAreaReport, fault_in};
 
 use self::live::{Live, Reader};

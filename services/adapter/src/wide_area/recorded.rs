@@ -4,10 +4,10 @@ use std::io::BufReader;
 use std::path::Path;
 
 use anyhow::Context as _;
+use configuration::{WideAreaInput, WideAreaSensor};
 use formats::csv_table::CsvError;
 use formats::wide_area::WideAreaReader;
 use messages::{COUNTERS_MAX, Counter};
-use runtime::config::{WideAreaInput, WideAreaSensor};
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::arrivals::order;
 

@@ -6,11 +6,11 @@
 use std::time::Duration;
 
 use bus::{Mark, Publisher, SharedMemory, WaitMode, Waiter};
+use configuration::{Process, WideAreaSensor};
 use messages::{COUNTERS_MAX, Counter, ProcessKind, StageTimes, WideArea};
 use runtime::clock::mono_ns;
-use runtime::config::WideAreaSensor;
 use runtime::flow::Flow;
-use runtime::{Agent, HealthEntry, Now, Process, Speed, Turn};
+use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 use tracking::wide_area::WideAreaReport;
 
 use super::recorded::{self, Recorded};

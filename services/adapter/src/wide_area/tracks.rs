@@ -7,10 +7,10 @@
 //! was measured.
 
 use asterix::{Decoder, blocks};
+use configuration::CountedTracks;
 use formats::reports::Converter;
 use formats::reports::observation::{self, Reading};
 use messages::{COUNTERS_MAX, Counter, TrackState};
-use runtime::config::CountedTracks;
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::counting::{CountedTrack, Counting};
 
@@ -123,11 +123,10 @@ mod tests {
     use std::path::Path;
 
     use asterix::registry;
+    use configuration::{Config, WideAreaInput};
     use messages::SystemTrack;
     use outgoing::SystemReports;
     use proptest::prelude::*;
-    use runtime::Config;
-    use runtime::config::WideAreaInput;
 
     use super::*;
 

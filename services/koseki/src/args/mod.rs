@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
-use runtime::config::Config;
-use runtime::{ConfigError, Now, Options, Speed};
+use configuration::{Config, ConfigError};
+use runtime::{Now, Options, Speed};
 
 use bench::BENCH_EXAMPLES;
 pub(crate) use bench::{Bench, BenchRelay};

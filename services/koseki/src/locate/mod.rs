@@ -85,7 +85,7 @@ fn settings(locate: &Locate) -> anyhow::Result<Settings> {
         Some(path) => {
             let text = std::fs::read_to_string(path);
             let text = text.map_err(|error| InputError::new(path, format!("cannot be read: {error}")))?;
-            runtime::config::locating_settings(path, &text)?
+            configuration::locating_settings(path, &text)?
         }
         None => Settings {
             emitters_max: EMITTERS_MAX,

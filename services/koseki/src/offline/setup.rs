@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use configuration::{Config, Offline};
 use fusion::Settings;
 use fusion::rules::{self, RuleEntry};
 use fusion::settings::SOURCES_MAX;
-use runtime::config::{Config, Offline};
 
 use super::merged::{Merged, Sensors, named_twice};
 use super::survey::Survey;

@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
+use configuration::SeenSensor;
 use messages::SensorTrack;
-use runtime::config::SeenSensor;
 use rustc_hash::FxHashMap;
 
 use super::merged::{Merged, Sensors};

@@ -4,12 +4,12 @@ use std::fs::File;
 use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
+use configuration::SeenDetections;
 use formats::autoferry;
 use formats::csv_table::CsvError;
 use formats::detection::Detection;
 use formats::detections_csv::DetectionReader;
 use frames::time::NS_PER_DAY;
-use runtime::config::SeenDetections;
 use tracking::Settings;
 use tracking::scans::ScanOfDetections;
 

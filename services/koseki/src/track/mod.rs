@@ -15,9 +15,8 @@ mod support;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use configuration::{Config, SeenDetections, Source, Tracking};
 use formats::tracks_csv::sensor_id;
-use runtime::Config;
-use runtime::config::{SeenDetections, Source, Tracking};
 use tracking::explanation::Observer;
 use tracking::scans::scans_of;
 use tracking::{Settings, Tracker};

@@ -10,10 +10,10 @@ use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
+use configuration::{BUILT_IN_DEMO, Config};
 use messages::{Counter, Health, LifeState, ProcessKind, StageTimes, SystemTrack, TrackState};
 use monitor::{MonitorAgent, Screen};
-use runtime::config::BUILT_IN_DEMO;
-use runtime::{Agent, Config, HealthEntry, Now, Options, Speed, Turn};
+use runtime::{Agent, HealthEntry, Now, Options, Speed, Turn};
 use serde_json::Value;
 
 pub(crate) const S: i64 = 1_000_000_000;

@@ -5,7 +5,7 @@ use std::path::Path;
 use tracking::settings::Settings;
 
 use super::*;
-use crate::config::{Config, SeenDetections, Tracking};
+use crate::{Config, SeenDetections, Tracking};
 
 fn settings(text: &str) -> Result<Settings, String> {
     let seen = SeenDetections {
@@ -366,7 +366,7 @@ fn mistakes_are_named_with_line_key_value_and_remedy() {
 
 #[test]
 fn the_guides_example_is_sound() {
-    let guide = include_str!("../../../../docs/wide-area.md");
+    let guide = include_str!("../../../docs/wide-area.md");
     let (_, after) = guide.split_once("```toml\n").unwrap();
     let (example, _) = after.split_once("```").unwrap();
     let found = settings(example).unwrap().wide_area;

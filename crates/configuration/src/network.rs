@@ -1,13 +1,10 @@
 //! What a deployment takes from the network and gives to it.
 
-use std::hash::Hasher as _;
-use std::net::{Ipv4Addr, SocketAddr};
-use std::path::Path;
+use std::net::SocketAddr;
 
 use asterix::{Category, Decoder, Mode};
 use formats::sbs::SbsSettings;
 use outgoing::HeightReference;
-use rustc_hash::FxHasher;
 
 /// A network input: one socket, read by one adapter process, with one sensor or several behind it.
 #[derive(Clone, Debug)]
@@ -97,32 +94,4 @@ pub enum GatewayContent {
     SystemTracks,
     /// The sensor tracks of one source, by number.
     SensorTracks(u16),
-}
-
-/// The loopback address that belongs to the deployment with its shared memory at `root`.
-///
-/// All of 127.0.0.0/8 is the machine itself. An address of its own for each deployment lets several with the same ports
-/// run side by side, without asking anyone which ports are free. The upper half is used, as the lower holds addresses
-/// that systems give to their own services.
-pub(crate) fn loopback_of(root: &Path) -> Ipv4Addr {
-    let mut hasher = FxHasher::default();
-    hasher.write(root.as_os_str().as_encoded_bytes());
-    let [.., a, b, c] = (hasher.finish() >> 8).to_be_bytes();
-    Ipv4Addr::new(127, 128 | a, b, c.clamp(1, 254))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_deployment_has_a_loopback_address_of_its_own() {
-        let address = |i: u32| loopback_of(Path::new(&format!("/run/koseki/instance-{i}")));
-        let mut addresses: Vec<Ipv4Addr> = (0..1000).map(address).collect();
-        assert!(addresses.iter().all(Ipv4Addr::is_loopback));
-        assert_eq!(address(5), address(5));
-        addresses.sort_unstable();
-        addresses.dedup();
-        assert!(addresses.len() >= 999, "{} different ones", addresses.len());
-    }
 }

@@ -3,10 +3,13 @@
 //! Reading is strict. An unknown key, a value out of range, two sources of one name, a core the machine does not have:
 //! each is refused with file, line, key, value and what would be right, before anything is started.
 
+#![forbid(unsafe_code)]
+
 mod check;
 mod check_monitor;
 mod check_network;
 mod check_rule;
+mod deployment;
 mod locate;
 mod locating;
 mod network;
@@ -30,21 +33,23 @@ use outgoing::Technology;
 use serde::Deserialize;
 use telemetry::Deadlines;
 
-use crate::cores::Placement;
 use raw::RawConfig;
+use runtime::cores::Placement;
 
 pub use locating::locating_settings;
-pub(crate) use network::loopback_of;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
 pub use tracker::{SeenDetections, SourceTracker, Tracking};
 pub use wide_area_sensor::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
+/// One process of a deployment, connected and ready.
+pub type Process = runtime::Process<Config>;
+
 /// Stands for the configuration of the demonstration, which is part of the executable.
 pub const BUILT_IN_DEMO: &str = "built-in:demo";
 
 /// The configuration of the demonstration, as text.
-pub const DEMO: &str = include_str!("../../../../config/demo.toml");
+pub const DEMO: &str = include_str!("../../../config/demo.toml");
 
 /// A checked deployment.
 #[derive(Clone, Debug)]

@@ -23,7 +23,7 @@ use super::raw::{
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
 use super::{Config, ConfigError, Fusion, Input, Instrument, Order, Recorded, RecordedFormat, Source, SourceTracker};
-use crate::cores::{self, Placement};
+use runtime::cores::{self, Placement};
 
 /// What is wrong with the value at a key.
 pub(super) struct Problem {
