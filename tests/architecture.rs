@@ -7,6 +7,7 @@ use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
 
 /// Dependencies run from right to left only: a crate may depend on crates that stand before it.
 const ORDER: &[&str] = &[
+    "test-support",
     "frames",
     "messages",
     "estimation",
@@ -49,6 +50,7 @@ const SERVICES: &[&str] = &[
 
 /// Crates that may know the outside world; all others are pure.
 const OUTSIDE: &[&str] = &[
+    "test-support",
     "bus",
     "net",
     "runtime",

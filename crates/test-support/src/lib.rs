@@ -1,0 +1,13 @@
+//! Tools of tests that more than one crate needs. No product code depends on this crate.
+
+#![forbid(unsafe_code)]
+
+mod golden;
+mod random;
+mod recordings;
+mod table;
+
+pub use golden::{Digest, assert_golden};
+pub use random::Random;
+pub use recordings::{recording, recordings};
+pub use table::{column, numbers, places};

@@ -1,0 +1,35 @@
+//! Recordings of real sensors, which are no part of the project.
+//!
+//! They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the workspace. A test that needs one that is
+//! absent says `skipped: …` and passes; with `KOSEKI_REQUIRE_DATA` in the environment (as in `.ci/run` where the
+//! recordings are) it fails, so that a renamed file cannot switch a test off unseen.
+
+use std::path::{Path, PathBuf};
+
+/// The folder of the recordings if it holds `part`; else `None`, and says that something is skipped.
+///
+/// # Panics
+/// If `part` is absent and `KOSEKI_REQUIRE_DATA` is set.
+pub fn recordings(part: &str) -> Option<PathBuf> {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = std::env::var_os("KOSEKI_DATA").map_or(default, PathBuf::from);
+    if folder.join(part).exists() {
+        return Some(folder);
+    }
+    let absent = format!("no recording at {} (set KOSEKI_DATA)", folder.join(part).display());
+    assert!(
+        std::env::var_os("KOSEKI_REQUIRE_DATA").is_none(),
+        "KOSEKI_REQUIRE_DATA is set, and there is {absent}"
+    );
+    println!("skipped: {absent}");
+    None
+}
+
+/// The octets of one recording, named by its path in the folder of the recordings; see [`recordings`].
+///
+/// # Panics
+/// If it is absent and `KOSEKI_REQUIRE_DATA` is set, or cannot be read.
+pub fn recording(name: &str) -> Option<Vec<u8>> {
+    let path = recordings(name)?.join(name);
+    Some(std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())))
+}

@@ -1,0 +1,32 @@
+//! Tables as commands write them: a header, and values apart by commas.
+
+/// Places of the columns of these names in a header.
+///
+/// # Panics
+/// If there is none of a name.
+pub fn places<const N: usize>(header: &str, names: [&str; N]) -> [usize; N] {
+    names.map(|name| {
+        let place = header.split(',').position(|found| found == name);
+        place.unwrap_or_else(|| panic!("no column {name} in {header}"))
+    })
+}
+
+/// The values of the column of this name.
+///
+/// # Panics
+/// If there is none.
+pub fn column(text: &str, name: &str) -> Vec<String> {
+    let mut lines = text.lines();
+    let [place] = places(lines.next().unwrap_or_default(), [name]);
+    let value = |line: &str| line.split(',').nth(place).expect("a value for each name").to_owned();
+    lines.map(value).collect()
+}
+
+/// The values of a column of numbers.
+///
+/// # Panics
+/// If there is no such column, or something else in it.
+pub fn numbers(text: &str, name: &str) -> Vec<f64> {
+    let values = column(text, name).into_iter();
+    values.map(|value| value.parse().expect("a number")).collect()
+}
