@@ -27,13 +27,13 @@ use std::marker::PhantomData;
 use messages::{TYPE_NAME_MAX, TargetType};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+use tracking::selection::Selection;
 use tracking::settings::{Confirmation, Deletion};
 use tracking::wide_area::TARGETS_MAX;
 use tracking::wide_area::correction::Rule;
 use tracking::wide_area::distribution::Sharing;
 use tracking::wide_area::group::Groups;
 use tracking::wide_area::prior::{self, EmissionBand, Knowledge, Place, Prior};
-use tracking::wide_area::selection::Selection;
 use tracking::wide_area::settings::{Coverage, EarlyConfirmation, EarlyDeletion, WideArea};
 
 use super::check::{Checked, nanoseconds, problem, within};

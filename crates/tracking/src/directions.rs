@@ -32,11 +32,12 @@
 use association::distance;
 use messages::NS_PER_S;
 
-use crate::gating::{COMPARISONS_MAX, Plot};
+use crate::limits::COMPARISONS_MAX;
 use crate::motion::Motion;
+use crate::plot::Plot;
+use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
 use crate::track::{TENTATIVE, Track};
-use crate::update::Scan;
 
 /// Largest standard deviation of a track's direction, seen from the sensor, radians.
 const KNOWN_RAD: f64 = 0.2;
@@ -99,7 +100,7 @@ struct Candidate {
 }
 
 impl<'a> Directions<'a> {
-    pub(crate) fn of(scan: &Scan<'a>) -> Self {
+    pub(crate) fn of(scan: &ScanContext<'a>) -> Self {
         Self {
             time_ns: scan.time_ns,
             plots: scan.plots,

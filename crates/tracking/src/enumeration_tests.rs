@@ -3,20 +3,21 @@
 use std::collections::BTreeMap;
 
 use formats::detection::Detection;
+use formats::wide_area::WideAreaReport;
 use proptest::prelude::*;
 
 use crate::clutter::log_density;
-use crate::correlation::{Interpretation, Row, applies, child, matrices};
+use crate::correlation_tests::{Interpretation, Row, applies, child, matrices};
 use crate::gate::gates;
 use crate::initiation::first_state;
+use crate::limits::{HISTORY_MAX, HYPOTHESES_MAX};
 use crate::measurement::Measurement;
 use crate::motion::Motion;
 use crate::population::{Cluster, Population};
 use crate::testing::{S, position, settings};
-use crate::track::{HISTORY_MAX, NO_DETECTION, TENTATIVE, Track};
-use crate::wide_area::WideAreaReport;
+use crate::track::{NO_DETECTION, Track};
 use crate::wide_area::correction::{Rule, correct};
-use crate::{HYPOTHESES_MAX, Settings, Tracker};
+use crate::{Settings, Tracker};
 
 /// Serial numbers of each track's detections, latest first.
 type Content = Vec<[u32; HISTORY_MAX]>;
@@ -94,24 +95,9 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
             next.tracks.push(track);
         }
         for row in new {
-            let mut track = Track {
-                motion: Motion::begun(
-                    first_state(&measured[row], &settings.first_guess).unwrap(),
-                    &settings.motion,
-                ),
-                time_ns,
-                seen_ns: time_ns,
-                root: 0,
-                number: TENTATIVE,
-                detections: 1,
-                in_company: 0,
-                missed: 0,
-                log_silence: 0.0,
-                log_likelihood_ratio: 0.0,
-                reliability: 0.0,
-                history: [NO_DETECTION; HISTORY_MAX],
-            };
-            track.remember(first_serial + row as u32);
+            let state = first_state(&measured[row], &settings.first_guess).unwrap();
+            let motion = Motion::begun(state, &settings.motion);
+            let track = Track::begun(motion, time_ns, first_serial + row as u32, 0);
             next.tracks.push(track);
         }
         found.push(next);

@@ -11,7 +11,7 @@
 
 use std::fmt;
 
-use crate::gating::Plot;
+use crate::plot::Plot;
 use crate::track::{NO_DETECTION, TENTATIVE, Track};
 
 /// Is told what the tracker does.

@@ -10,35 +10,20 @@
 use association::{Grid, distance};
 
 use crate::counts::Counts;
-use crate::measurement::Measurement;
+use crate::limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
 use crate::motion::Motion;
+use crate::plot::Plot;
 use crate::population::Population;
 use crate::ranked::ROWS_MAX;
 use crate::sensor::Sensor;
 use crate::track::Track;
 
-/// Most detections with which a track is compared in a scan.
-pub const COMPARISONS_MAX: usize = 512;
-/// Most detections that a track may take in a scan.
-pub const PAIRS_MAX: usize = 16;
-/// Most tracks of a cluster, branches included.
-pub const CLUSTER_TRACKS_MAX: usize = 256;
 /// Side of the grid's cells, metres.
 const CELL_M: f64 = 1000.0;
 /// Most cells on a side of a search in the grid; a wider one looks at every detection.
 const CELLS_MAX: f64 = 12.0;
 
 pub(crate) const NONE: u32 = u32::MAX;
-
-/// A detection as the tracker keeps it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Plot {
-    pub(crate) time_ns: i64,
-    pub(crate) detection_id: u32,
-    pub(crate) measurement: Measurement,
-    /// Logarithm of its weight (WA-1): 0 of nearly all.
-    pub(crate) log_weight: f64,
-}
 
 /// A track and a detection in its gate.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,7 +14,7 @@
 //! 2. Every track is predicted and compared with the detections near it. Detections in several clusters' gates bring them
 //!    together (`gating`), and the product of their hypotheses is made (`parents`).
 //! 3. Each hypothesis poses an assignment problem; the likeliest interpretations of all of them come out in order, and no
-//!    more than can be kept (`ranked`, `update`). [`correlation`] holds the definition instead: every one of them.
+//!    more than can be kept (`ranked`, `update`). The tests hold the definition instead: every one of them.
 //! 4. Children that are the same are merged, unreliable ones dropped, tracks confirmed, clusters separated (`stage`).
 //!
 //! What was considered and decided can be had as records ([`explanation`]).
@@ -39,7 +39,8 @@
 #![forbid(unsafe_code)]
 
 mod clutter;
-pub mod correlation;
+#[cfg(test)]
+mod correlation_tests;
 mod counts;
 pub mod cutting;
 mod directions;
@@ -50,13 +51,19 @@ mod field_of_view;
 mod gate;
 mod gating;
 mod initiation;
+mod life;
+mod limits;
+mod log_sum;
 mod measurement;
 mod motion;
 mod parents;
+mod plot;
 mod population;
 mod ranked;
 mod resolution;
+mod scan_context;
 pub mod scans;
+pub mod selection;
 mod sensor;
 pub mod settings;
 mod splitting;
@@ -78,13 +85,8 @@ mod wide_area_tests;
 
 pub use counts::Counts;
 pub use field_of_view::FieldOfView;
-pub use gating::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
 pub use initiation::FirstGuess;
-pub use population::DETECTION_COUNTS;
+pub use limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, DETECTION_COUNTS, HISTORY_MAX, HYPOTHESES_MAX, PAIRS_MAX};
 pub use settings::Settings;
-pub use track::HISTORY_MAX;
 pub use track_report::TrackReport;
 pub use tracker::{Refusal, Tracker};
-
-/// Most hypotheses of a cluster.
-pub const HYPOTHESES_MAX: usize = 64;

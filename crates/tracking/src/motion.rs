@@ -16,13 +16,32 @@ use estimation::{AxisNoise, PackedGaussian};
 use messages::STATE_LEN;
 
 use crate::initiation::{FirstGuess, first_state};
+use crate::log_sum::log_add;
 use crate::measurement::{Innovation, Measurement};
-use crate::ranked::log_add;
-use crate::settings::{Manoeuvres, MotionSettings, Turn};
-use crate::turn::TurnRate;
+use crate::turn::{Turn, TurnRate};
 
 /// Smallest probability of a model: it must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-3;
+
+/// Models of motion (HT-13).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionSettings {
+    /// Spectral density of the accelerations in steady flight, horizontal and vertical, m²/s³.
+    pub process_noise_m2ps3: [f64; 2],
+    /// A second model beside it (`None`: there is only the first).
+    pub manoeuvres: Option<Manoeuvres>,
+}
+
+/// The model of targets that manoeuvre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Manoeuvres {
+    /// Spectral density of the accelerations, horizontal and vertical, m²/s³.
+    pub process_noise_m2ps3: [f64; 2],
+    /// Mean durations of steady flight and of a manoeuvre, seconds.
+    pub durations_s: [f64; 2],
+    /// Coordinated turns besides (`None`: a manoeuvre is nothing but acceleration of any direction).
+    pub turn: Option<Turn>,
+}
 
 /// Position and velocity of a target by each model.
 #[derive(Clone, Copy, Debug, PartialEq)]

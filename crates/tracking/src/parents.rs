@@ -6,8 +6,8 @@
 use std::ops::Range;
 
 use crate::explanation::CorrectionRecord;
+use crate::log_sum::log_sum;
 use crate::population::{Cluster, Hypothesis, Population};
-use crate::ranked::log_sum;
 use crate::wide_area::correction::{Gains, Rule, has_enough, lacking};
 
 /// A hypothesis before the scan.

@@ -7,12 +7,10 @@
 
 use std::ops::Range;
 
+use crate::limits::{DETECTION_COUNTS, HYPOTHESES_MAX};
 use crate::sensor::Memory;
 use crate::track::Track;
 use crate::wide_area::identification::Identities;
-
-/// Scans over which a cluster's detections are counted (SP-4).
-pub const DETECTION_COUNTS: usize = 5;
 
 /// One consistent explanation of everything in a cluster.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,8 +62,8 @@ impl Population {
             reports_ns: i64::MIN,
             emissions_ns: i64::MIN,
             tracks: Vec::with_capacity(tracks_max),
-            hypotheses: Vec::with_capacity(2 * tracks_max + crate::HYPOTHESES_MAX),
-            members: Vec::with_capacity(8 * tracks_max + crate::HYPOTHESES_MAX),
+            hypotheses: Vec::with_capacity(2 * tracks_max + HYPOTHESES_MAX),
+            members: Vec::with_capacity(8 * tracks_max + HYPOTHESES_MAX),
             clusters: Vec::with_capacity(tracks_max),
             sensors: vec![Memory::NONE; sensors],
             identities: Identities::new(tracks_max, types),

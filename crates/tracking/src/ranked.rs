@@ -22,6 +22,8 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
+use crate::log_sum::{log_add, log_sum};
+
 /// Most rows of a problem.
 pub(crate) const ROWS_MAX: usize = 64;
 /// Most choices of a row: forbidden ones are bits of a word.
@@ -446,20 +448,6 @@ impl Ranked {
     }
 }
 
-/// Logarithm of the sum of what these are the logarithms of; −∞ of nothing.
-pub(crate) fn log_sum(logarithms: impl Iterator<Item = f64>) -> f64 {
-    logarithms.fold(f64::NEG_INFINITY, log_add)
-}
-
-/// Logarithm of the sum of what `a` and `b` are the logarithms of.
-pub(crate) fn log_add(a: f64, b: f64) -> f64 {
-    let (low, high) = if a < b { (a, b) } else { (b, a) };
-    if low == f64::NEG_INFINITY {
-        return high;
-    }
-    high + (low - high).exp().ln_1p()
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -607,13 +595,5 @@ mod tests {
         }
         assert!(ranked.log_refused > 0.0, "the table of parts is full");
         assert!(ranked.log_left() > ranked.log_refused);
-    }
-
-    #[test]
-    fn sums_of_logarithms() {
-        assert_eq!(log_sum([].into_iter()), f64::NEG_INFINITY);
-        assert!((log_add(0.0, 0.0) - 2f64.ln()).abs() < 1e-15);
-        assert_eq!(log_add(f64::NEG_INFINITY, -3.0), -3.0);
-        assert_eq!(log_add(1000.0, -1000.0), 1000.0);
     }
 }

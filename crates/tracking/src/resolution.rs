@@ -11,7 +11,7 @@
 
 use formats::detection::DetectionKind;
 
-use crate::gating::Plot;
+use crate::plot::Plot;
 
 /// Most means with which a detection is compared.
 const COMPARED_MAX: usize = 64;

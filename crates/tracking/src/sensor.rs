@@ -21,9 +21,10 @@ use messages::NS_PER_S;
 
 use crate::clutter::{Estimate, Extent};
 use crate::field_of_view::FieldOfView;
-use crate::gating::Plot;
 use crate::measurement::DIMENSIONS_MAX;
-use crate::settings::{MotionSettings, SensorSettings, Settings};
+use crate::motion::MotionSettings;
+use crate::plot::Plot;
+use crate::settings::{SensorSettings, Settings};
 
 /// Smallest worth of a scan: several at one time must not count for nothing.
 const WORTH_MIN: f64 = 1e-3;

@@ -5,9 +5,12 @@
 
 use crate::field_of_view::FieldOfView;
 use crate::initiation::FirstGuess;
-use crate::track::{HISTORY_MAX, Track};
-use crate::wide_area::WideArea;
-use crate::wide_area::selection::Selection;
+pub use crate::life::{Confirmation, Deletion};
+use crate::limits::{HISTORY_MAX, HYPOTHESES_MAX};
+pub use crate::motion::{Manoeuvres, MotionSettings};
+use crate::selection::Selection;
+pub use crate::turn::Turn;
+use crate::wide_area::settings::WideArea;
 
 /// Everything.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,35 +85,6 @@ pub enum Clutter {
     Learned,
 }
 
-/// HT-13.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionSettings {
-    /// Spectral density of the accelerations in steady flight, horizontal and vertical, m²/s³.
-    pub process_noise_m2ps3: [f64; 2],
-    /// A second model beside it (`None`: there is only the first).
-    pub manoeuvres: Option<Manoeuvres>,
-}
-
-/// The model of targets that manoeuvre.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Manoeuvres {
-    /// Spectral density of the accelerations, horizontal and vertical, m²/s³.
-    pub process_noise_m2ps3: [f64; 2],
-    /// Mean durations of steady flight and of a manoeuvre, seconds.
-    pub durations_s: [f64; 2],
-    /// Coordinated turns besides (`None`: a manoeuvre is nothing but acceleration of any direction).
-    pub turn: Option<Turn>,
-}
-
-/// What is assumed of turn rates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
-    /// Standard deviation of the rate of a turn that begins, rad/s.
-    pub rate_sigma_radps: f64,
-    /// Spectral density of its changes, rad²/s³.
-    pub rate_noise_rad2ps3: f64,
-}
-
 /// HT-9. All are applied, in this order: merging, threshold, number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
@@ -119,31 +93,8 @@ pub struct Reduction {
     pub merge_scans: usize,
     /// Hypotheses less reliable are dropped.
     pub reliability_min: f64,
-    /// At most so many are kept per cluster, at most [`crate::HYPOTHESES_MAX`].
+    /// At most so many are kept per cluster, at most [`HYPOTHESES_MAX`].
     pub hypotheses_max: usize,
-}
-
-/// HT-10. A tentative track is confirmed when all of these hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Confirmation {
-    /// The hypotheses that contain it have at least this reliability together. 1: it is in all remaining ones, which is
-    /// the source's rule.
-    pub reliability_min: f64,
-    /// It has at least so many detections.
-    pub detections_min: u32,
-    /// Its log-likelihood ratio is at least this: the logarithm of how much likelier its detections are if they are of
-    /// one target than if all are false (`None`: not tested).
-    pub log_likelihood_ratio_min: Option<f64>,
-}
-
-/// HT-10. A track is deleted when one of these holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deletion {
-    /// It has been missed so often since its last detection that this would happen to a target with this probability.
-    /// With a probability of detection of 0.9, 2e-5 is five slow scans; with 0.5, sixteen.
-    pub missed_probability: f64,
-    /// It had no detection for so long, seen or not, nanoseconds.
-    pub silent_ns: i64,
 }
 
 /// SP-1 … SP-7: each off or on.
@@ -239,18 +190,6 @@ impl Default for Settings {
     }
 }
 
-impl Confirmation {
-    /// Whether a track may be confirmed.
-    pub(crate) fn is_met(&self, track: &Track) -> bool {
-        let beyond_doubt = track.reliability >= self.reliability_min - 1e-9;
-        let seen_enough = track.detections >= self.detections_min;
-        let likely = self
-            .log_likelihood_ratio_min
-            .is_none_or(|least| track.log_likelihood_ratio >= least);
-        beyond_doubt && seen_enough && likely
-    }
-}
-
 impl Settings {
     /// What is wrong with the settings, in one sentence; `None` if nothing is.
     pub fn fault(&self) -> Option<String> {
@@ -290,7 +229,7 @@ impl Settings {
                 "the least reliability must be at least 0 and below 0.5",
             ),
             (
-                (1..=crate::HYPOTHESES_MAX).contains(&self.reduction.hypotheses_max),
+                (1..=HYPOTHESES_MAX).contains(&self.reduction.hypotheses_max),
                 "1 to 64 hypotheses can be kept per cluster",
             ),
             (

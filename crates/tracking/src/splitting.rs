@@ -10,8 +10,9 @@
 //! second detection is allowed for in the scan in which it comes. Of several believed tracks in whose gate a new one
 //! starts, it takes the motion of the most reliable one.
 
+use crate::limits::DETECTION_COUNTS;
 use crate::motion::Motion;
-use crate::population::{Cluster, DETECTION_COUNTS};
+use crate::population::Cluster;
 use crate::settings::{Limit, Splitting};
 
 /// The numbers that hold for one cluster in one scan.
@@ -105,27 +106,12 @@ pub(crate) fn mean_motion(branches: impl Iterator<Item = (Motion, f64)>) -> Opti
     sum.map(|(mean, _)| mean)
 }
 
-/// SP-7: share of a track's detections that lay in confirmed tracks' gates.
-pub(crate) fn company(in_company: u32, detections: u32) -> f64 {
-    f64::from(in_company) / f64::from(detections)
-}
-
 #[cfg(test)]
 mod tests {
     use estimation::PackedGaussian;
     use messages::Covariance;
 
     use super::*;
-
-    /// d11 lay in C's gate, d21 outside, d32 inside, d33 outside.
-    #[test]
-    fn the_shares_of_the_worked_check() {
-        assert_eq!(company(2, 3), 2.0 / 3.0, "P + d32");
-        assert_eq!(company(1, 3), 1.0 / 3.0, "P + d33");
-        assert_eq!(company(1, 2), 0.5, "memory P");
-        let kept = [company(2, 3), company(1, 3), company(1, 2)].map(|share| share >= 0.5);
-        assert_eq!(kept, [true, false, true]);
-    }
 
     #[test]
     fn limits_fixed_and_computed() {

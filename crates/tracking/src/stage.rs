@@ -15,8 +15,9 @@
 use std::ops::Range;
 
 use crate::counts::Counts;
+use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX};
+use crate::log_sum::{log_add, log_sum};
 use crate::population::{Cluster, Hypothesis, Population};
-use crate::ranked::{log_add, log_sum};
 use crate::settings::Reduction;
 use crate::splitting::DetectionCounts;
 use crate::track::{NO_DETECTION, TENTATIVE, Track};
@@ -54,7 +55,7 @@ impl Stage {
             members: Vec::with_capacity(members_max),
             together: Vec::with_capacity(tracks_max),
             place: Vec::with_capacity(tracks_max),
-            shared: Vec::with_capacity(tracks_max * (crate::HISTORY_MAX + 1)),
+            shared: Vec::with_capacity(tracks_max * (HISTORY_MAX + 1)),
             parts: Vec::with_capacity(tracks_max),
         }
     }
@@ -265,14 +266,14 @@ impl Stage {
         }
     }
 
-    /// Parts of at most [`CLUSTER_TRACKS_MAX`](crate::CLUSTER_TRACKS_MAX) tracks. Of a larger one only the better half of
+    /// Parts of at most [`CLUSTER_TRACKS_MAX`] tracks. Of a larger one only the better half of
     /// the hypotheses is kept, again and again: a single hypothesis has no branches, so its tracks share nothing.
     fn find_parts_of_bounded_size(&mut self, counts: &mut Counts) {
         loop {
             self.find_parts();
             let size = |part: &u32| self.together.iter().filter(|together| *together == part).count();
-            let bounded = self.parts.iter().all(|part| size(part) <= crate::CLUSTER_TRACKS_MAX);
-            if self.tracks.len() <= crate::CLUSTER_TRACKS_MAX || bounded || self.children.len() == 1 {
+            let bounded = self.parts.iter().all(|part| size(part) <= CLUSTER_TRACKS_MAX);
+            if self.tracks.len() <= CLUSTER_TRACKS_MAX || bounded || self.children.len() == 1 {
                 return;
             }
             let kept = self.children.len() / 2;

@@ -7,11 +7,8 @@
 
 use messages::NS_PER_S;
 
-use crate::motion::Motion;
-use crate::settings::MotionSettings;
-
-/// Scans that a track remembers; those of quick sensors without a detection in its cluster are none.
-pub const HISTORY_MAX: usize = 8;
+use crate::limits::HISTORY_MAX;
+use crate::motion::{Motion, MotionSettings};
 
 /// A scan without a detection, in a history.
 pub(crate) const NO_DETECTION: u32 = 0;
@@ -46,6 +43,26 @@ pub(crate) struct Track {
 }
 
 impl Track {
+    /// A tentative track of one detection with the number `serial`, whose motion at `time_ns` that detection tells.
+    pub(crate) fn begun(motion: Motion, time_ns: i64, serial: u32, root: u32) -> Self {
+        let mut history = [NO_DETECTION; HISTORY_MAX];
+        history[0] = serial;
+        Self {
+            motion,
+            time_ns,
+            seen_ns: time_ns,
+            root,
+            number: TENTATIVE,
+            detections: 1,
+            in_company: 0,
+            missed: 0,
+            log_silence: 0.0,
+            log_likelihood_ratio: 0.0,
+            reliability: 0.0,
+            history,
+        }
+    }
+
     pub(crate) fn is_confirmed(&self) -> bool {
         self.number != TENTATIVE
     }
@@ -65,9 +82,46 @@ impl Track {
         self.motion.moved(seconds, settings)
     }
 
+    /// SP-7: share of its detections that lay in confirmed tracks' gates.
+    pub(crate) fn company(&self) -> f64 {
+        f64::from(self.in_company) / f64::from(self.detections)
+    }
+
     /// One scan later, with that scan's detection.
     pub(crate) fn remember(&mut self, serial: u32) {
         self.history.rotate_right(1);
         self.history[0] = serial;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measurement::Measurement;
+    use crate::settings::Settings;
+    use crate::testing::{position, settings};
+
+    /// d11 lay in C's gate, d21 outside, d32 inside, d33 outside.
+    #[test]
+    fn the_shares_of_the_worked_check() {
+        let company = |in_company, detections| {
+            let measurement = Measurement::of(&position(0, 0.0, 0.0), None).unwrap();
+            let Settings {
+                first_guess, motion, ..
+            } = settings();
+            let motion = Motion::first(&measurement, &first_guess, &motion).unwrap();
+            let begun = Track::begun(motion, 0, 1, 1);
+            Track {
+                in_company,
+                detections,
+                ..begun
+            }
+            .company()
+        };
+        assert_eq!(company(2, 3), 2.0 / 3.0, "P + d32");
+        assert_eq!(company(1, 3), 1.0 / 3.0, "P + d33");
+        assert_eq!(company(1, 2), 0.5, "memory P");
+        let kept = [company(2, 3), company(1, 3), company(1, 2)].map(|share| share >= 0.5);
+        assert_eq!(kept, [true, false, true]);
     }
 }

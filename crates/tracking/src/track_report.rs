@@ -3,14 +3,14 @@
 use estimation::PackedGaussian;
 use messages::{NS_PER_S, SensorTrack, TargetType, TrackKind, TrackState, sensor_track_bits};
 
-use crate::motion::noise;
+use crate::motion::{MotionSettings, noise};
 use crate::population::{Cluster, Population};
-use crate::settings::{MotionSettings, Settings};
+use crate::settings::Settings;
 use crate::track::Track;
-use crate::wide_area::WideArea;
 use crate::wide_area::expectation::Expectation;
 use crate::wide_area::group::Group;
 use crate::wide_area::identification::Whereabouts;
+use crate::wide_area::settings::WideArea;
 
 /// A confirmed track after the latest scan: the most reliable branch of its ancestor (HT-10).
 #[derive(Clone, Copy, Debug, PartialEq)]

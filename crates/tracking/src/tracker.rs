@@ -7,30 +7,28 @@
 //! are refused and counted.
 
 use formats::detection::Detection;
+use formats::wide_area::WideAreaReport;
 
 use crate::clutter::log_density;
 use crate::counts::Counts;
 use crate::directions::{Claims, Directions};
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gate::gates;
-use crate::gating::{Gating, Plot};
-use crate::measurement::Measurement;
+use crate::gating::Gating;
+use crate::limits::DETECTION_COUNTS;
+use crate::plot::{Plot, admit};
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::resolution::unite;
+use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
 use crate::settings::{Clutter, SensorSettings, Settings};
 use crate::track::Track;
 use crate::track_report::{TrackReport, find_best, group_of, joined, report_of, whereabouts};
-use crate::update::{self, Scan, Update};
+use crate::update::{self, Update};
 use crate::wide_area::cue::{Cue, cue};
 use crate::wide_area::emission::{Emission, EmissionRefusal, Emissions};
 use crate::wide_area::expectation::Expectations;
-use crate::wide_area::report::{self, Reports};
-use crate::wide_area::selection::Selection;
-use crate::wide_area::{ReportRefusal, WideAreaReport};
-
-/// How far a detection's time may be from its scan's, nanoseconds.
-const SCAN_HALF_NS: u64 = 60_000_000_000;
+use crate::wide_area::report::{self, ReportRefusal, Reports};
 
 /// Why a scan was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -205,10 +203,12 @@ impl Tracker {
         let settings = &self.settings.wide_area;
         let closed_ns = self.closed_ns();
         let mut report = *report;
-        let kept = report::fault(&report, settings).map_or(Ok(()), Err).and_then(|()| {
-            report.arrival_ns = report.arrival_ns.max(closed_ns.saturating_add(1));
-            self.wide_area.keep(report, closed_ns, settings)
-        });
+        let kept = report::fault(&report, settings.delay_max_ns)
+            .map_or(Ok(()), Err)
+            .and_then(|()| {
+                report.arrival_ns = report.arrival_ns.max(closed_ns.saturating_add(1));
+                self.wide_area.keep(report, closed_ns, settings.valid_ns)
+            });
         kept.inspect_err(|_| self.counts.wide_area_reports_refused += 1)?;
         self.counts.wide_area_reports += 1;
         let first = self.scans[..self.open].partition_point(|scan| scan.time_ns < report.arrival_ns);
@@ -389,7 +389,7 @@ impl Tracker {
             let outside = outside(before, &self.gating, &mut self.is_inside[..plots.len()]);
             next.sensors[*sensor].clutter.count(outside);
         }
-        let scan = Scan {
+        let scan = ScanContext {
             before,
             plots,
             log_clutter: &self.log_clutter,
@@ -507,44 +507,6 @@ impl Tracker {
     }
 }
 
-/// Takes over the usable detections.
-fn admit(
-    detections: &[Detection],
-    [time_ns, latest_ns]: [i64; 2],
-    sensor: &SensorSettings,
-    selection: &Selection,
-    plots: &mut Vec<Plot>,
-    counts: &mut Counts,
-) {
-    plots.clear();
-    for detection in detections {
-        let near = detection.time_of_measurement_ns.abs_diff(time_ns) <= SCAN_HALF_NS;
-        let Some(measurement) = Measurement::of(detection, sensor.sigmas).filter(|_| near) else {
-            counts.unusable_detections += 1;
-            continue;
-        };
-        if plots.len() == plots.capacity() {
-            counts.crowded_out_detections += 1;
-            continue;
-        }
-        let age_ns = latest_ns.saturating_sub(detection.time_of_measurement_ns);
-        let is_refused = selection.refuses(&measurement, age_ns);
-        counts.refused_detections += u64::from(is_refused);
-        let log_weight = match selection.log_kept_weight() {
-            _ if !is_refused => 0.0,
-            Some(log_weight) => log_weight,
-            None => continue,
-        };
-        counts.detections += 1;
-        plots.push(Plot {
-            time_ns: detection.time_of_measurement_ns,
-            detection_id: detection.detection_id,
-            measurement,
-            log_weight,
-        });
-    }
-}
-
 /// How many detections lie in no confirmed track's gate. All branches of a pair of targets have the same ones in theirs.
 fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usize {
     is_inside.fill(false);
@@ -556,7 +518,7 @@ fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usiz
 }
 
 /// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
-fn begin_cluster(scan: &Scan<'_>, plot: u32, next: &mut Population, counts: &mut Counts) {
+fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut Counts) {
     let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
     let share = scan.settings.new_target_share * weight;
     let reliability = share / (1.0 + share);
@@ -599,7 +561,7 @@ fn begin_cluster(scan: &Scan<'_>, plot: u32, next: &mut Population, counts: &mut
             log_reliability,
             members,
         }));
-    let mut detections = [0.0; crate::DETECTION_COUNTS];
+    let mut detections = [0.0; DETECTION_COUNTS];
     detections[0] = 1.0;
     next.clusters.push(Cluster {
         tracks: place..place + 1,

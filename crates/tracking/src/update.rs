@@ -19,20 +19,21 @@ use messages::NS_PER_S;
 use crate::counts::Counts;
 use crate::directions::{Claims, Directions};
 use crate::explanation::{ClusterRecord, CorrectionRecord, Explanation, Observer, TrackEvent, TrackRecord};
-use crate::gating::{Gating, NONE, PAIRS_MAX, Plot};
+use crate::gating::NONE;
+use crate::life::Deletion;
+use crate::limits::{CLUSTER_TRACKS_MAX, HYPOTHESES_MAX, PAIRS_MAX};
+use crate::log_sum::log_sum;
 use crate::motion::Motion;
 use crate::parents::{Asked, Parents};
 use crate::population::{Cluster, Population};
-use crate::ranked::{COLUMNS_MAX, Choice, OWN, PROBLEMS_MAX, ROWS_MAX, Ranked, Solution, log_sum};
-use crate::sensor::Sensor;
-use crate::settings::{Deletion, Settings};
-use crate::splitting::{DetectionCounts, Limits, company, mean_motion};
+use crate::ranked::{COLUMNS_MAX, Choice, OWN, PROBLEMS_MAX, ROWS_MAX, Ranked, Solution};
+use crate::scan_context::ScanContext;
+use crate::splitting::{DetectionCounts, Limits, mean_motion};
 use crate::stage::Stage;
-use crate::track::{HISTORY_MAX, NO_DETECTION, TENTATIVE, Track};
+use crate::track::{NO_DETECTION, TENTATIVE, Track};
 use crate::wide_area::correction::{Gains, Rule, has_enough};
-use crate::wide_area::expectation::{Expectation, Expectations};
+use crate::wide_area::expectation::Expectation;
 use crate::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
-use crate::{CLUSTER_TRACKS_MAX, HYPOTHESES_MAX};
 
 /// Most children drawn for each that may be kept: some break the limits of SP-3 and SP-5.
 const DRAWN_PER_KEPT: usize = 8;
@@ -46,41 +47,6 @@ const NEW: u32 = u32::MAX - 1;
 /// Places of tracks that have not been made yet, or will not be.
 const UNMADE: u32 = u32::MAX;
 const REMOVED: u32 = u32::MAX - 1;
-
-/// A scan, and what it is worked off with.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Scan<'a> {
-    pub(crate) before: &'a Population,
-    pub(crate) plots: &'a [Plot],
-    /// By detection: logarithm of the density of false ones there.
-    pub(crate) log_clutter: &'a [f64],
-    pub(crate) gating: &'a Gating,
-    pub(crate) settings: &'a Settings,
-    pub(crate) sensor: &'a Sensor,
-    /// What wide-area reports say of the clusters before the scan.
-    pub(crate) expectations: &'a Expectations,
-    /// Logarithm of the weight of all its detections (WA-1).
-    pub(crate) log_weight: f64,
-    pub(crate) time_ns: i64,
-    /// Serial number of the first detection.
-    pub(crate) first_serial: u32,
-    /// Whoever wants to know.
-    pub(crate) observer: Option<&'a dyn Observer>,
-}
-
-impl Scan<'_> {
-    fn explain(&self, event: TrackEvent, track: &Track, value: f64, limit: f64) {
-        if let Some(observer) = self.observer {
-            let track = TrackRecord::of(track, self.plots, self.first_serial);
-            observer.explain(&Explanation::Track {
-                event,
-                track,
-                value,
-                limit,
-            });
-        }
-    }
-}
 
 /// Working memory for one cluster after the other.
 #[derive(Clone, Debug)]
@@ -111,7 +77,7 @@ pub(crate) struct Update {
 
 /// What one cluster's update works with.
 struct Group<'a> {
-    scan: &'a Scan<'a>,
+    scan: &'a ScanContext<'a>,
     /// (cluster that stands for all, cluster).
     clusters: &'a [(u32, u32)],
     /// (cluster that stands for all, detection).
@@ -223,7 +189,7 @@ impl Update {
     /// Works off the clusters that the scan has joined with each other, and writes what they become to `next`.
     pub(crate) fn run(
         &mut self,
-        scan: &Scan<'_>,
+        scan: &ScanContext<'_>,
         clusters: &[(u32, u32)],
         plots: &[(u32, u32)],
         next: &mut Population,
@@ -367,7 +333,7 @@ impl Update {
     /// the tracks that have been silent for too long.
     pub(crate) fn take_in(
         &mut self,
-        scan: &Scan<'_>,
+        scan: &ScanContext<'_>,
         cluster: &Cluster,
         claims: &[Claims],
         next: &mut Population,
@@ -378,7 +344,7 @@ impl Update {
         for number in cluster.tracks.clone() {
             let mut track = scan.before.tracks[number as usize];
             directions.take_in(&mut track, claims);
-            self.missed[number as usize] = if is_gone(&track, scan, &scan.settings.deletion) {
+            self.missed[number as usize] = if scan.settings.deletion.is_met(&track, scan.time_ns) {
                 explain_end(scan, &track, &scan.settings.deletion, TrackEvent::ENDS);
                 REMOVED
             } else {
@@ -728,9 +694,9 @@ impl Update {
             if !group.plots.is_empty() || scan.sensor.worth >= 1.0 {
                 track.remember(NO_DETECTION);
             }
-            let in_time = is_gone(&track, scan, &scan.settings.deletion);
+            let in_time = scan.settings.deletion.is_met(&track, scan.time_ns);
             let early = group.early_deletion().map(|early| early.deletion).filter(|_| !in_time);
-            let early = early.filter(|deletion| is_gone(&track, scan, deletion));
+            let early = early.filter(|deletion| deletion.is_met(&track, scan.time_ns));
             counts.wide_area_deletions += u64::from(early.is_some());
             let gone = in_time || early.is_some();
             let apart = self.lacks_company(group, &track);
@@ -781,7 +747,7 @@ impl Update {
     fn lacks_company(&self, group: &Group<'_>, track: &Track) -> bool {
         let judged = group.has_confirmed && !track.is_confirmed() && track.detections > 1;
         let least = group.scan.settings.splitting.company_min.filter(|_| judged);
-        least.is_some_and(|least| company(track.in_company, track.detections) < least)
+        least.is_some_and(|least| track.company() < least)
     }
 
     /// The new track (HT-3) that begins at a row's detection.
@@ -858,8 +824,8 @@ fn next_of_as_many_bits(bits: u64) -> u64 {
     carried | (((bits ^ carried) >> 2) / lowest)
 }
 
-fn explain_end(scan: &Scan<'_>, track: &Track, deletion: &Deletion, [missed, silent]: [TrackEvent; 2]) {
-    if has_missed_too_much(track, deletion) {
+fn explain_end(scan: &ScanContext<'_>, track: &Track, deletion: &Deletion, [missed, silent]: [TrackEvent; 2]) {
+    if deletion.is_missed_too_often(track) {
         let limit = deletion.missed_probability;
         scan.explain(missed, track, track.log_silence.exp(), limit);
     } else {
@@ -869,43 +835,21 @@ fn explain_end(scan: &Scan<'_>, track: &Track, deletion: &Deletion, [missed, sil
     }
 }
 
-fn explain_company(scan: &Scan<'_>, track: &Track) {
+fn explain_company(scan: &ScanContext<'_>, track: &Track) {
     let limit = scan.settings.splitting.company_min.unwrap_or(f64::NAN);
-    let share = company(track.in_company, track.detections);
+    let share = track.company();
     scan.explain(TrackEvent::OutOfCompany, track, share, limit);
 }
 
-/// Whether so long a silence is too unlikely for a target that is still there.
-fn has_missed_too_much(track: &Track, deletion: &Deletion) -> bool {
-    track.log_silence <= deletion.missed_probability.ln()
-}
-
-/// Whether a track has been silent for too long (HT-10).
-fn is_gone(track: &Track, scan: &Scan<'_>, deletion: &Deletion) -> bool {
-    let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
-    has_missed_too_much(track, deletion) || silent_ns >= deletion.silent_ns
-}
-
 /// A new track, with an inherited motion or with what a first detection tells. `None` of a direction alone.
-pub(crate) fn begin(scan: &Scan<'_>, plot: u32, inherited: Option<Motion>, root: u32) -> Option<Track> {
+pub(crate) fn begin(scan: &ScanContext<'_>, plot: u32, inherited: Option<Motion>, root: u32) -> Option<Track> {
     let found = &scan.plots[plot as usize];
     let settings = scan.settings;
     let updated = inherited.and_then(|mut motion| motion.update(&found.measurement).map(|_| motion));
     let motion = updated.or_else(|| Motion::first(&found.measurement, &settings.first_guess, &settings.motion))?;
-    let mut track = Track {
-        motion,
-        time_ns: found.time_ns,
-        seen_ns: found.time_ns,
-        root,
-        number: TENTATIVE,
-        detections: 1,
-        in_company: 0,
-        missed: 0,
-        log_silence: 0.0,
-        log_likelihood_ratio: scan.settings.new_target_share.ln(),
-        reliability: 0.0,
-        history: [NO_DETECTION; HISTORY_MAX],
-    };
-    track.remember(scan.first_serial.wrapping_add(plot));
-    Some(track)
+    let serial = scan.first_serial.wrapping_add(plot);
+    Some(Track {
+        log_likelihood_ratio: settings.new_target_share.ln(),
+        ..Track::begun(motion, found.time_ns, serial, root)
+    })
 }

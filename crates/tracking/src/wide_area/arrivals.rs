@@ -8,8 +8,10 @@
 use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use super::{ReportRefusal, WideAreaReport};
-use crate::Tracker;
+use formats::wide_area::WideAreaReport;
+
+use super::report::ReportRefusal;
+use crate::tracker::Tracker;
 
 /// Most reports that wait, of sensors that go on without an end: more would be of no use to the tracker either.
 pub const WAITING_MAX: usize = 1024;

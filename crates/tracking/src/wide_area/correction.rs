@@ -14,7 +14,7 @@
 //!
 //! Source: patent JP4702010B2, embodiment 1.
 
-use crate::ranked::{log_add, log_sum};
+use crate::log_sum::{log_add, log_sum};
 
 /// How the group with enough tracks is raised. Each favours the same group and never lowers it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,7 @@ use messages::AXES;
 
 use crate::gate::gates;
 use crate::measurement::Measurement;
-use crate::settings::MotionSettings;
+use crate::motion::MotionSettings;
 use crate::track_report::TrackReport;
 
 /// Where and when to look for one track.

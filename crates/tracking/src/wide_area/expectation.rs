@@ -4,9 +4,9 @@
 //! or many together. Of different times the latest one holds.
 
 use association::Grid;
+use formats::wide_area::WideAreaReport;
 use messages::{AXES, NS_PER_S};
 
-use super::WideAreaReport;
 use super::choice::{Centre, nearest};
 use super::distribution::share;
 use super::identification::Origin;
@@ -86,7 +86,7 @@ impl Expectations {
     ) {
         self.list.clear();
         let is_due = |report: &WideAreaReport| report::is_due(report, before.reports_ns, time_ns);
-        let matters = |report: &WideAreaReport| is_due(report) || report::is_valid(report, time_ns, settings);
+        let matters = |report: &WideAreaReport| is_due(report) || report::is_valid(report, time_ns, settings.valid_ns);
         let needed = |report: &WideAreaReport| if lasting { matters(report) } else { is_due(report) };
         if before.clusters.is_empty() || !reports.iter().any(needed) {
             return;
@@ -232,7 +232,7 @@ impl Expectations {
             let mut none_ns = i64::MIN;
             for report in reports
                 .iter()
-                .filter(|report| report::is_valid(report, time_ns, settings))
+                .filter(|report| report::is_valid(report, time_ns, settings.valid_ns))
             {
                 let seconds = report.time_ns.saturating_sub(before.time_ns) as f64 / NS_PER_S;
                 let is_near = centre.distance_m(report.position_m, seconds) < settings.range_m;

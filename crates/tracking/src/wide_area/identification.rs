@@ -17,9 +17,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use formats::wide_area::WideAreaReport;
 use messages::TargetType;
 
-use super::WideAreaReport;
 use super::emission::Emission;
 use super::prior::{EmissionBand, Knowledge};
 

@@ -17,7 +17,7 @@
 //! off again after a late one see the same reports in the same places, and the same input gives the same bits.
 //!
 //! What goes with it and is used by others: where the tracks of another system become counts ([`counting`]), where reports
-//! wait until their time has come ([`arrivals`]), which detections are used at all ([`selection`]), whether targets are followed
+//! wait until their time has come ([`arrivals`]), whether targets are followed
 //! as a group ([`group`]), who they are (`identification`, from each [`Emission`] and where the targets came from), what is known
 //! beforehand ([`prior`]), and where sensors should look next ([`cue`]); and when pictures are given out ([`schedule`]).
 //!
@@ -36,7 +36,6 @@ pub(crate) mod identification;
 pub mod prior;
 pub(crate) mod report;
 pub mod schedule;
-pub mod selection;
 pub mod settings;
 
 pub use emission::{Emission, EmissionRefusal};

@@ -12,7 +12,9 @@
 
 use std::f64::consts::TAU;
 
-use super::{TARGETS_MAX, WideAreaReport};
+use formats::wide_area::WideAreaReport;
+
+use super::report::TARGETS_MAX;
 
 /// Most types that can be described.
 pub const TYPES_MAX: usize = 64;

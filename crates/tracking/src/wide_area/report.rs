@@ -2,8 +2,6 @@
 
 use formats::wide_area::WideAreaReport;
 
-use super::settings::WideArea;
-
 /// Most targets of a report: a cluster holds no more tracks.
 pub const TARGETS_MAX: u32 = 256;
 /// Most reports kept at a time.
@@ -70,16 +68,16 @@ pub fn fault_in(report: &WideAreaReport) -> Option<ReportRefusal> {
     (report.targets > TARGETS_MAX).then_some(ReportRefusal::TooManyTargets(report.targets))
 }
 
-/// What is wrong with a report for a tracker with these settings; `None` if nothing is.
-pub(crate) fn fault(report: &WideAreaReport, settings: &WideArea) -> Option<ReportRefusal> {
+/// What is wrong with a report for a tracker that allows so long a delay, nanoseconds; `None` if nothing is.
+pub(crate) fn fault(report: &WideAreaReport, delay_max_ns: i64) -> Option<ReportRefusal> {
     let delay_ns = report.arrival_ns.saturating_sub(report.time_ns);
-    let late = (delay_ns > settings.delay_max_ns).then_some(ReportRefusal::TooLate(delay_ns));
+    let late = (delay_ns > delay_max_ns).then_some(ReportRefusal::TooLate(delay_ns));
     fault_in(report).or(late)
 }
 
-/// Whether a report says something at `time_ns`.
-pub(crate) fn is_valid(report: &WideAreaReport, time_ns: i64, settings: &WideArea) -> bool {
-    report.arrival_ns <= time_ns && time_ns.saturating_sub(report.time_ns) <= settings.valid_ns
+/// Whether a report says something at `time_ns`, if that is so for `valid_ns` after its observation.
+pub(crate) fn is_valid(report: &WideAreaReport, time_ns: i64, valid_ns: i64) -> bool {
+    report.arrival_ns <= time_ns && time_ns.saturating_sub(report.time_ns) <= valid_ns
 }
 
 /// Whether the scan at `time_ns` is the first one after a report's arrival, if those that came until `used_ns` have been used.
@@ -105,14 +103,9 @@ impl Reports {
     }
 
     /// Keeps a report. Those that can matter to no scan after `closed_ns` make room.
-    pub(crate) fn keep(
-        &mut self,
-        report: WideAreaReport,
-        closed_ns: i64,
-        settings: &WideArea,
-    ) -> Result<(), ReportRefusal> {
+    pub(crate) fn keep(&mut self, report: WideAreaReport, closed_ns: i64, valid_ns: i64) -> Result<(), ReportRefusal> {
         self.list
-            .retain(|kept| kept.arrival_ns > closed_ns || is_valid(kept, closed_ns, settings));
+            .retain(|kept| kept.arrival_ns > closed_ns || is_valid(kept, closed_ns, valid_ns));
         if self.list.len() == REPORTS_MAX {
             return Err(ReportRefusal::Full);
         }

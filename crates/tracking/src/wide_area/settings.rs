@@ -8,8 +8,7 @@ use super::correction::Rule;
 use super::distribution::Sharing;
 use super::group::Groups;
 use super::prior::Knowledge;
-use crate::settings::{Confirmation, Deletion};
-use crate::splitting::company;
+use crate::life::{Confirmation, Deletion};
 use crate::track::Track;
 
 /// All of it.
@@ -63,7 +62,7 @@ pub struct EarlyConfirmation {
 
 impl EarlyConfirmation {
     pub(crate) fn is_met(&self, track: &Track) -> bool {
-        self.confirmation.is_met(track) && company(track.in_company, track.detections) >= self.company_min
+        self.confirmation.is_met(track) && track.company() >= self.company_min
     }
 }
 

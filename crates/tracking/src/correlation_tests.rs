@@ -1,4 +1,4 @@
-//! In-gate matrix and track-correlation matrices (HT-5, HT-6, HT-7, SP-1, SP-3), all of them written down.
+//! In-gate matrix and track-correlation matrices (HT-5, HT-6, HT-7, SP-1, SP-3), all of them written down, with the worked checks.
 //!
 //! The in-gate matrix of a scan has a row per detection. What a detection may be are the columns: false; one of the
 //! existing tracks in whose gate it lies; the start of a new track, where that is allowed. A track-correlation matrix
@@ -11,16 +11,16 @@
 
 /// One row of an in-gate matrix: what a detection may be, besides false.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Row {
+pub(crate) struct Row {
     /// Existing tracks in whose gate it lies.
-    pub tracks: Vec<usize>,
+    pub(crate) tracks: Vec<usize>,
     /// Whether it may start a new track.
-    pub new_track: bool,
+    pub(crate) new_track: bool,
 }
 
 /// What a detection is taken for: the column selected in its row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Interpretation {
+pub(crate) enum Interpretation {
     /// Of no target.
     False,
     /// The first detection of a new track.
@@ -31,7 +31,7 @@ pub enum Interpretation {
 
 impl Row {
     /// A detection in the gates of `tracks` that may start a new track as well.
-    pub fn of(tracks: &[usize]) -> Self {
+    pub(crate) fn of(tracks: &[usize]) -> Self {
         Self {
             tracks: tracks.to_vec(),
             new_track: true,
@@ -47,7 +47,7 @@ impl Row {
 }
 
 /// SP-1: in a cluster with confirmed tracks, only detections in the gate of one of them may start new tracks.
-pub fn start_in_confirmed_gates(rows: &mut [Row], confirmed: &[usize]) {
+pub(crate) fn start_in_confirmed_gates(rows: &mut [Row], confirmed: &[usize]) {
     if confirmed.is_empty() {
         return;
     }
@@ -57,7 +57,7 @@ pub fn start_in_confirmed_gates(rows: &mut [Row], confirmed: &[usize]) {
 }
 
 /// All track-correlation matrices with at most `new_tracks_max` new tracks (SP-3).
-pub fn matrices(rows: &[Row], new_tracks_max: usize) -> Vec<Vec<Interpretation>> {
+pub(crate) fn matrices(rows: &[Row], new_tracks_max: usize) -> Vec<Vec<Interpretation>> {
     let mut found = Vec::new();
     extend(rows, new_tracks_max, &mut Vec::new(), &mut found);
     found
@@ -81,7 +81,7 @@ fn extend(rows: &[Row], new_tracks_left: usize, begun: &mut Vec<Interpretation>,
 }
 
 /// Whether a hypothesis of these tracks is updated by `matrix` (HT-7).
-pub fn applies(matrix: &[Interpretation], hypothesis: &[usize]) -> bool {
+pub(crate) fn applies(matrix: &[Interpretation], hypothesis: &[usize]) -> bool {
     matrix.iter().all(|column| match column {
         Interpretation::Track(track) => hypothesis.contains(track),
         Interpretation::False | Interpretation::New => true,
@@ -90,7 +90,7 @@ pub fn applies(matrix: &[Interpretation], hypothesis: &[usize]) -> bool {
 
 /// The child's tracks (HT-3, HT-7): each of the hypothesis' tracks with the row of its detection, `None` for a memory
 /// track; then the rows that start new tracks.
-pub fn child(matrix: &[Interpretation], hypothesis: &[usize]) -> (Vec<(usize, Option<usize>)>, Vec<usize>) {
+pub(crate) fn child(matrix: &[Interpretation], hypothesis: &[usize]) -> (Vec<(usize, Option<usize>)>, Vec<usize>) {
     let row_of = |track| matrix.iter().position(|column| *column == Interpretation::Track(track));
     let continued = hypothesis.iter().map(|track| (*track, row_of(*track))).collect();
     let new = (0..matrix.len())

@@ -1,0 +1,59 @@
+//! Detections as the tracker keeps them, and which of a scan's are usable.
+
+use formats::detection::Detection;
+
+use crate::counts::Counts;
+use crate::measurement::Measurement;
+use crate::selection::Selection;
+use crate::settings::SensorSettings;
+
+/// How far a detection's time may be from its scan's, nanoseconds.
+const SCAN_HALF_NS: u64 = 60_000_000_000;
+
+/// A detection as the tracker keeps it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Plot {
+    pub(crate) time_ns: i64,
+    pub(crate) detection_id: u32,
+    pub(crate) measurement: Measurement,
+    /// Logarithm of its weight (WA-1): 0 of nearly all.
+    pub(crate) log_weight: f64,
+}
+
+/// Takes over the usable detections.
+pub(crate) fn admit(
+    detections: &[Detection],
+    [time_ns, latest_ns]: [i64; 2],
+    sensor: &SensorSettings,
+    selection: &Selection,
+    plots: &mut Vec<Plot>,
+    counts: &mut Counts,
+) {
+    plots.clear();
+    for detection in detections {
+        let near = detection.time_of_measurement_ns.abs_diff(time_ns) <= SCAN_HALF_NS;
+        let Some(measurement) = Measurement::of(detection, sensor.sigmas).filter(|_| near) else {
+            counts.unusable_detections += 1;
+            continue;
+        };
+        if plots.len() == plots.capacity() {
+            counts.crowded_out_detections += 1;
+            continue;
+        }
+        let age_ns = latest_ns.saturating_sub(detection.time_of_measurement_ns);
+        let is_refused = selection.refuses(&measurement, age_ns);
+        counts.refused_detections += u64::from(is_refused);
+        let log_weight = match selection.log_kept_weight() {
+            _ if !is_refused => 0.0,
+            Some(log_weight) => log_weight,
+            None => continue,
+        };
+        counts.detections += 1;
+        plots.push(Plot {
+            time_ns: detection.time_of_measurement_ns,
+            detection_id: detection.detection_id,
+            measurement,
+            log_weight,
+        });
+    }
+}

@@ -1,0 +1,45 @@
+//! The scan at hand, with everything that its clusters are updated by.
+
+use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
+use crate::gating::Gating;
+use crate::plot::Plot;
+use crate::population::Population;
+use crate::sensor::Sensor;
+use crate::settings::Settings;
+use crate::track::Track;
+use crate::wide_area::expectation::Expectations;
+
+/// A scan, and what it is worked off with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ScanContext<'a> {
+    pub(crate) before: &'a Population,
+    pub(crate) plots: &'a [Plot],
+    /// By detection: logarithm of the density of false ones there.
+    pub(crate) log_clutter: &'a [f64],
+    pub(crate) gating: &'a Gating,
+    pub(crate) settings: &'a Settings,
+    pub(crate) sensor: &'a Sensor,
+    /// What wide-area reports say of the clusters before the scan.
+    pub(crate) expectations: &'a Expectations,
+    /// Logarithm of the weight of all its detections (WA-1).
+    pub(crate) log_weight: f64,
+    pub(crate) time_ns: i64,
+    /// Serial number of the first detection.
+    pub(crate) first_serial: u32,
+    /// Whoever wants to know.
+    pub(crate) observer: Option<&'a dyn Observer>,
+}
+
+impl ScanContext<'_> {
+    pub(crate) fn explain(&self, event: TrackEvent, track: &Track, value: f64, limit: f64) {
+        if let Some(observer) = self.observer {
+            let track = TrackRecord::of(track, self.plots, self.first_serial);
+            observer.explain(&Explanation::Track {
+                event,
+                track,
+                value,
+                limit,
+            });
+        }
+    }
+}
