@@ -57,7 +57,7 @@ impl Row {
 struct Inputs {
     reports: [Vec<SensorTrack>; 3],
     first_day_ns: i64,
-    rejected: [[u64; messages::COUNTERS_MAX]; 3],
+    rejected: [messages::Counters; 3],
 }
 
 fn configuration() -> PathBuf {
@@ -67,7 +67,7 @@ fn configuration() -> PathBuf {
 fn decode_inputs(data: &Path) -> Inputs {
     let config = Config::read(&configuration(), &[]).unwrap();
     let first_day_ns = config.first_day_ns.unwrap();
-    let mut rejected = [[0; messages::COUNTERS_MAX]; 3];
+    let mut rejected = [messages::Counters::default(); 3];
     let reports = std::array::from_fn(|index| {
         let source = &config.sources[index];
         let Input::Recorded(recorded) = &source.input else {
@@ -366,7 +366,7 @@ fn check_contributions(inputs: &Inputs, rows: &[Row]) {
         }
         assert!(row.position[0].hypot(row.position[1]) < 300e3, "{row:?}");
     }
-    let rejected = |source: usize, counter: Counter| inputs.rejected[source][counter as usize];
+    let rejected = |source: usize, counter: Counter| inputs.rejected[source][counter];
     assert_eq!(rejected(MLAT, Counter::RejectedFieldMonitor), 41_548);
     assert_eq!(
         rejected(ADSB, Counter::RejectedPosition),

@@ -322,16 +322,16 @@ fn hostile_datagrams_are_counted_and_change_nothing() {
     let network = report["network"].as_array().unwrap();
     let lan = network.iter().find(|entry| entry["process"] == "adapter lan").unwrap();
     let count = |label: &str| lan["counters"][label].as_u64().unwrap();
-    assert_eq!(count("datagrams_refused"), 500);
-    assert_eq!(count("datagrams_unusable"), 1, "the empty one");
-    assert_eq!(count("kernel_drops"), 0);
-    assert_eq!(count("blocks_refused"), 4, "{lan}");
+    assert_eq!(count("datagrams_rejected"), 500);
+    assert_eq!(count("datagrams_rejected_length"), 1, "the empty one");
+    assert_eq!(count("datagrams_dropped"), 0);
+    assert_eq!(count("blocks_rejected"), 4, "{lan}");
     assert_eq!(count("rejected_source"), 1);
     let radar = &report["sources"][0];
     assert_eq!(radar["name"], "radar");
     let of_radar = |part: &str, label: &str| radar[part][label].as_u64().unwrap();
     assert_eq!(
-        of_radar("adapter", "blocks_refused"),
+        of_radar("adapter", "blocks_rejected"),
         1,
         "of the category that nobody has"
     );

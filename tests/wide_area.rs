@@ -68,11 +68,11 @@ fn counts_change_the_tracks_and_the_recording_gives_them_again() {
         ("rejected_time", 1),
         ("rejected_position", 1),
         // A row, and a datagram's header.
-        ("blocks_refused", 2),
+        ("blocks_rejected", 2),
         ("wide_area_reports", 7),
         ("wide_area_late", 0),
         ("wide_area_lost", 0),
-        ("wide_area_refused", 0),
+        ("wide_area_rejected", 0),
     ] {
         assert_eq!(
             site.counted(label),
@@ -397,6 +397,6 @@ fn what_a_direction_finder_hears_identifies_a_track() {
     let (status, said) = running.stop();
     assert_eq!(status.code(), Some(0), "{said}");
     assert!(named(&site), "{}", site.read("out/sensor_tracks_radar.csv"));
-    assert!(site.counted("emissions") > 0 && site.counted("emissions_refused") > 0);
+    assert!(site.counted("emissions") > 0 && site.counted("emissions_rejected") > 0);
     site.home.assert_nothing_is_left("test");
 }

@@ -21,7 +21,7 @@ use formats::reports::{
     SourceModel,
 };
 use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
-use messages::{COUNTERS_MAX, Counter, SensorTrack, sensor_track_bits as bits};
+use messages::{Counter, Counters, SensorTrack, sensor_track_bits as bits};
 
 const S: i64 = 1_000_000_000;
 /// One radar's plots.
@@ -88,7 +88,7 @@ struct Seen {
 
 /// The plots in the order recorded. The recording's second half is of the time before its first: it gets a converter of
 /// its own. Gives what was counted by both.
-fn convert(bytes: &[u8]) -> (Vec<Seen>, [u64; COUNTERS_MAX]) {
+fn convert(bytes: &[u8]) -> (Vec<Seen>, Counters) {
     let mut decoder = Decoder::new(Mode::Strict);
     let mut converters = vec![Converter::new(model(), 0)];
     let mut seen: Vec<Seen> = Vec::new();
@@ -114,7 +114,8 @@ fn convert(bytes: &[u8]) -> (Vec<Seen>, [u64; COUNTERS_MAX]) {
         }
     }
     assert_eq!(converters.len(), 2);
-    let counted = std::array::from_fn(|counter| converters.iter().map(|converter| converter.counters()[counter]).sum());
+    let mut counted = Counters::default();
+    converters.iter().for_each(|converter| counted += converter.counters());
     (seen, counted)
 }
 
@@ -147,7 +148,7 @@ fn every_plot_lies_at_its_range_azimuth_and_height() {
         assert!((height - sent).abs() < 0.1, "{height} {sent}");
         placed += 1;
     }
-    let count = |counter: Counter| counted[counter as usize];
+    let count = |counter: Counter| counted[counter];
     // 49 plots have no address to number them by. Two of the rest have no height, nor had their aircraft before.
     let reports = count(Counter::Reports) as usize;
     assert_eq!(

@@ -1,20 +1,20 @@
 //! What the engine counts.
 
-use messages::{COUNTERS_MAX, Counter};
+use messages::{Counter, Counters};
 
 /// Counters of the engine as a whole and of each source.
 #[derive(Clone, Debug)]
 pub struct Counts {
-    total: [u64; COUNTERS_MAX],
-    sources: Vec<[u64; COUNTERS_MAX]>,
+    total: Counters,
+    sources: Vec<Counters>,
 }
 
 impl Counts {
     /// All zero, for `sources` sources.
     pub fn new(sources: usize) -> Self {
         Self {
-            total: [0; COUNTERS_MAX],
-            sources: vec![[0; COUNTERS_MAX]; sources],
+            total: Counters::default(),
+            sources: vec![Counters::default(); sources],
         }
     }
 
@@ -25,29 +25,29 @@ impl Counts {
 
     /// `count` more of `counter`.
     pub fn add_many(&mut self, source: u16, counter: Counter, count: u64) {
-        self.total[counter as usize] += count;
+        self.total[counter] += count;
         if let Some(counters) = self.sources.get_mut(usize::from(source)) {
-            counters[counter as usize] += count;
+            counters[counter] += count;
         }
     }
 
     /// Sets the level that `counter` shows for the whole.
     pub fn set_level(&mut self, counter: Counter, level: u64) {
-        self.total[counter as usize] = level;
+        self.total[counter] = level;
     }
 
     /// Counters of the whole, indexed by [`Counter`].
-    pub fn total(&self) -> &[u64; COUNTERS_MAX] {
+    pub fn total(&self) -> &Counters {
         &self.total
     }
 
     /// Counters of one source, indexed by [`Counter`].
-    pub fn source(&self, source: u16) -> Option<&[u64; COUNTERS_MAX]> {
+    pub fn source(&self, source: u16) -> Option<&Counters> {
         self.sources.get(usize::from(source))
     }
 
     /// One counter of the whole.
     pub fn get(&self, counter: Counter) -> u64 {
-        self.total[counter as usize]
+        self.total[counter]
     }
 }

@@ -165,14 +165,14 @@ impl Engine {
     /// Reports should come in the order of their times; one older than its own sensor track's latest is refused.
     pub fn take(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
         if !self.is_valid(report) {
-            self.counts.add(report.source, Counter::Invalid);
+            self.counts.add(report.source, Counter::RejectedInvalid);
             return;
         }
         self.advance(report.time_of_measurement_ns, sink);
         if report.state == TrackState::Coasted as u8 {
             // The source has seen nothing. Its extrapolation agrees with itself perfectly, which says nothing about the
             // target: scored like an observation, it would win. So it is a missing report (TI-4).
-            self.counts.add(report.source, Counter::Extrapolated);
+            self.counts.add(report.source, Counter::RejectedExtrapolated);
             self.miss(report, sink);
             return;
         }
@@ -183,7 +183,7 @@ impl Engine {
         } else if let Some(repaired) = self.repaired(report) {
             Some(repaired)
         } else {
-            self.counts.add(report.source, Counter::Invalid);
+            self.counts.add(report.source, Counter::RejectedInvalid);
             return;
         };
         let report = repaired.as_ref().unwrap_or(report);
@@ -223,7 +223,7 @@ impl Engine {
         }
         self.assign_role(sensor);
         if self.sensors.get(sensor).role != Role::Primary {
-            self.counts.add(report.source, Counter::Duplicates);
+            self.counts.add(report.source, Counter::RejectedDuplicate);
         } else if system == before {
             self.contribute(sensor, report, measurement.as_ref(), sink);
         } else {
@@ -289,7 +289,7 @@ impl Engine {
         }
         let inserted = self.sensors.insert(report);
         if inserted.is_none() {
-            self.counts.add(report.source, Counter::TableFull);
+            self.counts.add(report.source, Counter::DroppedTable);
         }
         inserted
     }
@@ -303,7 +303,7 @@ impl Engine {
         let age_ns = report.time_of_measurement_ns - self.sensors.get(sensor).time_ns;
         let ends = report.state == TrackState::Terminated as u8;
         if age_ns < 0 || (age_ns == 0 && !ends) {
-            self.counts.add(report.source, Counter::OutOfOrder);
+            self.counts.add(report.source, Counter::RejectedOutOfOrder);
             return None;
         }
         if age_ns > self.settings.life.terminate_ns {

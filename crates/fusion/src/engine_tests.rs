@@ -236,7 +236,7 @@ fn a_broken_up_target_stays_one_system_track() {
         assert_eq!(part, None, "a second part of the same target is recognised, not used");
     }
     assert_eq!(harness.live(), 1);
-    assert_eq!(harness.count(Counter::Duplicates), 6);
+    assert_eq!(harness.count(Counter::RejectedDuplicate), 6);
     // The first part disappears; the second takes over once the first is no longer fresh.
     let mut last = None;
     for step in 6..12 {
@@ -337,7 +337,7 @@ fn full_tables_refuse_new_entries_and_serve_the_rest() {
         ));
     }
     assert_eq!(harness.live(), 2);
-    assert_eq!(harness.count(Counter::TableFull), 3);
+    assert_eq!(harness.count(Counter::DroppedTable), 3);
     assert!(harness.take(&report(0, 1, 1.0, [1e4, 0.0], [0.0, 0.0])).is_some());
 }
 
@@ -354,7 +354,7 @@ fn sensor_tracks_that_fall_silent_do_not_fill_the_table() {
         };
         harness.take(&noise);
     }
-    assert_eq!(harness.count(Counter::TableFull), 0);
+    assert_eq!(harness.count(Counter::DroppedTable), 0);
 }
 
 #[test]
@@ -374,7 +374,7 @@ fn an_extrapolation_is_no_observation_and_a_guessed_velocity_does_not_win() {
         } as u8;
         harness.take(&guess);
     }
-    assert_eq!(harness.count(Counter::Extrapolated), 3);
+    assert_eq!(harness.count(Counter::RejectedExtrapolated), 3);
     assert!(harness.published.iter().all(|track| track.selected_source == 0));
     let mut second = report(1, 1, 3.5, [350.0, 0.0], [0.0, 0.0]);
     second.state = TrackState::Tentative as u8;
@@ -581,7 +581,7 @@ fn what_cannot_be_used_for_weighing_is_counted_at_its_source() {
     bad.covariance.set(0, 1, 150.0);
     harness.take(&report(0, 1, 0.0, [0.0, 0.0], [0.0, 0.0]));
     assert!(harness.take(&bad).is_some());
-    let of = |source| harness.engine.counts().source(source).unwrap()[Counter::CovariancesRepaired as usize];
+    let of = |source| harness.engine.counts().source(source).unwrap()[Counter::CovariancesRepaired];
     assert_eq!((of(0), of(1)), (0, 1));
 
     let mut settings = test_settings(2);
@@ -591,7 +591,7 @@ fn what_cannot_be_used_for_weighing_is_counted_at_its_source() {
     (bad.valid, bad.trace_m2) = (bad.valid | sensor_track_bits::TRACE, f64::NAN);
     harness.take(&report(0, 1, 0.0, [0.0, 0.0], [0.0, 0.0]));
     assert!(harness.take(&bad).is_some());
-    assert_eq!(harness.count(Counter::TracesUnusable), 1);
+    assert_eq!(harness.count(Counter::TracesRejected), 1);
 }
 
 /// Reports of a few wandering targets by three sources, in time order.

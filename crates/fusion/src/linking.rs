@@ -50,7 +50,7 @@ impl Engine {
         let filter = Filter::new(report.time_of_measurement_ns, state, has_height);
         let deadline_ns = report.time_of_measurement_ns + self.shortest_fresh_ns;
         let Some(system) = self.systems.insert(filter, deadline_ns) else {
-            self.counts.add(report.source, Counter::TableFull);
+            self.counts.add(report.source, Counter::DroppedTable);
             return;
         };
         self.counts.add(report.source, Counter::TracksStarted);

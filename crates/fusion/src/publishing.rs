@@ -134,7 +134,7 @@ impl Engine {
         }
         for (share, candidate) in weighed.shares().iter().zip(weighed.candidates()) {
             if share.trace_unusable {
-                self.counts.add(candidate.source, Counter::TracesUnusable);
+                self.counts.add(candidate.source, Counter::TracesRejected);
             }
             if share.repaired {
                 self.counts.add(candidate.source, Counter::CovariancesRepaired);

@@ -194,7 +194,8 @@ impl Engine {
             self.join(sensor, system);
             let limit = self.settings.association.target_extent_m;
             self.decide(sensor, DecisionKind::Duplicate, metres, limit, sink);
-            self.counts.add(self.sensors.get(sensor).source, Counter::Duplicates);
+            self.counts
+                .add(self.sensors.get(sensor).source, Counter::RejectedDuplicate);
             return;
         }
         self.start_system_track(sensor, sink);

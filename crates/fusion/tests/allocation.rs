@@ -117,9 +117,9 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
     assert!(published > 15_000, "{published}");
     let counts = engine.counts();
     for counter in [
-        messages::Counter::TableFull,
+        messages::Counter::DroppedTable,
         messages::Counter::TracksMerged,
-        messages::Counter::Invalid,
+        messages::Counter::RejectedInvalid,
     ] {
         assert!(counts.get(counter) > 0, "the traffic was meant to cause {counter:?}");
     }

@@ -6,9 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SCHEMA UINT64_C(0x53b2b8c79416d599) /* Every BatchHeader.schema must equal this. */
+#define KOSEKI_SCHEMA UINT64_C(0x2c00644931801275) /* Every BatchHeader.schema must equal this. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
-#define KOSEKI_COUNTERS_MAX UINT64_C(0x50) /* Length of Health.counters. */
+#define KOSEKI_COUNTERS_MAX UINT64_C(0x50) /* Length of Counters.values. */
 #define KOSEKI_IDENTITY_ADDRESS UINT64_C(0x1) /* Bit of a flags or valid field. */
 #define KOSEKI_IDENTITY_MODE_3A UINT64_C(0x2) /* Bit of a flags or valid field. */
 #define KOSEKI_IDENTITY_CALLSIGN UINT64_C(0x4) /* Bit of a flags or valid field. */
@@ -383,6 +383,12 @@ static_assert(offsetof(KosekiRegistration, covariance_inflation) == 104, "offset
 static_assert(offsetof(KosekiRegistration, removed) == 112, "offset");
 static_assert(offsetof(KosekiRegistration, reserved) == 116, "offset");
 
+typedef struct KosekiCounters {
+    uint64_t values[80]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */
+} KosekiCounters;
+static_assert(sizeof(KosekiCounters) == 640, "size");
+static_assert(offsetof(KosekiCounters, values) == 0, "offset");
+
 typedef struct KosekiHealth {
     int64_t said_ns; /* When this was said, monotonic, nanoseconds. */
     uint64_t incarnation; /* Monotonic start time of the process, nanoseconds. */
@@ -395,7 +401,7 @@ typedef struct KosekiHealth {
     uint32_t reserved; /* Reserved, 0. */
     uint8_t name[32]; /* Name of the process, UTF-8, padded with zeros. */
     uint8_t note[56]; /* What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros. */
-    uint64_t counters[80]; /* Values of the counters, indexed by `Counter`. */
+    KosekiCounters counters; /* Values of the counters. */
     KosekiRegistration registration; /* Systematic errors of the source, where fusion speaks of one. */
 } KosekiHealth;
 static_assert(sizeof(KosekiHealth) == 888, "size");

@@ -5,9 +5,9 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SCHEMA = 0x53b2b8c79416d599  # Every BatchHeader.schema must equal this.
+SCHEMA = 0x2c00644931801275  # Every BatchHeader.schema must equal this.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
-COUNTERS_MAX = 0x50  # Length of Health.counters.
+COUNTERS_MAX = 0x50  # Length of Counters.values.
 IDENTITY_ADDRESS = 0x1  # Bit of a flags or valid field.
 IDENTITY_MODE_3A = 0x2  # Bit of a flags or valid field.
 IDENTITY_CALLSIGN = 0x4  # Bit of a flags or valid field.
@@ -495,6 +495,20 @@ assert Registration.removed.offset == 112
 assert Registration.reserved.offset == 116
 
 
+class Counters(ctypes.Structure):
+    _fields_ = [
+        ("values", ctypes.c_uint64 * 80),  # Counts since the process started, indexed by the codes of `Counter`; a few are levels.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Counters"
+
+
+assert ctypes.sizeof(Counters) == 640
+assert Counters.values.offset == 0
+
+
 class Health(ctypes.Structure):
     _fields_ = [
         ("said_ns", ctypes.c_int64),  # When this was said, monotonic, nanoseconds.
@@ -508,7 +522,7 @@ class Health(ctypes.Structure):
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
         ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
         ("note", ctypes.c_uint8 * 56),  # What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros.
-        ("counters", ctypes.c_uint64 * 80),  # Values of the counters, indexed by `Counter`.
+        ("counters", Counters),  # Values of the counters.
         ("registration", Registration),  # Systematic errors of the source, where fusion speaks of one.
     ]
 

@@ -1,10 +1,7 @@
 //! What every process says about itself, several times a second.
 
-use crate::Registration;
 use crate::layout::sample;
-
-/// Length of [`Health::counters`].
-pub const COUNTERS_MAX: usize = 80;
+use crate::{Counters, Registration};
 
 /// [`Health::source`] of a message that speaks of the whole process.
 pub const NO_SOURCE: u16 = u16::MAX;
@@ -37,8 +34,8 @@ sample! {
         name: [u8; 32],
         /// What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros.
         note: [u8; 56],
-        /// Values of the counters, indexed by `Counter`.
-        counters: [u64; 80],
+        /// Values of the counters.
+        counters: Counters,
         /// Systematic errors of the source, where fusion speaks of one.
         registration: Registration,
     }
@@ -58,7 +55,7 @@ impl Default for Health {
             reserved: 0,
             name: [0; 32],
             note: [0; 56],
-            counters: [0; COUNTERS_MAX],
+            counters: Counters::default(),
             registration: Registration::default(),
         }
     }
@@ -87,11 +84,6 @@ impl Health {
     pub fn with_name(mut self, name: &str) -> Self {
         fill(&mut self.name, name);
         self
-    }
-
-    /// The value of one counter.
-    pub fn counter(&self, counter: Counter) -> u64 {
-        self.counters[counter as usize]
     }
 
     /// The process's kind; `None` for a code of another schema.
@@ -192,109 +184,4 @@ impl LifeState {
             Self::Failed => "failed",
         }
     }
-}
-
-/// Declares the counters once: code, label and the sentence that help texts and metrics show.
-macro_rules! counters {
-    ($( $name:ident = $label:literal, $sentence:literal; )*) => {
-        /// Something that is counted since the process started (a few are levels, and say so).
-        ///
-        /// Overload, loss and bad input are counters, not log lines: they can be read from outside at any time.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        #[repr(u16)]
-        pub enum Counter {
-            $( #[doc = $sentence] $name, )*
-        }
-
-        impl Counter {
-            /// Every counter, in the order of its code.
-            pub const ALL: &'static [Self] = &[ $( Self::$name, )* ];
-
-            /// Short name, as tables, JSON and metrics use it.
-            pub fn label(self) -> &'static str {
-                match self { $( Self::$name => $label, )* }
-            }
-
-            /// One sentence that says what is counted.
-            pub fn sentence(self) -> &'static str {
-                match self { $( Self::$name => $sentence, )* }
-            }
-        }
-
-        const _: () = assert!(Counter::ALL.len() <= COUNTERS_MAX);
-    };
-}
-
-counters! {
-    Records = "records", "Records decoded from the source, of any kind.";
-    ServiceMessages = "service_messages", "Records that speak of the sensor, not of a target.";
-    BytesRefused = "bytes_refused", "Bytes of blocks that could not be explained and were skipped.";
-    BlocksRefused = "blocks_refused", "Blocks that could not be explained, wholly or in part.";
-    Published = "published", "Samples published.";
-    Reports = "reports", "Reports of targets that passed every check.";
-    RejectedFieldMonitor = "rejected_field_monitor", "Reports of a fixed field monitor, which is no aircraft.";
-    RejectedTestTarget = "rejected_test_target", "Reports marked as simulated or test targets.";
-    RejectedNoPosition = "rejected_no_position", "Reports without a usable position (a track's last message, for example).";
-    RejectedNoTrackNumber = "rejected_no_track_number", "Reports with neither track number nor address.";
-    RejectedPosition = "rejected_position", "Reports with a position that cannot be: outside the sensor's range or the globe.";
-    RejectedHeight = "rejected_height", "Heights that cannot be; the report is used without its height.";
-    RejectedSpeed = "rejected_speed", "Reports with a speed that no target has.";
-    RejectedJump = "rejected_jump", "Reports that would need an impossible speed since the track's previous ones.";
-    RejectedTime = "rejected_time", "Reports with a time of day far from that of their neighbours.";
-    RejectedLate = "rejected_late", "Reports older than the source's own progress mark.";
-    RejectedQuality = "rejected_quality", "Reports whose own quality figure says that the position cannot be used.";
-    RejectedSource = "rejected_source", "Reports of another SAC/SIC than the one configured.";
-    TracksEnded = "tracks_ended", "Sensor tracks that their source declared ended.";
-    RefusedTracks = "refused_tracks", "Reports of tracks for which the adapter's table had no room.";
-    WaitedForConsumers = "waited_for_consumers", "Times a recorded source waited for its consumers so that nothing is lost.";
-    Taken = "taken", "Samples taken from the source's topic.";
-    Lost = "lost", "Samples missing from the source's sequence: dropped because the reader fell behind.";
-    OutOfOrder = "out_of_order", "Samples not newer than one already worked off: repeated, or out of order.";
-    Invalid = "invalid", "Samples refused because a value is not finite or a code unknown.";
-    SchemaMismatch = "schema_mismatch", "Batches refused because their publisher was built with another layout.";
-    QueueFull = "queue_full", "Reports dropped because the source's queue in fusion was full, oldest first.";
-    TableFull = "table_full", "Reports refused because the system-track table or a target's list of sources was full.";
-    TracksStarted = "tracks_started", "System tracks started.";
-    TracksConfirmed = "tracks_confirmed", "System tracks confirmed.";
-    TracksTerminated = "tracks_terminated", "System tracks ended.";
-    TracksMerged = "tracks_merged", "System tracks found to be the same target as another, and merged into it.";
-    ContributionsSplit = "contributions_split", "Sensor tracks taken out of a system track they no longer fitted.";
-    Duplicates = "duplicates", "Reports of a second track of one source on one target: recognised, not used.";
-    Extrapolated = "extrapolated", "Reports that are their source's own extrapolation: no observation, so not used.";
-    IdentityConflicts = "identity_conflicts", "Reports whose identity contradicted that of the system track they had belonged to.";
-    HandOvers = "hand_overs", "Changes of the selected source.";
-    LiveTracks = "live_tracks", "Level: system tracks that are confirmed or coasted now.";
-    TentativeTracks = "tentative_tracks", "Level: system tracks that are tentative now.";
-    CoastedTracks = "coasted_tracks", "Level: system tracks that are coasted now.";
-    DeadlineMisses = "deadline_misses", "Reports that took longer through fusion than the configured deadline.";
-    OrdersObeyed = "orders_obeyed", "Orders that fusion has obeyed.";
-    OrdersRefused = "orders_refused", "Orders that fusion has refused: unknown kinds, conditions that no source names.";
-    RowsWritten = "rows_written", "Rows written to files.";
-    Datagrams = "datagrams", "Datagrams received, or pieces read from a connection.";
-    DatagramsRefused = "datagrams_refused", "Datagrams from senders that are not on the receiver's list.";
-    DatagramsUnusable = "datagrams_unusable", "Datagrams that were empty or longer than the receiver's buffer.";
-    KernelDrops = "kernel_drops", "Datagrams that the kernel dropped because the receiver's buffer was full.";
-    Connections = "connections", "Connections to a feed that were made.";
-    RecordsSent = "records_sent", "Records sent to other systems.";
-    DatagramsSent = "datagrams_sent", "Datagrams sent to other systems.";
-    SendFailures = "send_failures", "Datagrams that could not be sent.";
-    HeightAssumed = "height_assumed", "Reports without height whose slant range was turned into a place by an assumed one.";
-    TracesUnusable = "traces_unusable", "Times a covariance trace was asked for and missing or no trace; the configured weights held.";
-    CovariancesRepaired = "covariances_repaired", "Times a covariance was not positive definite, and was repaired or left out.";
-    StagesLate = "stages_late", "Stages of reports that took longer than their configured deadline, as the monitor has seen it.";
-    Detections = "detections", "Detections published, of which the source's adapter makes tracks.";
-    DetectionsRefused = "detections_refused", "Detections for which the adapter's tracker had no room or no use.";
-    Scans = "scans", "Scans that the adapter's tracker worked off, silent ones included.";
-    RejectedTargets = "rejected_targets", "Wide-area reports with more targets than any cluster can have.";
-    WideAreaReports = "wide_area_reports", "Wide-area reports that the adapter's tracker took.";
-    WideAreaRefused = "wide_area_refused", "Wide-area reports that the adapter's tracker refused, or for which there was no room.";
-    WideAreaLost = "wide_area_lost", "Wide-area reports that were published and did not reach their reader, a tracker or the recorder.";
-    WideAreaLate = "wide_area_late", "Wide-area reports that came when the scan they were for had been worked off: used in the next one.";
-    WideAreaUsed = "wide_area_used", "Wide-area reports that the adapter's tracker used.";
-    WideAreaUnmatched = "wide_area_unmatched", "Wide-area reports, of those used, that were near no track.";
-    Emissions = "emissions", "Emissions of direction finders that the adapter's tracker took, to identify its tracks.";
-    EmissionsRefused = "emissions_refused", "Emissions refused: without a frequency, with a value that cannot be, too late, without room, or lost on the way.";
-    EmissionsUnclear = "emissions_unclear", "Emissions in whose direction there was no track, or more than one.";
-    Cues = "cues", "Cues published: where the sensor should look next.";
-    DetectionsWithoutFix = "detections_without_fix", "Bearings of transmitters whose place the geometry does not yet allow to be told.";
 }

@@ -118,6 +118,7 @@ pub const ALL: &[Layout] = &[
     crate::Contribution::LAYOUT,
     crate::SystemTrack::LAYOUT,
     crate::Registration::LAYOUT,
+    crate::Counters::LAYOUT,
     crate::Health::LAYOUT,
     crate::Progress::LAYOUT,
     crate::Control::LAYOUT,
@@ -216,7 +217,7 @@ fn constants() -> Vec<(String, u64, &'static str)> {
         (
             "COUNTERS_MAX".to_owned(),
             crate::COUNTERS_MAX as u64,
-            "Length of Health.counters.",
+            "Length of Counters.values.",
         ),
     ];
     let groups: [(&str, &[(&str, u64)]); 9] = [

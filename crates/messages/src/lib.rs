@@ -16,6 +16,7 @@
 
 mod batch;
 mod control;
+mod counters;
 mod covariance;
 mod health;
 mod identity;
@@ -33,8 +34,9 @@ mod wide_area;
 
 pub use batch::BatchHeader;
 pub use control::{Control, Progress};
+pub use counters::{COUNTERS_MAX, Counter, CounterClass, Counters};
 pub use covariance::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
-pub use health::{COUNTERS_MAX, Counter, Health, HealthName, LifeState, NO_SOURCE, PROCESS_KINDS, ProcessKind};
+pub use health::{Health, HealthName, LifeState, NO_SOURCE, PROCESS_KINDS, ProcessKind};
 pub use identity::{Callsign, Identity, identity_bits};
 pub use platform_state::{PlatformState, platform_state_bits};
 pub use registration::{Registration, registration_bits};

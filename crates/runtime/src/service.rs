@@ -197,7 +197,7 @@ pub struct HealthEntry {
     /// How far the process has got in the time of its data, UTC, nanoseconds.
     pub progress_ns: i64,
     /// Counters, indexed by [`Counter`].
-    pub counters: [u64; messages::COUNTERS_MAX],
+    pub counters: messages::Counters,
     /// What is wrong; empty if nothing is.
     pub note: String,
     /// Systematic errors of the source, where fusion speaks of one.
@@ -209,7 +209,7 @@ impl Default for HealthEntry {
         Self {
             source: NO_SOURCE,
             progress_ns: i64::MIN,
-            counters: [0; messages::COUNTERS_MAX],
+            counters: messages::Counters::default(),
             note: String::new(),
             registration: Registration::default(),
         }
@@ -219,7 +219,7 @@ impl Default for HealthEntry {
 impl HealthEntry {
     /// Sets one counter.
     pub fn set(&mut self, counter: Counter, value: u64) {
-        self.counters[counter as usize] = value;
+        self.counters[counter] = value;
     }
 }
 

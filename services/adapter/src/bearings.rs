@@ -14,7 +14,7 @@ use anyhow::Context as _;
 use configuration::{Process, Source};
 use formats::bearings_csv::BearingReader;
 use frames::time::DayUnroller;
-use messages::{COUNTERS_MAX, Counter};
+use messages::{Counter, Counters};
 use net::{ReceiverSettings, UdpReceiver};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
@@ -107,10 +107,10 @@ impl Agent for Bearings {
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let tables = &self.tables;
-        let mut read = [0; COUNTERS_MAX];
-        read[Counter::Records as usize] = tables.rows;
-        read[Counter::BlocksRefused as usize] = tables.rows_refused;
-        read[Counter::BytesRefused as usize] = tables.octets_refused;
+        let mut read = Counters::default();
+        read[Counter::Records] = tables.rows;
+        read[Counter::BlocksRejected] = tables.rows_refused;
+        read[Counter::BytesRejected] = tables.octets_refused;
         let source = tables.channel.health(&read);
         let mut whole = HealthEntry {
             progress_ns: source.progress_ns,
@@ -118,16 +118,16 @@ impl Agent for Bearings {
             ..HealthEntry::default()
         };
         for counter in [Counter::Records, Counter::Reports, Counter::Published] {
-            whole.set(counter, source.counters[counter as usize]);
+            whole.set(counter, source.counters[counter]);
         }
         let counted = self.receiver.counters();
         whole.set(Counter::Datagrams, counted.datagrams);
-        whole.set(Counter::DatagramsRefused, counted.refused_senders);
+        whole.set(Counter::DatagramsRejected, counted.refused_senders);
         whole.set(
-            Counter::DatagramsUnusable,
+            Counter::DatagramsRejectedLength,
             counted.empty + counted.oversized + counted.unstamped,
         );
-        whole.set(Counter::KernelDrops, counted.kernel_drops);
+        whole.set(Counter::DatagramsDropped, counted.kernel_drops);
         entries.push(whole);
         entries.push(source);
     }

@@ -5,7 +5,7 @@ use configuration::{Process, Source};
 use formats::bearing::Bearing;
 use formats::reports::{Observation, Service};
 use formats::wide_area::WideAreaReport;
-use messages::{COUNTERS_MAX, Counter, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
+use messages::{Counter, Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
 use runtime::HealthEntry;
 use runtime::clock::mono_ns;
 use tracking::wide_area::arrivals::Arrivals;
@@ -192,7 +192,7 @@ impl Channel {
     }
 
     /// How the source is; `decoded` is what its decoder has counted, indexed by [`Counter`].
-    pub(crate) fn health(&self, decoded: &[u64; COUNTERS_MAX]) -> HealthEntry {
+    pub(crate) fn health(&self, decoded: &Counters) -> HealthEntry {
         let mut entry = HealthEntry {
             source: self.source,
             progress_ns: self.stage.progress_ns(),
@@ -201,16 +201,14 @@ impl Channel {
             note: self.name.clone(),
             ..HealthEntry::default()
         };
-        for (counter, decoded) in entry.counters.iter_mut().zip(decoded) {
-            *counter += decoded;
-        }
+        entry.counters += decoded;
         entry.set(Counter::Published, self.publisher.counts().samples);
         let lost = self.counts.iter().map(|sensor| sensor.counts());
         let lost = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
         entry.set(Counter::WideAreaLost, lost);
         let lost = self.emissions.iter().map(|finder| finder.counts());
         let lost: u64 = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
-        entry.counters[Counter::EmissionsRefused as usize] += lost;
+        entry.counters[Counter::EmissionsRejected] += lost;
         entry
     }
 

@@ -10,7 +10,7 @@ use formats::csv_table::CsvError;
 use formats::reports::observation::{self, Reading};
 use formats::sbs::{Merger, Rejection, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
-use messages::{COUNTERS_MAX, Counter};
+use messages::{Counter, Counters};
 
 use crate::recording::Intake;
 
@@ -68,15 +68,15 @@ impl Content {
     }
 
     /// Adds what has been counted so far, indexed by [`Counter`].
-    pub(crate) fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
-        let mut add = |counter: Counter, count: u64| counters[counter as usize] += count;
+    pub(crate) fn count(&self, counters: &mut Counters) {
+        let mut add = |counter: Counter, count: u64| counters[counter] += count;
         match self {
             Self::Asterix(_, decoder) => {
                 let decoded = decoder.counts();
                 add(Counter::Records, decoded.records);
-                add(Counter::BytesRefused, decoded.octets_skipped);
+                add(Counter::BytesRejected, decoded.octets_skipped);
                 add(
-                    Counter::BlocksRefused,
+                    Counter::BlocksRejected,
                     decoded.blocks_refused + decoded.blocks_cut + decoded.blocks_without_table,
                 );
             }
@@ -84,15 +84,15 @@ impl Content {
                 let counted = lines.merger.counters();
                 add(Counter::Records, counted.messages);
                 add(Counter::RejectedNoPosition, counted.without_position);
-                add(Counter::RefusedTracks, counted.refused_aircraft);
+                add(Counter::TracksDropped, counted.refused_aircraft);
                 add(
-                    Counter::BlocksRefused,
+                    Counter::BlocksRejected,
                     Rejection::ALL.iter().map(|reason| counted.rejected(*reason)).sum(),
                 );
             }
             Self::Tracks(tracks) => {
                 add(Counter::Records, tracks.rows);
-                add(Counter::BlocksRefused, tracks.refused);
+                add(Counter::BlocksRejected, tracks.refused);
             }
         }
     }

@@ -16,7 +16,7 @@ use anyhow::Context as _;
 use asterix::{Counts, Decoder, blocks};
 use configuration::{Asterix, Input, Process, Source};
 use formats::reports::observation::{self, Reading};
-use messages::{COUNTERS_MAX, Counter};
+use messages::{Counter, Counters};
 use net::{ReceiverSettings, UdpReceiver};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
@@ -160,29 +160,29 @@ impl Agent for Datagrams {
             ..HealthEntry::default()
         };
         for counter in [Counter::Records, Counter::Reports, Counter::Published] {
-            whole.set(counter, each.iter().map(|entry| entry.counters[counter as usize]).sum());
+            whole.set(counter, each.iter().map(|entry| entry.counters[counter]).sum());
         }
         let counted = self.receiver.counters();
         whole.set(Counter::Datagrams, counted.datagrams);
-        whole.set(Counter::DatagramsRefused, counted.refused_senders);
+        whole.set(Counter::DatagramsRejected, counted.refused_senders);
         whole.set(
-            Counter::DatagramsUnusable,
+            Counter::DatagramsRejectedLength,
             counted.empty + counted.oversized + counted.unstamped,
         );
-        whole.set(Counter::KernelDrops, counted.kernel_drops);
+        whole.set(Counter::DatagramsDropped, counted.kernel_drops);
         whole.set(Counter::RejectedSource, sources.strangers);
-        whole.set(Counter::BlocksRefused, sources.blocks_refused);
-        whole.set(Counter::BytesRefused, sources.bytes_refused);
+        whole.set(Counter::BlocksRejected, sources.blocks_refused);
+        whole.set(Counter::BytesRejected, sources.bytes_refused);
         entries.push(whole);
         entries.extend(each);
     }
 }
 
 /// What a decoder has counted, indexed by [`Counter`].
-fn decoded(counts: &Counts) -> [u64; COUNTERS_MAX] {
-    let mut counters = [0; COUNTERS_MAX];
-    counters[Counter::Records as usize] = counts.records;
-    counters[Counter::BytesRefused as usize] = counts.octets_skipped;
-    counters[Counter::BlocksRefused as usize] = counts.blocks_refused + counts.blocks_cut + counts.blocks_without_table;
+fn decoded(counts: &Counts) -> Counters {
+    let mut counters = Counters::default();
+    counters[Counter::Records] = counts.records;
+    counters[Counter::BytesRejected] = counts.octets_skipped;
+    counters[Counter::BlocksRejected] = counts.blocks_refused + counts.blocks_cut + counts.blocks_without_table;
     counters
 }

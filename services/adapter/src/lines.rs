@@ -8,7 +8,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use configuration::{Process, Source};
 use formats::sbs::{Merger, Rejection, SbsSettings};
-use messages::{COUNTERS_MAX, Counter};
+use messages::{Counter, Counters};
 use net::{LinesSettings, TcpLines};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
@@ -65,15 +65,15 @@ impl Agent for Lines {
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let (counted, lines) = (self.merger.counters(), self.client.counters());
-        let mut decoded = [0; COUNTERS_MAX];
-        decoded[Counter::Records as usize] = counted.messages;
-        decoded[Counter::BlocksRefused as usize] = Rejection::ALL
+        let mut decoded = Counters::default();
+        decoded[Counter::Records] = counted.messages;
+        decoded[Counter::BlocksRejected] = Rejection::ALL
             .iter()
             .map(|reason| counted.rejected(*reason))
             .sum::<u64>()
             + lines.oversized;
-        decoded[Counter::RejectedNoPosition as usize] = counted.without_position;
-        decoded[Counter::RefusedTracks as usize] = counted.refused_aircraft;
+        decoded[Counter::RejectedNoPosition] = counted.without_position;
+        decoded[Counter::TracksDropped] = counted.refused_aircraft;
         let of_source = self.channel.health(&decoded);
         let mut whole = HealthEntry {
             progress_ns: of_source.progress_ns,
@@ -83,9 +83,9 @@ impl Agent for Lines {
             Counter::Records,
             Counter::Reports,
             Counter::Published,
-            Counter::BlocksRefused,
+            Counter::BlocksRejected,
         ] {
-            whole.set(counter, of_source.counters[counter as usize]);
+            whole.set(counter, of_source.counters[counter]);
         }
         whole.set(Counter::Connections, lines.connections);
         if !self.client.is_connected() {

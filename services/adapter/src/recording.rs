@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 
 use configuration::{Recorded, Source};
 use formats::reports::{Observation, Reorder, Service};
-use messages::{COUNTERS_MAX, Counter, SensorDetection, SensorTrack};
+use messages::{Counter, Counters, SensorDetection, SensorTrack};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::content::Content;
@@ -141,13 +141,13 @@ impl Recording {
     }
 
     /// What has been counted so far, indexed by [`Counter`].
-    pub fn counters(&self) -> [u64; COUNTERS_MAX] {
+    pub fn counters(&self) -> Counters {
         let intake = &self.intake;
         let mut counters = intake.stage.counters();
         self.content.count(&mut counters);
-        counters[Counter::RejectedLate as usize] += intake.late;
-        counters[Counter::Reports as usize] += intake.tracks;
-        counters[Counter::Reports as usize] -= intake.late;
+        counters[Counter::RejectedLate] += intake.late;
+        counters[Counter::Reports] += intake.tracks;
+        counters[Counter::Reports] -= intake.late;
         counters
     }
 

@@ -196,9 +196,9 @@ pub(crate) fn running_pipeline(
     let whole = fusion.counters_after(MachineClock.now_ns())?;
     debug_assert_eq!(whole.source, NO_SOURCE);
     measured.fusion = Some(FusionCounts {
-        taken: whole.counter(Counter::Taken),
-        lost: whole.counter(Counter::Lost),
-        published: whole.counter(Counter::Published),
+        taken: whole.counters[Counter::Taken],
+        lost: whole.counters[Counter::Lost],
+        published: whole.counters[Counter::Published],
         lost_by_reader: measured.received().missed,
     });
     Ok(measured)

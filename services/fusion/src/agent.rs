@@ -82,7 +82,7 @@ impl<S: Transport> FusionAgent<S> {
             let counter = if obeyed {
                 Counter::OrdersObeyed
             } else {
-                Counter::OrdersRefused
+                Counter::OrdersRejected
             };
             self.engine.counts_mut().add(NO_SOURCE, counter);
         }
@@ -220,8 +220,8 @@ impl<S: Transport> FusionAgent<S> {
                 mono_ns,
                 |report| match merger.push(index, report) {
                     Pushed::Waiting | Pushed::Repeated => {}
-                    Pushed::DroppedOldest => counts.add(source, Counter::QueueFull),
-                    Pushed::OutOfOrder => counts.add(source, Counter::OutOfOrder),
+                    Pushed::DroppedOldest => counts.add(source, Counter::DroppedQueue),
+                    Pushed::OutOfOrder => counts.add(source, Counter::RejectedOutOfOrder),
                 },
                 |header, _| taken_header = Some(*header),
             )?;
@@ -304,7 +304,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
                 counters: counts
                     .source(input.source)
                     .copied()
-                    .unwrap_or([0; messages::COUNTERS_MAX]),
+                    .unwrap_or(messages::Counters::default()),
                 registration: registration(&self.engine, input.source),
                 ..HealthEntry::default()
             };

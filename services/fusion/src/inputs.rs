@@ -2,7 +2,7 @@
 
 use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
 use configuration::Config;
-use messages::{BatchHeader, COUNTERS_MAX, Counter, SensorTrack};
+use messages::{BatchHeader, Counter, Counters, SensorTrack};
 
 /// Slices without a report, or of another layout, that are passed over in a row before other sources have their turn.
 const PASSED_OVER_MAX: usize = 16;
@@ -138,11 +138,11 @@ impl<S: Transport> Input<S> {
     }
 
     /// Adds what the topic's reader has counted.
-    pub(crate) fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
+    pub(crate) fn count(&self, counters: &mut Counters) {
         let counts = self.subscriber.counts();
-        counters[Counter::Taken as usize] += counts.taken;
-        counters[Counter::Lost as usize] += counts.lost;
-        counters[Counter::SchemaMismatch as usize] += counts.schema_mismatch;
+        counters[Counter::Taken] += counts.taken;
+        counters[Counter::Lost] += counts.lost;
+        counters[Counter::RejectedSchema] += counts.schema_mismatch;
     }
 }
 

@@ -93,8 +93,8 @@ impl<S: Transport> Output<S> {
         Ok(flow.all_done(sent))
     }
 
-    pub(crate) fn count(&self, counters: &mut [u64; messages::COUNTERS_MAX]) {
-        counters[Counter::Published as usize] = self.publisher.counts().samples;
-        counters[Counter::DeadlineMisses as usize] = self.deadline_misses;
+    pub(crate) fn count(&self, counters: &mut messages::Counters) {
+        counters[Counter::Published] = self.publisher.counts().samples;
+        counters[Counter::DeadlineMisses] = self.deadline_misses;
     }
 }

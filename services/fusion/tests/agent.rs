@@ -112,7 +112,7 @@ impl Bench {
     fn counter(&self, counter: Counter) -> u64 {
         let mut entries: Vec<HealthEntry> = Vec::new();
         self.agent.health(&mut entries);
-        entries[0].counters[counter as usize]
+        entries[0].counters[counter]
     }
 }
 

@@ -113,15 +113,15 @@ fn the_loop_allocates_nothing() {
                 assert!(used.largest_bytes <= SMALL_BYTES);
             }
         }
-        let taken = entries[0].counters[Counter::Taken as usize];
+        let taken = entries[0].counters[Counter::Taken];
         assert!(
             taken > SLICES * SLICE && published > 100_000,
             "{taken} taken, {published} published"
         );
         assert!(
-            entries[0].counters[Counter::TableFull as usize] > 0,
+            entries[0].counters[Counter::DroppedTable] > 0,
             "a full table is part of it"
         );
-        assert!(entries[0].counters[Counter::OrdersRefused as usize] > 0, "orders, too");
+        assert!(entries[0].counters[Counter::OrdersRejected] > 0, "orders, too");
     }
 }

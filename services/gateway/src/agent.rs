@@ -196,9 +196,9 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
         let (taken, sent) = (self.subscriber.counts(), self.reports.counts());
         entry.set(Counter::Taken, taken.taken);
         entry.set(Counter::Lost, taken.lost);
-        entry.set(Counter::SchemaMismatch, taken.schema_mismatch);
+        entry.set(Counter::RejectedSchema, taken.schema_mismatch);
         entry.set(Counter::RecordsSent, sent.records);
-        entry.set(Counter::RefusedTracks, sent.refused() + self.schedule.refused());
+        entry.set(Counter::TracksDropped, sent.refused() + self.schedule.refused());
     }
 }
 

@@ -66,7 +66,7 @@ impl SensorStates {
             let of_sensor = usize::from(health.source) == number;
             sensor.by_number |= of_sensor;
             if of_sensor || (health.source == NO_SOURCE && !sensor.by_number) {
-                let published = health.counter(Counter::Published);
+                let published = health.counters[Counter::Published];
                 if published != sensor.published {
                     sensor.published = published;
                     sensor.delivered_ns = health.said_ns;
@@ -137,7 +137,7 @@ mod tests {
                 source: 0,
                 ..Health::default()
             };
-            health.counters[Counter::Published as usize] = published;
+            health.counters[Counter::Published] = published;
             health.with_name(&config.sources[0].adapter)
         };
         states.hear(&said(100, 0));

@@ -74,8 +74,8 @@ fn answer(health: &mut Subscriber<SharedMemory, Health>) -> anyhow::Result<Optio
             .filter(|health| health.kind() == Some(ProcessKind::Fusion) && health.source == NO_SOURCE)
         {
             latest = Some((
-                health.counter(Counter::OrdersObeyed),
-                health.counter(Counter::OrdersRefused),
+                health.counters[Counter::OrdersObeyed],
+                health.counters[Counter::OrdersRejected],
             ));
         }
     })?;

@@ -289,7 +289,7 @@ impl Heard {
     /// How fast a counter grew; nothing if it stands at 0, or only one message was heard.
     fn rate(&self, counter: Counter) -> String {
         let seconds = (self.last.said_ns - self.first.said_ns) as f64 / messages::NS_PER_S;
-        let (first, last) = (self.first.counter(counter), self.last.counter(counter));
+        let (first, last) = (self.first.counters[counter], self.last.counters[counter]);
         if seconds <= 0.0 || last == 0 {
             return "-".to_owned();
         }
@@ -310,7 +310,7 @@ mod tests {
             life: LifeState::Running as u8,
             ..Health::default()
         };
-        health.counters[Counter::Published as usize] = published;
+        health.counters[Counter::Published] = published;
         health.with_name(name)
     }
 

@@ -236,7 +236,7 @@ impl<S: Transport> Agent for MonitorAgent<S> {
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         entries.push(HealthEntry {
             note: self.note(),
-            counters: *self.survey.own_counters(self.states.counts()).values(),
+            counters: self.survey.own_counters(self.states.counts()),
             ..HealthEntry::default()
         });
         entries.extend(
@@ -244,7 +244,7 @@ impl<S: Transport> Agent for MonitorAgent<S> {
                 .own_counters_by_source()
                 .map(|(source, counters)| HealthEntry {
                     source,
-                    counters: *counters.values(),
+                    counters,
                     ..HealthEntry::default()
                 }),
         );

@@ -9,7 +9,7 @@
 
 use std::fmt;
 
-use messages::{Counter, LifeState, ProcessKind};
+use messages::{Counter, CounterClass, Counters, LifeState, ProcessKind};
 use prometheus_client::collector::Collector;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, NoLabelSet};
@@ -17,7 +17,6 @@ use prometheus_client::metrics::MetricType;
 use prometheus_client::registry::{Registry, Unit};
 use telemetry::{BUCKET_BOUNDS_NS, Buckets, Irregularities, Stage};
 
-use crate::counters::{Counters, LEVELS, OF_PROCESSES, counted_by};
 use crate::report::{Picture, Process, RunSettings, State};
 
 /// Of what is served.
@@ -154,16 +153,19 @@ impl Snapshot {
     }
 
     fn counters(&self, families: &mut Families<'_>) -> fmt::Result {
-        for counter in Counter::ALL.iter().filter(|counter| !LEVELS.contains(counter)) {
+        for counter in Counter::ALL
+            .iter()
+            .filter(|counter| counter.class() != CounterClass::Level)
+        {
             let samples = self.counted.iter().filter_map(|counted| {
-                let value = counted.counters.get(*counter);
+                let value = counted.counters[*counter];
                 let labels = [
                     ("kind", counted.kind.word()),
                     ("process", counted.process.as_str()),
                     ("source", counted.source.as_str()),
                 ];
-                let expected = counted_by(counted.kind).contains(counter)
-                    && (counted.source.is_empty() || !OF_PROCESSES.contains(counter));
+                let expected = counter.counted_by().contains(&counted.kind)
+                    && (counted.source.is_empty() || !counter.is_of_process());
                 (value > 0 || expected).then_some((labels, value))
             });
             families.counters(counter.label(), counter.sentence(), samples)?;

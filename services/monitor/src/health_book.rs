@@ -11,9 +11,8 @@
 
 use std::collections::BTreeMap;
 
-use messages::{Health, HealthName, LifeState, NO_SOURCE, ProcessKind, Registration};
+use messages::{Counters, Health, HealthName, LifeState, NO_SOURCE, ProcessKind, Registration};
 
-use crate::counters::Counters;
 use crate::report::{Process, State};
 
 /// A process that says nothing for longer than this is silent, nanoseconds: five health messages are missing then.
@@ -109,7 +108,7 @@ impl HealthBook {
                 return;
             }
             if health.incarnation > speaker.latest.incarnation {
-                speaker.earlier = speaker.earlier.followed_by(&speaker.latest.counters.into());
+                speaker.earlier = speaker.earlier.followed_by(&speaker.latest.counters);
                 speaker.incarnations += 1;
             }
             speaker.latest = *health;
@@ -286,7 +285,7 @@ impl<'a> Latest<'a> {
     }
 
     pub(crate) fn counters(&self) -> Counters {
-        self.0.earlier.followed_by(&self.0.latest.counters.into())
+        self.0.earlier.followed_by(&self.0.latest.counters)
     }
 
     /// Monotonic, nanoseconds.
@@ -329,7 +328,7 @@ mod tests {
     }
 
     fn counting(mut health: Health, taken: u64) -> Health {
-        health.counters[Counter::Taken as usize] = taken;
+        health.counters[Counter::Taken] = taken;
         health
     }
 
@@ -346,7 +345,7 @@ mod tests {
         for health in [said(10, 3), said(10, 5), said(20, 2), said(10, 4)] {
             book.hear(&health);
         }
-        assert_eq!(book.service(ProcessKind::Fusion, NO_SOURCE).get(Counter::Taken), 7);
+        assert_eq!(book.service(ProcessKind::Fusion, NO_SOURCE)[Counter::Taken], 7);
         assert_eq!(only(&book, S).restarts, 1);
     }
 
@@ -431,7 +430,7 @@ mod tests {
             (Some("radar"), Some("ads-b"))
         );
         assert_eq!(book.source_name(4), None);
-        let taken = |source| book.adapter_of(source).get(Counter::Taken);
+        let taken = |source| book.adapter_of(source)[Counter::Taken];
         assert_eq!((taken(0), taken(3), taken(4)), (5, 8, 0));
     }
 
@@ -467,6 +466,6 @@ mod tests {
             ..health(ProcessKind::Adapter, "radar", 1, S)
         };
         book.hear(&counting(of_source, 6));
-        assert_eq!(book.adapter("radar", 1).get(Counter::Taken), 6);
+        assert_eq!(book.adapter("radar", 1)[Counter::Taken], 6);
     }
 }

@@ -64,7 +64,6 @@ mod verdict;
 use std::io::Write as _;
 
 pub use agent::{Clock, MonitorAgent};
-pub use counters::Counters;
 pub use live::{Live, LiveSource, LiveStage};
 pub use report::{Hop, Picture, Process, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, State};
 pub use screen::Screen;

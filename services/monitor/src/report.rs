@@ -6,12 +6,11 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use messages::{Counter, LifeState, ProcessKind, Registration, registration_bits};
+use messages::{Counter, Counters, LifeState, ProcessKind, Registration, registration_bits};
 use scenario::AccuracyReport;
 use serde::{Serialize, Serializer};
 use telemetry::{Irregularities, Span, Stage, Stages, Summary};
 
-use crate::counters::Counters;
 use crate::verdict::Verdict;
 
 /// See the module's documentation.
@@ -45,10 +44,12 @@ pub struct Report {
     /// How the processes are at the end.
     pub processes: Vec<Process>,
     /// What fusion counted altogether.
+    #[serde(serialize_with = "crate::counters::serialize")]
     pub fusion: Counters,
     /// What each other process counted of itself as a whole: recorder, gateways, simulator, adapters.
     pub others: Vec<ProcessCounters>,
     /// What the monitor itself counted of the system tracks it read.
+    #[serde(serialize_with = "crate::counters::serialize")]
     pub monitor: Counters,
     /// What processes that have a socket counted at it.
     pub network: Vec<ProcessCounters>,
@@ -62,6 +63,7 @@ pub struct ProcessCounters {
     /// The process, as it is called in text.
     pub process: String,
     /// Its counters.
+    #[serde(serialize_with = "crate::counters::serialize")]
     pub counters: Counters,
 }
 
@@ -110,10 +112,13 @@ pub struct SourceReport {
     /// Its name.
     pub name: String,
     /// What its adapter counted.
+    #[serde(serialize_with = "crate::counters::serialize")]
     pub adapter: Counters,
     /// What fusion counted of its reports.
+    #[serde(serialize_with = "crate::counters::serialize")]
     pub fusion: Counters,
     /// What the recorder counted of its reports.
+    #[serde(serialize_with = "crate::counters::serialize")]
     pub recorder: Counters,
     /// Its systematic errors, as fusion has estimated them.
     #[serde(with = "RegistrationReport")]
@@ -287,18 +292,18 @@ pub struct Picture {
 impl Picture {
     /// What fusion's counters say of it; `live_max` is the most that were confirmed or coasted so far.
     pub(crate) fn of(fusion: &Counters, live_max: u64) -> Self {
-        let (live, coasted) = (fusion.get(Counter::LiveTracks), fusion.get(Counter::CoastedTracks));
+        let (live, coasted) = (fusion[Counter::LiveTracks], fusion[Counter::CoastedTracks]);
         Self {
             confirmed: live.saturating_sub(coasted),
             coasted,
-            tentative: fusion.get(Counter::TentativeTracks),
+            tentative: fusion[Counter::TentativeTracks],
             live_max,
-            started: fusion.get(Counter::TracksStarted),
-            ever_confirmed: fusion.get(Counter::TracksConfirmed),
-            ended: fusion.get(Counter::TracksTerminated),
-            merged: fusion.get(Counter::TracksMerged),
-            split: fusion.get(Counter::ContributionsSplit),
-            hand_overs: fusion.get(Counter::HandOvers),
+            started: fusion[Counter::TracksStarted],
+            ever_confirmed: fusion[Counter::TracksConfirmed],
+            ended: fusion[Counter::TracksTerminated],
+            merged: fusion[Counter::TracksMerged],
+            split: fusion[Counter::ContributionsSplit],
+            hand_overs: fusion[Counter::HandOvers],
         }
     }
 }

@@ -1,9 +1,8 @@
 use std::collections::BTreeMap;
 
-use messages::{LifeState, ProcessKind, Registration, registration_bits};
+use messages::{Counter, Counters, LifeState, ProcessKind, Registration, registration_bits};
 
 use super::*;
-use crate::counters::Counters;
 use crate::golden;
 use telemetry::Summary;
 
@@ -33,7 +32,7 @@ fn source(number: u16, name: &str, published: u64) -> SourceReport {
             .with(Counter::Published, published),
         fusion: Counters::default()
             .with(Counter::Taken, published)
-            .with(Counter::Duplicates, 11),
+            .with(Counter::RejectedDuplicate, 11),
         recorder: Counters::default(),
         registration: Registration::default(),
         stages: source_stages(SUMMARY, 0),
@@ -206,11 +205,11 @@ fn bad() -> Report {
         total: 2,
         by_process: BTreeMap::from([("fusion".to_owned(), 2)]),
     };
-    report.fusion = report.fusion.with(Counter::TableFull, 7);
+    report.fusion = report.fusion.with(Counter::DroppedTable, 7);
     let at_socket = report.network[0].counters;
     report.network[0].counters = at_socket
-        .with(Counter::KernelDrops, 17)
-        .with(Counter::DatagramsRefused, 1_000)
+        .with(Counter::DatagramsDropped, 17)
+        .with(Counter::DatagramsRejected, 1_000)
         .with(Counter::SendFailures, 2);
     report.health_ignored = 4;
     judged(report)
@@ -236,16 +235,16 @@ fn polled() -> Report {
         .with(Counter::OrdersObeyed, 1);
     let fusion = report.sources[0].fusion;
     report.sources[0].fusion = fusion
-        .with(Counter::Extrapolated, 8)
-        .with(Counter::QueueFull, 6)
-        .with(Counter::OutOfOrder, 5)
+        .with(Counter::RejectedExtrapolated, 8)
+        .with(Counter::DroppedQueue, 6)
+        .with(Counter::RejectedOutOfOrder, 5)
         .with(Counter::CovariancesRepaired, 2);
-    report.sources[1].recorder = Counters::default().with(Counter::SchemaMismatch, 1);
+    report.sources[1].recorder = Counters::default().with(Counter::RejectedSchema, 1);
     report.others = vec![ProcessCounters {
         process: "recorder".to_owned(),
         counters: Counters::default().with(Counter::RowsWritten, 12_345),
     }];
-    report.monitor = report.monitor.with(Counter::OutOfOrder, 9);
+    report.monitor = report.monitor.with(Counter::RejectedOutOfOrder, 9);
     judged(report)
 }
 
@@ -354,8 +353,8 @@ fn every_report_has_every_member() {
         ".stages.end_to_end.deadline_us",
         ".stages.end_to_end.deadline_misses",
         ".sources.0.stages.taken_to_fused.deadline_misses",
-        ".sources.0.fusion.queue_full",
-        ".sources.0.fusion.out_of_order",
+        ".sources.0.fusion.dropped_queue",
+        ".sources.0.fusion.rejected_out_of_order",
         ".settings.monitor_wait",
         ".monitor.lost",
         ".losses.reports_lost",

@@ -3,14 +3,12 @@
 //! Read by people who have never seen it: every table says in a sentence what it shows, and what is 0 in a good run
 //! is said in words instead of columns of zeros.
 
-use messages::Counter;
+use messages::{Counter, CounterClass, Counters};
 use scenario::AccuracyReport;
 use telemetry::Stage;
 use telemetry::table::{self, Align, Table, count};
 
-use crate::counters::{
-    ADAPTER_REMARKS, Counters, FUSION_REFUSALS, FUSION_REMARKS, NETWORK_TROUBLE, PROCESS_REMARKS, REJECTIONS, TRACKING,
-};
+use crate::counters::{network_trouble, process_remarks};
 use crate::live::NOT_MEASURED;
 use crate::report::{Process, Report, RunSettings, SourceReport, StageReport};
 use crate::text::{date_time, percent, several, wrapped};
@@ -78,22 +76,22 @@ impl Report {
         ]);
         let mut trouble = String::new();
         for report in &self.network {
-            let of = |counter| report.counters.get(counter);
+            let of = |counter: Counter| report.counters[counter];
             let shown = [
                 Counter::Datagrams,
-                Counter::KernelDrops,
+                Counter::DatagramsDropped,
                 Counter::DatagramsSent,
                 Counter::RecordsSent,
             ];
             let cells = shown.map(|counter| count(of(counter)));
             rows.row([report.process.clone()].into_iter().chain(cells));
-            for counter in NETWORK_TROUBLE.into_iter().filter(|counter| of(*counter) > 0) {
+            for counter in network_trouble().filter(|counter| of(*counter) > 0) {
                 let line = format!("{}: {}: {}", report.process, count(of(counter)), counter.sentence());
                 trouble.push_str(&wrapped(&line, WIDTH));
             }
         }
         if trouble.is_empty() {
-            trouble.push_str("Nothing was refused, unusable or dropped.\n");
+            trouble.push_str("Nothing was rejected or dropped.\n");
         }
         format!("NETWORK\n{rows}{trouble}")
     }
@@ -110,11 +108,11 @@ impl Report {
         for source in &self.sources {
             rows.row([
                 source.name.clone(),
-                count(source.adapter.get(Counter::Records)),
-                count(source.adapter.sum(&REJECTIONS)),
-                count(source.adapter.get(Counter::Published)),
-                count(source.fusion.get(Counter::Taken)),
-                count(source.fusion.sum(&FUSION_REFUSALS)),
+                count(source.adapter[Counter::Records]),
+                count(source.adapter.sum_of(CounterClass::Rejection)),
+                count(source.adapter[Counter::Published]),
+                count(source.fusion[Counter::Taken]),
+                count(source.fusion.sum_of(CounterClass::FusionRejection)),
             ]);
         }
         format!("REPORTS from the sensors into fusion\n{rows}")
@@ -129,10 +127,10 @@ impl Report {
         ]);
         let mut some = false;
         for source in &self.sources {
-            let adapter = REJECTIONS.iter().chain(&ADAPTER_REMARKS);
-            let adapter = adapter.map(|counter| ("adapter", counter, source.adapter.get(*counter)));
-            let fusion = FUSION_REFUSALS.iter();
-            let fusion = fusion.map(|counter| ("fusion", counter, source.fusion.get(*counter)));
+            let adapter = Counter::of(CounterClass::Rejection).chain(Counter::of(CounterClass::AdapterRemark));
+            let adapter = adapter.map(|counter| ("adapter", counter, source.adapter[counter]));
+            let fusion = Counter::of(CounterClass::FusionRejection);
+            let fusion = fusion.map(|counter| ("fusion", counter, source.fusion[counter]));
             for (by, counter, value) in adapter.chain(fusion).filter(|(_, _, value)| *value > 0) {
                 some = true;
                 rows.row([source.name.as_str(), by, &count(value), counter.sentence()]);
@@ -140,8 +138,8 @@ impl Report {
         }
         // An adapter as a whole speaks of what is of no source: a wide-area sensor's reports.
         for process in &self.others {
-            let own = REJECTIONS.iter().filter(|counter| !NETWORK_TROUBLE.contains(counter));
-            for (counter, value) in own.map(|counter| (counter, process.counters.get(*counter))) {
+            let own = Counter::of(CounterClass::Rejection).filter(|counter| *counter != Counter::RejectedSource);
+            for (counter, value) in own.map(|counter| (counter, process.counters[counter])) {
                 if value > 0 {
                     some = true;
                     rows.row([process.process.as_str(), "adapter", &count(value), counter.sentence()]);
@@ -164,22 +162,39 @@ impl Report {
             ("what", Align::Left),
         ]);
         let mut some = false;
-        let mut list = |of: &str, by: &str, counters: &Counters, which: &[Counter]| {
-            for counter in which.iter().filter(|counter| counters.get(**counter) > 0) {
+        let mut list = |of: &str, by: &str, counters: &Counters, which: Vec<Counter>| {
+            for counter in which.into_iter().filter(|counter| counters[*counter] > 0) {
                 some = true;
-                rows.row([of, by, &count(counters.get(*counter)), counter.sentence()]);
+                rows.row([of, by, &count(counters[counter]), counter.sentence()]);
             }
         };
+        let class = |class| Counter::of(class).collect::<Vec<_>>();
+        let of_process = || process_remarks().collect::<Vec<_>>();
         for source in &self.sources {
-            list(&source.name, "adapter", &source.adapter, &TRACKING);
-            list(&source.name, "fusion", &source.fusion, &FUSION_REMARKS);
-            list(&source.name, "recorder", &source.recorder, &FUSION_REFUSALS);
+            list(&source.name, "adapter", &source.adapter, class(CounterClass::Tracking));
+            list(
+                &source.name,
+                "fusion",
+                &source.fusion,
+                class(CounterClass::FusionRemark),
+            );
+            list(
+                &source.name,
+                "recorder",
+                &source.recorder,
+                class(CounterClass::FusionRejection),
+            );
         }
-        list("all", "fusion", &self.fusion, &PROCESS_REMARKS);
+        list("all", "fusion", &self.fusion, of_process());
         for process in &self.others {
-            list("all", &process.process, &process.counters, &PROCESS_REMARKS);
+            list("all", &process.process, &process.counters, of_process());
         }
-        list("system tracks", "monitor", &self.monitor, &FUSION_REFUSALS);
+        list(
+            "system tracks",
+            "monitor",
+            &self.monitor,
+            class(CounterClass::FusionRejection),
+        );
         some.then(|| format!("ALSO COUNTED\n{rows}"))
     }
 
@@ -323,11 +338,11 @@ impl Report {
                 row(&mut rows, first, figures.summary.count, figures.deadline_misses);
             }
         }
-        let own = self.fusion.get(Counter::DeadlineMisses);
+        let own = self.fusion[Counter::DeadlineMisses];
         Some(format!(
             "DEADLINES, among the states that the monitor saw\n{rows}By its own count, fusion was late with {} of {}.\n",
             several(own, "state"),
-            count(self.fusion.get(Counter::Published))
+            count(self.fusion[Counter::Published])
         ))
     }
 

@@ -6,11 +6,10 @@ use std::collections::BTreeMap;
 
 use bus::{SubscriberCounts, WaitMode};
 use configuration::{Config, Input, MonitorWait, Order};
-use messages::{BatchHeader, Counter, Health, NO_SOURCE, ProcessKind, SystemTrack};
+use messages::{BatchHeader, Counter, CounterClass, Counters, Health, NO_SOURCE, ProcessKind, SystemTrack};
 use runtime::{Now, Options, Speed};
 use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage, Stages};
 
-use crate::counters::{Counters, REJECTIONS, TRAFFIC};
 use crate::exposition::{Counted, Snapshot, StageSample};
 use crate::health_book::HealthBook;
 use crate::live::{Live, LiveSource, LiveStage, NOT_MEASURED};
@@ -95,7 +94,7 @@ impl Survey {
     pub(crate) fn hear(&mut self, health: &Health) {
         self.book.hear(health);
         if health.kind() == Some(ProcessKind::Fusion) && health.source == NO_SOURCE {
-            self.live_max = self.live_max.max(health.counter(Counter::LiveTracks));
+            self.live_max = self.live_max.max(health.counters[Counter::LiveTracks]);
         }
     }
 
@@ -173,7 +172,7 @@ impl Survey {
             before_ns = said.incarnation() as i64;
         }
         let (fusion, said_ns) = said.map_or_else(Default::default, |said| (said.counters(), said.said_ns()));
-        let taken = fusion.get(Counter::Taken);
+        let taken = fusion[Counter::Taken];
         // Both counts and both times are fusion's own, so the rate is exact whenever its message came.
         let per_s = if before_ns > 0 && said_ns > before_ns {
             taken.saturating_sub(before) as f64 * 1e9 / (said_ns - before_ns) as f64
@@ -189,8 +188,8 @@ impl Survey {
             name: name.clone(),
             taken,
             per_s,
-            rejected: adapter.sum(&REJECTIONS),
-            lost: fusion.get(Counter::Lost),
+            rejected: adapter.sum_of(CounterClass::Rejection),
+            lost: fusion[Counter::Lost],
             age_ns: median(Stage::Age),
             adapter_ns: median(Stage::IngestToPublish),
             transport_ns: median(Stage::PublishToTaken),
@@ -292,24 +291,21 @@ impl Survey {
     }
 
     fn losses(&self, sources: &[SourceReport], own: SubscriberCounts, processes: &[Process]) -> Losses {
-        let hop = |from: &str, to: ProcessKind, published, read: &crate::Counters| {
-            let (taken, lost) = (read.get(Counter::Taken), read.get(Counter::Lost));
+        let hop = |from: &str, to: ProcessKind, published, read: &Counters| {
+            let (taken, lost) = (read[Counter::Taken], read[Counter::Lost]);
             Hop::new(from, to.word(), published, taken, lost)
         };
         let is_restarted_monitor = |process: &Process| {
             process.kind == ProcessKind::Monitor && process.name == self.name && process.restarts > 0
         };
-        let published = |source: &SourceReport| source.adapter.get(Counter::Published);
+        let published = |source: &SourceReport| source.adapter[Counter::Published];
         let to_fusion =
             |source: &SourceReport| hop(&source.name, ProcessKind::Fusion, published(source), &source.fusion);
         let mut hops: Vec<Hop> = sources.iter().map(to_fusion).collect();
         let reports_lost = hops.iter().map(|hop| hop.lost).sum();
         let reports_unread = hops.iter().map(|hop| hop.unread).sum();
         let fusion = ProcessKind::Fusion.word();
-        let fused = self
-            .book
-            .service(ProcessKind::Fusion, NO_SOURCE)
-            .get(Counter::Published);
+        let fused = self.book.service(ProcessKind::Fusion, NO_SOURCE)[Counter::Published];
         if self.has_recorder {
             let to_recorder =
                 |source: &SourceReport| hop(&source.name, ProcessKind::Recorder, published(source), &source.recorder);
@@ -343,11 +339,11 @@ impl Survey {
     /// What the monitor has counted at the system tracks.
     pub(crate) fn own_counters(&self, own: SubscriberCounts) -> Counters {
         let mut counters = Counters::default();
-        counters.set(Counter::Taken, own.taken);
-        counters.set(Counter::Lost, own.lost);
-        counters.set(Counter::OutOfOrder, own.out_of_order);
-        counters.set(Counter::SchemaMismatch, own.schema_mismatch);
-        counters.set(Counter::Invalid, self.book.ignored());
+        counters[Counter::Taken] = own.taken;
+        counters[Counter::Lost] = own.lost;
+        counters[Counter::RejectedOutOfOrder] = own.out_of_order;
+        counters[Counter::RejectedSchema] = own.schema_mismatch;
+        counters[Counter::RejectedInvalid] = self.book.ignored();
         self.count_late(None, &mut counters);
         counters
     }
@@ -364,8 +360,8 @@ impl Survey {
 
     fn count_late(&self, source: Option<u16>, counters: &mut Counters) {
         let misses = |stage| self.stages.deadline_misses(stage, source, Span::Total);
-        counters.set(Counter::DeadlineMisses, misses(Stage::TakenToFused));
-        counters.set(Counter::StagesLate, Stage::ALL.map(misses).iter().sum());
+        counters[Counter::DeadlineMisses] = misses(Stage::TakenToFused);
+        counters[Counter::StagesLate] = Stage::ALL.map(misses).iter().sum();
     }
 
     /// What processes but fusion and the monitor say of themselves as a whole.
@@ -385,7 +381,10 @@ impl Survey {
     /// What processes with a socket say of it.
     fn network(&self) -> Vec<ProcessCounters> {
         let mut said = self.others();
-        said.retain(|report| report.counters.sum(&TRAFFIC) > 0);
+        said.retain(|report| {
+            let classes = [CounterClass::Network, CounterClass::NetworkTrouble];
+            classes.iter().any(|class| report.counters.sum_of(*class) > 0)
+        });
         said
     }
 }

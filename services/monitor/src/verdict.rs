@@ -82,7 +82,7 @@ fn about_reports(report: &Report, concerns: &mut Vec<String>) {
         return;
     }
     for source in &report.sources {
-        if source.fusion.get(Counter::Taken) == 0 {
+        if source.fusion[Counter::Taken] == 0 {
             concerns.push(format!("{} delivered nothing", source.name));
         }
     }
@@ -111,11 +111,11 @@ fn about_reports(report: &Report, concerns: &mut Vec<String>) {
 
 fn about_the_network(report: &Report, concerns: &mut Vec<String>) {
     for network in &report.network {
-        let of = |counter| network.counters.get(counter);
-        if of(Counter::KernelDrops) > 0 {
+        let of = |counter| network.counters[counter];
+        if of(Counter::DatagramsDropped) > 0 {
             concerns.push(format!(
                 "the kernel dropped {} before {} had read them: raise its buffer_bytes",
-                several(of(Counter::KernelDrops), "datagram"),
+                several(of(Counter::DatagramsDropped), "datagram"),
                 network.process
             ));
         }
@@ -142,22 +142,22 @@ fn about_the_recorder(report: &Report, concerns: &mut Vec<String>) {
 
 fn about_fusion(report: &Report, concerns: &mut Vec<String>) {
     let fusion = &report.fusion;
-    let dropped = fusion.sum(&[Counter::QueueFull, Counter::TableFull]);
+    let dropped = fusion[Counter::DroppedQueue] + fusion[Counter::DroppedTable];
     if dropped > 0 {
         concerns.push(format!(
             "fusion had no room for {}: raise [fusion.capacity]",
             several(dropped, "report")
         ));
     }
-    let mismatched = fusion.get(Counter::SchemaMismatch);
+    let mismatched = fusion[Counter::RejectedSchema];
     if mismatched > 0 {
         concerns.push(format!(
             "fusion refused {} of publishers that were built with another layout",
             several(mismatched, "slice")
         ));
     }
-    let published = fusion.get(Counter::Published);
-    let misses = fusion.get(Counter::DeadlineMisses);
+    let published = fusion[Counter::Published];
+    let misses = fusion[Counter::DeadlineMisses];
     let measured = report.settings.latencies_measured && report.settings.order == "arrival";
     if measured && misses as f64 > DEADLINE_MISS_SHARE_MAX * published as f64 {
         concerns.push(format!(
@@ -235,11 +235,7 @@ fn praise(report: &Report) -> String {
 }
 
 fn taken(report: &Report) -> u64 {
-    report
-        .sources
-        .iter()
-        .map(|source| source.fusion.get(Counter::Taken))
-        .sum()
+    report.sources.iter().map(|source| source.fusion[Counter::Taken]).sum()
 }
 
 fn were(count: u64, thing: &str) -> String {

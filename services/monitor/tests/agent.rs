@@ -113,8 +113,8 @@ fn what_only_the_monitor_missed_is_kept_apart() {
     }
     while bench.turn() == Turn::Worked {}
     let own = bench.own_health();
-    assert_eq!(own.counters[Counter::Taken as usize], 2 * depth as u64);
-    assert_eq!(own.counters[Counter::Lost as usize], 6);
+    assert_eq!(own.counters[Counter::Taken], 2 * depth as u64);
+    assert_eq!(own.counters[Counter::Lost], 6);
     bench.close();
     let report = bench.report();
     assert_eq!(report["losses"]["monitor_missed"], 6);
@@ -163,7 +163,7 @@ fn health_that_cannot_be_understood_is_ignored_and_counted() {
     bench.send_health(odd.with_name("fusion"));
     bench.say(ProcessKind::Fusion, "fusion", 99, &[(Counter::Taken, 5)]);
     bench.turn();
-    assert_eq!(bench.own_health().counters[Counter::Invalid as usize], 2);
+    assert_eq!(bench.own_health().counters[Counter::RejectedInvalid], 2);
     bench.close();
     let report = bench.report();
     assert_eq!(report["health_ignored"], 2);
@@ -372,7 +372,7 @@ fn a_monitor_that_polls_sleeps_between_its_looks_though_much_has_come() {
     // What has come meanwhile does not end the pause: asked for a pause of nothing, it takes nothing.
     bench.fuse(0, 100, 1_000);
     bench.monitor.wait(std::time::Duration::ZERO).unwrap();
-    assert_eq!(bench.own_health().counters[Counter::Taken as usize], 100);
+    assert_eq!(bench.own_health().counters[Counter::Taken], 100);
 }
 
 #[test]
@@ -422,8 +422,8 @@ fn missed_deadlines_are_counted_by_stage_and_source() {
     bench.pass(S);
     bench.turn();
     let own = bench.own_health();
-    assert_eq!(own.counters[Counter::DeadlineMisses as usize], 5);
-    assert_eq!(own.counters[Counter::StagesLate as usize], 5 + 15);
+    assert_eq!(own.counters[Counter::DeadlineMisses], 5);
+    assert_eq!(own.counters[Counter::StagesLate], 5 + 15);
     bench.close();
     let report = bench.report();
     let stage = |stage: &str| &report["stages"][stage];
@@ -467,7 +467,7 @@ fn what_each_source_missed_is_said_in_health_messages() {
     let mut entries = Vec::new();
     bench.monitor.health(&mut entries);
     let of_source = entries.iter().find(|entry| entry.source == 3).unwrap();
-    assert_eq!(of_source.counters[Counter::DeadlineMisses as usize], 7);
+    assert_eq!(of_source.counters[Counter::DeadlineMisses], 7);
     assert_eq!(entries.len(), 2);
 }
 

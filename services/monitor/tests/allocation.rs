@@ -28,6 +28,6 @@ fn the_steady_state_allocates_nothing() {
             let now = bench.clock.get();
             assert_no_alloc(|| bench.monitor_turn(now));
         }
-        assert_eq!(bench.own_health().counters[Counter::Taken as usize], 101 * 200);
+        assert_eq!(bench.own_health().counters[Counter::Taken], 101 * 200);
     }
 }

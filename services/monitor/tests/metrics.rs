@@ -82,7 +82,7 @@ fn everything_that_is_known_is_collected() {
         ProcessKind::Fusion,
         "fusion",
         3,
-        &[(Counter::Lost, 7), (Counter::QueueFull, 2)],
+        &[(Counter::Lost, 7), (Counter::DroppedQueue, 2)],
     );
     let levels = [
         (Counter::LiveTracks, 12),
@@ -136,7 +136,7 @@ fn everything_that_is_known_is_collected() {
             7.0,
         ),
         (
-            "koseki_queue_full_total{kind=\"fusion\",process=\"fusion\",source=\"ads-b\"}",
+            "koseki_dropped_queue_total{kind=\"fusion\",process=\"fusion\",source=\"ads-b\"}",
             2.0,
         ),
         ("koseki_system_tracks{state=\"confirmed\"}", 10.0),
@@ -217,7 +217,7 @@ fn a_port_in_use_is_named_with_its_key_and_the_monitor_goes_on() {
     assert_eq!(bench.own_health().note, refusal);
     bench.fuse(0, 5, 1_000);
     bench.turn();
-    assert_eq!(bench.own_health().counters[Counter::Taken as usize], 5);
+    assert_eq!(bench.own_health().counters[Counter::Taken], 5);
 }
 
 #[test]

@@ -235,7 +235,7 @@ impl<S: Transport> Agent for RecorderAgent<S> {
             (lost + counts.lost, refused + counts.schema_mismatch)
         });
         whole.set(Counter::WideAreaLost, lost);
-        whole.set(Counter::SchemaMismatch, system.schema_mismatch + refused);
+        whole.set(Counter::RejectedSchema, system.schema_mismatch + refused);
         let rows: u64 = self.counts.iter().map(|file| file.rows).sum();
         whole.set(Counter::RowsWritten, self.system.rows + rows);
         entries.push(whole);
@@ -257,8 +257,8 @@ impl<S: Transport> Agent for RecorderAgent<S> {
             );
             let detections = self.detections.iter().find(|file| file.number == source.number);
             let lost = detections.map_or(0, |file| file.subscriber.counts().lost);
-            entry.set(Counter::Lost, entry.counters[Counter::Lost as usize] + lost);
-            entry.set(Counter::SchemaMismatch, counts.schema_mismatch);
+            entry.set(Counter::Lost, entry.counters[Counter::Lost] + lost);
+            entry.set(Counter::RejectedSchema, counts.schema_mismatch);
             entry.set(
                 Counter::RowsWritten,
                 source.rows + detections.map_or(0, |file| file.rows),

@@ -80,7 +80,7 @@ impl Bench {
 fn lost(agent: &RecorderAgent<InProcess>) -> u64 {
     let mut entries: Vec<HealthEntry> = Vec::new();
     agent.health(&mut entries);
-    entries[1].counters[Counter::Lost as usize]
+    entries[1].counters[Counter::Lost]
 }
 
 #[test]

@@ -62,7 +62,7 @@ impl RowSender {
             (Counter::DatagramsSent, sent.sent),
             (Counter::SendFailures, sent.failed),
         ] {
-            entry.counters[counter as usize] += count;
+            entry.counters[counter] += count;
         }
     }
 }

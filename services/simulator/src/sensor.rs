@@ -105,11 +105,11 @@ impl Observer for Sensor {
         let (reports, sent) = (self.reports.counts(), self.sender.counters());
         for (counter, count) in [
             (Counter::RecordsSent, reports.records),
-            (Counter::RefusedTracks, reports.refused()),
+            (Counter::TracksDropped, reports.refused()),
             (Counter::DatagramsSent, sent.sent),
             (Counter::SendFailures, sent.failed),
         ] {
-            entry.counters[counter as usize] += count;
+            entry.counters[counter] += count;
         }
     }
 }

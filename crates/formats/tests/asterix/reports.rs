@@ -88,10 +88,10 @@ proptest! {
                 observation.geodetic = observation.geodetic.map(|place| place.map(f64::sin));
                 (observation.test, observation.field_monitor) = (false, false);
                 for _ in 0..2 {
-                    let before: u64 = converter.counters().iter().sum();
+                    let before: u64 = converter.counters().values.iter().sum();
                     match converter.convert(&observation, 0) {
                         Some(track) => check(&track),
-                        None => prop_assert!(converter.counters().iter().sum::<u64>() > before),
+                        None => prop_assert!(converter.counters().values.iter().sum::<u64>() > before),
                     }
                 }
             }

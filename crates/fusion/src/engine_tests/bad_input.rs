@@ -20,9 +20,9 @@ fn bad_reports_are_counted_and_change_nothing() {
     for report in &bad {
         assert_eq!(harness.take(report), None);
     }
-    assert_eq!(harness.count(Counter::Invalid), 6);
+    assert_eq!(harness.count(Counter::RejectedInvalid), 6);
     assert_eq!(harness.take(&report(0, 1, 0.5, [0.0, 0.0], [0.0, 0.0])), None);
-    assert_eq!(harness.count(Counter::OutOfOrder), 1);
+    assert_eq!(harness.count(Counter::RejectedOutOfOrder), 1);
 }
 
 /// What is published of the tracks that start in the west, while `disturb` does its worst in the east.
@@ -66,7 +66,7 @@ fn bad_input_does_not_change_other_targets_by_one_bit() {
     let disturbances: [Disturbance<'_>; 5] = [
         (
             "not a number",
-            Counter::Invalid,
+            Counter::RejectedInvalid,
             Box::new(|harness, step| {
                 harness.take(&east(step, 0.0));
                 let mut bad = east(step, 0.05);
@@ -76,7 +76,7 @@ fn bad_input_does_not_change_other_targets_by_one_bit() {
         ),
         (
             "time backwards",
-            Counter::OutOfOrder,
+            Counter::RejectedOutOfOrder,
             Box::new(|harness, step| {
                 harness.take(&east(step, 0.0));
                 harness.take(&east(step, -0.2));
@@ -84,7 +84,7 @@ fn bad_input_does_not_change_other_targets_by_one_bit() {
         ),
         (
             "repeated",
-            Counter::OutOfOrder,
+            Counter::RejectedOutOfOrder,
             Box::new(|harness, step| {
                 harness.take(&east(step, 0.0));
                 harness.take(&east(step, 0.0));
@@ -133,6 +133,6 @@ fn ten_times_more_tracks_than_there_is_room_for_are_counted_and_the_others_stay(
             ));
         }
     });
-    assert!(harness.count(Counter::TableFull) > 0);
+    assert!(harness.count(Counter::DroppedTable) > 0);
     assert_eq!(full, calm);
 }

@@ -10,8 +10,7 @@ use formats::reports::Limits;
 use locating::Locator;
 use locating::settings::Settings;
 use messages::{
-    COUNTERS_MAX, Counter, PlatformState, SensorBearing, SensorTrack, StageTimes, platform_state_bits,
-    sensor_bearing_bits,
+    Counter, Counters, PlatformState, SensorBearing, SensorTrack, StageTimes, platform_state_bits, sensor_bearing_bits,
 };
 
 use super::Made;
@@ -109,14 +108,14 @@ impl Locating {
         self.newest_ns
     }
 
-    pub(super) fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
+    pub(super) fn count(&self, counters: &mut Counters) {
         let counts = self.locator.counts();
         for (counter, count) in [
             (Counter::Detections, counts.bearings),
             (Counter::DetectionsWithoutFix, counts.without_fix),
-            (Counter::DetectionsRefused, counts.unusable),
+            (Counter::DetectionsRejected, counts.unusable),
             (Counter::RejectedLate, counts.out_of_order),
-            (Counter::RefusedTracks, counts.table_full),
+            (Counter::TracksDropped, counts.table_full),
             (Counter::RejectedTime, self.rejected.time),
             (Counter::RejectedPosition, self.rejected.position),
             (Counter::RejectedSpeed, self.rejected.speed),
@@ -125,7 +124,7 @@ impl Locating {
                 counts.fixes - self.rejected.position - self.rejected.speed,
             ),
         ] {
-            counters[counter as usize] += count;
+            counters[counter] += count;
         }
     }
 }

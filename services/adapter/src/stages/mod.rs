@@ -16,7 +16,7 @@ use configuration::Source;
 use formats::bearing::Bearing;
 use formats::reports::{Converter, Observation, Service};
 use formats::wide_area::WideAreaReport;
-use messages::{COUNTERS_MAX, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack};
+use messages::{Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack};
 
 use self::locating::Locating;
 use self::tracking::Tracking;
@@ -155,7 +155,7 @@ impl Stage {
     }
 
     /// What has been counted, indexed by [`Counter`](messages::Counter).
-    pub(crate) fn counters(&self) -> [u64; COUNTERS_MAX] {
+    pub(crate) fn counters(&self) -> Counters {
         let mut counters = *self.converter.counters();
         match &self.kind {
             Kind::Through => {}

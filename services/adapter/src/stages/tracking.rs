@@ -22,7 +22,7 @@ use anyhow::Context as _;
 use configuration::{Source, SourceTracker};
 use formats::detection::Detection;
 use formats::wide_area::WideAreaReport;
-use messages::{COUNTERS_MAX, Counter, SensorBearing, StageTimes, TrackState, sensor_bearing_bits};
+use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState, sensor_bearing_bits};
 use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
 use tracking::scans::silent_times_ns;
 use tracking::wide_area::Emission;
@@ -193,24 +193,24 @@ impl Tracking {
         }
     }
 
-    pub(super) fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
+    pub(super) fn count(&self, counters: &mut Counters) {
         let counts = self.tracker.counts();
-        counters[Counter::Detections as usize] = self.detections;
-        counters[Counter::RejectedLate as usize] += self.late;
-        counters[Counter::Reports as usize] -= self.late + self.refused;
-        counters[Counter::DetectionsRefused as usize] =
+        counters[Counter::Detections] = self.detections;
+        counters[Counter::RejectedLate] += self.late;
+        counters[Counter::Reports] -= self.late + self.refused;
+        counters[Counter::DetectionsRejected] =
             self.refused + counts.unusable_detections + counts.crowded_out_detections;
-        counters[Counter::RefusedTracks as usize] += counts.refused_tracks;
-        counters[Counter::Scans as usize] = self.scans;
-        counters[Counter::WideAreaReports as usize] = counts.wide_area_reports;
-        counters[Counter::WideAreaRefused as usize] = counts.wide_area_reports_refused + self.counts_refused;
-        counters[Counter::WideAreaLate as usize] = self.counts_late;
-        counters[Counter::WideAreaUsed as usize] = counts.wide_area_reports_used;
-        counters[Counter::WideAreaUnmatched as usize] = counts.wide_area_reports_unmatched;
-        counters[Counter::Emissions as usize] = counts.emissions;
-        counters[Counter::EmissionsRefused as usize] = counts.emissions_refused + self.emissions_refused;
-        counters[Counter::EmissionsUnclear as usize] = counts.emissions_unclear;
-        counters[Counter::Cues as usize] = self.cueing.as_ref().map_or(0, |cueing| cueing.said);
+        counters[Counter::TracksDropped] += counts.refused_tracks;
+        counters[Counter::Scans] = self.scans;
+        counters[Counter::WideAreaReports] = counts.wide_area_reports;
+        counters[Counter::WideAreaRejected] = counts.wide_area_reports_refused + self.counts_refused;
+        counters[Counter::WideAreaLate] = self.counts_late;
+        counters[Counter::WideAreaUsed] = counts.wide_area_reports_used;
+        counters[Counter::WideAreaUnmatched] = counts.wide_area_reports_unmatched;
+        counters[Counter::Emissions] = counts.emissions;
+        counters[Counter::EmissionsRejected] = counts.emissions_refused + self.emissions_refused;
+        counters[Counter::EmissionsUnclear] = counts.emissions_unclear;
+        counters[Counter::Cues] = self.cueing.as_ref().map_or(0, |cueing| cueing.said);
     }
 
     fn work_off(&mut self, made: &mut Made) {

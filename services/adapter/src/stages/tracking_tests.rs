@@ -101,10 +101,10 @@ fn the_next_detection_is_where_the_cue_says() {
     let mut made = Made::default();
     fly(&mut tracking, 0..12, &mut made);
     assert!(made.cues.len() > 6, "{:?}", made.cues);
-    let mut counters = [0; COUNTERS_MAX];
-    counters[Counter::Reports as usize] = 12;
+    let mut counters = Counters::default();
+    counters[Counter::Reports] = 12;
     tracking.count(&mut counters);
-    assert_eq!(counters[Counter::Cues as usize], made.cues.len() as u64);
+    assert_eq!(counters[Counter::Cues], made.cues.len() as u64);
     for cue in &made.cues {
         let time_s = cue.time_ns as f64 / 1e9;
         // One turn after a detection there is the next one, within the ellipse.
@@ -150,9 +150,9 @@ fn emissions_identify_a_track_and_bad_ones_are_counted() {
     fly(&mut tracking, 6..9, &mut made);
     let last = made.tracks.last().unwrap();
     assert_eq!(last.target_type.name(), Some("patrol"), "{last:?}");
-    let mut counters = [0; COUNTERS_MAX];
-    counters[Counter::Reports as usize] = 9;
+    let mut counters = Counters::default();
+    counters[Counter::Reports] = 9;
     tracking.count(&mut counters);
-    assert_eq!(counters[Counter::Emissions as usize], 1);
-    assert_eq!(counters[Counter::EmissionsRefused as usize], 3);
+    assert_eq!(counters[Counter::Emissions], 1);
+    assert_eq!(counters[Counter::EmissionsRejected], 3);
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use bus::{Mark, Publisher, SharedMemory};
 use configuration::{Process, WideAreaSensor};
-use messages::{COUNTERS_MAX, Counter, StageTimes, WideArea};
+use messages::{Counter, Counters, StageTimes, WideArea};
 use net::{ReceiverSettings, UdpReceiver};
 use runtime::clock::mono_ns;
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -123,7 +123,7 @@ impl Agent for Live {
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
-        let mut counters = [0; COUNTERS_MAX];
+        let mut counters = Counters::default();
         match &self.reader {
             Reader::Rows(rows) => rows.count(&mut counters),
             Reader::Tracks(tracks) => tracks.count(&mut counters),
@@ -137,12 +137,12 @@ impl Agent for Live {
         whole.set(Counter::Published, self.publisher.counts().samples);
         let counted = self.receiver.counters();
         whole.set(Counter::Datagrams, counted.datagrams);
-        whole.set(Counter::DatagramsRefused, counted.refused_senders);
+        whole.set(Counter::DatagramsRejected, counted.refused_senders);
         whole.set(
-            Counter::DatagramsUnusable,
+            Counter::DatagramsRejectedLength,
             counted.empty + counted.oversized + counted.unstamped,
         );
-        whole.set(Counter::KernelDrops, counted.kernel_drops);
+        whole.set(Counter::DatagramsDropped, counted.kernel_drops);
         entries.push(whole);
     }
 }

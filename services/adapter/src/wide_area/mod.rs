@@ -15,7 +15,7 @@ mod rows;
 mod tracks;
 
 use configuration::{Process, Transport, WideAreaInput, WideAreaSensor};
-use messages::{COUNTERS_MAX, Counter};
+use messages::{Counter, Counters};
 use runtime::Agent;
 use tracking::wide_area::{ReportRefusal, WideAreaReport, fault_in};
 
@@ -65,9 +65,9 @@ impl Rejected {
         false
     }
 
-    fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
-        counters[Counter::RejectedPosition as usize] += self.place;
-        counters[Counter::RejectedTime as usize] += self.time;
-        counters[Counter::RejectedTargets as usize] += self.targets;
+    fn count(&self, counters: &mut Counters) {
+        counters[Counter::RejectedPosition] += self.place;
+        counters[Counter::RejectedTime] += self.time;
+        counters[Counter::RejectedTargets] += self.targets;
     }
 }

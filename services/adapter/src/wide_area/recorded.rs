@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use configuration::{WideAreaInput, WideAreaSensor};
 use formats::csv_table::CsvError;
 use formats::wide_area::WideAreaReader;
-use messages::{COUNTERS_MAX, Counter};
+use messages::{Counter, Counters};
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::arrivals::order;
 
@@ -21,7 +21,7 @@ pub(crate) struct Recorded {
     /// In the order of their arrival.
     pub(crate) reports: Vec<WideAreaReport>,
     /// What was counted and refused, indexed by [`Counter`].
-    pub(crate) counters: [u64; COUNTERS_MAX],
+    pub(crate) counters: Counters,
 }
 
 /// Reads the recording of `sensor`, in the folder `data`, whose first day begins at `first_day_ns` (UTC, nanoseconds). What cannot
@@ -34,7 +34,7 @@ pub(crate) fn read(sensor: &WideAreaSensor, data: &Path, first_day_ns: i64) -> a
     let path = data.join(file);
     let mut read = Recorded {
         reports: Vec::new(),
-        counters: [0; COUNTERS_MAX],
+        counters: Counters::default(),
     };
     let done = match &sensor.input {
         WideAreaInput::Tracks(tracks) => read.tracks(Tracks::new(tracks, first_day_ns), &path),
@@ -50,12 +50,12 @@ impl Recorded {
         let file = std::fs::File::open(path)?;
         let mut rejected = Rejected::default();
         for row in WideAreaReader::new(BufReader::new(file), first_day_ns)? {
-            self.counters[Counter::Records as usize] += 1;
+            self.counters[Counter::Records] += 1;
             match row {
                 Ok(report) if rejected.passes(&report) => self.reports.push(report),
                 Ok(_) => {}
                 Err(CsvError::Value { .. } | CsvError::Length { .. }) => {
-                    self.counters[Counter::BlocksRefused as usize] += 1;
+                    self.counters[Counter::BlocksRejected] += 1;
                 }
                 Err(error) => return Err(error.into()),
             }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use bus::{Mark, Publisher, SharedMemory, WaitMode, Waiter};
 use configuration::{Process, WideAreaSensor};
-use messages::{COUNTERS_MAX, Counter, ProcessKind, StageTimes, WideArea};
+use messages::{Counter, Counters, ProcessKind, StageTimes, WideArea};
 use runtime::clock::mono_ns;
 use runtime::flow::Flow;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
@@ -25,7 +25,7 @@ const END_REPEAT_NS: i64 = 250_000_000;
 pub(super) struct Replay {
     sensor: u16,
     reports: Vec<WideAreaReport>,
-    counters: [u64; COUNTERS_MAX],
+    counters: Counters,
     next: usize,
     publisher: Publisher<SharedMemory, WideArea>,
     flow: Flow<SharedMemory>,

@@ -8,7 +8,7 @@
 
 use formats::wide_area::WideAreaReader;
 use frames::time::{DayUnroller, NS_PER_DAY};
-use messages::{COUNTERS_MAX, Counter};
+use messages::{Counter, Counters};
 use tracking::wide_area::WideAreaReport;
 
 use super::Rejected;
@@ -60,10 +60,10 @@ impl Rows {
         }
     }
 
-    pub(super) fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
-        counters[Counter::Records as usize] += self.rows;
-        counters[Counter::BlocksRefused as usize] += self.rows_refused;
-        counters[Counter::BytesRefused as usize] += self.octets_refused;
+    pub(super) fn count(&self, counters: &mut Counters) {
+        counters[Counter::Records] += self.rows;
+        counters[Counter::BlocksRejected] += self.rows_refused;
+        counters[Counter::BytesRejected] += self.octets_refused;
         self.rejected.count(counters);
     }
 }
@@ -78,8 +78,8 @@ mod tests {
     /// Noon of a day, and five seconds.
     const NOON_NS: i64 = 20_000 * NS_PER_DAY + 43_205_000_000_000;
 
-    fn take(rows: &str) -> (Vec<WideAreaReport>, [u64; COUNTERS_MAX]) {
-        let (mut table, mut reports, mut counters) = (Rows::default(), Vec::new(), [0; COUNTERS_MAX]);
+    fn take(rows: &str) -> (Vec<WideAreaReport>, Counters) {
+        let (mut table, mut reports, mut counters) = (Rows::default(), Vec::new(), Counters::default());
         table.take(format!("{HEADER}{rows}").as_bytes(), NOON_NS, &mut reports);
         table.count(&mut counters);
         (reports, counters)
@@ -106,12 +106,12 @@ mod tests {
         assert_eq!(reports.len(), 1);
         for (counter, expected) in [
             (Counter::Records, 7),
-            (Counter::BlocksRefused, 2),
+            (Counter::BlocksRejected, 2),
             (Counter::RejectedTargets, 1),
             (Counter::RejectedPosition, 1),
             (Counter::RejectedTime, 2),
         ] {
-            assert_eq!(counters[counter as usize], expected, "{counter:?}");
+            assert_eq!(counters[counter], expected, "{counter:?}");
         }
     }
 
@@ -126,13 +126,13 @@ mod tests {
             let place = place.min(datagram.len());
             datagram.splice(place..place, bytes.iter().copied().take(3));
             for bytes in [&bytes[..], &datagram] {
-                let (mut table, mut reports, mut counters) = (Rows::default(), Vec::new(), [0; COUNTERS_MAX]);
+                let (mut table, mut reports, mut counters) = (Rows::default(), Vec::new(), Counters::default());
                 table.take(bytes, NOON_NS, &mut reports);
                 table.count(&mut counters);
-                let of = |counter: Counter| counters[counter as usize];
+                let of = |counter: Counter| counters[counter];
                 let refused = of(Counter::RejectedTargets) + of(Counter::RejectedPosition) + of(Counter::RejectedTime)
-                    + of(Counter::BlocksRefused);
-                let unreadable = u64::from(of(Counter::BytesRefused) > 0 || bytes.is_empty());
+                    + of(Counter::BlocksRejected);
+                let unreadable = u64::from(of(Counter::BytesRejected) > 0 || bytes.is_empty());
                 prop_assert_eq!(reports.len() as u64 + refused, of(Counter::Records) + unreadable);
                 for report in &reports {
                     prop_assert!(tracking::wide_area::fault_in(report).is_none() && report.arrival_ns >= NOON_NS);

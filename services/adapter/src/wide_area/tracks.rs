@@ -10,7 +10,7 @@ use asterix::{Decoder, blocks};
 use configuration::CountedTracks;
 use formats::reports::Converter;
 use formats::reports::observation::{self, Reading};
-use messages::{COUNTERS_MAX, Counter, TrackState};
+use messages::{Counter, Counters, TrackState};
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::counting::{CountedTrack, Counting};
 
@@ -98,22 +98,20 @@ impl Tracks {
         }
     }
 
-    pub(super) fn count(&self, counters: &mut [u64; COUNTERS_MAX]) {
-        for (counter, counted) in counters.iter_mut().zip(self.converter.counters()) {
-            *counter += counted;
-        }
+    pub(super) fn count(&self, counters: &mut Counters) {
+        *counters += self.converter.counters();
         let (decoded, counts) = (self.decoder.counts(), self.counting.counts());
         for (counter, count) in [
             (Counter::Records, decoded.records),
-            (Counter::BytesRefused, decoded.octets_skipped + self.octets_refused),
+            (Counter::BytesRejected, decoded.octets_skipped + self.octets_refused),
             (
-                Counter::BlocksRefused,
+                Counter::BlocksRejected,
                 decoded.blocks_refused + decoded.blocks_cut + decoded.blocks_without_table + self.blocks_refused,
             ),
             (Counter::RejectedLate, counts.late),
-            (Counter::RefusedTracks, counts.crowded_out),
+            (Counter::TracksDropped, counts.crowded_out),
         ] {
-            counters[counter as usize] += count;
+            counters[counter] += count;
         }
     }
 }
@@ -212,12 +210,12 @@ mod tests {
             tracks.take(&bytes, Some(NOON_NS), &mut reports);
             tracks.take(&noise, Some(NOON_NS + S), &mut reports);
             tracks.end(&mut reports);
-            let mut counters = [0; COUNTERS_MAX];
+            let mut counters = Counters::default();
             tracks.count(&mut counters);
             let counted: u32 = reports.iter().map(|report| report.targets).sum();
-            prop_assert!(u64::from(counted) <= counters[Counter::Records as usize]);
-            let refused = counters[Counter::BlocksRefused as usize];
-            prop_assert!(noise.is_empty() || refused > 0 || counters[Counter::Records as usize] > 0);
+            prop_assert!(u64::from(counted) <= counters[Counter::Records]);
+            let refused = counters[Counter::BlocksRejected];
+            prop_assert!(noise.is_empty() || refused > 0 || counters[Counter::Records] > 0);
             for report in &reports {
                 prop_assert!(tracking::wide_area::fault_in(report).is_none(), "{report:?}");
             }

@@ -22,11 +22,11 @@ pub(crate) struct Summary<'a> {
 
 /// Counters that are shown where they are not 0: what became of reports, sensor by sensor.
 const OF_SENSORS: [Counter; 5] = [
-    Counter::Extrapolated,
-    Counter::Duplicates,
-    Counter::Invalid,
-    Counter::OutOfOrder,
-    Counter::TableFull,
+    Counter::RejectedExtrapolated,
+    Counter::RejectedDuplicate,
+    Counter::RejectedInvalid,
+    Counter::RejectedOutOfOrder,
+    Counter::DroppedTable,
 ];
 /// Counters of system tracks.
 const OF_TRACKS: [Counter; 6] = [
@@ -133,10 +133,7 @@ impl Summary<'_> {
     }
 
     fn of_source(&self, source: u16, counter: Counter) -> u64 {
-        self.engine
-            .counts()
-            .source(source)
-            .map_or(0, |counts| counts[counter as usize])
+        self.engine.counts().source(source).map_or(0, |counts| counts[counter])
     }
 
     fn driven_of(&self, source: u16) -> u64 {
@@ -158,11 +155,11 @@ impl Summary<'_> {
 
 fn words(counter: Counter) -> &'static str {
     match counter {
-        Counter::Extrapolated => "extrapolated by the sensor",
-        Counter::Duplicates => "of a second track on one target",
-        Counter::Invalid => "invalid",
-        Counter::OutOfOrder => "out of order",
-        Counter::TableFull => "refused by a full table",
+        Counter::RejectedExtrapolated => "extrapolated by the sensor",
+        Counter::RejectedDuplicate => "of a second track on one target",
+        Counter::RejectedInvalid => "invalid",
+        Counter::RejectedOutOfOrder => "out of order",
+        Counter::DroppedTable => "refused by a full table",
         Counter::TracksStarted => "started",
         Counter::TracksConfirmed => "confirmed",
         Counter::TracksMerged => "merged",

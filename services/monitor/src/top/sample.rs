@@ -79,9 +79,9 @@ pub(crate) fn overview() -> Overview {
         counters: vec![
             counter("adapter ads-b", "ads-b", Counter::Records, 9_900),
             counter("adapter ads-b", "ads-b", Counter::RejectedJump, 3),
-            counter("adapter ads-b", "", Counter::KernelDrops, 17),
+            counter("adapter ads-b", "", Counter::DatagramsDropped, 17),
             counter("fusion", "ads-b", Counter::Lost, 7),
-            counter("fusion", "ads-b", Counter::QueueFull, 6),
+            counter("fusion", "ads-b", Counter::DroppedQueue, 6),
             counter("fusion", "", Counter::DeadlineMisses, 4),
         ],
         processes: vec![

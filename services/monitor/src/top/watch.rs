@@ -3,12 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use bus::SubscriberCounts;
-use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind, SystemTrack};
+use messages::{Counter, CounterClass, Counters, Health, LifeState, NO_SOURCE, ProcessKind, SystemTrack};
 use runtime::Now;
 use telemetry::{Journey, JourneyEnd, Span, Stage, Stages};
 
 use super::overview::{CounterRow, Overview, ProcessRow, SourceRow, StageRow};
-use crate::counters::{Counters, FUSION_REFUSALS, LEVELS, REJECTIONS};
 use crate::health_book::{HealthBook, Latest};
 use crate::report::{Picture, State, title};
 
@@ -62,7 +61,7 @@ impl Watch {
         self.book.hear(health);
         let Some(kind) = health.kind() else { return };
         if kind == ProcessKind::Fusion && health.source == NO_SOURCE {
-            self.live_max = self.live_max.max(health.counter(Counter::LiveTracks));
+            self.live_max = self.live_max.max(health.counters[Counter::LiveTracks]);
         }
         let is_launcher = kind == ProcessKind::Launcher && health.name() == kind.word();
         if is_launcher {
@@ -135,14 +134,14 @@ impl Watch {
             number,
             // In files, sources count from 1 too.
             name: name.map_or_else(|| format!("source {}", number + 1), str::to_owned),
-            taken: fusion.get(Counter::Taken),
+            taken: fusion[Counter::Taken],
             per_s: taken_per_s,
-            rejected: adapter.sum(&REJECTIONS),
-            lost: fusion.get(Counter::Lost),
-            not_used: fusion.sum(&FUSION_REFUSALS),
+            rejected: adapter.sum_of(CounterClass::Rejection),
+            lost: fusion[Counter::Lost],
+            not_used: fusion.sum_of(CounterClass::FusionRejection),
             // Several monitors count the same.
             late: of_monitors
-                .map(|(.., said)| said.counters().get(Counter::StagesLate))
+                .map(|(.., said)| said.counters()[Counter::StagesLate])
                 .max()
                 .unwrap_or(0),
         }
@@ -158,7 +157,7 @@ impl Watch {
         if seconds <= 0.0 {
             return 0.0;
         }
-        said.counters().get(counter).saturating_sub(before.get(counter)) as f64 / seconds
+        said.counters()[counter].saturating_sub(before[counter]) as f64 / seconds
     }
 
     fn stage_rows(&self, sources: &[SourceRow]) -> Vec<StageRow> {
@@ -191,13 +190,15 @@ impl Watch {
         let mut rows = Vec::new();
         for (kind, source, said) in self.book.all_said() {
             let counters = said.counters();
-            let counted = Counter::ALL.iter().filter(|counter| !LEVELS.contains(counter));
-            for counter in counted.filter(|counter| counters.get(**counter) > 0) {
+            let counted = Counter::ALL
+                .iter()
+                .filter(|counter| counter.class() != CounterClass::Level);
+            for counter in counted.filter(|counter| counters[**counter] > 0) {
                 rows.push(CounterRow {
                     process: title(kind, said.name()),
                     source: name(source),
                     counter: *counter,
-                    value: counters.get(*counter),
+                    value: counters[*counter],
                     per_s: self.per_s(kind, source, &said, *counter),
                 });
             }
@@ -266,7 +267,7 @@ mod tests {
             ..Health::default()
         };
         for (counter, value) in counters {
-            health.counters[*counter as usize] = *value;
+            health.counters[*counter] = *value;
         }
         health.with_name(name)
     }
@@ -284,7 +285,7 @@ mod tests {
         let taken = |s, taken| said(s, fusion, "fusion", 4, &[(Counter::Taken, taken), (Counter::Lost, 9)]);
         watch.hear(&taken(0.1, 1_000));
         watch.hear(&taken(0.6, 1_100));
-        watch.hear(&said(0.6, fusion, "fusion", 2, &[(Counter::QueueFull, 6)]));
+        watch.hear(&said(0.6, fusion, "fusion", 2, &[(Counter::DroppedQueue, 6)]));
         watch.hear(&said(0.6, monitor, "monitor", 4, &[(Counter::StagesLate, 8)]));
         let overview = closed(&mut watch, 1.0);
         let [second, fourth] = &overview.sources[..] else {
@@ -381,7 +382,10 @@ mod tests {
         watch.hear(&said(0.1, ProcessKind::Adapter, "radar", 0, &[]));
         watch.hear(&said(0.6, ProcessKind::Adapter, "radar", 0, &counters).with_note("radar-west"));
         let overview = closed(&mut watch, 1.0);
-        assert_eq!(overview.counters.len(), Counter::ALL.len() - LEVELS.len());
+        assert_eq!(
+            overview.counters.len(),
+            Counter::ALL.len() - Counter::of(CounterClass::Level).count()
+        );
         let row = &overview.counters[0];
         assert_eq!(
             (row.process.as_str(), row.source.as_str()),

@@ -138,7 +138,7 @@ impl Bench {
             ..Health::default()
         };
         for (counter, value) in counters {
-            health.counters[*counter as usize] = *value;
+            health.counters[*counter] = *value;
         }
         self.send_health(health.with_name(name));
     }

@@ -5,7 +5,7 @@ mod detecting;
 use frames::SensorFrame;
 use frames::time::DayUnroller;
 use messages::{
-    COUNTERS_MAX, Counter, Covariance, SensorTrack, StageTimes, TrackState, alert_bits, sensor_track_bits as bits,
+    Counter, Counters, Covariance, SensorTrack, StageTimes, TrackState, alert_bits, sensor_track_bits as bits,
 };
 use rustc_hash::FxHashMap;
 
@@ -37,7 +37,7 @@ pub struct Converter {
     sender: Option<(u8, u8)>,
     altitude_correction_m: f64,
     tracks: FxHashMap<u32, TrackMemory>,
-    counters: [u64; COUNTERS_MAX],
+    counters: Counters,
 }
 
 impl Converter {
@@ -52,7 +52,7 @@ impl Converter {
             sender: None,
             altitude_correction_m: altitude_correction_m(model.qnh_hpa),
             tracks: FxHashMap::default(),
-            counters: [0; COUNTERS_MAX],
+            counters: Counters::default(),
         }
     }
 
@@ -64,7 +64,7 @@ impl Converter {
     }
 
     /// What has been counted, indexed by [`Counter`].
-    pub fn counters(&self) -> &[u64; COUNTERS_MAX] {
+    pub fn counters(&self) -> &Counters {
         &self.counters
     }
 
@@ -98,7 +98,7 @@ impl Converter {
     }
 
     fn count(&mut self, counter: Counter) {
-        self.counters[counter as usize] += 1;
+        self.counters[counter] += 1;
     }
 
     fn try_convert(&mut self, observation: &Observation, ingested_ns: i64) -> Result<SensorTrack, Counter> {
@@ -302,7 +302,7 @@ impl Converter {
         if self.tracks.len() < self.model.limits.tracks {
             Ok(())
         } else {
-            Err(Counter::RefusedTracks)
+            Err(Counter::TracksDropped)
         }
     }
 

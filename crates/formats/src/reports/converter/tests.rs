@@ -61,7 +61,7 @@ fn refused(observation: Observation) -> Counter {
     assert_eq!(converter.convert(&observation, 0), None);
     let counted: Vec<_> = Counter::ALL
         .iter()
-        .filter(|counter| converter.counters()[**counter as usize] == 1)
+        .filter(|counter| converter.counters()[**counter] == 1)
         .collect();
     assert_eq!(counted.len(), 1, "one reason each");
     *counted[0]
@@ -110,7 +110,7 @@ fn live_stamps_are_judged_by_the_time_of_receipt() {
     );
     let early = converter.convert(&observation(1.0), 0).unwrap();
     assert_eq!(early.time_of_measurement_ns, midnight + S, "its clock is ahead");
-    let count = |converter: &Converter| converter.counters()[Counter::RejectedTime as usize];
+    let count = |converter: &Converter| converter.counters()[Counter::RejectedTime];
     for (refused, time_s) in [(1, 61.0), (2, 62.0), (3, 43_000.0)] {
         assert_eq!(
             converter.convert(&observation(time_s), 0),
@@ -226,7 +226,7 @@ fn an_impossible_height_costs_the_height_only() {
         .unwrap();
     assert!(!track.has(bits::HEIGHT));
     assert!(track.covariance.get(2, 2) > 1e6);
-    assert_eq!(converter.counters()[Counter::RejectedHeight as usize], 1);
+    assert_eq!(converter.counters()[Counter::RejectedHeight], 1);
 }
 
 #[test]
@@ -330,7 +330,7 @@ fn a_full_table_refuses_new_tracks_and_forgets_old_ones() {
         ..observation(time)
     };
     assert_eq!(converter.convert(&third(2.0), 0), None);
-    assert_eq!(converter.counters()[Counter::RefusedTracks as usize], 1);
+    assert_eq!(converter.counters()[Counter::TracksDropped], 1);
     for second in 0..4 {
         converter.service(Some(second * 50 * S));
     }
@@ -422,7 +422,7 @@ fn a_plot_without_height_is_placed_by_an_assumed_one_and_pays_for_it() {
         ..plot(1.0)
     };
     let track = converter.convert(&at(20e3), 0).unwrap();
-    assert_eq!(converter.counters()[Counter::HeightAssumed as usize], 1);
+    assert_eq!(converter.counters()[Counter::HeightAssumed], 1);
     assert!(!track.has(bits::HEIGHT) && track.position_m[2] == 0.0);
     let ground = track.position_m[0].hypot(track.position_m[1]);
     // √(20² − 4.82²) km: 4.85 km above the radar is 30 m less above its horizon, as the earth falls away.
@@ -466,16 +466,12 @@ fn a_track_keeps_its_height_for_a_while() {
         "not where 5 km would put it"
     );
     assert!(!remembered.has(bits::HEIGHT) && remembered.position_m[2] == 0.0);
-    assert_eq!(converter.counters()[Counter::HeightAssumed as usize], 0);
+    assert_eq!(converter.counters()[Counter::HeightAssumed], 0);
     // It may be 200 m higher or lower by now: 9.85 km / 17.41 km of that along the ground.
     let along = remembered.covariance.get(1, 1) - known.covariance.get(1, 1);
     assert!((along.sqrt() - 113.2).abs() < 0.5, "{along}");
     assert!(converter.convert(&at(32.0, None), 0).is_some());
-    assert_eq!(
-        converter.counters()[Counter::HeightAssumed as usize],
-        1,
-        "31 s are too long"
-    );
+    assert_eq!(converter.counters()[Counter::HeightAssumed], 1, "31 s are too long");
 }
 
 #[test]
@@ -678,7 +674,7 @@ fn a_sender_that_is_not_repeated_stays_the_same() {
     };
     assert_eq!(converter.convert(&other, 0), None);
     assert_eq!(converter.convert(&unsaid(3.0), 0), None);
-    assert_eq!(converter.counters()[Counter::RejectedSource as usize], 3);
+    assert_eq!(converter.counters()[Counter::RejectedSource], 3);
 }
 
 /// Where a detection lies, by its own quantities.
@@ -724,8 +720,8 @@ fn a_plot_with_height_is_detected_at_its_straight_range() {
     assert!((sigmas[1] - 0.001).abs() < 1e-5, "{sigmas:?}");
     // The height's 30 m, seen from 192 km.
     assert!((sigmas[2] * 192e3 - 30.0).abs() < 0.5, "{sigmas:?}");
-    assert_eq!(converter.counters()[Counter::Reports as usize], 1);
-    assert_eq!(converter.counters()[Counter::RejectedNoTrackNumber as usize], 0);
+    assert_eq!(converter.counters()[Counter::Reports], 1);
+    assert_eq!(converter.counters()[Counter::RejectedNoTrackNumber], 0);
 }
 
 #[test]
@@ -743,7 +739,7 @@ fn a_plot_without_height_is_detected_on_the_ground() {
     // As for tracks: 3.077 km² for a height that nobody knows.
     let sigma = detection.sigmas.unwrap()[0];
     assert!((sigma * sigma - 3.077e6).abs() < 0.02e6, "{sigma}");
-    assert_eq!(converter.counters()[Counter::HeightAssumed as usize], 1);
+    assert_eq!(converter.counters()[Counter::HeightAssumed], 1);
 }
 
 #[test]
@@ -759,7 +755,7 @@ fn what_was_measured_is_detected_and_nothing_else() {
     let refused = |observation: Observation| {
         let mut converter = polar(radar());
         assert_eq!(converter.detect(&observation), None);
-        converter.counters()[Counter::RejectedNoPosition as usize]
+        converter.counters()[Counter::RejectedNoPosition]
     };
     let coasted = Observation {
         state: TrackState::Coasted,
