@@ -35,12 +35,12 @@ impl SteadyFilter {
     ///
     /// All three must be above 0.
     pub fn new(position_variance_m2: f64, density_m2ps3: f64, period_s: f64) -> Self {
-        let index = density_m2ps3 * period_s.powi(3) / position_variance_m2;
+        let index = density_m2ps3 * (period_s * (period_s * period_s)) / position_variance_m2;
         let index = index.clamp(INDEX_SQUARED_RANGE.0, INDEX_SQUARED_RANGE.1);
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let u: f64 = 0.5 * (low + high);
-            if 4.0 * (1.0 - u).powi(3) > index * u * u * (1.0 + u) {
+            if 4.0 * ((1.0 - u) * ((1.0 - u) * (1.0 - u))) > index * u * u * (1.0 + u) {
                 low = u;
             } else {
                 high = u;

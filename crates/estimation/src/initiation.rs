@@ -33,7 +33,8 @@ impl Gaussian {
         velocity: FirstVelocity,
     ) -> Self {
         const { assert!(D == 2 || D == 3, "a position has two or three axes") };
-        let horizontal = velocity.horizontal_sigma_mps.powi(2);
+        let horizontal = velocity.horizontal_sigma_mps * velocity.horizontal_sigma_mps;
+        let vertical = velocity.vertical_sigma_mps * velocity.vertical_sigma_mps;
         let mut mean = Vector6::zeros();
         mean.fixed_rows_mut::<D>(0).copy_from(&measured_m);
         let mut covariance = Matrix6::zeros();
@@ -41,7 +42,7 @@ impl Gaussian {
         covariance.fixed_view_mut::<D, D>(0, 0).copy_from(&covariance_m2);
         covariance[(3, 3)] = horizontal;
         covariance[(4, 4)] = horizontal;
-        covariance[(5, 5)] = velocity.vertical_sigma_mps.powi(2);
+        covariance[(5, 5)] = vertical;
         let mut gaussian = Self { mean, covariance };
         if D < AXES {
             gaussian.forget_height(velocity);
@@ -53,7 +54,8 @@ impl Gaussian {
     /// Makes height and vertical speed as if never observed: 0, uncorrelated, with variances that say nothing. For
     /// tracks of sensors that do not measure height, whose prediction would let these variances grow for ever.
     pub fn forget_height(&mut self, velocity: FirstVelocity) {
-        let variances = [(2, UNOBSERVED_HEIGHT_M2), (5, velocity.vertical_sigma_mps.powi(2))];
+        let vertical = velocity.vertical_sigma_mps * velocity.vertical_sigma_mps;
+        let variances = [(2, UNOBSERVED_HEIGHT_M2), (5, vertical)];
         for (component, variance) in variances {
             self.mean[component] = 0.0;
             self.covariance.row_mut(component).fill(0.0);

@@ -183,7 +183,7 @@ impl Search<'_> {
 
     /// Variance per axis of where detection points lie on a target, m²: configured, or learned if that is more.
     pub(crate) fn spread_m2(&self, source: Option<u16>) -> f64 {
-        let configured = self.settings.association.extent_sigma_m.powi(2);
+        let configured = self.settings.association.extent_sigma_m * self.settings.association.extent_sigma_m;
         let learned = |model: &SourceModel| model.spread_m2();
         match source {
             Some(source) => configured.max(learned(&self.models[usize::from(source)])),
@@ -264,5 +264,6 @@ impl Search<'_> {
 /// d² of two heights.
 fn height_distance(a: &Gaussian, b: &Gaussian) -> f64 {
     let variance = a.covariance[(2, 2)] + b.covariance[(2, 2)] + HEIGHT_FLOOR_M2;
-    (a.mean[2] - b.mean[2]).powi(2) / variance
+    let apart_m = a.mean[2] - b.mean[2];
+    apart_m * apart_m / variance
 }

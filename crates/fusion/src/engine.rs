@@ -58,13 +58,15 @@ pub struct Engine {
     pub(crate) point_spread_m2: f64,
     /// Counts the changes of `keeps_points`: what was estimated before the last one is void.
     pub(crate) points_epoch: u32,
+    /// The latest time that has been said to have passed, nanoseconds.
+    now_ns: i64,
     next_tick_ns: Option<i64>,
     /// Room to weigh one system track; taken out meanwhile.
     pub(crate) weighed: Option<Box<Weighed>>,
     /// No entry is left unlooked-at for longer than this, so that its deadline can be put off but never missed.
     pub(crate) shortest_fresh_ns: i64,
-    /// The next whole multiple of the refresh time; `None` before the first report, and where reports refresh.
-    pub(crate) next_refresh_ns: Option<i64>,
+    /// The next whole multiple of the refresh time; `None` while nothing lives, and where reports refresh.
+    next_refresh_ns: Option<i64>,
 }
 
 impl Engine {
@@ -101,6 +103,7 @@ impl Engine {
             keeps_points: false,
             point_spread_m2: 0.0,
             points_epoch: 0,
+            now_ns: i64::MIN,
             next_tick_ns: None,
             weighed: Some(Box::default()),
             shortest_fresh_ns: settings.sources.iter().map(|source| source.fresh_ns).min().unwrap_or(1),
@@ -148,16 +151,61 @@ impl Engine {
     /// Lets time pass up to `now_ns` (UTC): no report measured before that will follow. System tracks whose
     /// contributions have become too old coast, then end; each such change is handed to `sink`. With a refresh time set,
     /// so is the state of every system track at each whole multiple of it.
+    ///
+    /// What happens, happens at times that reports have set, in the order of these times; how often and in how large
+    /// steps time passes changes nothing.
     pub fn advance(&mut self, now_ns: i64, sink: &mut impl Sink) {
-        self.finish_scans(now_ns, sink);
-        while let Some(refresh_ns) = self.refresh_due_before(now_ns) {
-            // What was reported up to the refresh time shall be in it.
-            self.finish_scans(i64::MAX, sink);
-            self.meet_deadlines(refresh_ns + self.settings.refresh_delay_ns, sink);
-            self.refresh_all(refresh_ns, sink);
+        loop {
+            let (scan_ns, refresh_ns) = (self.scans.due_ns(), self.next_refresh());
+            let other_ns = scan_ns.min(refresh_ns);
+            if self.meet_deadline_before(now_ns.min(other_ns), sink) {
+                continue;
+            }
+            if other_ns >= now_ns {
+                break;
+            }
+            self.now_ns = self.now_ns.max(other_ns);
+            if scan_ns == other_ns {
+                self.finish_scans(scan_ns, sink);
+            } else {
+                self.refresh_all(refresh_ns, sink);
+            }
         }
-        self.meet_deadlines(now_ns, sink);
-        self.tick(now_ns);
+        self.now_ns = self.now_ns.max(now_ns);
+    }
+
+    /// When the next refresh is due, as nothing measured up to its time follows then: nanoseconds; never (`i64::MAX`)
+    /// where there is nothing to show.
+    fn next_refresh(&mut self) -> i64 {
+        let Some(period_ns) = self.settings.refresh_ns else {
+            return i64::MAX;
+        };
+        if self.systems.is_empty() {
+            self.next_refresh_ns = None;
+            return i64::MAX;
+        }
+        let delay_ns = self.settings.refresh_delay_ns;
+        let next_ns = *self.next_refresh_ns.get_or_insert_with(|| {
+            let past_ns = self.now_ns.saturating_sub(delay_ns).saturating_sub(1);
+            past_ns
+                .div_euclid(period_ns)
+                .saturating_add(1)
+                .saturating_mul(period_ns)
+        });
+        next_ns.saturating_add(delay_ns)
+    }
+
+    /// Hands out the state of every system track at the refresh time that is due at `due_ns`. What was reported up to
+    /// that time shall be in it.
+    fn refresh_all(&mut self, due_ns: i64, sink: &mut impl Sink) {
+        self.finish_scans(i64::MAX, sink);
+        while self.meet_deadline_before(due_ns, sink) {}
+        let time_ns = due_ns - self.settings.refresh_delay_ns;
+        self.weigh_all(time_ns, sink);
+        self.next_refresh_ns = self
+            .settings
+            .refresh_ns
+            .map(|period_ns| time_ns.saturating_add(period_ns));
     }
 
     /// Takes one report. Every system-track state that it changes is handed to `sink`.
@@ -169,6 +217,7 @@ impl Engine {
             return;
         }
         self.advance(report.time_of_measurement_ns, sink);
+        self.tick();
         if report.state == TrackState::Coasted as u8 {
             // The source has seen nothing. Its extrapolation agrees with itself perfectly, which says nothing about the
             // target: scored like an observation, it would win. So it is a missing report (TI-4).
@@ -371,9 +420,10 @@ impl Engine {
         }
     }
 
-    /// Looks, now and then, at what was learned of the sources as a whole. What takes long is spread over the calls that
-    /// follow.
-    fn tick(&mut self, now_ns: i64) {
+    /// Looks, once a second, at what was learned of the sources as a whole. What takes long is spread over the reports
+    /// that follow: a report at a time, so that the result depends on reports alone.
+    fn tick(&mut self) {
+        let now_ns = self.now_ns;
         let due_ns = *self.next_tick_ns.get_or_insert(now_ns.saturating_add(TICK_NS));
         let due = now_ns >= due_ns;
         if due {

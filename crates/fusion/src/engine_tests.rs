@@ -1,6 +1,7 @@
 //! The engine as its caller sees it.
 
 mod bad_input;
+mod passing_time;
 
 use messages::{
     Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, alert_bits,
@@ -594,15 +595,20 @@ fn what_cannot_be_used_for_weighing_is_counted_at_its_source() {
     assert_eq!(harness.count(Counter::TracesRejected), 1);
 }
 
-/// Reports of a few wandering targets by three sources, in time order.
-fn traffic(seed: u64, seconds: u32) -> Vec<SensorTrack> {
+/// Numbers from −0.5 to 0.5, the same ones for the same seed.
+fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut noise = seed | 1;
-    let mut random = move || {
+    move || {
         noise ^= noise << 13;
         noise ^= noise >> 7;
         noise ^= noise << 17;
         (noise >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    };
+    }
+}
+
+/// Reports of a few wandering targets by three sources, in time order.
+fn traffic(seed: u64, seconds: u32) -> Vec<SensorTrack> {
+    let mut random = random(seed);
     let mut reports = Vec::new();
     for second in 0..seconds {
         for source in 0..3u16 {

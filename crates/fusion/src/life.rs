@@ -119,44 +119,58 @@ impl Engine {
         self.tell(system, now_ns, sink);
     }
 
-    pub(crate) fn meet_deadlines(&mut self, now_ns: i64, sink: &mut impl Sink) {
-        while let Some((deadline_ns, slot)) = self.systems.due_before(now_ns) {
-            self.meet_deadline(slot, deadline_ns, sink);
+    /// Works off the earliest deadline before `time_ns`, up to which nothing else happens; whether there was one.
+    pub(crate) fn meet_deadline_before(&mut self, time_ns: i64, sink: &mut impl Sink) -> bool {
+        let Some((deadline_ns, slot)) = self.systems.due_before(time_ns) else {
+            return false;
+        };
+        if let Some(due_ns) = self.meet_deadline(slot, deadline_ns, sink) {
+            self.systems
+                .put_back(slot, due_ns.min(self.look_after(deadline_ns, time_ns)));
+        } else {
+            self.systems.free(slot);
         }
+        true
     }
 
-    /// A deadline of `slot` has come up: coast, end, or look again later.
-    fn meet_deadline(&mut self, slot: SystemSlot, deadline_ns: i64, sink: &mut impl Sink) {
+    /// When the deadline of a system track that was looked at at `looked_ns` must be looked at again, if until `until_ns`
+    /// nothing can bring it forward: looks lie whole multiples of the shortest time apart in which that may happen.
+    fn look_after(&self, looked_ns: i64, until_ns: i64) -> i64 {
+        let step_ns = self.shortest_fresh_ns;
+        let missing_ns = until_ns.saturating_sub(looked_ns).saturating_sub(1);
+        let whole_ns = if missing_ns < step_ns {
+            0
+        } else {
+            missing_ns - missing_ns % step_ns
+        };
+        looked_ns.saturating_add(whole_ns).saturating_add(step_ns)
+    }
+
+    /// A deadline of `slot` has come up: it coasts or ends, or it is too early. When the next one is due; `None` if it has
+    /// ended.
+    fn meet_deadline(&mut self, slot: SystemSlot, deadline_ns: i64, sink: &mut impl Sink) -> Option<i64> {
         let life = self.settings.life;
         let entry = self.systems.get(slot);
         let (coast_ns, last_ns) = (entry.fresh_until_ns, entry.last_report_ns);
+        let end_ns = last_ns.saturating_add(life.terminate_ns);
         let due_ns = match entry.life {
-            TrackState::Terminated => {
-                self.systems.free(slot);
-                return;
-            }
-            TrackState::Tentative if entry.was_shown => last_ns + life.terminate_ns,
-            TrackState::Tentative => last_ns + life.tentative_ns,
+            TrackState::Terminated => return None,
+            TrackState::Tentative if entry.was_shown => end_ns,
+            TrackState::Tentative => last_ns.saturating_add(life.tentative_ns),
             TrackState::Confirmed => coast_ns,
-            TrackState::Coasted => last_ns + life.terminate_ns,
+            TrackState::Coasted => end_ns,
         };
         if deadline_ns < due_ns {
-            self.systems
-                .put_back(slot, due_ns.min(deadline_ns + self.shortest_fresh_ns));
-            return;
+            return Some(due_ns);
         }
-        if entry.life == TrackState::Confirmed && coast_ns < last_ns + life.terminate_ns {
+        if entry.life == TrackState::Confirmed && coast_ns < end_ns {
             self.systems.set_life(slot, TrackState::Coasted);
             self.decide_on(slot, DecisionKind::Coasted, deadline_ns, f64::NAN, sink);
             self.tell(slot, deadline_ns, sink);
-            self.systems.put_back(
-                slot,
-                (last_ns + life.terminate_ns).min(deadline_ns + self.shortest_fresh_ns),
-            );
-        } else {
-            self.end(slot, deadline_ns, 0, sink);
-            self.systems.free(slot);
+            return Some(end_ns);
         }
+        self.end(slot, deadline_ns, 0, sink);
+        None
     }
 
     /// Ends a system track; its remaining sensor tracks, all stale, go with it.

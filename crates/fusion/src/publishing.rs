@@ -170,31 +170,8 @@ impl Engine {
         });
     }
 
-    /// The next refresh time that can be worked off: no report measured up to it will follow before `now_ns`.
-    pub(crate) fn refresh_due_before(&mut self, now_ns: i64) -> Option<i64> {
-        let (period_ns, delay_ns) = (self.settings.refresh_ns?, self.settings.refresh_delay_ns);
-        let latest_ns = now_ns
-            .saturating_sub(delay_ns)
-            .saturating_sub(1)
-            .div_euclid(period_ns)
-            .saturating_mul(period_ns);
-        let nothing_lives = self.systems.is_empty();
-        let next_ns = match self.next_refresh_ns {
-            Some(next_ns) if !nothing_lives => next_ns,
-            // Nothing to be shown meanwhile, however long it was.
-            _ => latest_ns.saturating_add(period_ns),
-        };
-        let due = next_ns <= latest_ns;
-        self.next_refresh_ns = Some(if due {
-            next_ns.saturating_add(period_ns)
-        } else {
-            next_ns
-        });
-        due.then_some(next_ns)
-    }
-
     /// Weighs every live system track at `time_ns`, in the order of their places in the table.
-    pub(crate) fn refresh_all(&mut self, time_ns: i64, sink: &mut impl Sink) {
+    pub(crate) fn weigh_all(&mut self, time_ns: i64, sink: &mut impl Sink) {
         for system in self.systems.slots() {
             let entry = self.systems.get(system);
             if entry.life != TrackState::Terminated && entry.state.time_ns <= time_ns {

@@ -317,7 +317,7 @@ impl Registration {
     /// Lets the sums of one source fade by one tick, and factors the normal equations they make.
     fn forget_and_factor(&mut self, own: usize) {
         let count = self.sources.len();
-        let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| PRIOR_SIGMA[row].powi(-2)));
+        let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
         for other in partners(self.partners[own]) {
             let pair = &mut self.pairs[own * count + other];
             pair.own *= self.keep;
@@ -386,7 +386,7 @@ impl Registration {
     fn decide_for(&mut self, own: usize, spread_m2: f64, points: bool) {
         let known = &mut self.sources[own];
         let enough = known.samples >= SAMPLES_MIN;
-        let squared = |row: usize, extra: f64| known.errors[row].powi(2) / (known.variances[row] + extra);
+        let squared = |row: usize, extra: f64| known.errors[row] * known.errors[row] / (known.variances[row] + extra);
         let horizontal = squared(0, spread_m2) + squared(1, spread_m2);
         let time = if points { 0.0 } else { squared(3, 0.0) };
         let values = [

@@ -24,7 +24,7 @@ const PAIRS_MAX: usize = 4 * WAITING_MAX;
 #[derive(Debug)]
 pub(crate) struct Scans {
     waiting: Vec<Waiting>,
-    /// When the first scan that waits is complete, nanoseconds.
+    /// When the first scan that waits is complete, nanoseconds; never (`i64::MAX`) if none waits.
     due_ns: i64,
     /// Taken out while a scan is being assigned.
     room: Option<Room>,
@@ -63,6 +63,10 @@ impl Scans {
             }),
         }
     }
+
+    pub(crate) fn due_ns(&self) -> i64 {
+        self.due_ns
+    }
 }
 
 impl Engine {
@@ -89,13 +93,10 @@ impl Engine {
         self.scans.waiting[source].first_ns.saturating_add(wait_ns as i64)
     }
 
-    /// Assigns the scans that are complete at `now_ns`.
-    pub(crate) fn finish_scans(&mut self, now_ns: i64, sink: &mut impl Sink) {
-        if now_ns <= self.scans.due_ns {
-            return;
-        }
+    /// Assigns the scans that are complete at `time_ns`.
+    pub(crate) fn finish_scans(&mut self, time_ns: i64, sink: &mut impl Sink) {
         for source in 0..self.scans.waiting.len() {
-            if !self.scans.waiting[source].sensors.is_empty() && now_ns > self.complete_ns(source) {
+            if !self.scans.waiting[source].sensors.is_empty() && self.complete_ns(source) <= time_ns {
                 self.assign_scan(source, sink);
             }
         }
