@@ -4,9 +4,9 @@
 //! the cost must not grow with how long they have been heard.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use formats::bearing::Bearing;
 use locating::settings::FilterChoice;
 use locating::{Locator, Settings};
+use observations::Bearing;
 
 const PERIOD_NS: u64 = 100_000_000;
 const SIGMA_RAD: f64 = 0.03;

@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use bus::WaitMode;
-use formats::reports::{CovarianceModel, Limits, SourceModel};
 use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
 use fusion::settings as engine;
 use messages::NS_PER_S;
+use reception::{CovarianceModel, Limits, SourceModel};
 
 use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};

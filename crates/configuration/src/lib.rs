@@ -26,10 +26,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bus::WaitMode;
-use formats::reports::SourceModel;
 use frames::SystemFrame;
 use fusion::settings as engine;
 use outgoing::Technology;
+use reception::SourceModel;
 use serde::Deserialize;
 use telemetry::Deadlines;
 

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use formats::reports::{CovarianceFrom, PoorQuality};
+use reception::{CovarianceFrom, PoorQuality};
 use serde::Deserialize;
 
 use super::locating::RawLocating;
@@ -169,7 +169,7 @@ pub(crate) struct RawLive {
     pub(crate) sac: Option<u8>,
     pub(crate) sic: Option<u8>,
     #[serde(default)]
-    pub(crate) positions: formats::reports::PositionForm,
+    pub(crate) positions: reception::PositionForm,
 }
 
 /// Nothing has to be said of a process that publishes the source by itself.
@@ -190,7 +190,7 @@ pub(crate) struct RawRecorded {
     pub(crate) sac: Option<u8>,
     pub(crate) sic: Option<u8>,
     #[serde(default)]
-    pub(crate) positions: formats::reports::PositionForm,
+    pub(crate) positions: reception::PositionForm,
     #[serde(default = "half")]
     pub(crate) reorder_s: f64,
     #[serde(default)]
@@ -643,11 +643,11 @@ fn half() -> f64 {
     0.5
 }
 
-/// Between the low fliers without transponder and the high ones; see `formats::reports`.
+/// Between the low fliers without transponder and the high ones; see `reception`.
 fn five_kilometres() -> f64 {
     5000.0
 }
 
 fn standard_pressure() -> f64 {
-    formats::reports::STANDARD_PRESSURE_HPA
+    reception::STANDARD_PRESSURE_HPA
 }

@@ -440,7 +440,7 @@ impl RawSourceTracker {
         };
         let mut settings = chosen.settings(&prefix)?;
         settings.selection = self.selection.settings(&prefix, Vec::new())?;
-        let sensor_id = formats::tracks_csv::sensor_id(number);
+        let sensor_id = observations::sensor_id(number);
         let (probability, density) = (self.detection_probability, self.clutter_density);
         settings.sensors.push(tracker::SensorSettings {
             field_of_view: field_of_view(&key("field_of_view"), self.field_of_view)?,

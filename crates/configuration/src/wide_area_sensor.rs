@@ -32,8 +32,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use formats::reports::{CovarianceModel, SourceModel};
 use frames::{SensorFrame, SystemFrame};
+use reception::{CovarianceModel, SourceModel};
 use serde::Deserialize;
 
 use super::check::{
@@ -293,7 +293,7 @@ fn check_tracks(
             height_m: stands.height_m(),
             // Tracks have places; nothing is assumed of their heights.
             assumed_height_m: 0.0,
-            qnh_hpa: formats::reports::STANDARD_PRESSURE_HPA,
+            qnh_hpa: reception::STANDARD_PRESSURE_HPA,
             limits: check_limits(&part("limits"), &raw.limits)?,
             covariance: CovarianceModel {
                 from: covariance.from,

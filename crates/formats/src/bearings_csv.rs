@@ -6,9 +6,8 @@
 use std::f64::consts::TAU;
 use std::io::{self, Read, Write};
 
-use crate::bearing::Bearing;
-use crate::csv_table::{Column, CsvError, Row, Table};
-use crate::tracks_csv::write_time;
+use csv_table::{Column, CsvError, Row, Table, write_time};
+use observations::Bearing;
 
 /// A standard deviation beyond this says nothing about a direction, radians.
 const SIGMA_MAX_RAD: f64 = 1.0;

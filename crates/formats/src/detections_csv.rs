@@ -6,9 +6,8 @@
 
 use std::io::{self, Read, Write};
 
-use crate::csv_table::{Column, CsvError, Row, Table};
-use crate::detection::{Detection, DetectionKind, QUANTITIES_MAX, Truth};
-use crate::tracks_csv::write_time;
+use csv_table::{Column, CsvError, Row, Table, write_time};
+use observations::{Detection, DetectionKind, QUANTITIES_MAX, Truth};
 
 /// Place of the range rate among the columns of measured values.
 const RANGE_RATE: usize = QUANTITIES_MAX;

@@ -8,26 +8,19 @@
 //! - [`containers`]: what recordings of [`asterix`] come packed in: captures of networks, recorders' frames;
 //! - [`recording`]: a recording as a whole: which of its records can be believed, and statistics of them;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
-//! - [`reports`]: what such records and lines mean to the pipeline: checked sensor tracks in the system frame;
-//! - [`detection`]: single measurements, for sensors whose tracks are made here; [`autoferry`] reads a public data set
-//!   of them; [`wide_area`]: how many targets a remote sensor has seen;
-//! - [`bearing`]: directions of emitters, for sensors that measure nothing else;
-//! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`]: these inputs as rows of text, by the rules of
-//!   [`csv_table`];
+//! - [`autoferry`]: a public data set of detections;
+//! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`wide_area_csv`]: observations and sensor tracks as rows
+//!   of text;
 //! - [`tracks_csv`]: sensor tracks and system tracks as output.
 
 #![forbid(unsafe_code)]
 
 pub mod autoferry;
-pub mod bearing;
 pub mod bearings_csv;
 pub mod containers;
-pub mod csv_table;
-pub mod detection;
 pub mod detections_csv;
 pub mod recording;
-pub mod reports;
 pub mod sbs;
 pub mod sensor_tracks_csv;
 pub mod tracks_csv;
-pub mod wide_area;
+pub mod wide_area_csv;

@@ -9,19 +9,14 @@ use std::io::Read;
 
 use messages::sensor_track_bits as bits;
 use messages::{
-    COVARIANCE_LEN, Callsign, Covariance, Identity, STATE_LEN, SensorTrack, TYPE_NAME_MAX, TargetType, TrackKind,
-    TrackState,
+    Callsign, Covariance, Identity, STATE_LEN, SensorTrack, TYPE_NAME_MAX, TargetType, TrackKind, TrackState,
 };
 
-use crate::csv_table::{Column, CsvError, Row, Table};
+use csv_table::{COVARIANCE_COLUMNS, Column, CsvError, Row, Table};
+
 pub use crate::tracks_csv::SensorTrackWriter;
 
 const KINEMATICS: [&str; STATE_LEN] = ["x", "y", "z", "vx", "vy", "vz"];
-/// The columns of a covariance, in the order of [`Covariance::upper`].
-pub const COVARIANCE_COLUMNS: [&str; COVARIANCE_LEN] = [
-    "P00", "P01", "P02", "P03", "P04", "P05", "P11", "P12", "P13", "P14", "P15", "P22", "P23", "P24", "P25", "P33",
-    "P34", "P35", "P44", "P45", "P55",
-];
 /// How far a covariance may go beyond the product of its standard deviations: files round to a few decimals.
 const ROUNDING: f64 = 1e-3;
 
@@ -42,7 +37,7 @@ struct Columns {
     sensor: Column,
     number: Column,
     kinematics: [Column; STATE_LEN],
-    covariance: [Column; COVARIANCE_LEN],
+    covariance: [Column; COVARIANCE_COLUMNS.len()],
     state: Column,
     address: Option<Column>,
     mode_3a: Option<Column>,

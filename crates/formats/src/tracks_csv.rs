@@ -6,9 +6,11 @@
 
 use std::io::{self, Write};
 
+use csv_table::{COVARIANCE_COLUMNS, write_time};
 use messages::{
-    COVARIANCE_LEN, Identity, STATE_LEN, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, sensor_track_bits,
+    COVARIANCE_LEN, Identity, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, sensor_track_bits,
 };
+use observations::sensor_id;
 
 /// The columns of a track's kind and of its target's type.
 const DESCRIPTION_NAMES: &str = "kind,members,type,type_confidence";
@@ -131,7 +133,7 @@ impl<W: Write> SystemTrackWriter<W> {
             "time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,"
         )?;
         write!(writer, "address,mode_3a,callsign,")?;
-        write_covariance_names(&mut writer)?;
+        write!(writer, "{}", COVARIANCE_COLUMNS.join(","))?;
         writeln!(
             writer,
             ",sensor_track_ids,report_times_s,height_valid,trigger,merged_into,{DESCRIPTION_NAMES}"
@@ -202,36 +204,13 @@ impl<W: Write> SystemTrackWriter<W> {
     }
 }
 
-/// The id under which files show a source: its place in the configuration, from 1.
-pub fn sensor_id(source: u16) -> u32 {
-    u32::from(source) + 1
-}
-
 fn state_word(code: u8) -> &'static str {
     TrackState::from_code(code).map_or("", TrackState::word)
 }
 
-/// Writes a time in seconds, with as few decimals as are exact.
-///
-/// # Errors
-/// If the writer fails.
-pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
-    let (whole, mut rest) = (ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
-    write!(out, "{}{whole}", if ns < 0 { "-" } else { "" })?;
-    if rest == 0 {
-        return Ok(());
-    }
-    let mut width = 9;
-    while rest % 10 == 0 {
-        rest /= 10;
-        width -= 1;
-    }
-    write!(out, ".{rest:0width$}")
-}
-
 fn write_sensor_track_names(out: &mut impl Write) -> io::Result<()> {
     write!(out, "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,")?;
-    write_covariance_names(out)?;
+    write!(out, "{}", COVARIANCE_COLUMNS.join(","))?;
     write!(
         out,
         ",state,address,mode_3a,callsign,method,trace,height_valid,velocity_valid,{DESCRIPTION_NAMES}"
@@ -280,17 +259,6 @@ fn write_kinematics(out: &mut impl Write, position_m: &[f64; 3], velocity_mps: &
         .iter()
         .chain(velocity_mps)
         .try_for_each(|value| write!(out, ",{}", Plain(*value, 3)))
-}
-
-fn write_covariance_names(out: &mut impl Write) -> io::Result<()> {
-    let mut separator = "";
-    for row in 0..STATE_LEN {
-        for column in row..STATE_LEN {
-            write!(out, "{separator}P{row}{column}")?;
-            separator = ",";
-        }
-    }
-    Ok(())
 }
 
 fn write_covariance(out: &mut impl Write, upper: &[f64; COVARIANCE_LEN]) -> io::Result<()> {

@@ -13,7 +13,7 @@
 //!    machine that knows nothing of bearings, and becomes the output.
 //!
 //! ```
-//! use formats::bearing::Bearing;
+//! use observations::Bearing;
 //! use locating::{Locator, Settings};
 //!
 //! let mut locator = Locator::new(Settings::default())?;

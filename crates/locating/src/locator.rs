@@ -1,7 +1,7 @@
 //! All emitters: whose a bearing is, and what follows from it.
 
-use formats::bearing::Bearing;
 use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
+use observations::Bearing;
 
 use crate::bank::{Bank, Notes, RawFix};
 use crate::counts::Counts;

@@ -1,6 +1,6 @@
 //! A bearing as the filters use it, and how it depends on where the emitter is.
 
-use formats::bearing::Bearing;
+use observations::Bearing;
 
 /// Nearer to the platform than this an emitter has no direction, metres.
 const OVERHEAD_M: f64 = 1.0;

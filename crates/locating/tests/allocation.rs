@@ -1,9 +1,9 @@
 //! After its construction the locator allocates nothing, whatever it is given.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use formats::bearing::Bearing;
 use locating::selection::Select;
 use locating::{Locator, Settings};
+use observations::Bearing;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;

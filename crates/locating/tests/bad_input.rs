@@ -3,10 +3,10 @@
 mod common;
 
 use common::{Noise, S, bearing};
-use formats::bearing::Bearing;
 use locating::settings::FilterChoice;
 use locating::{EmitterReport, Locator, OWN_NUMBERS, Refusal, Settings};
 use messages::TrackState;
+use observations::Bearing;
 use proptest::prelude::*;
 
 const SIGMA: f64 = 0.02;

@@ -3,10 +3,10 @@
 mod common;
 
 use common::{Noise, bearing};
-use formats::bearing::Bearing;
 use locating::selection::Select;
 use locating::settings::FilterChoice;
 use locating::{EmitterReport, Locator, Motion, Settings};
+use observations::Bearing;
 
 /// The last report of a flight.
 fn located(settings: Settings, bearings: impl IntoIterator<Item = Bearing>) -> Option<EmitterReport> {

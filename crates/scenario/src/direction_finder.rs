@@ -4,8 +4,8 @@
 //! transmitter, each on a frequency of its own; the finder knows them apart. All bearings of a period are measured at one
 //! time. What an antenna array would make of phases is left out here: a bearing is the true one with a normal error.
 
-use formats::bearing::Bearing;
 use messages::NS_PER_S;
+use observations::Bearing;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::Deserialize;

@@ -3,7 +3,7 @@
 //! A tracker that is to be tried takes these instead of the sensor's tracks. They know nothing of earlier looks, and of
 //! which target they are only the truth knows.
 
-use formats::detection::Truth as Of;
+use observations::Truth as Of;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, Poisson};
 

@@ -10,7 +10,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use formats::detection::Truth as Of;
+use observations::Truth as Of;
 use rand::RngExt as _;
 
 use crate::grouping::groups;

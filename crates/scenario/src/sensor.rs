@@ -4,8 +4,8 @@
 //! biases), whether they are there (misses, dropouts, false targets), and what has become of them (a track that ended
 //! comes back with a new number).
 
-use formats::detection::Truth as Of;
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
+use observations::Truth as Of;
 use rand::RngExt as _;
 
 use crate::error::SettingsError;

@@ -7,8 +7,8 @@
 //!
 //! Simple in this: it never takes one target for another, and counts groups wrong by one, never to none.
 
-use formats::wide_area::WideAreaReport;
 use messages::NS_PER_S;
+use observations::WideAreaReport;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::Deserialize;

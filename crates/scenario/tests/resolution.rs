@@ -1,6 +1,6 @@
 //! What a radar of limited resolution detects of targets in formation.
 
-use formats::detection::Truth as Of;
+use observations::Truth as Of;
 use proptest::prelude::*;
 use scenario::{FormationSettings, Plot, ScenarioSettings, SensorKind, SensorSettings, SimulatedSensor, Truth};
 

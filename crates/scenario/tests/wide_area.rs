@@ -1,6 +1,6 @@
 //! What a simulated wide-area sensor reports, held against the truth.
 
-use formats::wide_area::WideAreaReport;
+use observations::WideAreaReport;
 use proptest::prelude::*;
 use scenario::{FormationSettings, ScenarioSettings, SimulatedWideAreaSensor, Truth, WideAreaSettings};
 

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::io::Read;
 
-use formats::csv_table::{CsvError, Table};
+use csv_table::{CsvError, Table};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

@@ -10,7 +10,7 @@
 //! - [`FixRuns`]: the fixes of a bearings-only locator, beside the best that is possible.
 //!
 //! Everything is a pure function of rows that somebody else has opened: no file, no clock. Rows are read through
-//! [`formats::csv_table`], so columns are found by name and errors say line, column, value and remedy.
+//! [`csv_table`], so columns are found by name and errors say line, column, value and remedy.
 
 #![forbid(unsafe_code)]
 

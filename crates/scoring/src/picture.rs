@@ -10,7 +10,7 @@
 
 use std::io::Read;
 
-use formats::csv_table::CsvError;
+use csv_table::CsvError;
 use messages::Covariance;
 use serde::Serialize;
 use thiserror::Error;

@@ -12,7 +12,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
-use formats::csv_table::{CsvError, Table};
+use csv_table::{CsvError, Table};
 use serde::Serialize;
 use thiserror::Error;
 

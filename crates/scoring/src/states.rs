@@ -9,8 +9,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map;
 use std::io::Read;
 
-use formats::csv_table::{Column, CsvError, Row, Table};
-use formats::sensor_tracks_csv::COVARIANCE_COLUMNS;
+use csv_table::{COVARIANCE_COLUMNS, Column, CsvError, Row, Table};
 use messages::{COVARIANCE_LEN, Covariance};
 use rustc_hash::FxHashMap;
 

@@ -9,7 +9,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use formats::detection::DetectionKind;
+use observations::DetectionKind;
 
 use crate::initiation::FirstGuess;
 use crate::measurement::Measurement;

@@ -19,7 +19,7 @@
 
 use std::collections::VecDeque;
 
-use formats::detection::Detection;
+use observations::Detection;
 
 /// Numbers set aside for each second.
 pub const NUMBERS_PER_S: i64 = 16;

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use formats::detection::Detection;
-use formats::wide_area::WideAreaReport;
+use observations::{Detection, WideAreaReport};
 use proptest::prelude::*;
 
 use crate::clutter::log_density;

@@ -10,8 +10,8 @@
 //! start with that track's motion instead (SP-2, [`crate::splitting`]).
 
 use estimation::PackedGaussian;
-use formats::detection::DetectionKind;
 use messages::{Covariance, STATE_LEN};
+use observations::DetectionKind;
 
 use crate::measurement::Measurement;
 

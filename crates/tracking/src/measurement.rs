@@ -15,8 +15,8 @@
 use std::f64::consts::{PI, TAU};
 
 use estimation::PackedGaussian;
-use formats::detection::{Detection, DetectionKind, QUANTITIES_MAX, Quantity};
 use messages::{AXES, STATE_LEN};
+use observations::{Detection, DetectionKind, QUANTITIES_MAX, Quantity};
 
 use crate::turn::TurnRate;
 

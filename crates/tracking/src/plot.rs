@@ -1,6 +1,6 @@
 //! Detections as the tracker keeps them, and which of a scan's are usable.
 
-use formats::detection::Detection;
+use observations::Detection;
 
 use crate::counts::Counts;
 use crate::measurement::Measurement;

@@ -9,7 +9,7 @@
 //! already taken joins them. So the result does not depend on the order in which they came. At most [`COMPARED_MAX`] means
 //! are compared for each; where there are more within reach, detections stay apart.
 
-use formats::detection::DetectionKind;
+use observations::DetectionKind;
 
 use crate::plot::Plot;
 

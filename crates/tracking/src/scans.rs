@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use formats::detection::Detection;
+use observations::Detection;
 
 /// Most scans without detections that are filled in between two: a longer gap is a pause of the sensor, or a number that
 /// means something else.

@@ -1,6 +1,6 @@
 //! What the tests have in common.
 
-use formats::detection::{Detection, DetectionKind};
+use observations::{Detection, DetectionKind};
 
 use crate::Settings;
 use crate::settings::{Capacity, Clutter, SensorSettings};

@@ -6,8 +6,7 @@
 //! if every scan had come in order; scans of equal time are in the order of their sensors. Scans older than all open ones
 //! are refused and counted.
 
-use formats::detection::Detection;
-use formats::wide_area::WideAreaReport;
+use observations::{Detection, WideAreaReport};
 
 use crate::clutter::log_density;
 use crate::counts::Counts;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use formats::detection::{Detection, DetectionKind};
 use messages::TrackState;
+use observations::{Detection, DetectionKind};
 use proptest::prelude::*;
 
 use crate::clutter::Extent;

@@ -35,7 +35,7 @@ fn known() -> Settings {
 }
 
 /// Two targets that move east side by side, 4 km apart.
-fn two(second: i64) -> [formats::detection::Detection; 2] {
+fn two(second: i64) -> [observations::Detection; 2] {
     let east = 15.0 * second as f64;
     [position(second * S, east, 2000.0), position(second * S, east, -2000.0)]
 }

@@ -1,6 +1,6 @@
 //! Wide-area support in the tracker as a whole: when reports are used, what each option does, what bad ones do.
 
-use formats::detection::Detection;
+use observations::Detection;
 
 use crate::settings::{Clutter, Confirmation, Deletion, SensorSettings};
 use crate::testing::{S, position, settings};

@@ -1,7 +1,7 @@
 //! After its construction the tracker allocates nothing, whatever it is given.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use formats::detection::{Detection, DetectionKind};
+use observations::{Detection, DetectionKind};
 use tracking::settings::{Capacity, Limit, SensorSettings};
 use tracking::wide_area::distribution::Sharing;
 use tracking::wide_area::group::Groups;

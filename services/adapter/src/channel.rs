@@ -2,10 +2,8 @@
 
 use bus::{Mark, Publisher, SharedMemory, Subscriber};
 use configuration::{Process, Source};
-use formats::bearing::Bearing;
-use formats::reports::{Observation, Service};
-use formats::wide_area::WideAreaReport;
 use messages::{Counter, Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
+use observations::{Bearing, Observation, Sampled, Service, WideAreaReport};
 use runtime::HealthEntry;
 use runtime::clock::mono_ns;
 use tracking::wide_area::arrivals::Arrivals;
@@ -115,8 +113,8 @@ impl Channel {
         let stage = &mut self.stage;
         for sensor in &mut self.counts {
             sensor.take(SLICES_PER_LOOK, |_, samples| {
-                for sample in samples {
-                    stage.wide_area(WideAreaReport::of_sample(sample));
+                for report in samples.iter().filter_map(WideAreaReport::of_sample) {
+                    stage.wide_area(report);
                 }
             })?;
         }

@@ -5,12 +5,12 @@ use std::io::Cursor;
 
 use asterix::{Decoder, blocks};
 use configuration::{Recorded, RecordedFormat};
+use csv_table::CsvError;
 use formats::containers::{Container, datagrams};
-use formats::csv_table::CsvError;
-use formats::reports::observation::{self, Reading};
 use formats::sbs::{Merger, Rejection, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::{Counter, Counters};
+use reception::observation::{self, Reading};
 
 use crate::recording::Intake;
 

@@ -15,9 +15,9 @@ use std::time::Duration;
 use anyhow::Context as _;
 use asterix::{Counts, Decoder, blocks};
 use configuration::{Asterix, Input, Process, Source};
-use formats::reports::observation::{self, Reading};
 use messages::{Counter, Counters};
 use net::{ReceiverSettings, UdpReceiver};
+use reception::observation::{self, Reading};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::channel::Channel;

@@ -6,8 +6,9 @@
 use std::collections::VecDeque;
 
 use configuration::{Recorded, Source};
-use formats::reports::{Observation, Reorder, Service};
 use messages::{Counter, Counters, SensorDetection, SensorTrack};
+use observations::{Observation, Service};
+use reception::Reorder;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::content::Content;

@@ -14,12 +14,12 @@ use std::path::{Path, PathBuf};
 
 use asterix::{Error as BlockError, blocks, registry};
 use configuration::{Config, Input, Recorded, RecordedFormat, Truncated, WideAreaInput, WideAreaSensor};
+use csv_table::CsvError;
 use formats::containers::{Container, datagrams};
-use formats::csv_table::CsvError;
-use formats::reports::observation::{Reading, read};
 use formats::sbs::{Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
-use formats::wide_area::WideAreaReader;
+use formats::wide_area_csv::WideAreaReader;
+use reception::observation::{Reading, read};
 
 /// How thoroughly to look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

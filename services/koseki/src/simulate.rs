@@ -10,11 +10,12 @@ use std::path::Path;
 use anyhow::Context as _;
 use configuration::{Config, DEMO, Input, Instrument, Source};
 use formats::bearings_csv::BearingWriter;
-use formats::detection::{Detection, DetectionKind};
 use formats::detections_csv::DetectionWriter;
-use formats::tracks_csv::{SensorTrackWriter, sensor_id};
-use formats::wide_area::WideAreaWriter;
+use formats::tracks_csv::SensorTrackWriter;
+use formats::wide_area_csv::WideAreaWriter;
 use messages::SensorTrack;
+use observations::sensor_id;
+use observations::{Detection, DetectionKind};
 use scenario::{
     Plot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
 };

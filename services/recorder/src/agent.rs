@@ -10,7 +10,7 @@ use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
 use configuration::Config;
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, SystemTrackWriter};
-use formats::wide_area::WideAreaWriter;
+use formats::wide_area_csv::WideAreaWriter;
 use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SystemTrack};
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};

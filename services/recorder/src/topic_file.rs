@@ -8,11 +8,11 @@ use std::io::{self, BufWriter};
 
 use anyhow::Context as _;
 use bus::{Bus, Payload, Subscriber, Transport, Waiter};
-use formats::detection::Detection;
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::SensorTrackWriter;
-use formats::wide_area::{WideAreaReport, WideAreaWriter};
+use formats::wide_area_csv::WideAreaWriter;
 use messages::{BatchHeader, SensorDetection, SensorTrack, Topic, WideArea};
+use observations::{Detection, Sampled, WideAreaReport};
 
 use crate::recovery::Opened;
 
@@ -187,7 +187,8 @@ impl Rows for WideAreaWriter<Out> {
     }
 
     fn write(&mut self, _: u16, sample: &WideArea) -> io::Result<bool> {
-        Self::write(self, &WideAreaReport::of_sample(sample)).map(|()| true)
+        let report = WideAreaReport::of_sample(sample);
+        report.map_or(Ok(false), |report| Self::write(self, &report).map(|()| true))
     }
 
     fn flush(&mut self) -> io::Result<()> {

@@ -1,10 +1,10 @@
 //! A simulated direction finder with its way out: tables of bearings in datagrams (FM-7), each with its header line.
 
 use configuration::{Process, Source};
-use formats::bearing::Bearing;
 use formats::bearings_csv::BearingWriter;
 use frames::time::NS_PER_DAY;
 use messages::NS_PER_S;
+use observations::Bearing;
 use runtime::{HealthEntry, Now};
 use scenario::{DirectionFinderSettings, SimulatedDirectionFinder, Truth};
 

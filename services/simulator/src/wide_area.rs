@@ -2,9 +2,10 @@
 //! to arrive.
 
 use configuration::{Process, WideAreaSensor};
-use formats::wide_area::{WideAreaReport, WideAreaWriter};
+use formats::wide_area_csv::WideAreaWriter;
 use frames::time::NS_PER_DAY;
 use messages::NS_PER_S;
+use observations::WideAreaReport;
 use runtime::{HealthEntry, Now};
 use scenario::{SimulatedWideAreaSensor, Truth, WideAreaSettings};
 

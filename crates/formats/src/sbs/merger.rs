@@ -21,8 +21,8 @@ use messages::{Callsign, Identity, TrackState, alert_bits};
 use rustc_hash::FxHashMap;
 
 use super::line::{Line, Message, Rejection, SbsError};
-use crate::reports::Observation;
-use crate::reports::observation::Axes;
+use observations::Axes;
+use observations::Observation;
 
 /// How long velocity, rate of climb, altitude and on-ground flag are used after their line, nanoseconds.
 pub const MOTION_AGE_MAX_NS: i64 = 5 * NS_PER_S;

@@ -5,7 +5,7 @@
 use asterix::encode_error::EncodeFault;
 use asterix::text::UNDEFINED;
 use asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value, registry};
-use formats::reports::observation;
+use reception::observation;
 
 /// No octet makes more values than this: eight flags, and the groups around them.
 const VALUES_PER_OCTET_MAX: usize = 16;

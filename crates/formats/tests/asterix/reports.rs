@@ -1,14 +1,14 @@
 //! Records of any table with any content, all the way into sensor tracks: nothing panics, and what comes out can be used.
 
 use asterix::{Decoder, Mode, registry};
-use formats::reports::observation::{Reading, read};
-use formats::reports::{
-    Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,
-};
 use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
 use messages::{Covariance, SensorTrack};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use reception::observation::{Reading, read};
+use reception::{
+    Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,
+};
 
 use crate::generator::Entropy;
 use crate::sample::block;

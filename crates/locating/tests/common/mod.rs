@@ -1,6 +1,6 @@
 //! Simulated flights: bearings of an emitter with Gaussian errors, always the same for a seed.
 
-use formats::bearing::Bearing;
+use observations::Bearing;
 
 pub(crate) const S: i64 = 1_000_000_000;
 

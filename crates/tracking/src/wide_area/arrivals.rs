@@ -8,7 +8,7 @@
 use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use formats::wide_area::WideAreaReport;
+use observations::WideAreaReport;
 
 use super::report::ReportRefusal;
 use crate::tracker::Tracker;

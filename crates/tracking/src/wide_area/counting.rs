@@ -12,8 +12,8 @@
 //!
 //! Limits: a picture is up to a period late. A track that changes its number within a period counts twice in it.
 
-use formats::wide_area::WideAreaReport;
 use messages::{AXES, NS_PER_S};
+use observations::WideAreaReport;
 
 /// Most tracks of one picture.
 pub const TRACKS_MAX: usize = 2048;

@@ -4,8 +4,8 @@
 //! search. Both are in the tracker: the state predicted to the time of the look, and the gate in which a detection would be
 //! accepted (HT-2). A cue is that, in the plane: an ellipse around the predicted position.
 
-use formats::detection::Detection;
 use messages::AXES;
+use observations::Detection;
 
 use crate::gate::gates;
 use crate::measurement::Measurement;

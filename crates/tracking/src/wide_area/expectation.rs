@@ -4,8 +4,8 @@
 //! or many together. Of different times the latest one holds.
 
 use association::Grid;
-use formats::wide_area::WideAreaReport;
 use messages::{AXES, NS_PER_S};
+use observations::WideAreaReport;
 
 use super::choice::{Centre, nearest};
 use super::distribution::share;

@@ -17,8 +17,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use formats::wide_area::WideAreaReport;
 use messages::TargetType;
+use observations::WideAreaReport;
 
 use super::emission::Emission;
 use super::prior::{EmissionBand, Knowledge};

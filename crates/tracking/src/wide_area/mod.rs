@@ -39,6 +39,6 @@ pub mod schedule;
 pub mod settings;
 
 pub use emission::{Emission, EmissionRefusal};
-pub use formats::wide_area::WideAreaReport;
+pub use observations::WideAreaReport;
 pub use report::{ReportRefusal, TARGETS_MAX, fault_in};
 pub use settings::WideArea;

@@ -12,7 +12,7 @@
 
 use std::f64::consts::TAU;
 
-use formats::wide_area::WideAreaReport;
+use observations::WideAreaReport;
 
 use super::report::TARGETS_MAX;
 

@@ -1,6 +1,6 @@
 //! Which reports of a wide-area sensor are taken (WA-2), and those that may still matter.
 
-use formats::wide_area::WideAreaReport;
+use observations::WideAreaReport;
 
 /// Most targets of a report: a cluster holds no more tracks.
 pub const TARGETS_MAX: u32 = 256;

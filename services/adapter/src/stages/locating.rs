@@ -5,13 +5,11 @@
 //! from. An emitter that falls silent has no further reports, as with any sensor.
 
 use configuration::Source;
-use formats::bearing::Bearing;
-use formats::reports::Limits;
 use locating::Locator;
 use locating::settings::Settings;
-use messages::{
-    Counter, Counters, PlatformState, SensorBearing, SensorTrack, StageTimes, platform_state_bits, sensor_bearing_bits,
-};
+use messages::{Counter, Counters, SensorTrack, StageTimes};
+use observations::{Bearing, Sampled};
+use reception::Limits;
 
 use super::Made;
 
@@ -78,10 +76,10 @@ impl Locating {
             ingested_ns,
             ..StageTimes::default()
         };
-        made.bearings.push(sample(self.source, bearing, stages));
+        made.bearings.push(bearing.sample(self.source, stages));
         if bearing.time_of_measurement_ns > self.platform_ns {
             self.platform_ns = bearing.time_of_measurement_ns;
-            made.platforms.push(platform(self.source, bearing, stages));
+            made.platforms.push(bearing.platform(self.source, stages));
         }
         if let Some(report) = report {
             let mut track = report.sensor_track(self.source);
@@ -126,39 +124,5 @@ impl Locating {
         ] {
             counters[counter] += count;
         }
-    }
-}
-
-fn sample(source: u16, bearing: &Bearing, stages: StageTimes) -> SensorBearing {
-    use sensor_bearing_bits::*;
-    let flag = |bit: u16, is_set: bool| if is_set { bit } else { 0 };
-    SensorBearing {
-        time_of_measurement_ns: bearing.time_of_measurement_ns,
-        stages,
-        bearing_rad: bearing.bearing_rad,
-        sigma_rad: bearing.sigma_rad,
-        platform_m: bearing.platform_m,
-        heading_rad: bearing.heading_rad.unwrap_or(0.0),
-        frequency_hz: bearing.frequency_hz.unwrap_or(0.0),
-        pulse_interval_s: bearing.pulse_interval_s.unwrap_or(0.0),
-        emitter_id: bearing.emitter_id.unwrap_or(0),
-        source,
-        valid: flag(EMITTER, bearing.emitter_id.is_some())
-            | flag(HEADING, bearing.heading_rad.is_some())
-            | flag(FREQUENCY, bearing.frequency_hz.is_some())
-            | flag(PULSE_INTERVAL, bearing.pulse_interval_s.is_some()),
-        ..SensorBearing::default()
-    }
-}
-
-fn platform(source: u16, bearing: &Bearing, stages: StageTimes) -> PlatformState {
-    PlatformState {
-        time_ns: bearing.time_of_measurement_ns,
-        stages,
-        position_m: bearing.platform_m,
-        heading_rad: bearing.heading_rad.unwrap_or(0.0),
-        source,
-        valid: bearing.heading_rad.map_or(0, |_| platform_state_bits::HEADING),
-        ..PlatformState::default()
     }
 }

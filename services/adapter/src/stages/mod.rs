@@ -13,10 +13,9 @@ mod tracking;
 
 use ::tracking::wide_area::arrivals::Arrivals;
 use configuration::Source;
-use formats::bearing::Bearing;
-use formats::reports::{Converter, Observation, Service};
-use formats::wide_area::WideAreaReport;
 use messages::{Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack};
+use observations::{Bearing, Observation, Service, WideAreaReport};
+use reception::Converter;
 
 use self::locating::Locating;
 use self::tracking::Tracking;

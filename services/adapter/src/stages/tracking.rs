@@ -20,9 +20,8 @@
 
 use anyhow::Context as _;
 use configuration::{Source, SourceTracker};
-use formats::detection::Detection;
-use formats::wide_area::WideAreaReport;
 use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState, sensor_bearing_bits};
+use observations::{Detection, Sampled, WideAreaReport};
 use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
 use tracking::scans::silent_times_ns;
 use tracking::wide_area::Emission;
@@ -222,7 +221,11 @@ impl Tracking {
     fn scan(&mut self, scan: CutScan, made: &mut Made) {
         for (detection, ingested_ns) in self.cutter.detections().iter().zip(self.cutter.with_them()) {
             self.detections += 1;
-            made.detections.push(detection.sample(self.source, *ingested_ns));
+            let stages = StageTimes {
+                ingested_ns: *ingested_ns,
+                ..StageTimes::default()
+            };
+            made.detections.push(detection.sample(self.source, stages));
         }
         let now = (scan.number, scan.time_ns);
         match self.latest {

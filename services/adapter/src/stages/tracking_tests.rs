@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use configuration::Config;
-use formats::detection::DetectionKind;
 use messages::SensorTrack;
+use observations::DetectionKind;
 
 use super::*;
 

@@ -8,6 +8,7 @@ use bus::{Mark, Publisher, SharedMemory};
 use configuration::{Process, WideAreaSensor};
 use messages::{Counter, Counters, StageTimes, WideArea};
 use net::{ReceiverSettings, UdpReceiver};
+use observations::Sampled;
 use runtime::clock::mono_ns;
 use runtime::{Agent, HealthEntry, Now, Turn};
 use tracking::wide_area::WideAreaReport;

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use configuration::{WideAreaInput, WideAreaSensor};
-use formats::csv_table::CsvError;
-use formats::wide_area::WideAreaReader;
+use csv_table::CsvError;
+use formats::wide_area_csv::WideAreaReader;
 use messages::{Counter, Counters};
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::arrivals::order;

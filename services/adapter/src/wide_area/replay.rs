@@ -8,6 +8,7 @@ use std::time::Duration;
 use bus::{Mark, Publisher, SharedMemory, WaitMode, Waiter};
 use configuration::{Process, WideAreaSensor};
 use messages::{Counter, Counters, ProcessKind, StageTimes, WideArea};
+use observations::Sampled;
 use runtime::clock::mono_ns;
 use runtime::flow::Flow;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};

@@ -6,7 +6,7 @@
 //! A report has arrived when the kernel took its datagram from the network; the `arrival_s` of its row only holds where it is
 //! later, as of a sender that says from when on its report may be used. So nothing is used before it was there.
 
-use formats::wide_area::WideAreaReader;
+use formats::wide_area_csv::WideAreaReader;
 use frames::time::{DayUnroller, NS_PER_DAY};
 use messages::{Counter, Counters};
 use tracking::wide_area::WideAreaReport;

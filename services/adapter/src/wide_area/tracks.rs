@@ -8,9 +8,9 @@
 
 use asterix::{Decoder, blocks};
 use configuration::CountedTracks;
-use formats::reports::Converter;
-use formats::reports::observation::{self, Reading};
 use messages::{Counter, Counters, TrackState};
+use reception::Converter;
+use reception::observation::{self, Reading};
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::counting::{CountedTrack, Counting};
 

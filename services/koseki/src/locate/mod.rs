@@ -14,11 +14,11 @@ use std::path::Path;
 use std::rc::Rc;
 
 use anyhow::Context as _;
-use formats::bearing::Bearing;
 use formats::bearings_csv::BearingReader;
 use locating::selection::Select;
 use locating::settings::{FilterChoice, Settings};
 use locating::{Locator, Refusal};
+use observations::Bearing;
 
 use crate::args::{Locate, Usage};
 use crate::files::{InputError, OutputFile, is_same_file, open};
@@ -168,7 +168,7 @@ impl<'a> Input<'a> {
                     self.rows += 1;
                     return Ok(Some((self.reader.line(), bearing)));
                 }
-                Err(error @ formats::csv_table::CsvError::Input { .. }) => {
+                Err(error @ csv_table::CsvError::Input { .. }) => {
                     return Err(InputError::new(self.path, error));
                 }
                 Err(error) => self.refusals.unreadable(self.path, &error),

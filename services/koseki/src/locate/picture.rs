@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::anyhow;
-use formats::bearing::Bearing;
 use locating::EmitterReport;
+use observations::Bearing;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 

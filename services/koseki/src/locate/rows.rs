@@ -16,7 +16,7 @@ pub(super) fn write(out: &mut impl Write, report: &EmitterReport) -> io::Result<
     let (raw, output) = (&report.raw, &report.output);
     let [x, y, z] = output.position_m;
     let [vx, vy, vz] = output.velocity_mps;
-    formats::tracks_csv::write_time(out, report.time_ns)?;
+    csv_table::write_time(out, report.time_ns)?;
     write!(out, ",{},{x:.3},{y:.3},{z:.3},{vx:.6},{vy:.6},{vz:.6}", report.number)?;
     write!(
         out,

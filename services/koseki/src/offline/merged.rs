@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use formats::csv_table::CsvError;
+use csv_table::CsvError;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use fusion::settings::SOURCES_MAX;
 use messages::SensorTrack;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use formats::csv_table::CsvError;
+use csv_table::CsvError;
 
 /// So many refused rows are shown with their place and value.
 const SHOWN_MAX: usize = 5;

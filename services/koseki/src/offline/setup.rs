@@ -46,7 +46,7 @@ impl<'a> Setup<'a> {
                 let ids = config
                     .sources
                     .iter()
-                    .map(|source| formats::tracks_csv::sensor_id(source.number));
+                    .map(|source| observations::sensor_id(source.number));
                 (ids.collect(), config.fusion.settings)
             }
             Given::Offline(config) => {

@@ -5,8 +5,8 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 use anyhow::Context as _;
-use formats::detection::Detection;
-use formats::tracks_csv::write_time;
+use csv_table::write_time;
+use observations::Detection;
 use tracking::scans::ScanOfDetections;
 use tracking::settings::SensorSettings;
 use tracking::wide_area::cue::{Cue, Looks, sigma_m};

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use formats::bearing::Bearing;
+use csv_table::CsvError;
 use formats::bearings_csv::BearingReader;
-use formats::csv_table::CsvError;
+use observations::Bearing;
 use tracking::wide_area::Emission;
 use tracking::{Settings, Tracker};
 

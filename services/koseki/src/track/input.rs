@@ -5,11 +5,11 @@ use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use configuration::SeenDetections;
+use csv_table::CsvError;
 use formats::autoferry;
-use formats::csv_table::CsvError;
-use formats::detection::Detection;
 use formats::detections_csv::DetectionReader;
 use frames::time::NS_PER_DAY;
+use observations::Detection;
 use tracking::Settings;
 use tracking::scans::ScanOfDetections;
 

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use configuration::{Config, SeenDetections, Source, Tracking};
-use formats::tracks_csv::sensor_id;
+use observations::sensor_id;
 use tracking::explanation::Observer;
 use tracking::scans::scans_of;
 use tracking::{Settings, Tracker};

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::Path;
 
-use formats::csv_table::CsvError;
-use formats::wide_area::WideAreaReader;
+use csv_table::CsvError;
+use formats::wide_area_csv::WideAreaReader;
 use tracking::Tracker;
 use tracking::wide_area::arrivals::Arrivals;
 

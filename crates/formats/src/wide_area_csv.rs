@@ -1,4 +1,4 @@
-//! How many targets a wide-area sensor has seen, and its reports as CSV rows (FM-6).
+//! Reports of wide-area sensors as CSV rows (FM-6).
 //!
 //! Columns: `time_s` of the observation, `arrival_s` (absolute, not before it), position and velocity of the targets'
 //! middle, their `count`, and optionally `route`: where they have been, oldest place first, east and north of each joined with
@@ -7,60 +7,11 @@
 
 use std::io::{self, Read, Write};
 
-use messages::{StageTimes, WideArea, wide_area_bits};
-
-use crate::csv_table::{Column, CsvError, Row, Table};
-use crate::tracks_csv::write_time;
+use csv_table::{Column, CsvError, Row, Table, write_time};
+use observations::WideAreaReport;
 
 /// Most numbers of a route.
 const ROUTE_MAX: usize = 2000;
-
-/// How many targets there were around a place (WA-2).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WideAreaReport {
-    /// Time of observation, nanoseconds.
-    pub time_ns: i64,
-    /// Time of arrival, nanoseconds.
-    pub arrival_ns: i64,
-    /// East, north, up at the time of observation, metres.
-    pub position_m: [f64; 3],
-    /// Metres per second.
-    pub velocity_mps: [f64; 3],
-    /// Number of targets; 0 says that there were none.
-    pub targets: u32,
-    /// Where the targets came from, east and north in metres, if that is known.
-    pub origin_m: Option<[f64; 2]>,
-}
-
-impl WideAreaReport {
-    /// As a sample of the sensor numbered `sensor`.
-    pub fn sample(&self, sensor: u16, stages: StageTimes) -> WideArea {
-        WideArea {
-            time_of_observation_ns: self.time_ns,
-            arrival_ns: self.arrival_ns,
-            stages,
-            position_m: self.position_m,
-            velocity_mps: self.velocity_mps,
-            origin_m: self.origin_m.unwrap_or_default(),
-            targets: self.targets,
-            sensor,
-            valid: self.origin_m.map_or(0, |_| wide_area_bits::ORIGIN),
-            ..WideArea::default()
-        }
-    }
-
-    /// What a sample says.
-    pub fn of_sample(sample: &WideArea) -> Self {
-        Self {
-            time_ns: sample.time_of_observation_ns,
-            arrival_ns: sample.arrival_ns,
-            position_m: sample.position_m,
-            velocity_mps: sample.velocity_mps,
-            targets: sample.targets,
-            origin_m: (sample.valid & wide_area_bits::ORIGIN != 0).then_some(sample.origin_m),
-        }
-    }
-}
 
 /// Reads wide-area reports, row by row.
 ///
@@ -209,6 +160,9 @@ impl<W: Write> WideAreaWriter<W> {
 
 #[cfg(test)]
 mod tests {
+    use messages::StageTimes;
+    use observations::Sampled;
+
     use super::*;
 
     const HEADER: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count,route\n";
@@ -240,7 +194,7 @@ mod tests {
         for report in [report, without] {
             assert_eq!(
                 WideAreaReport::of_sample(&report.sample(3, StageTimes::default())),
-                report
+                Some(report)
             );
         }
         let text = String::from_utf8(writer.into_inner()).unwrap();

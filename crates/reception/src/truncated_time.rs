@@ -5,10 +5,8 @@
 //! two are less than 256 s apart. A day is no multiple of 512 s: its last period is cut short at midnight, and the count
 //! begins anew.
 
-use frames::time::{NS_PER_DAY, NS_PER_S};
-
-/// What a truncated time is a remainder of, nanoseconds.
-pub const TRUNCATION_NS: i64 = 512 * NS_PER_S;
+use frames::time::NS_PER_DAY;
+use observations::TRUNCATION_NS;
 
 /// The time of day that ends in `truncated_ns`, nearest to `near_ns` (UTC, nanoseconds).
 pub(crate) fn complete(truncated_ns: i64, near_ns: i64) -> i64 {
@@ -30,6 +28,8 @@ pub(crate) fn complete(truncated_ns: i64, near_ns: i64) -> i64 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+
+    use frames::time::NS_PER_S;
 
     use super::*;
 

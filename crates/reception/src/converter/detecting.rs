@@ -7,20 +7,20 @@
 //!
 //! A radar's plot stays range and bearing, in the system frame and from where the radar stands, since its errors are:
 //! straight range, bearing and elevation where the target sends its height, so that the height's error is one of
-//! elevation; else the range along the ground, with the error of an assumed height ([`super::super::placing`]).
+//! elevation; else the range along the ground, with the error of an assumed height ([`crate::placing`]).
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use frames::PolarSigma;
 use messages::{Counter, TrackState};
 
-use super::super::PositionForm;
-use super::super::accuracy::{self, Velocity};
-use super::super::observation::{Observation, Position};
-use super::super::placing::{Height, Placed, place};
 use super::Converter;
-use crate::detection::{Detection, DetectionKind};
-use crate::tracks_csv::sensor_id;
+use crate::PositionForm;
+use crate::accuracy::{self, Velocity};
+use crate::placing::{Height, Placed, place};
+use observations::sensor_id;
+use observations::{Detection, DetectionKind};
+use observations::{Observation, Position};
 
 impl Converter {
     /// The detection that `observation` reports, without scan and number; `None` if it was refused.

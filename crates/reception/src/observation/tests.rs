@@ -8,6 +8,7 @@ use super::navigation::*;
 use super::*;
 use asterix::categories::*;
 use asterix::{Category, Decoder, Mode};
+use observations::Position;
 
 /// Reads a record, given as the octets of its parts.
 fn reading(table: &'static Category, parts: &[&[u8]]) -> Reading {

@@ -7,10 +7,11 @@
 use frames::{SensorFrame, polar_covariance};
 use messages::{Counter, Covariance};
 
-use super::observation::{Observation, Position, Quality};
 use super::placing::Placed;
 use super::velocity::Slope;
-use super::{CovarianceFrom, PoorQuality, RADIUS95_SIGMAS, SourceModel};
+use super::{CovarianceFrom, PoorQuality, SourceModel};
+use observations::RADIUS95_SIGMAS;
+use observations::{Observation, Position, Quality};
 
 /// Standard deviation given to a position of unknown accuracy, metres.
 pub(crate) const UNKNOWN_POSITION_SIGMA_M: f64 = 500.0;

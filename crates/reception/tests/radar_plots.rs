@@ -15,13 +15,13 @@ use std::path::{Path, PathBuf};
 use asterix::typed::cat048;
 use asterix::{Decoder, Mode};
 use formats::containers::datagrams;
-use formats::reports::observation::{self, Reading};
-use formats::reports::{
-    Converter, CovarianceFrom, CovarianceModel, Limits, Observation, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA,
-    SourceModel,
-};
 use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
 use messages::{Counter, Counters, SensorTrack, sensor_track_bits as bits};
+use observations::Observation;
+use reception::observation::{self, Reading};
+use reception::{
+    Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,
+};
 
 const S: i64 = 1_000_000_000;
 /// One radar's plots.

@@ -3,9 +3,9 @@
 use frames::{Geodetic, SystemFrame};
 
 use super::*;
-use crate::detection::{Detection, DetectionKind};
-use crate::reports::observation::{Plane, Quality};
-use crate::reports::{CovarianceFrom, CovarianceModel, Limits, PoorQuality, STANDARD_PRESSURE_HPA};
+use crate::{CovarianceFrom, CovarianceModel, Limits, PoorQuality, STANDARD_PRESSURE_HPA};
+use observations::{Detection, DetectionKind};
+use observations::{Plane, Quality};
 
 const S: i64 = 1_000_000_000;
 const DAY: i64 = 16_931 * 86_400 * S;

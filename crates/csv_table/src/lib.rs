@@ -8,12 +8,20 @@
 //! A file of a hundred thousand rows that is wrong in one of them is of no use to somebody who is not told in which. So
 //! every error names the line as an editor counts it, the column, the value, and what should stand there.
 
+#![forbid(unsafe_code)]
+
 use std::fmt::Display;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::str::FromStr;
 
 use csv::{ByteRecord, Reader, ReaderBuilder, Terminator, Trim};
 use thiserror::Error;
+
+/// The columns of a covariance of position and velocity, in the order of its upper triangle.
+pub const COVARIANCE_COLUMNS: [&str; 21] = [
+    "P00", "P01", "P02", "P03", "P04", "P05", "P11", "P12", "P13", "P14", "P15", "P22", "P23", "P24", "P25", "P33",
+    "P34", "P35", "P44", "P45", "P55",
+];
 
 /// Longest time that is accepted, seconds: 46 days, the most that seconds in 64 bits give exactly to the nanosecond.
 const TIME_MAX_S: f64 = 4e6;
@@ -277,6 +285,24 @@ impl Row<'_> {
             reason: reason.to_string(),
         }
     }
+}
+
+/// Writes a time in seconds, with as few decimals as are exact.
+///
+/// # Errors
+/// If the writer fails.
+pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
+    let (whole, mut rest) = (ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
+    write!(out, "{}{whole}", if ns < 0 { "-" } else { "" })?;
+    if rest == 0 {
+        return Ok(());
+    }
+    let mut width = 9;
+    while rest % 10 == 0 {
+        rest /= 10;
+        width -= 1;
+    }
+    write!(out, ".{rest:0width$}")
 }
 
 fn shown(text: &str, characters_max: usize) -> String {

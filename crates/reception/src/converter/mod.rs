@@ -11,11 +11,11 @@ use rustc_hash::FxHashMap;
 
 use super::accuracy::{self, UNKNOWN_POSITION_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS, Velocity};
 use super::atmosphere::altitude_correction_m;
-use super::observation::{Axes, Observation, Position};
 use super::placing::{Height, Placed, place};
 use super::plausibility::{TimeCheck, TrackMemory};
 use super::truncated_time::complete;
 use super::{PositionForm, SourceModel};
+use observations::{Axes, Observation, Position};
 
 /// A track's last height is used for so long where its reports have none, nanoseconds.
 const HEIGHT_AGE_MAX_NS: i64 = 30_000_000_000;

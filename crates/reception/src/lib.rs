@@ -6,6 +6,8 @@
 //! impossible values out. What it refuses is counted by reason, and never reaches fusion. [`Reorder`] puts reports
 //! into the order of their times and says how far the source has got.
 
+#![forbid(unsafe_code)]
+
 mod accuracy;
 mod atmosphere;
 mod converter;
@@ -18,15 +20,10 @@ mod velocity;
 
 pub use atmosphere::STANDARD_PRESSURE_HPA;
 pub use converter::Converter;
-pub use observation::{Observation, Position, Service};
 pub use reorder::Reorder;
-pub use truncated_time::TRUNCATION_NS;
 
 use frames::{PolarSigma, SensorFrame, SystemFrame};
 use serde::Deserialize;
-
-/// Ratio of the radius that holds 95 % of a circular normal distribution to its standard deviation per axis.
-const RADIUS95_SIGMAS: f64 = 2.447_746_8;
 
 /// What the converter must know of a source.
 #[derive(Clone, Copy, Debug)]

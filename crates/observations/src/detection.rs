@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use messages::{SensorDetection, StageTimes, sensor_detection_bits as bits};
 
-use crate::tracks_csv::sensor_id;
+use crate::{Sampled, flag, sensor_id};
 
 /// Most quantities that a detection holds beside the range rate.
 pub const QUANTITIES_MAX: usize = 3;
@@ -86,22 +86,13 @@ pub enum Truth {
     Merged,
 }
 
-impl Detection {
-    /// As a sample of the source numbered `source`; sequence number and time of publication are left to the publisher.
-    pub fn sample(&self, source: u16, ingested_ns: i64) -> SensorDetection {
-        let mut valid = 0;
-        valid |= if self.range_rate_mps.is_some() {
-            bits::RANGE_RATE
-        } else {
-            0
-        };
-        valid |= if self.sigmas.is_some() { bits::SIGMAS } else { 0 };
+impl Sampled for Detection {
+    type Sample = SensorDetection;
+
+    fn sample(&self, source: u16, stages: StageTimes) -> SensorDetection {
         SensorDetection {
             time_of_measurement_ns: self.time_of_measurement_ns,
-            stages: StageTimes {
-                ingested_ns,
-                ..StageTimes::default()
-            },
+            stages,
             scan: self.scan,
             detection_id: self.detection_id,
             values: self.values,
@@ -110,13 +101,12 @@ impl Detection {
             platform_m: self.platform_m,
             source,
             kind: self.kind as u8,
-            valid,
+            valid: flag(self.range_rate_mps.is_some(), bits::RANGE_RATE) | flag(self.sigmas.is_some(), bits::SIGMAS),
             ..SensorDetection::default()
         }
     }
 
-    /// What a sample holds, to the last bit; `None` for a kind of another schema.
-    pub fn of_sample(sample: &SensorDetection) -> Option<Self> {
+    fn of_sample(sample: &SensorDetection) -> Option<Self> {
         Some(Self {
             time_of_measurement_ns: sample.time_of_measurement_ns,
             sensor_id: sensor_id(sample.source),
@@ -217,7 +207,11 @@ mod tests {
                     platform_m: [1.0, 2.0, 3.0],
                     truth: None,
                 };
-                let sample = detection.sample(4, 9);
+                let stages = StageTimes {
+                    ingested_ns: 9,
+                    ..StageTimes::default()
+                };
+                let sample = detection.sample(4, stages);
                 assert_eq!(Detection::of_sample(&sample), Some(detection));
                 assert_eq!(sample.stages.ingested_ns, 9);
                 assert_eq!(Detection::of_sample(&SensorDetection { kind: 6, ..sample }), None);

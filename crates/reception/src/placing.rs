@@ -23,7 +23,7 @@ use frames::Geodetic;
 use messages::Counter;
 
 use super::SourceModel;
-use super::observation::{Plane, Position};
+use observations::{Plane, Position};
 
 /// Height that hardly any target without a transponder exceeds, metres.
 const UNKNOWN_HEIGHT_MAX_M: f64 = 12_000.0;

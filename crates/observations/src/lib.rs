@@ -1,0 +1,45 @@
+//! Observations: single reports of sensors, before anything has been made of them.
+//!
+//! - [`Observation`]: a target report, whatever its format, still in the sensor's own terms;
+//! - [`Detection`]: a measurement in the system frame, for sensors whose tracks are made here;
+//! - [`Bearing`]: the direction of an emitter, from a direction finder that measures nothing else;
+//! - [`WideAreaReport`]: the number of targets that a wide-area sensor has seen.
+//!
+//! Formats read and write these types and algorithms work on them, and neither knows of the other. [`Sampled`] is the one
+//! way between such a value and the sample that carries it through shared memory.
+
+#![forbid(unsafe_code)]
+
+mod bearing;
+mod detection;
+mod observation;
+mod wide_area;
+
+pub use bearing::Bearing;
+pub use detection::{Detection, DetectionKind, QUANTITIES_MAX, Quantity, Truth};
+pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, Service, TRUNCATION_NS};
+pub use wide_area::WideAreaReport;
+
+use messages::StageTimes;
+
+/// A value that shared memory carries as a sample.
+pub trait Sampled: Sized {
+    /// The sample.
+    type Sample;
+
+    /// The sample of source or sensor number `source`; sequence number and time of publication are left to the publisher.
+    fn sample(&self, source: u16, stages: StageTimes) -> Self::Sample;
+
+    /// The value of a sample, to the last bit; `None` for a code of another schema.
+    fn of_sample(sample: &Self::Sample) -> Option<Self>;
+}
+
+/// The id under which files show a source: its place in the configuration, from 1.
+pub fn sensor_id(source: u16) -> u32 {
+    u32::from(source) + 1
+}
+
+/// `bit` if `condition` holds, else no bit.
+fn flag<Bits: Default>(condition: bool, bit: Bits) -> Bits {
+    if condition { bit } else { Bits::default() }
+}

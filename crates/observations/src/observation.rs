@@ -1,0 +1,142 @@
+//! A target report, whatever its format, still in the sensor's own terms.
+//!
+//! What an observation lacks its source did not say: nothing is made up here, and nothing converted but units.
+
+use messages::{Identity, TrackState};
+
+/// Period after which a truncated time begins anew, nanoseconds: two octets of 1/128 s.
+pub const TRUNCATION_NS: i64 = 512_000_000_000;
+/// Ratio of the radius that holds 95 % of a circular normal distribution to its standard deviation per axis.
+pub const RADIUS95_SIGMAS: f64 = 2.447_746_8;
+
+/// A target report in the sensor's own frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observation {
+    /// System area code and system identification code of the sender; `None` where it is the same as in the record
+    /// before.
+    pub sac_sic: Option<(u8, u8)>,
+    /// Time of measurement, nanoseconds since midnight UTC.
+    pub time_of_day_ns: Option<i64>,
+    /// Time of measurement, nanoseconds since the last whole [`TRUNCATION_NS`] after midnight UTC, of
+    /// a source that sends no more of it.
+    pub truncated_time_ns: Option<i64>,
+    /// Whether it reports a fixed transponder that only monitors the system.
+    pub field_monitor: bool,
+    /// Whether it is simulated or a test.
+    pub test: bool,
+    /// Whether its sender says that the position has failed a check.
+    pub suspect: bool,
+    /// Number of the track at its source; the address, where the source numbers none.
+    pub track_number: Option<u32>,
+    /// Whether it is a plot: what the sensor saw just now, not yet part of any track of its own.
+    pub plot: bool,
+    /// Who the target says it is.
+    pub identity: Identity,
+    /// Position towards the sensor's own x (its east) and y (its north).
+    pub cartesian: Option<[f64; 2]>,
+    /// What the plane of `cartesian` is.
+    pub plane: Plane,
+    /// Range along the ground (m) and azimuth clockwise from the sensor's north (rad).
+    pub polar: Option<[f64; 2]>,
+    /// Straight distance (m) and azimuth clockwise from the sensor's north (rad).
+    pub slant_polar: Option<[f64; 2]>,
+    /// Latitude and longitude, radians.
+    pub geodetic: Option<[f64; 2]>,
+    /// Horizontal velocity along two axes, metres per second.
+    pub velocity: Option<[f64; 2]>,
+    /// Which axes those of `velocity` are.
+    pub axes: Axes,
+    /// The report's own covariance (xx, xy, yy) of `velocity`, m²/s².
+    pub velocity_covariance: Option<[f64; 3]>,
+    /// Altitude in the standard atmosphere, metres.
+    pub pressure_altitude_m: Option<f64>,
+    /// Height above mean sea level or the ellipsoid, whichever the source gives, metres.
+    pub geometric_height_m: Option<f64>,
+    /// Rate of climb, metres per second.
+    pub vertical_rate_mps: Option<f64>,
+    /// Whether the target says that it is on the ground.
+    pub on_ground: bool,
+    /// What the target or its source wants noticed: see [`alert_bits`]. What the Mode 3/A code alone says is not in it.
+    pub alerts: u8,
+    /// State of the track at its source.
+    pub state: TrackState,
+    /// The report's own statement of its horizontal accuracy: that of the position that
+    /// [`Observation::position`] gives.
+    pub quality: Quality,
+}
+
+/// What the plane of a Cartesian position is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Plane {
+    /// It touches the earth at the sensor, and the position lies straight below or above the target.
+    #[default]
+    Tangent,
+    /// The target, turned down into the horizon: its distance from the sensor is the straight one.
+    Slant,
+    /// A map of the ground around the sensor, in stereographic projection.
+    Stereographic,
+}
+
+/// Which axes those of a velocity are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Axes {
+    /// The sensor's own x and y.
+    #[default]
+    Sensor,
+    /// True east and north at the target. Meridians converge: at 45° of latitude and 300 km east of the sensor, north is
+    /// almost 3° off the sensor's.
+    Target,
+}
+
+/// A position in one of the forms that sensors use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Position {
+    /// See [`Observation::cartesian`].
+    Cartesian([f64; 2], Plane),
+    /// See [`Observation::polar`].
+    Polar([f64; 2]),
+    /// See [`Observation::slant_polar`].
+    Slant([f64; 2]),
+    /// See [`Observation::geodetic`].
+    Geodetic([f64; 2]),
+}
+
+/// What a report says of its own horizontal accuracy.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Quality {
+    /// Nothing.
+    #[default]
+    Unstated,
+    /// Covariance (xx, xy, yy), m².
+    Covariance([f64; 3]),
+    /// Horizontal dilution of precision: position error per range error.
+    Dilution(f64),
+    /// Radius within which the position lies with 95 % probability, metres.
+    Radius95(f64),
+    /// That it is unknown.
+    Unknown,
+}
+
+impl Observation {
+    /// The position as the source's tracker calculated it, or the only one there is.
+    pub fn position(&self) -> Option<Position> {
+        let cartesian = self.cartesian.map(|position| Position::Cartesian(position, self.plane));
+        let geodetic = || self.geodetic.map(Position::Geodetic);
+        cartesian.or_else(|| self.polar_position()).or_else(geodetic)
+    }
+
+    /// The position as range and azimuth: as measured, where the source has a tracker as well.
+    pub fn polar_position(&self) -> Option<Position> {
+        let slant = || self.slant_polar.map(Position::Slant);
+        self.polar.map(Position::Polar).or_else(slant)
+    }
+}
+
+/// What a record says of the sensor itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Service {
+    /// Time of the message, nanoseconds since midnight UTC.
+    pub time_of_day_ns: Option<i64>,
+    /// Whether the sensor's next look all around begins: its antenna points north, or a new update cycle starts.
+    pub turn_begins: bool,
+}
