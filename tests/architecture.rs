@@ -1,9 +1,9 @@
 //! The rules of ARCHITECTURE.md that a program can check.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
-
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::common::repository;
 
 /// Dependencies run from right to left only: a crate may depend on crates that stand before it.
 const ORDER: &[&str] = &[
@@ -73,9 +73,8 @@ const OUTSIDE: &[&str] = &[
 const MAY_BE_UNSAFE: &[&str] = &["bus", "frames", "messages", "net"];
 
 fn workspace() -> Metadata {
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../Cargo.toml");
     MetadataCommand::new()
-        .manifest_path(manifest)
+        .manifest_path(repository("Cargo.toml"))
         .no_deps()
         .other_options(vec!["--offline".to_owned()])
         .exec()
@@ -204,7 +203,7 @@ fn only_the_runtime_reads_clocks() {
 
 #[test]
 fn both_commands_stand_in_the_readme() {
-    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md")).unwrap();
+    let readme = std::fs::read_to_string(repository("README.md")).unwrap();
     for command in ["cargo run --release -- demo", "cargo test --workspace"] {
         assert!(readme.contains(command), "{command}");
     }

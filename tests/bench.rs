@@ -1,13 +1,11 @@
 //! The bench, as a user starts it: real processes, real shared memory, and no word about how fast they are.
 
-#[path = "common/home.rs"]
-mod home;
-
 use std::fs;
 
-use home::Home;
 use rustix::process::Signal;
 use serde_json::Value;
+
+use crate::common::{Home, until};
 
 /// Enough for every report to come and go, and little enough for any machine.
 const SMALL: [&str; 12] = [
@@ -158,7 +156,7 @@ fn what_a_killed_measurement_leaves_is_removed_by_the_next() {
     bench.until_said("engine alone");
     bench.signal(Signal::KILL);
     bench.end();
-    home::until("its processes have ended", || home.processes().is_empty());
+    until("its processes have ended", || home.processes().is_empty());
     assert!(home.root(&instance).path().exists());
     let folders = || {
         let all = std::fs::read_dir(std::env::temp_dir()).unwrap().flatten();

@@ -1,64 +1,26 @@
 //! `koseki decode` as a user starts it: files in, lines, tables and sentences out.
 
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
 
 use serde_json::{Value, json};
 
-/// A folder of its own, in which commands run.
-struct Home {
-    folder: tempfile::TempDir,
-}
+use crate::common::Folder;
 
-impl Home {
-    fn new() -> Self {
-        Self {
-            folder: tempfile::tempdir().unwrap(),
-        }
+/// Folders with a recording, which tests decode.
+impl Folder {
+    fn with_recording(name: &str, bytes: &[u8]) -> Self {
+        Self::with(&[(name, bytes)])
     }
 
-    /// A home with a recording in it.
-    fn with(name: &str, bytes: &[u8]) -> Self {
-        let home = Self::new();
-        fs::write(home.path(name), bytes).unwrap();
-        home
+    fn decode(&self, arguments: &str) -> (String, String) {
+        self.succeed(&format!("decode {arguments}"))
     }
 
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_koseki"));
-        command.arg("decode").args(arguments).current_dir(self.folder.path());
-        command
-    }
-
-    /// Runs to a successful end; gives standard output and standard error.
-    fn run(&self, arguments: &[&str]) -> (String, String) {
-        let output = self.command(arguments).output().unwrap();
-        let said = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(0), "{said}");
-        (text(&output.stdout), said)
-    }
-
-    /// Runs to a refusal or a failure; gives the exit code and the line that says why.
-    fn refused(&self, arguments: &[&str]) -> (i32, String) {
-        let output: Output = self.command(arguments).output().unwrap();
-        let said = text(&output.stderr);
-        assert_eq!((said.lines().count(), output.stdout.len()), (1, 0), "{said}");
-        (output.status.code().unwrap(), said)
-    }
-
-    fn lines(&self, name: &str) -> Vec<Value> {
-        let text = fs::read_to_string(self.path(name)).unwrap();
+    fn json_lines(&self, name: &str) -> Vec<Value> {
+        let text = self.read(name);
         text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
     }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
 }
 
 /// A CAT010 block with one report of source 0/7 at a time of day in s.
@@ -85,16 +47,19 @@ fn frame(hundredths: u32, payload: &[u8]) -> Vec<u8> {
 #[test]
 fn records_become_lines_with_the_time_of_the_recording() {
     let bytes = [frame(150, &report(1.0)), frame(250, &report(2.5))].concat();
-    let home = Home::with("night.ff", &bytes);
-    let (printed, said) = home.run(&["night.ff", "--out", "night.jsonl"]);
+    let folder = Folder::with_recording("night.ff", &bytes);
+    let (printed, said) = folder.decode("night.ff --out night.jsonl");
     assert_eq!(printed, "");
     assert_eq!(said, "koseki: night.ff: 2 records of 2 blocks in 2 datagrams (final)\n");
     let expected =
         |time: f64, stamp: f64| json!({"010": {"SAC": 0, "SIC": 7}, "000": 1, "140": time, "_c": 10, "_ts": stamp});
-    assert_eq!(home.lines("night.jsonl"), [expected(1.0, 1.5), expected(2.5, 2.5)]);
+    assert_eq!(
+        folder.json_lines("night.jsonl"),
+        [expected(1.0, 1.5), expected(2.5, 2.5)]
+    );
     // Standard output has the same, and nothing else.
-    let (printed, _) = home.run(&["night.ff", "--out", "-"]);
-    assert_eq!(printed, fs::read_to_string(home.path("night.jsonl")).unwrap());
+    let (printed, _) = folder.decode("night.ff --out -");
+    assert_eq!(printed, folder.read("night.jsonl"));
 }
 
 #[test]
@@ -111,9 +76,9 @@ fn what_cannot_be_decoded_is_summed_up_and_no_failure() {
         vec![9, 0],
     ]
     .concat();
-    let home = Home::with("mixed.ast", &bytes);
-    let (_, said) = home.run(&["mixed.ast", "--out", "mixed.jsonl"]);
-    assert_eq!(home.lines("mixed.jsonl").len(), 3);
+    let folder = Folder::with_recording("mixed.ast", &bytes);
+    let (_, said) = folder.decode("mixed.ast --out mixed.jsonl");
+    assert_eq!(folder.json_lines("mixed.jsonl").len(), 3);
     let expected = [
         "mixed.ast: 3 records of 7 blocks in 1 datagram (raw)",
         "category 010: 2 of 5 blocks do not fit edition 1.1: they are left out",
@@ -126,8 +91,8 @@ fn what_cannot_be_decoded_is_summed_up_and_no_failure() {
     for line in expected {
         assert!(said.contains(&format!("koseki: {line}")), "{line}\n{said}");
     }
-    let (_, said) = home.run(&["mixed.ast", "--edition", "21=0.23", "--out", "mixed.jsonl"]);
-    assert_eq!(home.lines("mixed.jsonl").len(), 4);
+    let (_, said) = folder.decode("mixed.ast --edition 21=0.23 --out mixed.jsonl");
+    assert_eq!(folder.json_lines("mixed.jsonl").len(), 4);
     assert!(!said.contains("category 021"), "{said}");
 }
 
@@ -135,8 +100,8 @@ fn what_cannot_be_decoded_is_summed_up_and_no_failure() {
 fn statistics_are_a_table_and_a_file() {
     let times = [10.0, 11.0, 11.5, 12.0, 13.0];
     let reports: Vec<u8> = times.iter().flat_map(|time_s| report(*time_s)).collect();
-    let home = Home::with("s.ast", &[reports, vec![10, 0, 4, 0]].concat());
-    let (printed, said) = home.run(&["s.ast", "--statistics", "--json", "s.json"]);
+    let folder = Folder::with_recording("s.ast", &[reports, vec![10, 0, 4, 0]].concat());
+    let (printed, said) = folder.decode("s.ast --statistics --json s.json");
     let rows: Vec<Vec<&str>> = printed.lines().map(|line| line.split_whitespace().collect()).collect();
     let has = |row: &[&str]| assert!(rows.iter().any(|found| found == row), "{row:?}\n{printed}");
     has(&["category", "edition", "blocks", "refused", "records"]);
@@ -147,7 +112,7 @@ fn statistics_are_a_table_and_a_file() {
     has(&["010", "0/7", "5", "00:00:10.000", "00:00:13.000", "1", "1", "2"]);
     assert!(printed.contains("record without items"), "{printed}");
     assert_eq!(said.lines().count(), 2, "reasons stand in the table: {said}");
-    let found: Value = serde_json::from_slice(&fs::read(home.path("s.json")).unwrap()).unwrap();
+    let found: Value = serde_json::from_slice(&fs::read(folder.path("s.json")).unwrap()).unwrap();
     let sender = json!({
         "category": 10, "source": [0, 7], "records": 5, "first_s": 10.0, "last_s": 13.0,
         "rate": {"min": 1, "median": 1, "max": 2},
@@ -169,13 +134,13 @@ fn expansion_fields_are_octets_unless_their_rules_are_named() {
         block
     };
     // Rules ed 1.13: the first subitem, MD5, is compound; here with its first part. No subitem has the eighth flag.
-    let home = Home::with("x.ast", &[record(&[0x80, 0x80, 0x01]), record(&[0x01])].concat());
-    let (_, said) = home.run(&["x.ast", "--out", "octets"]);
+    let folder = Folder::with_recording("x.ast", &[record(&[0x80, 0x80, 0x01]), record(&[0x01])].concat());
+    let (_, said) = folder.decode("x.ast --out octets");
     assert_eq!(said.lines().count(), 1, "{said}");
-    let octets = home.lines("octets");
+    let octets = folder.json_lines("octets");
     assert_eq!((&octets[0]["RE"], &octets[1]["RE"]), (&json!("808001"), &json!("01")));
-    let (_, said) = home.run(&["x.ast", "--edition", "48/RE=1.13", "--out", "decoded"]);
-    let decoded = home.lines("decoded");
+    let (_, said) = folder.decode("x.ast --edition 48/RE=1.13 --out decoded");
+    let decoded = folder.json_lines("decoded");
     assert_eq!(decoded[1], octets[1]);
     assert!(decoded[0]["RE"]["MD5"]["SUM"].is_object(), "{}", decoded[0]);
     let expected = "I048/RE: 1 field does not follow the coding rules ed 1.13 (left as octets), the first: byte 24: ";
@@ -186,14 +151,14 @@ fn expansion_fields_are_octets_unless_their_rules_are_named() {
 fn strictness_and_kind_can_be_asked_for() {
     // I010/161 with a spare bit set.
     let spare = [10, 0, 9, 0b1000_0001, 0b0010_0000, 0, 7, 0x80, 1];
-    let home = Home::with("x.ast", &spare);
-    assert_eq!(home.run(&["x.ast", "--out", "-"]).0.lines().count(), 1);
-    let (printed, said) = home.run(&["x.ast", "--strict", "--out", "-"]);
+    let folder = Folder::with_recording("x.ast", &spare);
+    assert_eq!(folder.decode("x.ast --out -").0.lines().count(), 1);
+    let (printed, said) = folder.decode("x.ast --strict --out -");
     assert!(
         printed.is_empty() && said.contains("spare bit set in I010/161"),
         "{said}"
     );
-    let (printed, said) = home.run(&["x.ast", "--container", "pcap", "--out", "-"]);
+    let (printed, said) = folder.decode("x.ast --container pcap --out -");
     assert!(
         printed.is_empty() && said.contains("byte 0: this is no pcap recording"),
         "{said}"
@@ -202,61 +167,48 @@ fn strictness_and_kind_can_be_asked_for() {
 
 #[test]
 fn wrong_usage_is_one_line_and_changes_nothing() {
-    let home = Home::with("x.ast", &report(0.0));
-    let cases: [(&[&str], &[&str]); 8] = [
-        (&["x.ast"], &["--out FILE.jsonl", "--statistics"]),
-        (&["x.ast", "--out", "x.ast"], &["x.ast is the recording itself"]),
+    let folder = Folder::with_recording("x.ast", &report(0.0));
+    let cases: [(&str, &[&str]); 8] = [
+        ("x.ast", &["--out FILE.jsonl", "--statistics"]),
+        ("x.ast --out x.ast", &["x.ast is the recording itself"]),
+        ("x.ast --statistics --json ./x.ast", &["x.ast is the recording itself"]),
+        ("x.ast --out - --statistics", &["would mix on standard output"]),
+        ("x.ast --out y --json z", &["--statistics"]),
+        ("x.ast --out y --edition 21=7.7", &["category 021", "2.4", "0.23"]),
         (
-            &["x.ast", "--statistics", "--json", "./x.ast"],
-            &["x.ast is the recording itself"],
-        ),
-        (
-            &["x.ast", "--out", "-", "--statistics"],
-            &["would mix on standard output"],
-        ),
-        (&["x.ast", "--out", "y", "--json", "z"], &["--statistics"]),
-        (
-            &["x.ast", "--out", "y", "--edition", "21=7.7"],
-            &["category 021", "2.4", "0.23"],
-        ),
-        (
-            &["x.ast", "--out", "y", "--edition", "21=2.1", "--edition", "21=0.23"],
+            "x.ast --out y --edition 21=2.1 --edition 21=0.23",
             &["two editions of category 021"],
         ),
-        (
-            &["x.ast", "--out", "y", "--container", "zip"],
-            &["raw, pcap, pcapng and final"],
-        ),
+        ("x.ast --out y --container zip", &["raw, pcap, pcapng and final"]),
     ];
     for (arguments, expected) in cases {
-        let (code, line) = home.refused(arguments);
-        assert_eq!(code, 2, "{line}");
+        let line = folder.refusal(&format!("decode {arguments}"));
         for part in expected.iter().chain(&["koseki decode --help"]) {
             assert!(line.contains(part), "{part}: {line}");
         }
     }
-    assert_eq!(fs::read(home.path("x.ast")).unwrap(), report(0.0));
-    assert!(!home.path("y").exists());
+    assert_eq!(fs::read(folder.path("x.ast")).unwrap(), report(0.0));
+    assert!(!folder.path("y").exists());
 }
 
 #[test]
 fn files_that_cannot_be_read_or_written_are_failures() {
-    let home = Home::with("x.ast", &report(0.0));
+    let folder = Folder::with_recording("x.ast", &report(0.0));
     for (arguments, expected) in [
-        (["gone.ast", "--out", "y"], "gone.ast cannot be read"),
-        (["x.ast", "--out", "no/y"], "--out no/y cannot be made"),
+        ("gone.ast --out y", "gone.ast cannot be read"),
+        ("x.ast --out no/y", "--out no/y cannot be made"),
     ] {
-        let (code, line) = home.refused(&arguments);
-        assert!(code == 1 && line.contains(expected), "{code}: {line}");
+        let line = folder.line_of(1, &format!("decode {arguments}"));
+        assert!(line.contains(expected), "{line}");
     }
 }
 
 /// As in `koseki decode FILE --out - | head`.
 #[test]
 fn a_reader_who_has_seen_enough_is_no_failure() {
-    let home = Home::with("x.ast", &report(0.0).repeat(20_000));
-    let mut child = home
-        .command(&["x.ast", "--out", "-"])
+    let folder = Folder::with_recording("x.ast", &report(0.0).repeat(20_000));
+    let mut child = folder
+        .command("decode x.ast --out -")
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()

@@ -16,14 +16,11 @@
 //! All inputs are made here, by `koseki simulate` or from numbers: a difference in the golden file of an input
 //! (`inputs.txt`) explains all others.
 
-#[path = "common/folder.rs"]
-mod folder;
-
 use std::fmt::Write as _;
-use std::path::Path;
 
-use folder::Folder;
 use test_support::{Digest, Random, assert_golden, places};
+
+use crate::common::{Folder, repository};
 
 /// Rows of a table that a golden file shows.
 const SHOWN_MAX: usize = 200;
@@ -35,12 +32,7 @@ const COVARIANCE: [&str; 21] = [
 
 /// Compares with the file of this name in `tests/golden`.
 fn golden(name: &str, found: &str) {
-    assert_golden(
-        &Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../../tests/golden")
-            .join(name),
-        found,
-    );
+    assert_golden(&repository("tests/golden").join(name), found);
 }
 
 /// A value as golden files have it: numbers, also several joined by `|`, to three digits after the point.
@@ -258,7 +250,7 @@ impl Case {
     fn simulate(&self, folder: &Folder) -> String {
         let name = self.name;
         let world = include_str!("golden/world.toml");
-        folder.write(&format!("{name}.toml"), &format!("{world}\n{}", self.added));
+        folder.write(&format!("{name}.toml"), format!("{world}\n{}", self.added));
         let set: String = self.set.iter().map(|value| format!(" --set {value}")).collect();
         folder.succeed(&format!(
             "simulate --scenario {name}.toml --seed 1 --for {} --out {name}{set}",
@@ -387,6 +379,20 @@ fn track(scenario: &str, seconds: u32, what: &str, options: &str) -> String {
     let mut out = excerpt(what, &folder.read("tracks.csv"), shown, COVARIANCE);
     out += &hash_of("decisions", &folder.read("why.csv"));
     out + &hash_of("cues", &folder.read("cues.csv"))
+}
+
+/// Two targets that pass each other, each row with what is most easily understood.
+#[test]
+fn two_targets_that_pass_each_other_are_tracked_as_they_were() {
+    let folder = Folder::new();
+    folder.write("plots.csv", crate::track::scene_of(12));
+    folder.succeed("track --detections plots.csv --out tracks.csv");
+    let shown = ["time_s", "sensor_track_id", "x", "y", "vx", "state", "hypotheses"];
+    let tracks = folder.read("tracks.csv");
+    golden(
+        "track_passing.csv",
+        &excerpt("two targets that pass each other", &tracks, shown, COVARIANCE),
+    );
 }
 
 /// Plots of one radar, two of five of them false.

@@ -1,26 +1,20 @@
 //! `koseki locate` as a user calls it: bearings in, fixes out, and what is refused.
 
-#[path = "common/folder.rs"]
-mod folder;
-
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use folder::Folder;
 use serde_json::Value;
+use test_support::Random;
+
+use crate::common::Folder;
 
 const HEADER: &str = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad";
 
 /// Two emitters, 4 still and 9 drifting, seen from an aircraft that circles: a bearing of each every 2 s for `seconds`.
 fn flight(seconds: u32) -> String {
     let mut text = format!("{HEADER}\n");
-    let mut state = 12345u64;
-    let mut error = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 33) as f64 / (1u64 << 30) as f64 - 1.0) * 0.03
-    };
+    let mut random = Random::new(12345);
+    let mut error = || random.between(-0.03, 0.03);
     for step in 0..seconds / 2 {
         let time = 2.0 * f64::from(step);
         let angle = time / 50.0;
@@ -58,7 +52,7 @@ fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
 #[test]
 fn emitters_are_located_and_every_decision_has_a_row() {
     let folder = Folder::new();
-    folder.write("flight.csv", &flight(1_200));
+    folder.write("flight.csv", flight(1_200));
     let arguments =
         "locate --bearings flight.csv --out fixes.csv --explain why.csv --picture four.svg --emitter 4 --json";
     let (stdout, stderr) = folder.succeed(arguments);
@@ -114,7 +108,7 @@ fn emitters_are_located_and_every_decision_has_a_row() {
 #[test]
 fn filter_and_selection_are_taken_from_the_command_line_or_the_configuration() {
     let folder = Folder::new();
-    folder.write("flight.csv", &flight(1_200));
+    folder.write("flight.csv", flight(1_200));
     folder.write(
         "settings.toml",
         "[locating.motion]\nfilter = \"straight\"\n[locating.selection]\nselect = \"interval\"\ninterval_s = 60.0\n",
@@ -166,8 +160,8 @@ fn unusable_rows_are_left_out_and_said() {
 #[test]
 fn what_makes_no_sense_is_refused_and_leaves_nothing() {
     let folder = Folder::new();
-    folder.write("flight.csv", &flight(20));
-    folder.write("empty.csv", &format!("{HEADER}\n"));
+    folder.write("flight.csv", flight(20));
+    folder.write("empty.csv", format!("{HEADER}\n"));
     folder.write("short.csv", "time_s,emitter_id,bearing_rad,px,py,pz\n1,1,1,0,0,0\n");
     folder.write("bad.toml", "[locating.selection]\ninterval_s = -1.0\n");
     let before = folder.names();

@@ -1,59 +1,13 @@
 //! `koseki score` as a user calls it: figures as text and as JSON, and what it refuses.
 
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
 
-use serde_json::Value;
-use tempfile::TempDir;
-
-/// A folder with files to score.
-struct Files(TempDir);
-
-impl Files {
-    fn new(files: &[(&str, &str)]) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        for (name, text) in files {
-            fs::write(folder.path().join(name), text).unwrap();
-        }
-        Self(folder)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// Runs `koseki score` in the folder, with arguments apart by blanks.
-    fn score(&self, arguments: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_koseki"))
-            .arg("score")
-            .args(arguments.split_whitespace())
-            .current_dir(self.0.path())
-            .output()
-            .unwrap()
-    }
-
-    fn figures(&self, arguments: &str) -> Value {
-        let output = self.score(&format!("{arguments} --json"));
-        assert!(output.status.success(), "{output:?}");
-        serde_json::from_slice(&output.stdout).unwrap()
-    }
-
-    /// The one line with which a call is refused.
-    fn refusal(&self, arguments: &str) -> String {
-        let output = self.score(arguments);
-        assert_eq!(output.status.code(), Some(2), "{output:?}");
-        assert!(output.stdout.is_empty(), "{output:?}");
-        let line = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(line.lines().count(), 1, "{line}");
-        line
-    }
-}
+use crate::common::Folder;
 
 /// One target at rest; a track 3 m east and 4 m north of it.
-fn picture() -> Files {
+fn picture() -> Folder {
     let header = "time_s,system_track_id,x,y,z,vx,vy,vz";
-    Files::new(&[
+    Folder::with(&[
         (
             "truth.csv",
             "time_s,target_id,x,y,z,vx,vy,vz\n10,1,0,0,0,0,0,0\n11,1,0,0,0,0,0,0\n",
@@ -70,7 +24,7 @@ fn picture() -> Files {
 #[test]
 fn a_picture_is_scored_as_text_and_as_json() {
     let files = picture();
-    let found = files.figures("--truth truth.csv --tracks fused.csv");
+    let found = files.json("score --json --truth truth.csv --tracks fused.csv");
     for (word, expected) in [
         ("gospa", 5.0),
         ("rmse_pos", 5.0),
@@ -82,13 +36,13 @@ fn a_picture_is_scored_as_text_and_as_json() {
     assert_eq!((&found["id_switches"], &found["system_tracks"]), (&0.into(), &1.into()));
     assert!(found["direction_std_deg"].is_null(), "the target stands still");
     // Beyond the cut-off; and one second only.
-    let found = files.figures("--truth truth.csv --tracks fused.csv --c 4 --t0 11 --t1 11");
+    let found = files.json("score --json --truth truth.csv --tracks fused.csv --c 4 --t0 11 --t1 11");
     assert_eq!(
         (found["gospa"].as_f64(), found["missed_per_s"].as_f64()),
         (Some(4.0), Some(1.0))
     );
 
-    let output = files.score("--truth truth.csv --tracks fused.csv");
+    let output = files.run("score --truth truth.csv --tracks fused.csv");
     let text = String::from_utf8(output.stdout).unwrap();
     let line = text.lines().find(|line| line.starts_with("rmse_pos")).unwrap();
     assert_eq!(
@@ -128,7 +82,7 @@ fn what_cannot_be_scored_is_refused_with_file_place_and_remedy() {
         ),
         ("fixes --truth truth.csv --fixes fused.csv", "meta.json: cannot be read"),
     ] {
-        let line = files.refusal(arguments);
+        let line = files.refusal(&format!("score {arguments}"));
         assert!(line.contains(expected), "{arguments}: {line}");
     }
 }
@@ -138,26 +92,26 @@ fn several_runs_are_pooled_in_one_call() {
     let tracks = |x: u32| {
         format!("time_s,sensor_track_id,x,y,vx,vy,state\n10,4,{x},0,0,0,confirmed\n11,4,{x},0,0,0,confirmed\n")
     };
-    let files = Files::new(&[
+    let files = Folder::with(&[
         ("truth.csv", "time_s,target_id,x,y\n10,1,0,0\n11,1,0,0\n"),
         ("near.csv", &tracks(100)),
         ("far.csv", &tracks(5000)),
     ]);
-    let one = files.figures("tracks --truth truth.csv --tracks near.csv");
+    let one = files.json("score tracks --json --truth truth.csv --tracks near.csv");
     assert_eq!((one["count_right"].as_f64(), one.get("runs")), (Some(1.0), None));
-    let both = files.figures("tracks --truth truth.csv truth.csv --tracks near.csv far.csv");
+    let both = files.json("score tracks --json --truth truth.csv truth.csv --tracks near.csv far.csv");
     assert_eq!(
         (both["count_right"].as_f64(), &both["false_tracks"]),
         (Some(0.5), &1.into())
     );
     assert_eq!((&both["runs"], &both["each"][0]), (&2.into(), &one));
-    let wide = files.figures("tracks --truth truth.csv --tracks far.csv --gate 6000");
+    let wide = files.json("score tracks --json --truth truth.csv --tracks far.csv --gate 6000");
     assert_eq!(wide["covered"].as_f64(), Some(1.0));
 }
 
 #[test]
 fn fixes_are_scored_by_the_case_that_stands_beside_the_truth() {
-    let files = Files::new(&[
+    let files = Folder::with(&[
         (
             "meta.json",
             "{\"case\": \"turn\", \"baseline\": 10000.0, \"sigma_deg\": 1.0, \"runs\": 2, \"seed\": 1}",
@@ -169,15 +123,15 @@ fn fixes_are_scored_by_the_case_that_stands_beside_the_truth() {
              500,0,3,4,0,0,0,0,1,0,7\n502,0,3,4,0,0,0,0,1,0,7\n",
         ),
     ]);
-    let found = files.figures("fixes --truth truth.csv --fixes fixes.csv");
+    let found = files.json("score fixes --json --truth truth.csv --fixes fixes.csv");
     assert_eq!((&found["runs"], &found["runs_without_fix"]), (&1.into(), &1.into()));
     assert_eq!(
         (found["rmse"].as_f64(), found["raw_rmse"].as_f64()),
         (Some(5.0), Some(7.0))
     );
-    let pooled = files.figures("fixes --truth truth.csv truth.csv --fixes fixes.csv fixes.csv");
+    let pooled = files.json("score fixes --json --truth truth.csv truth.csv --fixes fixes.csv fixes.csv");
     assert_eq!((&pooled["runs"], &pooled["runs_without_fix"]), (&2.into(), &2.into()));
     fs::write(files.path("meta.json"), "{\"case\": \"loop\"}").unwrap();
-    let line = files.refusal("fixes --truth truth.csv --fixes fixes.csv");
+    let line = files.refusal("score fixes --truth truth.csv --fixes fixes.csv");
     assert!(line.contains("meta.json: ") && line.contains("`loop`"), "{line}");
 }

@@ -1,10 +1,7 @@
-//! Whoever looks on: `koseki top` in a terminal and in a pipe, and collectors of metrics, at deployments of real processes
-//! (PL-9).
+//! Whoever looks on: `koseki top` in a terminal and in a pipe, and collectors of metrics, at deployments of real
+//! processes (PL-9).
 //!
 //! Each test has its own folder for instances. Every wait is for a condition.
-
-#[path = "common/home.rs"]
-mod home;
 
 use std::fs::File;
 use std::io::{Read as _, Write as _};
@@ -14,10 +11,12 @@ use std::process::{Child, ExitStatus};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 
-use home::{Home, Running, kill, read, until};
 use rustix::process::Signal;
 use rustix::pty::{OpenptFlags, grantpt, ioctl_tiocgptpeer, openpt, unlockpt};
 use rustix::termios::{LocalModes, Winsize, tcgetattr, tcsetwinsize};
+
+use crate::common::home::read;
+use crate::common::{Home, Running, kill, until};
 
 /// Switch to another screen, and back.
 const ENTER: &str = "\x1b[?1049h";

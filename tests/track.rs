@@ -2,79 +2,13 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use serde_json::Value;
-use tempfile::TempDir;
+use test_support::{Random, column};
+
+use crate::common::Folder;
 
 const HEADER: &str = "time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz,truth_id";
-
-/// A folder to work in.
-struct Folder(TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).unwrap();
-    }
-
-    /// Writes detections with their header.
-    fn detections(&self, name: &str, rows: &[String]) {
-        self.write(name, &format!("{HEADER}\n{}\n", rows.join("\n")));
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    /// Runs `koseki track` in the folder, with arguments apart by blanks.
-    fn run(&self, arguments: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_koseki"))
-            .arg("track")
-            .args(arguments.split_whitespace())
-            .current_dir(self.0.path())
-            .output()
-            .unwrap()
-    }
-
-    /// What it says of files that it takes.
-    fn track(&self, arguments: &str) -> Value {
-        let output = self.run(&format!("{arguments} --json"));
-        assert_eq!(output.status.code(), Some(0), "{arguments}: {output:?}");
-        serde_json::from_slice(&output.stdout).unwrap()
-    }
-
-    /// The one line with which a call is refused; nothing is written then.
-    fn refusal(&self, arguments: &str) -> String {
-        let output = self.run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments}: {output:?}");
-        let line = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(line.lines().count(), 1, "{line}");
-        assert!(!self.path("tracks.csv").exists(), "{line}");
-        line
-    }
-}
-
-/// Numbers in [0, 1) without pattern.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 fn position(time_s: f64, scan: usize, number: usize, [east, north]: [f64; 2]) -> String {
     format!("{time_s},1,{scan},{number},position2,{east:.3},{north:.3},,,50,50,,,0,0,0,")
@@ -82,10 +16,10 @@ fn position(time_s: f64, scan: usize, number: usize, [east, north]: [f64; 2]) ->
 
 /// Two targets that fly past each other, a false detection or two per scan of 4 s, and a miss now and then.
 fn scene(scans: usize) -> Vec<String> {
-    let (mut random, mut rows) = (Random(1), Vec::new());
+    let (mut random, mut rows) = (Random::new(1), Vec::new());
     for scan in 0..scans {
         let time_s = 4.0 * scan as f64;
-        let mut off = || 100.0 * (random.next() + random.next() - 1.0);
+        let mut off = || 100.0 * (random.unit() + random.unit() - 1.0);
         let mut places = vec![
             [-8000.0 + 150.0 * time_s + off(), 500.0 + off()],
             [8000.0 - 150.0 * time_s + off(), -500.0 + off()],
@@ -94,7 +28,7 @@ fn scene(scans: usize) -> Vec<String> {
             places.remove(scan % 2);
         }
         for _ in 0..1 + scan % 2 {
-            places.push([20e3 * (random.next() - 0.5), 20e3 * (random.next() - 0.5)]);
+            places.push([20e3 * (random.unit() - 0.5), 20e3 * (random.unit() - 0.5)]);
         }
         for (number, place) in places.into_iter().enumerate() {
             rows.push(position(time_s, scan, number, place));
@@ -103,21 +37,37 @@ fn scene(scans: usize) -> Vec<String> {
     rows
 }
 
-/// The values of a column.
-fn column(text: &str, name: &str) -> Vec<String> {
-    let mut lines = text.lines();
-    let place = lines.next().unwrap().split(',').position(|found| found == name);
-    let place = place.unwrap_or_else(|| panic!("no column {name}"));
-    lines
-        .map(|line| line.split(',').nth(place).unwrap().to_owned())
-        .collect()
+/// A table of detections.
+fn table(rows: &[String]) -> String {
+    format!("{HEADER}\n{}\n", rows.join("\n"))
+}
+
+/// The table of the scene of so many scans.
+pub(crate) fn scene_of(scans: usize) -> String {
+    table(&scene(scans))
+}
+
+fn write(folder: &Folder, name: &str, rows: &[String]) {
+    folder.write(name, table(rows));
+}
+
+/// What `koseki track` says of files that it takes.
+fn track(folder: &Folder, arguments: &str) -> Value {
+    folder.json(&format!("track {arguments} --json"))
+}
+
+/// The one line with which `koseki track` refuses a call; nothing is written then.
+fn refusal(folder: &Folder, arguments: &str) -> String {
+    let line = folder.refusal(&format!("track {arguments}"));
+    assert!(!folder.path("tracks.csv").exists(), "{line}");
+    line
 }
 
 #[test]
 fn two_targets_that_pass_each_other_have_a_track_each() {
     let folder = Folder::new();
-    folder.detections("plots.csv", &scene(28));
-    let said = folder.track("--detections plots.csv --out tracks.csv");
+    write(&folder, "plots.csv", &scene(28));
+    let said = track(&folder, "--detections plots.csv --out tracks.csv");
     assert_eq!(
         (&said["scans"], &said["tracks"], &said["live_tracks"]),
         (&28.into(), &2.into(), &2.into())
@@ -159,46 +109,21 @@ fn two_targets_that_pass_each_other_have_a_track_each() {
     assert!((0.3..0.6).contains(&share), "{share}");
 }
 
-/// A change of these rows is a change of what the tracker does, and is to be explained where it is made.
-#[test]
-fn a_run_is_as_it_was() {
-    let folder = Folder::new();
-    folder.detections("plots.csv", &scene(12));
-    folder.track("--detections plots.csv --out tracks.csv");
-    let tracks = folder.read("tracks.csv");
-    let columns =
-        ["time_s", "sensor_track_id", "x", "y", "vx", "state", "hypotheses"].map(|name| column(&tracks, name));
-    let mut found = String::new();
-    for row in 0..columns[0].len() {
-        let values: Vec<&str> = columns.iter().map(|column| column[row].as_str()).collect();
-        writeln!(found, "{}", values.join(",")).unwrap();
-    }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/track.csv");
-    if std::env::var_os("UPDATE_GOLDEN").is_some() {
-        fs::write(&path, &found).unwrap();
-    }
-    let expected = fs::read_to_string(&path).unwrap();
-    assert!(
-        found == expected,
-        "differs from tests/golden/track.csv; UPDATE_GOLDEN=1 accepts it\n{found}"
-    );
-}
-
 #[test]
 fn neither_the_order_of_rows_nor_their_number_of_files_matters() {
     let folder = Folder::new();
     let mut rows = scene(20);
-    folder.detections("plots.csv", &rows);
-    folder.track("--detections plots.csv --out tracks.csv");
+    write(&folder, "plots.csv", &rows);
+    track(&folder, "--detections plots.csv --out tracks.csv");
     let expected = folder.read("tracks.csv");
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     for place in (1..rows.len()).rev() {
-        rows.swap(place, (random.next() * place as f64) as usize);
+        rows.swap(place, (random.unit() * place as f64) as usize);
     }
     let (one, other) = rows.split_at(17);
-    folder.detections("one.csv", one);
-    folder.detections("other.csv", other);
-    folder.track("--detections one.csv other.csv --out again.csv");
+    write(&folder, "one.csv", one);
+    write(&folder, "other.csv", other);
+    track(&folder, "--detections one.csv other.csv --out again.csv");
     assert!(folder.read("again.csv") == expected);
 }
 
@@ -220,8 +145,8 @@ fn a_configuration_is_heard_and_sensors_of_all_kinds_meet_in_one_track() {
             "{time_s},9,{scan},0,range_bearing,{range},{bearing},,{rate},10,0.001,,1,0,0,0,"
         ));
     }
-    folder.detections("all.csv", &rows);
-    let line = folder.refusal("--detections all.csv --out tracks.csv");
+    write(&folder, "all.csv", &rows);
+    let line = refusal(&folder, "--detections all.csv --out tracks.csv");
     assert!(
         line.contains("all.csv: no detection of sensor 3 states standard deviations"),
         "{line}"
@@ -230,13 +155,13 @@ fn a_configuration_is_heard_and_sensors_of_all_kinds_meet_in_one_track() {
     let known = |id: u32, more: &str| format!("[[sensor]]\nid = {id}\nclutter_density = 1e-8\n{more}");
     let sensors = known(3, "sigmas = [10, 10]\n") + &known(9, "[confirmation]\ndetections_min = 4\n");
     folder.write("sensors.toml", &sensors);
-    let said = folder.track("--detections all.csv --config sensors.toml --out tracks.csv");
+    let said = track(&folder, "--detections all.csv --config sensors.toml --out tracks.csv");
     assert_eq!((&said["tracks"], &said["scans"]), (&1.into(), &36.into()));
     let first = column(&folder.read("tracks.csv"), "time_s")[0].parse::<f64>().unwrap();
     assert!(first >= 1.0, "four detections: {first}");
     folder.write("wrong.toml", "[confirmation]\ndetection_min = 4\n");
     let _ = fs::remove_file(folder.path("tracks.csv"));
-    let line = folder.refusal("--detections all.csv --config wrong.toml --out tracks.csv");
+    let line = refusal(&folder, "--detections all.csv --config wrong.toml --out tracks.csv");
     assert!(line.contains("wrong.toml:2: unknown field `detection_min`"), "{line}");
 }
 
@@ -256,8 +181,8 @@ fn bad_rows_are_left_out_and_counted_with_their_place() {
     ] {
         rows.push(bad.to_owned());
     }
-    folder.detections("plots.csv", &rows);
-    let said = folder.track("--detections plots.csv --out tracks.csv");
+    write(&folder, "plots.csv", &rows);
+    let said = track(&folder, "--detections plots.csv --out tracks.csv");
     assert_eq!((&said["rows_refused"], &said["tracks"]), (&8.into(), &2.into()));
     let first = said["first_refused"][0].as_str().unwrap();
     let line = rows.len() - 8 + 2;
@@ -265,7 +190,7 @@ fn bad_rows_are_left_out_and_counted_with_their_place() {
         first.contains(&format!("plots.csv: line {line}, column m0")) && first.contains("NaN") || first.contains("nan"),
         "{first}"
     );
-    let text = String::from_utf8(folder.run("--detections plots.csv --out tracks.csv").stderr).unwrap();
+    let text = String::from_utf8(folder.run("track --detections plots.csv --out tracks.csv").stderr).unwrap();
     for expected in ["left out: 8 rows", "2 confirmed", "time per scan: median", "28 scans"] {
         assert!(text.contains(expected) || expected == "28 scans", "{expected}: {text}");
     }
@@ -275,13 +200,13 @@ fn bad_rows_are_left_out_and_counted_with_their_place() {
 fn files_that_are_none_are_refused_in_one_line() {
     let folder = Folder::new();
     folder.write("empty.csv", "");
-    folder.write("header.csv", &format!("{HEADER}\n"));
+    folder.write("header.csv", format!("{HEADER}\n"));
     folder.write(
         "tracks_of_another.csv",
         "time_s,sensor_id,sensor_track_id,x,y\n1,1,1,1,1\n",
     );
-    folder.detections("wrong.csv", &["1,1,1,1,plot,1,1,,,5,5,,,0,0,0,".to_owned()]);
-    folder.detections("good.csv", &scene(3));
+    write(&folder, "wrong.csv", &["1,1,1,1,plot,1,1,,,5,5,,,0,0,0,".to_owned()]);
+    write(&folder, "good.csv", &scene(3));
     for (arguments, expected) in [
         ("--detections gone.csv --out tracks.csv", "gone.csv: cannot be read"),
         ("--detections . --out tracks.csv", "is a folder"),
@@ -311,13 +236,13 @@ fn files_that_are_none_are_refused_in_one_line() {
         ("--out tracks.csv", "--detections"),
         ("--detections good.csv", "--out"),
     ] {
-        let line = folder.refusal(arguments);
+        let line = refusal(&folder, arguments);
         assert!(
             line.starts_with("koseki: ") && line.contains(expected),
             "{arguments}: {line}"
         );
     }
-    let output = folder.run("--detections good.csv --out gone/tracks.csv");
+    let output = folder.run("track --detections good.csv --out gone/tracks.csv");
     assert_eq!(output.status.code(), Some(1), "{output:?}");
 }
 
@@ -327,9 +252,9 @@ fn hostile_scans_are_bounded_and_counted() {
     // Two tracks, then 10,000 detections in a gate, all of them the same in the next scan, and none for minutes.
     let mut rows = scene(8);
     let before = rows.len() as u64;
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for number in 0..10_000 {
-        let place = [-3250.0 + 100.0 * random.next(), 450.0 + 100.0 * random.next()];
+        let place = [-3250.0 + 100.0 * random.unit(), 450.0 + 100.0 * random.unit()];
         rows.push(position(32.0, 8, number, place));
     }
     rows.extend((0..10_000).map(|number| position(36.0, 9, number, [-2600.0, 500.0])));
@@ -337,8 +262,8 @@ fn hostile_scans_are_bounded_and_counted() {
     // A scan number that is greater at an earlier time, and times a day apart.
     rows.push(position(2.0, 110, 0, [0.0, 0.0]));
     rows.push(position(90_000.0, 110, 1, [0.0, 0.0]));
-    folder.detections("plots.csv", &rows);
-    let said = folder.track("--detections plots.csv --out tracks.csv");
+    write(&folder, "plots.csv", &rows);
+    let said = track(&folder, "--detections plots.csv --out tracks.csv");
     let refused = &said["refused_by_tracker"];
     assert!(refused["unmade_comparisons"].as_u64().unwrap() > 1000, "{said}");
     assert!(refused["unusable_detections"].as_u64().unwrap() >= 1, "{said}");
@@ -350,7 +275,7 @@ fn hostile_scans_are_bounded_and_counted() {
 
 #[test]
 fn its_help_teaches() {
-    let output = Folder::new().run("--help");
+    let output = Folder::new().run("track --help");
     let text = String::from_utf8(output.stdout).unwrap();
     for expected in [
         "Examples:",
@@ -366,10 +291,10 @@ fn its_help_teaches() {
 #[test]
 fn decisions_are_explained() {
     let folder = Folder::new();
-    folder.detections("plots.csv", &scene(12));
-    folder.track("--detections plots.csv --out tracks.csv --explain why.csv");
+    write(&folder, "plots.csv", &scene(12));
+    track(&folder, "--detections plots.csv --out tracks.csv --explain why.csv");
     let with = folder.read("tracks.csv");
-    folder.track("--detections plots.csv --out without.csv");
+    track(&folder, "--detections plots.csv --out without.csv");
     assert!(with == folder.read("without.csv"), "an observer changes nothing");
     let why = folder.read("why.csv");
     let (events, probabilities) = (column(&why, "event"), column(&why, "probability"));
@@ -408,8 +333,8 @@ fn a_recording_of_the_ferry_is_read_as_it_is() {
             r#"{{"sensorID": 2, "ownshipPosition": [-10, 20], "time": {time}, "measurement": [{north}, {east}]}}"#
         ));
     }
-    folder.write("ferry.json", &format!("[{}]", json.join(",\n")));
-    let line = folder.refusal("--detections ferry.json --out tracks.csv");
+    folder.write("ferry.json", format!("[{}]", json.join(",\n")));
+    let line = refusal(&folder, "--detections ferry.json --out tracks.csv");
     assert!(
         line.contains("no detection of sensor 2 states standard deviations"),
         "{line}"
@@ -417,9 +342,9 @@ fn a_recording_of_the_ferry_is_read_as_it_is() {
     let near = "[initiation]\nspeed_sigma_mps = 5.0\n";
     folder.write(
         "ferry.toml",
-        &format!("[[sensor]]\nid = 2\nsigmas = [3.0, 3.0]\nclutter_density = 1e-6\n{near}"),
+        format!("[[sensor]]\nid = 2\nsigmas = [3.0, 3.0]\nclutter_density = 1e-6\n{near}"),
     );
-    let said = folder.track("--detections ferry.json --config ferry.toml --out tracks.csv");
+    let said = track(&folder, "--detections ferry.json --config ferry.toml --out tracks.csv");
     assert_eq!((&said["tracks"], &said["scans"]), (&1.into(), &20.into()));
     let tracks = folder.read("tracks.csv");
     let last = |name: &str| column(&tracks, name).last().unwrap().parse::<f64>().unwrap();
@@ -431,16 +356,16 @@ fn a_recording_of_the_ferry_is_read_as_it_is() {
     assert!((last("time_s") - 44_819.5).abs() < 1e-3, "{tracks}");
     folder.write("broken.json", "[{\"sensorID\": 9}]");
     let _ = fs::remove_file(folder.path("tracks.csv"));
-    let line = folder.refusal("--detections broken.json --config ferry.toml --out tracks.csv");
+    let line = refusal(&folder, "--detections broken.json --config ferry.toml --out tracks.csv");
     assert!(line.contains("broken.json: detections: missing field"), "{line}");
 }
 
 /// Two targets side by side, of which every fifth scan shows both; a report of two every eight seconds.
 fn side_by_side() -> (Vec<String>, String) {
-    let (mut random, mut rows) = (Random(3), Vec::new());
+    let (mut random, mut rows) = (Random::new(3), Vec::new());
     let mut reports = "time_s,arrival_s,x,y,z,vx,vy,vz,count,route\n".to_owned();
     for scan in 0..60 {
-        let (time_s, mut off) = (2.0 * scan as f64, || 60.0 * (random.next() + random.next() - 1.0));
+        let (time_s, mut off) = (2.0 * scan as f64, || 60.0 * (random.unit() + random.unit() - 1.0));
         let north = 20e3 - 150.0 * time_s;
         let easts: &[f64] = if scan % 5 == 3 { &[-100.0, 100.0] } else { &[0.0] };
         for (number, east) in easts.iter().enumerate() {
@@ -465,17 +390,20 @@ fn side_by_side() -> (Vec<String>, String) {
 fn a_wide_area_count_is_used_without_a_detection_more() {
     let folder = Folder::new();
     let (rows, reports) = side_by_side();
-    folder.detections("plots.csv", &rows);
+    write(&folder, "plots.csv", &rows);
     let bad = "10,5,0,0,0,0,0,0,2,\n10,12,0,0,0,0,0,0,10000,\n10,12,0,0,0,0,0,0,two,\n10,12,9e9,0,0,0,0,0,2,\n";
-    folder.write("counts.csv", &format!("{reports}{bad}"));
+    folder.write("counts.csv", format!("{reports}{bad}"));
     folder.write("silent.csv", "time_s,arrival_s,x,y,z,vx,vy,vz,count\n");
-    let without = folder.track("--detections plots.csv --out without.csv");
+    let without = track(&folder, "--detections plots.csv --out without.csv");
     assert!(without["wide_area"].is_null());
-    let silent = folder.track("--detections plots.csv --wide-area silent.csv --out silent_tracks.csv");
+    let silent = track(
+        &folder,
+        "--detections plots.csv --wide-area silent.csv --out silent_tracks.csv",
+    );
     assert_eq!(silent["wide_area"]["reports"], 0);
     let same = folder.read("without.csv") == folder.read("silent_tracks.csv");
     assert!(same, "no report changes nothing");
-    let with = folder.track("--detections plots.csv --wide-area counts.csv --out with.csv");
+    let with = track(&folder, "--detections plots.csv --wide-area counts.csv --out with.csv");
     assert_eq!(with["detections"], without["detections"]);
     let support = &with["wide_area"];
     assert_eq!(support["rows_refused"], 1, "{with}");
@@ -483,8 +411,11 @@ fn a_wide_area_count_is_used_without_a_detection_more() {
     assert!(support["corrections"].as_u64() > Some(0), "{with}");
     let refused = support["refused"].as_object().unwrap().values();
     assert_eq!(refused.filter_map(Value::as_u64).sum::<u64>(), 3, "{with}");
-    let line = folder.refusal("--detections plots.csv --wide-area plots.csv --out tracks.csv");
+    let line = refusal(&folder, "--detections plots.csv --wide-area plots.csv --out tracks.csv");
     assert!(line.contains("arrival_s"), "{line}");
-    let line = folder.refusal("--detections plots.csv --wide-area counts.csv --out counts.csv");
+    let line = refusal(
+        &folder,
+        "--detections plots.csv --wide-area counts.csv --out counts.csv",
+    );
     assert!(line.contains("counts.csv is an input"), "{line}");
 }

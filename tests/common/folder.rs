@@ -1,11 +1,8 @@
 //! A folder in which the executable is called as a user calls it.
 
-// Every test program uses its own part of this.
-#![allow(dead_code, reason = "each test program compiles this module, and uses a part of it")]
-
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::Value;
@@ -19,12 +16,30 @@ impl Folder {
         Self(tempfile::tempdir().unwrap())
     }
 
+    /// A folder not in `$TMPDIR`, because the paths of sockets must be short.
+    pub(crate) fn of_short_path() -> Self {
+        Self(tempfile::Builder::new().prefix("k").tempdir_in("/tmp").unwrap())
+    }
+
+    /// A folder with these files.
+    pub(crate) fn with<T: AsRef<[u8]>>(files: &[(&str, T)]) -> Self {
+        let folder = Self::new();
+        for (name, content) in files {
+            folder.write(name, content);
+        }
+        folder
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        self.0.path()
+    }
+
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    pub(crate) fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).unwrap();
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.path(name), content).unwrap();
     }
 
     pub(crate) fn read(&self, name: &str) -> String {
@@ -39,13 +54,15 @@ impl Folder {
             .collect()
     }
 
-    /// Runs `koseki` in the folder, with arguments apart by blanks.
+    /// `koseki` in the folder, with arguments apart by blanks.
+    pub(crate) fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_koseki"));
+        command.args(arguments.split_whitespace()).current_dir(self.0.path());
+        command
+    }
+
     pub(crate) fn run(&self, arguments: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_koseki"))
-            .args(arguments.split_whitespace())
-            .current_dir(self.0.path())
-            .output()
-            .unwrap()
+        self.command(arguments).output().unwrap()
     }
 
     /// What it prints where it succeeds: standard output, standard error.
@@ -60,13 +77,18 @@ impl Folder {
         serde_json::from_str(&self.succeed(arguments).0).unwrap()
     }
 
-    /// The one line with which a call is refused.
-    pub(crate) fn refusal(&self, arguments: &str) -> String {
+    /// The one line with which a call fails or is refused, after this exit code.
+    pub(crate) fn line_of(&self, code: i32, arguments: &str) -> String {
         let output = self.run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments}: {output:?}");
+        assert_eq!(output.status.code(), Some(code), "{arguments}: {output:?}");
         assert!(output.stdout.is_empty(), "{output:?}");
         let line = String::from_utf8(output.stderr).unwrap();
         assert_eq!(line.lines().count(), 1, "{line}");
         line
+    }
+
+    /// The one line with which a call is refused.
+    pub(crate) fn refusal(&self, arguments: &str) -> String {
+        self.line_of(2, arguments)
     }
 }

@@ -3,11 +3,9 @@
 //! Each test has its own folder for instances, so tests can run side by side. Nothing here waits for a time to pass:
 //! every wait is for a condition, and its limit only ends a test that hangs.
 
-// Each test file uses its part of it.
-#![allow(dead_code)]
-
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::ops::Deref;
+use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
@@ -16,28 +14,32 @@ use std::time::{Duration, Instant};
 use bus::Root;
 use rustix::process::{Pid, Signal, kill_process};
 
+use super::folder::Folder;
+
 /// Far longer than anything takes, so that only a real hang ends it.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(90);
 
 /// A folder for instances and files of one test.
-pub(crate) struct Home(tempfile::TempDir);
+pub(crate) struct Home(Folder);
+
+impl Deref for Home {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
 
 impl Home {
     pub(crate) fn new() -> Self {
-        // Not in $TMPDIR: the paths of sockets must be short.
-        Self(tempfile::Builder::new().prefix("k").tempdir_in("/tmp").unwrap())
-    }
-
-    pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        Self(Folder::of_short_path())
     }
 
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_koseki"));
+        let mut command = self.0.command("");
         command
             .args(arguments)
-            .current_dir(self.0.path())
-            .env("XDG_RUNTIME_DIR", self.0.path())
+            .env("XDG_RUNTIME_DIR", self.0.folder())
             .env_remove("KOSEKI_DATA")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -109,7 +111,7 @@ impl Home {
 
     /// Live processes that were started in this home.
     pub(crate) fn processes(&self) -> Vec<String> {
-        let mark = format!("XDG_RUNTIME_DIR={}", self.0.path().display());
+        let mark = format!("XDG_RUNTIME_DIR={}", self.0.folder().display());
         let mut found = Vec::new();
         for entry in fs::read_dir("/proc").unwrap().flatten() {
             let environment = fs::read(entry.path().join("environ")).unwrap_or_default();

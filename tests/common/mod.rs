@@ -1,50 +1,48 @@
-//! What tests of the executable share: a deployment of their own.
+//! Places in which the executable is called, and what is sent to it there.
 
-use std::path::Path;
-use std::process::Command;
+pub(crate) mod counted_pair;
+pub(crate) mod folder;
+pub(crate) mod home;
 
-/// A place where a test's deployment lives, apart from every other one's.
-pub(crate) struct Deployment {
-    folder: tempfile::TempDir,
-    name: String,
+use std::collections::BTreeSet;
+use std::net::{SocketAddr, UdpSocket};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use frames::{Geodetic, SystemFrame};
+
+pub(crate) use folder::Folder;
+pub(crate) use home::{Home, Running, kill, until};
+
+/// Nanoseconds of a second.
+pub(crate) const S: i64 = 1_000_000_000;
+/// Latitude and longitude of the origin of the tests' deployments, degrees.
+pub(crate) const PLACE: [f64; 2] = [41.297063, 2.078447];
+
+/// A file or folder of the repository, by its path there.
+pub(crate) fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
 }
 
-impl Deployment {
-    /// A place for a deployment that will run as `name`.
-    pub(crate) fn new(name: &str) -> Self {
-        // Not `$TMPDIR`: names of sockets must be short.
-        let folder = tempfile::Builder::new().prefix("ks").tempdir_in("/tmp").unwrap();
-        Self {
-            folder,
-            name: name.to_owned(),
+/// The time now, nanoseconds since 1970 (UTC).
+pub(crate) fn utc_ns() -> i64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64
+}
+
+/// The origin of the tests' deployments, and the system frame there.
+pub(crate) fn system() -> (Geodetic, SystemFrame) {
+    let place = Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap();
+    (place, SystemFrame::at(place))
+}
+
+/// An address on the loopback interface whose UDP port was free a moment ago; no other test gets it.
+pub(crate) fn free_address() -> SocketAddr {
+    static GIVEN: Mutex<BTreeSet<u16>> = Mutex::new(BTreeSet::new());
+    loop {
+        let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        if GIVEN.lock().unwrap().insert(address.port()) {
+            return address;
         }
-    }
-
-    /// A folder that is removed with the deployment.
-    pub(crate) fn folder(&self) -> &Path {
-        self.folder.path()
-    }
-
-    /// The executable with arguments, to be run in this place.
-    pub(crate) fn koseki(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_koseki"));
-        command
-            .args(arguments)
-            .env("XDG_RUNTIME_DIR", self.folder())
-            .env_remove("KOSEKI_DATA");
-        command
-    }
-
-    /// Asserts that the deployment, which has ended, has left neither process nor file.
-    pub(crate) fn assert_nothing_left(&self) {
-        let root = bus::Root::in_base(self.folder().join("koseki"), &self.name).unwrap();
-        let shared = std::fs::read_dir("/dev/shm")
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name());
-        let ours: Vec<_> = shared
-            .filter(|name| name.to_string_lossy().starts_with(root.prefix()))
-            .collect();
-        assert!(ours.is_empty(), "left in shared memory: {ours:?}");
-        assert!(!root.path().exists(), "left behind: {}", root.path().display());
     }
 }

@@ -10,4 +10,4 @@ mod table;
 pub use golden::{Digest, assert_golden};
 pub use random::Random;
 pub use recordings::{recording, recordings};
-pub use table::{column, numbers, places};
+pub use table::{column, numbers, places, rows};

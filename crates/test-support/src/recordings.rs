@@ -14,7 +14,8 @@ pub fn recordings(part: &str) -> Option<PathBuf> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let folder = std::env::var_os("KOSEKI_DATA").map_or(default, PathBuf::from);
     if folder.join(part).exists() {
-        return Some(folder);
+        // Commands may be called elsewhere.
+        return Some(std::path::absolute(folder).expect("a working directory"));
     }
     let absent = format!("no recording at {} (set KOSEKI_DATA)", folder.join(part).display());
     assert!(

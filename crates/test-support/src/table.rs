@@ -11,15 +11,26 @@ pub fn places<const N: usize>(header: &str, names: [&str; N]) -> [usize; N] {
     })
 }
 
+/// The values of the columns of these names, row by row.
+///
+/// # Panics
+/// If there is no column of a name.
+pub fn rows<const N: usize>(text: &str, names: [&str; N]) -> Vec<[String; N]> {
+    let mut lines = text.lines();
+    let places = places(lines.next().unwrap_or_default(), names);
+    let row = |line: &str| {
+        let values: Vec<&str> = line.split(',').collect();
+        places.map(|place| values[place].to_owned())
+    };
+    lines.map(row).collect()
+}
+
 /// The values of the column of this name.
 ///
 /// # Panics
 /// If there is none.
 pub fn column(text: &str, name: &str) -> Vec<String> {
-    let mut lines = text.lines();
-    let [place] = places(lines.next().unwrap_or_default(), [name]);
-    let value = |line: &str| line.split(',').nth(place).expect("a value for each name").to_owned();
-    lines.map(value).collect()
+    rows(text, [name]).into_iter().flatten().collect()
 }
 
 /// The values of a column of numbers.

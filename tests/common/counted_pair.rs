@@ -1,24 +1,21 @@
 //! Two targets that a radar mostly sees as one, and a deployment whose tracker listens to somebody who counts them.
 
-// Each test file uses its part of it.
-#![allow(dead_code)]
-
 use std::fs;
 use std::net::{SocketAddr, UdpSocket};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use asterix::registry;
 use bus::{Bus, SharedMemory};
+use frames::SensorFrame;
 use frames::time::NS_PER_DAY;
-use frames::{Geodetic, SensorFrame, SystemFrame};
 use outgoing::SensorReports;
 
-use crate::home::{Home, Running, until};
+use super::home::{Home, Running, until};
+use super::{PLACE, free_address, system, utc_ns};
 
 /// Time between two turns of the radar, and how fast its targets fly.
 pub(crate) const PERIOD: Duration = Duration::from_millis(200);
 pub(crate) const SPEED_MPS: f64 = 100.0;
-pub(crate) const PLACE: [f64; 2] = [41.297063, 2.078447];
 pub(crate) const NS: f64 = 1e9;
 pub(crate) const HEADER: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count\n";
 pub(crate) const TRACKER: &str = "scans = \"turn\"\ndetection_probability = 0.9\nclutter_density = 1e-9\n[source.tracker.motion]\n\
@@ -36,21 +33,6 @@ pub(crate) struct Radar {
     pub(crate) reports: SensorReports,
     pub(crate) turns: usize,
     pub(crate) period_s: f64,
-}
-
-pub(crate) fn utc_ns() -> i64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64
-}
-
-pub(crate) fn system() -> (Geodetic, SystemFrame) {
-    let place = Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap();
-    (place, SystemFrame::at(place))
-}
-
-/// Ports that were free a moment ago.
-pub(crate) fn free_ports() -> [SocketAddr; 2] {
-    let sockets = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
-    sockets.map(|socket| socket.local_addr().unwrap())
 }
 
 impl Radar {
@@ -91,7 +73,7 @@ impl Radar {
 impl Site {
     /// A radar whose tracker listens to a wide-area sensor that is configured like this, behind receiver `link` or not.
     pub(crate) fn live(sensor: &str) -> Self {
-        let [radar, remote] = free_ports();
+        let [radar, remote] = [free_address(), free_address()];
         let receiver = |name: &str, listen: SocketAddr| {
             format!("[[receiver]]\nname = \"{name}\"\n[receiver.udp]\nlisten = \"{listen}\"\n")
         };

@@ -1,11 +1,10 @@
-//! `koseki fuse`, `koseki simulate` and `koseki compare` as a user calls them: files in, files out, and what is refused.
-
-#[path = "common/folder.rs"]
-mod folder;
+//! `koseki fuse` and `koseki compare` as a user calls them: files in, files out, and what is refused.
 
 use std::collections::BTreeSet;
 
-use folder::Folder;
+use test_support::column;
+
+use crate::common::Folder;
 
 const HEADER: &str = "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,P02,P03,P04,P05,P11,P12,P13,P14,P15,\
                       P22,P23,P24,P25,P33,P34,P35,P44,P45,P55,state";
@@ -38,20 +37,10 @@ fn truth() -> String {
 /// Two sensors, 7 and 9, in a file each, and the truth.
 fn two_sensors() -> Folder {
     let folder = Folder::new();
-    folder.write("a.csv", &sensor(7, 2.0, 0.25));
-    folder.write("b.csv", &sensor(9, 4.0, 1.5));
-    folder.write("truth.csv", &truth());
+    folder.write("a.csv", sensor(7, 2.0, 0.25));
+    folder.write("b.csv", sensor(9, 4.0, 1.5));
+    folder.write("truth.csv", truth());
     folder
-}
-
-/// The values of a column.
-fn column(text: &str, name: &str) -> Vec<String> {
-    let mut lines = text.lines();
-    let place = lines.next().unwrap().split(',').position(|found| found == name);
-    let place = place.unwrap_or_else(|| panic!("no column {name}"));
-    lines
-        .map(|line| line.split(',').nth(place).unwrap().to_owned())
-        .collect()
 }
 
 #[test]
@@ -112,7 +101,7 @@ fn the_same_files_give_the_same_bytes() {
         let time = |row: &str| row.split(',').next().unwrap().parse::<f64>().unwrap();
         time(one).total_cmp(&time(other))
     });
-    folder.write("both.csv", &format!("{header}\n{}\n", rows.join("\n")));
+    folder.write("both.csv", format!("{header}\n{}\n", rows.join("\n")));
     folder.succeed("fuse --tracks a.csv b.csv --refresh 0.5 --out one.csv --explain why.csv");
     folder.succeed("fuse --tracks b.csv a.csv --refresh 0.5 --out two.csv --explain why_two.csv");
     folder.succeed("fuse --tracks both.csv --refresh 0.5 --out three.csv");
@@ -172,8 +161,8 @@ fn rows_that_cannot_be_used_are_left_out_counted_and_named() {
 fn what_cannot_be_fused_is_refused_in_one_line_and_nothing_is_written() {
     let folder = two_sensors();
     folder.write("other.csv", "time_s,x\n1,2\n");
-    folder.write("header.csv", &format!("{HEADER}\n"));
-    folder.write("useless.csv", &format!("{HEADER}\n1,1,1\n"));
+    folder.write("header.csv", format!("{HEADER}\n"));
+    folder.write("useless.csv", format!("{HEADER}\n1,1,1\n"));
     folder.write("wrong.toml", "[fusion]\nspeed = 1\n");
     folder.write("twice.toml", "[[sensor]]\nid = 7\n[[sensor]]\nid = 7\n");
     folder.write(
@@ -258,46 +247,6 @@ fn a_configuration_says_what_is_known_better() {
         .map(|sensor| (&sensor["name"], sensor["period_s"].as_f64()))
         .collect();
     assert_eq!(shown, [(&"7".into(), Some(2.0)), (&"main".into(), Some(3.5))]);
-}
-
-#[test]
-fn a_simulation_is_the_same_for_the_same_seed_and_can_be_fused() {
-    let folder = Folder::new();
-    let files = [
-        "truth.csv",
-        "sensor_tracks_1.csv",
-        "sensor_tracks_4.csv",
-        "detections_1.csv",
-        "detections_4.csv",
-    ];
-    for (name, seed) in [("one", 3), ("two", 3), ("other", 4)] {
-        folder.succeed(&format!("simulate --scenario demo --seed {seed} --for 20 --out {name}"));
-    }
-    for file in files {
-        let text = folder.read(&format!("one/{file}"));
-        assert!(text.lines().count() > 100, "{file}");
-        assert_eq!(text, folder.read(&format!("two/{file}")), "{file}");
-        assert_ne!(text, folder.read(&format!("other/{file}")), "{file}");
-    }
-    // A detection is what was measured: of the sensor tracks' times, about as far from the truth as it says.
-    let detections = folder.read("one/detections_4.csv");
-    assert!(
-        detections.starts_with("time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz,truth_id")
-    );
-    let tracked: BTreeSet<_> = column(&folder.read("one/sensor_tracks_4.csv"), "time_s")
-        .into_iter()
-        .collect();
-    let detected = column(&detections, "time_s");
-    assert!(detected.iter().all(|time| tracked.contains(time)));
-    let found = folder.json(
-        "fuse --tracks one/sensor_tracks_1.csv one/sensor_tracks_2.csv one/sensor_tracks_3.csv one/sensor_tracks_4.csv \
-         --refresh 1 --out fused.csv --json",
-    );
-    assert_eq!(found["rows_refused"], 0, "rows are in the order of time: {found}");
-    let score = folder.json("score --truth one/truth.csv --tracks fused.csv --json");
-    assert!(score["completeness"].as_f64().unwrap() > 0.9, "{score}");
-    let line = folder.refusal("simulate --scenario rain --out rain");
-    assert!(line.contains("there are demo, en-route, dense"), "{line}");
 }
 
 #[test]

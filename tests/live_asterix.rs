@@ -1,22 +1,21 @@
 //! Live feeds in and ASTERIX out, as a user runs them: real sockets on the loopback interface, real processes, hostile
 //! senders and killed processes.
 
-#[path = "common/home.rs"]
-mod home;
-
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 use asterix::typed::{cat062, cat063, cat065};
 use asterix::{Decoder, Mode, registry};
-use frames::{Geodetic, SensorFrame, SystemFrame};
-use home::{Home, PATIENCE, Running, kill};
+use frames::{Geodetic, SensorFrame};
 use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits as bits};
 use net::{Interface, ReceiverSettings, SenderSettings, UdpReceiver, UdpSender};
 use outgoing::{HeightReference, SensorReports};
 use rustix::process::Signal;
+
+use crate::common::home::PATIENCE;
+use crate::common::{Home, PLACE, Running, free_address, kill, system, utc_ns};
 
 /// Targets that the test's sensors see.
 const TARGETS: u32 = 5;
@@ -25,7 +24,6 @@ const SCAN: Duration = Duration::from_millis(100);
 const LOOPBACK: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
 /// A neighbour that is on nobody's list.
 const STRANGER: [u8; 4] = [127, 9, 9, 9];
-const PLACE: [f64; 2] = [41.297063, 2.078447];
 
 /// A deployment with two sensors behind one multicast socket, a feed of transponders, and a gateway to the test.
 struct Site {
@@ -38,8 +36,8 @@ struct Site {
 impl Site {
     fn new(gateway: &str) -> Self {
         let home = Home::new();
-        // A port that was free a moment ago, in a group that nobody else uses.
-        let port = UdpSocket::bind((LOOPBACK, 0)).unwrap().local_addr().unwrap().port();
+        // A group that nobody else uses.
+        let port = free_address().port();
         let group = SocketAddr::from(([239, 255, (port >> 8) as u8, port as u8], port));
         let feed = TcpListener::bind((LOOPBACK, 0)).unwrap();
         let receiver = UdpReceiver::open(&ReceiverSettings::new(LOOPBACK, 0)).unwrap();
@@ -124,14 +122,6 @@ enabled = false
     }
 }
 
-fn utc_ns() -> i64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64
-}
-
-fn system() -> SystemFrame {
-    SystemFrame::at(Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap())
-}
-
 /// Where target `number` flies, as all sensors see it.
 fn track(number: u32, time_ns: i64) -> SensorTrack {
     SensorTrack {
@@ -157,15 +147,15 @@ struct Sensor {
 
 impl Sensor {
     fn new(group: SocketAddr, category: u8, sic: u8) -> Self {
-        let place = Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap();
-        let frame = SensorFrame::new(&system(), place, 0.0);
+        let (place, system) = system();
+        let frame = SensorFrame::new(&system, place, 0.0);
         let table = registry::default_edition(category).unwrap();
         let settings = SenderSettings {
             interface: Some(Interface::Address(LOOPBACK)),
             ..SenderSettings::new(group)
         };
         Self {
-            reports: SensorReports::new(table, 1, sic, frame, system(), 1472)
+            reports: SensorReports::new(table, 1, sic, frame, system, 1472)
                 .unwrap()
                 .with_height(HeightReference::Barometric),
             sender: UdpSender::open(&settings).unwrap(),
@@ -239,9 +229,9 @@ fn scan_until(
 fn assert_in_place(heard: &Heard) {
     for number in 0..TARGETS {
         let track = &heard.tracks[&(0x40_0000 + number)];
-        let expected = system().to_geodetic(self::track(number, 0).position_m);
+        let expected = system().1.to_geodetic(self::track(number, 0).position_m);
         let found = track.geodetic_position.unwrap();
-        let found = system().to_local(
+        let found = system().1.to_local(
             Geodetic::from_degrees(
                 found.latitude_rad.to_degrees(),
                 found.longitude_rad.to_degrees(),

@@ -4,18 +4,17 @@
 //! every wait is for a condition, and its limit only ends a test that hangs. At its end each test makes sure that no
 //! process, no file in shared memory and no folder of the instance is left.
 
-#[path = "common/home.rs"]
-mod home;
-
 use std::fs;
 use std::os::unix::process::ExitStatusExt as _;
 use std::process::Output;
 
 use bus::{Bus, SharedMemory};
-use home::{Home, kill, until};
 use messages::{Health, LifeState, ProcessKind};
 use runtime::clock::mono_ns;
 use rustix::process::Signal;
+use test_support::recordings;
+
+use crate::common::{Home, kill, repository, until};
 
 // ---------------------------------------------------------------------------------------------------------------------
 // Refusals: configurations, recordings, command lines.
@@ -139,6 +138,22 @@ fn a_sound_deployment_is_summed_up() {
         "CAT010 ed 1.1",
     ] {
         assert!(text.contains(expected), "{expected}: {text}");
+    }
+}
+
+#[test]
+fn every_example_is_sound() {
+    let home = Home::new();
+    for entry in fs::read_dir(repository("config")).unwrap() {
+        let path = entry.unwrap().path();
+        let data = match path.file_stem().and_then(|name| name.to_str()) {
+            Some("barcelona") => recordings("lebl2016"),
+            _ => Some(home.path("no recordings")),
+        };
+        let Some(data) = data else { continue };
+        let output = home.run(&["check", path.to_str().unwrap(), "--data", data.to_str().unwrap()]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}: {said}", path.display());
     }
 }
 

@@ -3,14 +3,12 @@
 //! The Barcelona recordings have no truth, but three sensors that err independently. Fusion gets two of them; the third
 //! says where the aircraft really were, within its own error. What is measured is the horizontal distance between the
 //! report of the third and the system track with its address, interpolated to the time of that report, median and 95th
-//! percentile. The third sensor's own error is in every figure, so they rank rules and say little about any one of them.
+//! percentile. The third sensor's own error is in every figure, so they rank rules and say little about any one of
+//! them.
 //!
-//! Aircraft are large: the radar sees the middle of the echo, the others antennas. Where radar reports are mixed in, they
-//! move the track from one point of the aircraft to another; so the moments in which the radar contributes are shown
-//! apart.
-
-#[path = "common/recordings.rs"]
-mod recordings;
+//! Aircraft are large: the radar sees the middle of the echo, the others antennas. Where radar reports are mixed in,
+//! they move the track from one point of the aircraft to another; so the moments in which the radar contributes are
+//! shown apart.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,9 +18,10 @@ use configuration::{Config, Input};
 use fusion::rules::REGISTRY;
 use fusion::{Engine, Settings};
 use messages::{SensorTrack, SystemTrack, TrackState};
-use recordings::data_folder;
+use test_support::recordings;
 
-const S: i64 = 1_000_000_000;
+use crate::common::{S, repository};
+
 /// States of a system track are interpolated over no more than this.
 const GAP_NS: i64 = 2 * S;
 /// A report is used as truth if the standard deviation that it states itself is no more than this, metres per axis: for
@@ -41,8 +40,7 @@ struct Recorded {
 }
 
 fn recorded(data: &Path) -> Recorded {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/barcelona.toml");
-    let config = Config::read(&path, &[]).unwrap();
+    let config = Config::read(&repository("config/barcelona.toml"), &[]).unwrap();
     let mut reports: Vec<SensorTrack> = Vec::new();
     for source in &config.sources {
         let Input::Recorded(recorded) = &source.input else {
@@ -59,7 +57,8 @@ fn recorded(data: &Path) -> Recorded {
 }
 
 impl Recorded {
-    /// The states of all confirmed system tracks with an address, by address, if fusion is given everything but `held_out`.
+    /// The states of all confirmed system tracks with an address, by address, if fusion is given everything but
+    /// `held_out`.
     fn fused_without(&self, held_out: u16, rule: &'static fusion::rules::RuleEntry) -> BTreeMap<u32, Vec<SystemTrack>> {
         let mut settings = self.settings.clone();
         settings.rule.rule = rule;
@@ -162,7 +161,7 @@ fn distance(states: &[SystemTrack], report: &SensorTrack) -> Option<(f64, bool)>
 /// The default rule keeps to aircraft that it sees through other sensors.
 #[test]
 fn the_default_rule_agrees_with_the_sensor_it_was_not_given() {
-    let Some(data) = data_folder("lebl2016") else { return };
+    let Some(data) = recordings("lebl2016") else { return };
     let recorded = recorded(&data);
     let rule = fusion::rules::find("auto").unwrap();
     for (held_out, enough) in [(ADSB, 15_000), (MLAT, 2_000)] {
@@ -186,11 +185,12 @@ fn the_default_rule_agrees_with_the_sensor_it_was_not_given() {
     }
 }
 
-/// The same for every rule, as a table: `cargo test --release --test held_out -- --ignored --nocapture`.
+/// The same for every rule, as a table:
+/// `cargo test --release -p koseki --test integration every_rule_agrees -- --ignored --nocapture`.
 #[test]
 #[ignore = "a table that is there to be read; the test above asserts what must hold"]
 fn every_rule_agrees_more_or_less() {
-    let Some(data) = data_folder("lebl2016") else { return };
+    let Some(data) = recordings("lebl2016") else { return };
     let recorded = recorded(&data);
     println!("horizontal distance from the sensor that fusion was not given, metres: number, 50 %, 95 %");
     println!("{:<24}{:^42}{:^42}", "", "judged by ADS-B", "judged by multilateration");

@@ -1,11 +1,11 @@
-//! `koseki track` with a wide-area sensor beside it: who targets are, groups, pictures, cues, explanations, and bad input (WA).
-
-#[path = "common/folder.rs"]
-mod folder;
+//! `koseki track` with a wide-area sensor beside it: who targets are, groups, pictures, cues, explanations, and bad
+//! input (WA).
 
 use std::fmt::Write as _;
 
-use folder::Folder;
+use test_support::{column, numbers};
+
+use crate::common::Folder;
 
 const DETECTIONS: &str = "time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz,truth_id";
 const COUNTS: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count,route";
@@ -56,29 +56,15 @@ fn heard(times_s: &[f64], frequency_hz: &str) -> String {
     text
 }
 
-/// The values of a column.
-fn column(text: &str, name: &str) -> Vec<String> {
-    let mut lines = text.lines();
-    let place = lines.next().unwrap().split(',').position(|found| found == name);
-    let place = place.unwrap_or_else(|| panic!("no column {name}"));
-    lines
-        .map(|line| line.split(',').nth(place).unwrap().to_owned())
-        .collect()
-}
-
-fn numbers(text: &str, name: &str) -> Vec<f64> {
-    column(text, name).iter().map(|value| value.parse().unwrap()).collect()
-}
-
 #[test]
 fn who_targets_are_goes_from_emissions_and_counts_through_files_to_fused_tracks() {
     let folder = Folder::new();
-    folder.write("plots.csv", &boats(40));
-    folder.write("counts.csv", &counts(40, 3, "-52000|0|-9000|0"));
-    folder.write("heard.csv", &heard(&[12.5, 14.25, 90.0], "9.41e9"));
+    folder.write("plots.csv", boats(40));
+    folder.write("counts.csv", counts(40, 3, "-52000|0|-9000|0"));
+    folder.write("heard.csv", heard(&[12.5, 14.25, 90.0], "9.41e9"));
     folder.write(
         "track.toml",
-        &format!("{CONFIG}[wide_area]\ngroups = {{ probability_min = 0.5 }}\n"),
+        format!("{CONFIG}[wide_area]\ngroups = {{ probability_min = 0.5 }}\n"),
     );
     let said = folder.json(
         "track --detections plots.csv --config track.toml --wide-area counts.csv --emissions heard.csv --out tracks.csv --json",
@@ -114,7 +100,7 @@ fn who_targets_are_goes_from_emissions_and_counts_through_files_to_fused_tracks(
         column(&fused, "type_confidence")[last].parse::<f64>().unwrap(),
         confidence
     );
-    folder.write("truth.csv", &truth(40));
+    folder.write("truth.csv", truth(40));
     folder.succeed("score --truth truth.csv --tracks tracks.csv");
     folder.succeed("score --truth truth.csv --tracks fused.csv");
     // Without the counts there is neither a group nor an origin, and not a track moves because of what was heard.
@@ -213,7 +199,7 @@ fn cues_say_where_each_sensor_should_look_next() {
     folder.write("plots.csv", &rows);
     let second_sensor =
         "[[sensor]]\nid = 2\nclutter_density = 1e-9\nfield_of_view = { range_m = [0, 10], position_m = [9e4, 9e4] }\n";
-    folder.write("track.toml", &format!("{second_sensor}{CONFIG}"));
+    folder.write("track.toml", format!("{second_sensor}{CONFIG}"));
     let said = folder.json("track --detections plots.csv --config track.toml --cues cues.csv --out tracks.csv --json");
     let cues = folder.read("cues.csv");
     let [made, times, x, longer, shorter, angle] =
@@ -251,11 +237,11 @@ fn what_a_count_did_is_explained() {
     // Both boats leave at 30 s, which the wide-area sensor reports.
     let elsewhere = |second: i32| format!("{second},1,{second},0,position2,9e4,9e4,,,10,10,,,0,0,0,\n");
     let silent: String = (30..45).map(elsewhere).collect();
-    folder.write("plots.csv", &format!("{}{silent}", boats(30)));
-    folder.write("counts.csv", &format!("{}30,32,450,0,0,0,0,0,0,\n", counts(28, 2, "")));
+    folder.write("plots.csv", format!("{}{silent}", boats(30)));
+    folder.write("counts.csv", format!("{}30,32,450,0,0,0,0,0,0,\n", counts(28, 2, "")));
     let chosen = "[wide_area]\ngroups = { probability_min = 0.3 }\ndeletion = { missed_probability = 0.02, silent_s = 30 }\n\
                   correction = { share = 0.75 }\nvalid_s = 6\n";
-    folder.write("track.toml", &format!("{CONFIG}{chosen}"));
+    folder.write("track.toml", format!("{CONFIG}{chosen}"));
     let call = "track --detections plots.csv --config track.toml --wide-area counts.csv";
     let said = folder.json(&format!("{call} --explain why.csv --out tracks.csv --json"));
     folder.succeed(&format!("{call} --out unexplained.csv"));
@@ -272,7 +258,8 @@ fn what_a_count_did_is_explained() {
             .collect::<Vec<_>>()
     };
     let number = |values: &[String], row: usize| values[row].parse::<f64>().unwrap();
-    // The share of the hypotheses with two tracks was raised to what is configured, or to what held until the next report.
+    // The share of the hypotheses with two tracks was raised to what is configured, or to what held until the next
+    // report.
     let corrected = rows("corrected");
     assert!(!corrected.is_empty() && !rows("corrected_children").is_empty(), "{why}");
     for row in corrected.iter().chain(&rows("corrected_children")) {
@@ -314,7 +301,7 @@ fn what_a_count_did_is_explained() {
 #[test]
 fn bad_reports_and_emissions_are_counted_and_explained_and_change_no_track() {
     let folder = Folder::new();
-    folder.write("plots.csv", &boats(40));
+    folder.write("plots.csv", boats(40));
     folder.write("track.toml", CONFIG);
     folder.succeed("track --detections plots.csv --config track.toml --out plain.csv");
     // More targets than can be, no number, no place on Earth, no number of a place or speed, arrival
@@ -335,7 +322,7 @@ fn bad_reports_and_emissions_are_counted_and_explained_and_change_no_track() {
         // Nothing is wrong with none, and there is nothing that it could correct.
         "10,12,150,0,0,15,0,0,0,",
     ];
-    folder.write("counts.csv", &format!("{COUNTS}\n{}\n", bad.join("\n")));
+    folder.write("counts.csv", format!("{COUNTS}\n{}\n", bad.join("\n")));
     let heard = [
         "12,,0.9,0,-3000,-4000,0,,9.4e9,1e-3",
         "12,,0.9,0.02,-3000,-4000,0,,-9.4e9,1e-3",
@@ -344,7 +331,7 @@ fn bad_reports_and_emissions_are_counted_and_explained_and_change_no_track() {
         "12,,99,0.02,-3000,-4000,0,,9.4e9,1e-3",
         "12,,0.9,0.02,9e12,-4000,0,,9.4e9,1e-3",
     ];
-    folder.write("heard.csv", &format!("{BEARINGS}\n{}\n", heard.join("\n")));
+    folder.write("heard.csv", format!("{BEARINGS}\n{}\n", heard.join("\n")));
     let said = folder.json(
         "track --detections plots.csv --config track.toml --wide-area counts.csv --emissions heard.csv --out tracks.csv --json",
     );
@@ -401,8 +388,8 @@ fn bad_reports_and_emissions_are_counted_and_explained_and_change_no_track() {
 #[test]
 fn what_makes_no_sense_is_refused_before_anything_is_written() {
     let folder = Folder::new();
-    folder.write("plots.csv", &boats(10));
-    folder.write("heard.csv", &heard(&[5.0], "9.4e9"));
+    folder.write("plots.csv", boats(10));
+    folder.write("heard.csv", heard(&[5.0], "9.4e9"));
     folder.write(
         "track.toml",
         "[[wide_area.prior]]\ncircle = { centre_m = [0, 0], radius_m = 10 }\nformations = { 10000 = 0.5 }\n",

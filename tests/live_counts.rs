@@ -1,25 +1,22 @@
-//! Wide-area support in running deployments: counts come in over the network or from recordings and change what a tracker
-//! believes, and what was recorded gives the same tracks again (WA).
+//! Wide-area support in running deployments: counts come in over the network or from recordings and change what a
+//! tracker believes, and what was recorded gives the same tracks again (WA).
 //!
-//! Nothing here waits for a time to pass except for the radar's turns: what has been sent is looked for in shared memory before the
-//! radar goes on.
+//! Nothing here waits for a time to pass except for the radar's turns: what has been sent is looked for in shared
+//! memory before the radar goes on.
 
-#[path = "common/home.rs"]
-mod home;
-#[path = "common/pair.rs"]
-mod pair;
-
+use std::collections::BTreeMap;
 use std::fs;
 
 use asterix::registry;
-use bus::{SharedMemory, Subscriber};
+use bus::{Bus, SharedMemory, Subscriber};
 use frames::time::NS_PER_DAY;
-use home::{kill, until};
 use messages::{Cue, SystemTrack, TrackState, WideArea};
 use outgoing::SystemReports;
-use pair::{HEADER, NS, ROWS, SPEED_MPS, Site, deployment, free_ports, system, utc_ns};
 use runtime::clock::mono_ns;
 use rustix::process::Signal;
+
+use crate::common::counted_pair::{HEADER, NS, ROWS, SPEED_MPS, Site, deployment};
+use crate::common::{Home, free_address, kill, system, until, utc_ns};
 
 /// Takes what has been published until there are so many reports.
 fn until_published(counts: &mut Subscriber<SharedMemory, WideArea>, seen: &mut Vec<WideArea>, wanted: usize) {
@@ -365,7 +362,7 @@ fn cues_and_even_times_in_a_running_deployment() {
 #[test]
 fn what_a_direction_finder_hears_identifies_a_track() {
     let mut site = Site::live(ROWS);
-    let [ears, _] = free_ports();
+    let ears = free_address();
     let text = site
         .read("site.toml")
         .replacen("scans = \"turn\"\n", "scans = \"turn\"\nemissions = [\"finder\"]\n", 1);
@@ -399,4 +396,77 @@ fn what_a_direction_finder_hears_identifies_a_track() {
     assert!(named(&site), "{}", site.read("out/sensor_tracks_radar.csv"));
     assert!(site.counted("emissions") > 0 && site.counted("emissions_rejected") > 0);
     site.home.assert_nothing_is_left("test");
+}
+
+/// A pair that its only radar never resolves but in one turn of five, and everything faster than in life.
+const SIMULATED: &str = r#"name = "test"
+[frame]
+latitude_deg = 34.75
+longitude_deg = 139.35
+[scenario]
+targets = 0
+[[scenario.formation]]
+spacing_m = 300.0
+together_m = [52000.0, 11000.0]
+start_m = [50000.0, 50000.0]
+[[wide_area_sensor]]
+name = "remote"
+[wide_area_sensor.simulated]
+period_s = 1.0
+delay_s = 0.5
+[[source]]
+name = "radar"
+period_s = 0.5
+[source.simulated]
+kind = "radar"
+plots = true
+period_s = 0.5
+azimuth_resolution_rad = 0.03
+resolved_probability = 0.2
+[source.covariance]
+range_sigma_m = 50.0
+azimuth_sigma_deg = 0.069
+height_sigma_m = 15.0
+[source.tracker]
+wide_area_sensors = ["remote"]
+[recorder]
+enabled = false
+"#;
+
+/// In a running deployment the simulator's counts come through the sensor's adapter as late as they are to be, and both
+/// members of the pair are in the picture.
+#[test]
+fn simulated_counts_come_when_they_are_due() {
+    let home = Home::new();
+    fs::write(home.path("site.toml"), SIMULATED).unwrap();
+    let running = home.start(&["up", "site.toml", "--instance", "test", "--seed", "5"]);
+    running.until_said("instance test runs");
+    let bus = Bus::<SharedMemory>::open(&home.root("test"), "reader").unwrap();
+    let open = || mono_ns() as u64;
+    let mut counted = bus.subscriber(&messages::wide_area("remote"), open).unwrap();
+    let mut fused = bus.subscriber(&messages::system_tracks(), open).unwrap();
+    let mut reports = Vec::new();
+    let mut picture: BTreeMap<u32, SystemTrack> = BTreeMap::new();
+    until("both are in the picture, and counts have come", || {
+        counted.take(64, |_, slice| reports.extend_from_slice(slice)).unwrap();
+        fused
+            .take(256, |_, slice| {
+                for track in slice {
+                    picture.insert(track.track_number, *track);
+                }
+            })
+            .unwrap();
+        let confirmed = |track: &&SystemTrack| track.state == TrackState::Confirmed as u8;
+        picture.values().filter(confirmed).count() >= 2 && reports.len() >= 3
+    });
+    for report in &reports {
+        assert_eq!(report.targets, 2, "{report:?}");
+        let late_ns = report.arrival_ns - report.time_of_observation_ns;
+        assert!(late_ns >= 500_000_000, "{report:?}");
+    }
+    drop((counted, fused, bus));
+    running.signal(Signal::TERM);
+    let (status, said) = running.end();
+    assert_eq!(status.code(), Some(0), "{said}");
+    home.assert_nothing_is_left("test");
 }

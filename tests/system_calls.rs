@@ -1,13 +1,11 @@
 //! What fusion asks of the kernel once it runs on a core of its own: nothing (PL-4).
 
-#[path = "common/home.rs"]
-mod home;
-
 use std::io::Read as _;
 use std::process::{Command, Stdio};
 
-use home::{Home, kill, until};
 use rustix::process::Signal;
+
+use crate::common::{Home, kill, until};
 
 /// States that fusion must have published while it was watched.
 const STATES_MIN: f64 = 20.0;

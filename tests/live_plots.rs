@@ -1,22 +1,21 @@
-//! A radar that sends plots, live: its adapter makes tracks of them, and the recorded detections give the same tracks again.
-
-#[path = "common/home.rs"]
-mod home;
+//! A radar that sends plots, live: its adapter makes tracks of them, and the recorded detections give the same tracks
+//! again.
 
 use std::fs;
 use std::net::{SocketAddr, UdpSocket};
-use std::process::Command;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use asterix::registry;
-use frames::{Geodetic, SensorFrame, SystemFrame};
-use home::{Home, Running, kill, until};
+use frames::SensorFrame;
 use outgoing::SensorReports;
 use rustix::process::Signal;
+use test_support::Random;
+
+use crate::common::counted_pair::rows;
+use crate::common::{Folder, Home, PLACE, Running, free_address, kill, system, until, utc_ns};
 
 /// Time between two scans: so short that a test of many scans is short, too.
 const PERIOD: Duration = Duration::from_millis(200);
-const PLACE: [f64; 2] = [41.297063, 2.078447];
 const TARGETS: usize = 4;
 const TRACKER: &str = "detection_probability = 0.8\n[TABLE.motion]\nprocess_noise_m2ps3 = [20.0, 5.0]\n\
                        [TABLE.confirmation]\ndetections_min = 3\n[TABLE.initiation]\nspeed_sigma_mps = 150.0\n";
@@ -32,18 +31,13 @@ struct Radar {
     socket: UdpSocket,
     to: SocketAddr,
     scans: usize,
-    state: u64,
-}
-
-fn utc_ns() -> i64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64
+    random: Random,
 }
 
 impl Site {
     fn new() -> Self {
         let home = Home::new();
-        // A port that was free a moment ago.
-        let to = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let to = free_address();
         let text = format!(
             "name = \"test\"\n[frame]\nlatitude_deg = {}\nlongitude_deg = {}\n[[receiver]]\nname = \"lan\"\n\
              [receiver.udp]\nlisten = \"{to}\"\n[[source]]\nname = \"radar\"\nperiod_s = 0.2\nfresh_s = 5.0\n\
@@ -84,24 +78,9 @@ impl Site {
     }
 }
 
-/// The rows of a file of sensor tracks, without the sensor's id and what comes after the state.
-fn rows(text: &str) -> Vec<String> {
-    let header = text.lines().next().unwrap_or_default();
-    let end = header
-        .split(',')
-        .position(|name| name == "velocity_valid")
-        .unwrap_or_default();
-    let row = |line: &str| {
-        let values: Vec<&str> = line.split(',').collect();
-        [&values[..1], &values[2..=end]].concat().join(",")
-    };
-    text.lines().skip(1).map(row).collect()
-}
-
 impl Radar {
     fn new(to: SocketAddr) -> Self {
-        let place = Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap();
-        let system = SystemFrame::at(place);
+        let (place, system) = system();
         let table = registry::default_edition(48).unwrap();
         let frame = SensorFrame::new(&system, place, 0.0);
         Self {
@@ -109,17 +88,8 @@ impl Radar {
             socket: UdpSocket::bind("127.0.0.1:0").unwrap(),
             to,
             scans: 0,
-            state: 1,
+            random: Random::new(1),
         }
-    }
-
-    /// A number in [0, 1).
-    fn random(&mut self) -> f64 {
-        self.state = self
-            .state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.state >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// Sends the plots of a turn that begins now, and waits for its end.
@@ -133,7 +103,7 @@ impl Radar {
     fn plots(&mut self, begin_ns: i64, send: &mut dyn FnMut(&[u8])) {
         let mut plots = Vec::new();
         for target in 0..TARGETS {
-            let [off_east, off_north, seen] = [self.random(), self.random(), self.random()];
+            let [off_east, off_north, seen] = [self.random.unit(), self.random.unit(), self.random.unit()];
             let east = 10_000.0 + 6000.0 * target as f64 + 60.0 * (off_east - 0.5);
             let north = 15_000.0 + 20.0 * self.scans as f64 + 60.0 * (off_north - 0.5);
             if seen < 0.9 {
@@ -141,7 +111,11 @@ impl Radar {
             }
         }
         for _ in 0..5 {
-            let place = [80e3 * (self.random() - 0.5), 80e3 * (self.random() - 0.5), 5000.0];
+            let place = [
+                80e3 * (self.random.unit() - 0.5),
+                80e3 * (self.random.unit() - 0.5),
+                5000.0,
+            ];
             plots.push((place, false));
         }
         self.reports.status(begin_ns, send);
@@ -313,8 +287,8 @@ fn a_recording_of_plots_is_tracked_at_any_speed() {
 /// What is said of a tracker that cannot be.
 #[test]
 fn a_source_with_tracks_needs_no_tracker() {
-    let folder = tempfile::tempdir().unwrap();
-    let demo = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/demo.toml")).unwrap();
+    let folder = Folder::new();
+    let demo = configuration::DEMO;
     for (old, new, expected) in [
         ("plots = true\n", "", "false_plots_per_period"),
         ("plots = true\nfalse_plots_per_period = 30.0\n", "", "plots = true"),
@@ -340,18 +314,8 @@ fn a_source_with_tracks_needs_no_tracker() {
         ),
     ] {
         assert!(demo.contains(old), "{old}");
-        let path = folder.path().join("site.toml");
-        fs::write(&path, demo.replacen(old, new, 1)).unwrap();
-        let output = Command::new(env!("CARGO_BIN_EXE_koseki"))
-            .arg("check")
-            .arg(&path)
-            .output()
-            .unwrap();
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{said}");
-        assert!(
-            said.contains(expected) && said.contains("site.toml:") && said.lines().count() == 1,
-            "{said}"
-        );
+        folder.write("site.toml", demo.replacen(old, new, 1));
+        let said = folder.refusal("check site.toml");
+        assert!(said.contains(expected) && said.contains("site.toml:"), "{said}");
     }
 }

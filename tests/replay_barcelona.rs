@@ -4,24 +4,21 @@
 //! wrote. What a correct picture is follows from the reports themselves: multilateration and ADS-B carry addresses, so
 //! whoever reads the addresses knows which reports belong together, whether or not fusion was allowed to use them.
 
-mod common;
-#[path = "common/recordings.rs"]
-mod recordings;
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use adapter::recording::Recording;
-use common::Deployment;
 use configuration::{Config, Input};
 use messages::{Counter, SensorTrack, TrackState};
-use recordings::data_folder;
+use rustix::process::Signal;
+use test_support::recordings;
 
-const S: i64 = 1_000_000_000;
+use crate::common::{Home, Running, S, kill, repository, until};
+
 /// A report is fresh at a whole second if it is not older than this.
 const FRESH_NS: i64 = 3 * S;
-/// What is new waits so long for the rest of its scan, so the first state of a system track may come after later states of
-/// others: the twentieth part of a second's turn.
+/// What is new waits so long for the rest of its scan, so the first state of a system track may come after later states
+/// of others: the twentieth part of a second's turn.
 const SCAN_WAIT_NS: i64 = S / 20;
 const RADAR: usize = 0;
 const MLAT: usize = 1;
@@ -60,12 +57,11 @@ struct Inputs {
     rejected: [messages::Counters; 3],
 }
 
-fn configuration() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/barcelona.toml")
-}
+/// The configuration of the recorded airport.
+const CONFIGURATION: &str = "config/barcelona.toml";
 
 fn decode_inputs(data: &Path) -> Inputs {
-    let config = Config::read(&configuration(), &[]).unwrap();
+    let config = Config::read(&repository(CONFIGURATION), &[]).unwrap();
     let first_day_ns = config.first_day_ns.unwrap();
     let mut rejected = [messages::Counters::default(); 3];
     let reports = std::array::from_fn(|index| {
@@ -252,18 +248,33 @@ impl Share {
     }
 }
 
-fn replay(name: &str, arguments: &[&str], data: &Path) -> (Deployment, PathBuf) {
-    let deployment = Deployment::new(name);
-    let out = deployment.folder().join("out");
-    let run = deployment
-        .koseki(&["up", configuration().to_str().unwrap(), "--instance", name])
-        .args(["--data", data.to_str().unwrap(), "--out", out.to_str().unwrap()])
-        .args(arguments)
-        .output()
-        .unwrap();
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    deployment.assert_nothing_left();
-    (deployment, out)
+/// The instance of a replay.
+const INSTANCE: &str = "bcn";
+
+/// Starts a replay of the recordings that writes to `out`.
+fn start(home: &Home, data: &Path, more: &[&str]) -> Running {
+    let (configuration, data) = (repository(CONFIGURATION), data.to_str().unwrap());
+    let up = [
+        "up",
+        configuration.to_str().unwrap(),
+        "--instance",
+        INSTANCE,
+        "--data",
+        data,
+        "--out",
+        "out",
+    ];
+    home.start(&[&up, more].concat())
+}
+
+/// A home with what a replay of the recordings wrote, and the folder of that.
+fn replay(data: &Path, more: &[&str]) -> (Home, PathBuf) {
+    let home = Home::new();
+    let (status, said) = start(&home, data, more).end();
+    assert!(status.success(), "{said}");
+    home.assert_nothing_is_left(INSTANCE);
+    let out = home.path("out");
+    (home, out)
 }
 
 fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -281,9 +292,9 @@ fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 
 #[test]
 fn with_identity_every_aircraft_has_one_track_and_nothing_is_lost() {
-    let Some(data) = data_folder("lebl2016") else { return };
+    let Some(data) = recordings("lebl2016") else { return };
     let inputs = decode_inputs(&data);
-    let (_running, out) = replay("bcn", &["--speed", "max"], &data);
+    let (_running, out) = replay(&data, &["--speed", "max"]);
     let rows = read_system_tracks(&out);
 
     let (mut one_track, mut radar_joined) = (Share::default(), Share::default());
@@ -425,8 +436,8 @@ fn check_nothing_lost(inputs: &Inputs, out: &Path) {
     }
 }
 
-/// What fusion says of the radar is what the recordings say: the mean, over the 29 aircraft that both see moving, of the
-/// differences between radar reports and multilateration is 6.1 m east and 5.1 m north.
+/// What fusion says of the radar is what the recordings say: the mean, over the 29 aircraft that both see moving, of
+/// the differences between radar reports and multilateration is 6.1 m east and 5.1 m north.
 fn check_registration(out: &Path) {
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("report.json")).unwrap()).unwrap();
     let registration = &report["sources"][RADAR]["registration"];
@@ -438,10 +449,10 @@ fn check_registration(out: &Path) {
 
 #[test]
 fn without_identity_position_and_motion_join_the_same_reports() {
-    let Some(data) = data_folder("lebl2016") else { return };
+    let Some(data) = recordings("lebl2016") else { return };
     let inputs = decode_inputs(&data);
     let hidden = ["--speed", "max", "--set", "fusion.association.use_identity=false"];
-    let (_running, out) = replay("bcn-hid", &hidden, &data);
+    let (_running, out) = replay(&data, &hidden);
     let rows = read_system_tracks(&out);
     let address_of: BTreeMap<(u32, i64), u32> = inputs.reports[MLAT]
         .iter()
@@ -480,10 +491,10 @@ fn without_identity_position_and_motion_join_the_same_reports() {
 
 #[test]
 fn the_files_are_the_same_in_every_run_and_at_every_speed() {
-    let Some(data) = data_folder("lebl2016") else { return };
-    let (_a, first) = replay("bcn-a", &["--speed", "max"], &data);
-    let (_b, second) = replay("bcn-b", &["--speed", "max"], &data);
-    let (_c, paced) = replay("bcn-c", &["--speed", "600"], &data);
+    let Some(data) = recordings("lebl2016") else { return };
+    let (_one, first) = replay(&data, &["--speed", "max"]);
+    let (_other, second) = replay(&data, &["--speed", "max"]);
+    let (_third, paced) = replay(&data, &["--speed", "600"]);
     let first = bytes_of(&first);
     assert_eq!(first.len(), 4, "{:?}", first.keys());
     assert!(first.values().all(|bytes| bytes.len() > 1_000_000));
@@ -491,62 +502,28 @@ fn the_files_are_the_same_in_every_run_and_at_every_speed() {
     assert!(first == bytes_of(&paced), "the run at 600 times its own speed differs");
 }
 
-/// The child of `launcher` whose command line contains `words`, if it runs.
-fn child_of(launcher: u32, words: &str) -> Option<rustix::process::Pid> {
-    let children = std::fs::read_to_string(format!("/proc/{launcher}/task/{launcher}/children")).ok()?;
-    let runs =
-        |pid: &&str| std::fs::read_to_string(format!("/proc/{pid}/cmdline")).is_ok_and(|line| line.contains(words));
-    let pid = children.split_whitespace().find(runs)?;
-    rustix::process::Pid::from_raw(pid.parse().ok()?)
-}
-
-/// Waits, but not for ever.
-fn until<T>(what: &str, mut condition: impl FnMut() -> Option<T>) -> T {
-    let start = std::time::Instant::now();
-    while start.elapsed() < std::time::Duration::from_secs(60) {
-        if let Some(value) = condition() {
-            return value;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    panic!("waited in vain until {what}");
-}
-
 #[test]
 fn a_killed_adapter_leaves_no_trace_in_the_files() {
-    let Some(data) = data_folder("lebl2016") else { return };
-    let (_whole, undisturbed) = replay("bcn-d", &["--speed", "max"], &data);
-    let deployment = Deployment::new("bcn-e");
-    let out = deployment.folder().join("out");
-    let mut launcher = deployment
-        .koseki(&[
-            "up",
-            configuration().to_str().unwrap(),
-            "--instance",
-            "bcn-e",
-            "--speed",
-            "1500",
-        ])
-        .args(["--data", data.to_str().unwrap(), "--out", out.to_str().unwrap()])
-        .stdout(std::process::Stdio::null())
-        .stderr(std::process::Stdio::null())
-        .spawn()
-        .unwrap();
+    let Some(data) = recordings("lebl2016") else { return };
+    let (_whole, undisturbed) = replay(&data, &["--speed", "max"]);
+    let home = Home::new();
+    let running = start(&home, &data, &["--speed", "1500"]);
     for name in ["multilateration", "radar"] {
-        let file = out.join(format!("sensor_tracks_{name}.csv"));
+        let file = home.path(&format!("out/sensor_tracks_{name}.csv"));
         // Killed in the middle of its work, not while it starts.
         until("it has begun", || {
-            std::fs::metadata(&file).ok().filter(|file| file.len() > 200_000)
+            std::fs::metadata(&file).is_ok_and(|file| file.len() > 200_000)
         });
-        let victim = until("it runs", || child_of(launcher.id(), &format!("--name={name}")));
-        rustix::process::kill_process(victim, rustix::process::Signal::KILL).unwrap();
-        until("it is back", || {
-            child_of(launcher.id(), &format!("--name={name}")).filter(|pid| *pid != victim)
-        });
+        let victim = home.status_row(name).pid;
+        kill(victim, Signal::KILL);
+        until("it is back", || home.status_row(name).pid != victim);
     }
-    assert!(launcher.wait().unwrap().success());
-    deployment.assert_nothing_left();
-    assert!(bytes_of(&undisturbed) == bytes_of(&out), "the files differ");
-    let report = std::fs::read_to_string(out.join("report.json")).unwrap();
-    assert!(report.contains("SIGKILL"), "the report says so");
+    let (status, said) = running.end();
+    assert!(status.success(), "{said}");
+    home.assert_nothing_is_left(INSTANCE);
+    assert!(
+        bytes_of(&undisturbed) == bytes_of(&home.path("out")),
+        "the files differ"
+    );
+    assert!(home.read("out/report.json").contains("SIGKILL"), "the report says so");
 }

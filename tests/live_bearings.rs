@@ -1,16 +1,14 @@
 //! Transmitters located from bearings in a running deployment: real processes, from the direction finder's datagrams to
 //! system tracks that join what is heard with what a radar sees (EL-11).
 
-#[path = "common/home.rs"]
-mod home;
-
 use std::collections::BTreeMap;
 
 use bus::{Bus, SharedMemory};
-use home::{Home, until};
 use messages::{SensorTrack, SystemTrack, TrackState};
 use runtime::clock::mono_ns;
 use rustix::process::Signal;
+
+use crate::common::{Home, until};
 
 /// Numbers of the sources in the configuration.
 const RADAR: u16 = 0;
@@ -95,21 +93,8 @@ fn simulated_bearings_are_located_from_a_file() {
     }
 }
 
-#[test]
-fn the_example_is_sound() {
-    let home = Home::new();
-    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/maritime.toml");
-    let output = home.run(&["check", example]);
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-}
-
-/// A transmitter on a simulated ship is located by bearings, and is one system track with what the radar sees of it, where
-/// the ship is.
+/// A transmitter on a simulated ship is located by bearings, and is one system track with what the radar sees of it,
+/// where the ship is.
 #[test]
 fn what_is_heard_and_what_is_seen_become_one_track() {
     let home = Home::new();

@@ -1,36 +1,15 @@
-//! What a wide-area sensor is worth where its situation is simulated: formations that radars see as one, from `koseki simulate`
-//! over `koseki track` to `koseki score` (WA-4, WA-8, WA-10). Seeds are fixed, so the figures are always the same ones.
-
-#[path = "common/folder.rs"]
-mod folder;
-#[path = "common/home.rs"]
-mod home;
+//! What a wide-area sensor is worth where its situation is simulated: formations that radars see as one, from
+//! `koseki simulate` over `koseki track` to `koseki score` (WA-4, WA-8, WA-10). Seeds are fixed, so the figures are
+//! always the same ones.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use bus::{Bus, SharedMemory};
-use folder::Folder;
-use home::{Home, until};
-use messages::{SystemTrack, TrackState};
-use runtime::clock::mono_ns;
-use rustix::process::Signal;
+use test_support::rows;
+
+use crate::common::Folder;
 
 /// One formation in view from the start on.
 const ONE: &str = "simulate --scenario wide-area --set scenario.formation[0].count=1";
-
-/// The columns of these names, row by row.
-fn rows<const N: usize>(text: &str, names: [&str; N]) -> Vec<[String; N]> {
-    let mut table = csv::Reader::from_reader(text.as_bytes());
-    let header = table.headers().unwrap().clone();
-    let places = names.map(|name| header.iter().position(|column| column == name).expect(name));
-    table
-        .records()
-        .map(|row| {
-            let row = row.unwrap();
-            places.map(|place| row[place].to_owned())
-        })
-        .collect()
-}
 
 fn number(field: &str) -> f64 {
     field.parse().unwrap()
@@ -42,8 +21,8 @@ fn count_right(folder: &Folder, truths: &str, tracks: &str, since_s: u32) -> f64
     folder.json(&score)["count_right"].as_f64().unwrap()
 }
 
-/// Pairs that two radars see as one in four turns of five: with the count of a remote sensor both are shown far more often, and
-/// with the counts of one that is wrong in a quarter of its reports still.
+/// Pairs that two radars see as one in four turns of five: with the count of a remote sensor both are shown far more
+/// often, and with the counts of one that is wrong in a quarter of its reports still.
 #[test]
 fn support_makes_the_count_right_more_often() {
     let folder = Folder::new();
@@ -78,40 +57,8 @@ fn support_makes_the_count_right_more_often() {
     );
 }
 
-#[test]
-fn the_same_seed_gives_the_same_bytes() {
-    let folder = Folder::new();
-    for (out, seed) in [("one", 3), ("again", 3), ("other", 4)] {
-        folder.succeed(&format!(
-            "simulate --scenario wide-area --seed {seed} --for 40 --out {out}"
-        ));
-    }
-    for name in [
-        "truth.csv",
-        "detections_1.csv",
-        "detections_2.csv",
-        "wide_area_remote.csv",
-    ] {
-        let [one, again, other] = ["one", "again", "other"].map(|run| folder.read(&format!("{run}/{name}")));
-        assert!(one == again, "{name}");
-        assert!(one != other, "{name}");
-    }
-    let plots = rows(&folder.read("one/detections_1.csv"), ["truth_id"]);
-    let of_several = plots.iter().filter(|[of]| of == "merged").count();
-    assert!(of_several > 30, "{of_several} plots of several targets");
-    let counts = rows(
-        &folder.read("one/wide_area_remote.csv"),
-        ["time_s", "arrival_s", "count"],
-    );
-    assert_eq!(counts.len(), 6 * 3, "every 8 s, of three formations");
-    for [time, arrival, count] in counts {
-        assert_eq!(number(&arrival) - number(&time), 8.0);
-        assert!((2.0..=4.0).contains(&number(&count)), "{count}");
-    }
-}
-
-/// Fours of which the remote sensor counts two. It is known that from the first quarter of the bearings fours come: there more of
-/// them are shown, and elsewhere nothing changes.
+/// Fours of which the remote sensor counts two. It is known that from the first quarter of the bearings fours come:
+/// there more of them are shown, and elsewhere nothing changes.
 #[test]
 fn what_is_known_of_a_sector_raises_counts_there_only() {
     let folder = Folder::new();
@@ -133,10 +80,7 @@ fn what_is_known_of_a_sector_raises_counts_there_only() {
             .lines()
             .partition(|row| number(row.split(',').nth(1).unwrap()) < 4.0);
         for (name, part) in [("inside", within), ("outside", elsewhere)] {
-            folder.write(
-                &format!("{name}{seed}.csv"),
-                &format!("{header}\n{}\n", part.join("\n")),
-            );
+            folder.write(&format!("{name}{seed}.csv"), format!("{header}\n{}\n", part.join("\n")));
         }
         let track = format!(
             "track --detections run{seed}/detections_1.csv run{seed}/detections_2.csv \
@@ -167,8 +111,8 @@ fn what_is_known_of_a_sector_raises_counts_there_only() {
     assert_eq!(score(&outside, &plain), score(&outside, &known));
 }
 
-/// A pair descends below what the sensors see. For a radar that misses half of its targets silence says little; a remote sensor
-/// that reports none there says more, and the tracks end sooner.
+/// A pair descends below what the sensors see. For a radar that misses half of its targets silence says little; a
+/// remote sensor that reports none there says more, and the tracks end sooner.
 #[test]
 fn tracks_of_targets_that_have_vanished_end_sooner() {
     let folder = Folder::new();
@@ -176,7 +120,7 @@ fn tracks_of_targets_that_have_vanished_end_sooner() {
     folder.write("late.toml", sensor);
     folder.write(
         "early.toml",
-        &format!("{sensor}[wide_area.deletion]\nmissed_probability = 0.1\n"),
+        format!("{sensor}[wide_area.deletion]\nmissed_probability = 0.1\n"),
     );
     let [mut late_s, mut early_s] = [Vec::new(), Vec::new()];
     for seed in 1..=6 {
@@ -203,92 +147,6 @@ fn tracks_of_targets_that_have_vanished_end_sooner() {
         mean(&early_s) < 0.5 * mean(&late_s),
         "{early_s:?} s with reports of absence, {late_s:?} s without"
     );
-}
-
-#[test]
-fn the_example_is_sound() {
-    let home = Home::new();
-    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/wide-area.toml");
-    let output = home.run(&["check", example]);
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-}
-
-/// A pair that its only radar never resolves but in one turn of five, and everything faster than in life.
-const SITE: &str = r#"name = "test"
-[frame]
-latitude_deg = 34.75
-longitude_deg = 139.35
-[scenario]
-targets = 0
-[[scenario.formation]]
-spacing_m = 300.0
-together_m = [52000.0, 11000.0]
-start_m = [50000.0, 50000.0]
-[[wide_area_sensor]]
-name = "remote"
-[wide_area_sensor.simulated]
-period_s = 1.0
-delay_s = 0.5
-[[source]]
-name = "radar"
-period_s = 0.5
-[source.simulated]
-kind = "radar"
-plots = true
-period_s = 0.5
-azimuth_resolution_rad = 0.03
-resolved_probability = 0.2
-[source.covariance]
-range_sigma_m = 50.0
-azimuth_sigma_deg = 0.069
-height_sigma_m = 15.0
-[source.tracker]
-wide_area_sensors = ["remote"]
-[recorder]
-enabled = false
-"#;
-
-/// In a running deployment the simulator's counts come through the sensor's adapter as late as they are to be, and both members of the
-/// pair are in the picture.
-#[test]
-fn simulated_counts_come_when_they_are_due() {
-    let home = Home::new();
-    std::fs::write(home.path("site.toml"), SITE).unwrap();
-    let running = home.start(&["up", "site.toml", "--instance", "test", "--seed", "5"]);
-    running.until_said("instance test runs");
-    let bus = Bus::<SharedMemory>::open(&home.root("test"), "reader").unwrap();
-    let open = || mono_ns() as u64;
-    let mut counted = bus.subscriber(&messages::wide_area("remote"), open).unwrap();
-    let mut fused = bus.subscriber(&messages::system_tracks(), open).unwrap();
-    let mut reports = Vec::new();
-    let mut picture: BTreeMap<u32, SystemTrack> = BTreeMap::new();
-    until("both are in the picture, and counts have come", || {
-        counted.take(64, |_, slice| reports.extend_from_slice(slice)).unwrap();
-        fused
-            .take(256, |_, slice| {
-                for track in slice {
-                    picture.insert(track.track_number, *track);
-                }
-            })
-            .unwrap();
-        let confirmed = |track: &&SystemTrack| track.state == TrackState::Confirmed as u8;
-        picture.values().filter(confirmed).count() >= 2 && reports.len() >= 3
-    });
-    for report in &reports {
-        assert_eq!(report.targets, 2, "{report:?}");
-        let late_ns = report.arrival_ns - report.time_of_observation_ns;
-        assert!(late_ns >= 500_000_000, "{report:?}");
-    }
-    drop((counted, fused, bus));
-    running.signal(Signal::TERM);
-    let (status, said) = running.end();
-    assert_eq!(status.code(), Some(0), "{said}");
-    home.assert_nothing_is_left("test");
 }
 
 /// How long those tracks go on that were near the targets when these were seen last, seconds.

@@ -1,0 +1,34 @@
+//! Tests of the executable and of the repository as a whole, in one program: linking it is most of what they cost.
+//!
+//! One test at a time: `cargo test -p koseki --test integration NAME`, where NAME is a module's, or part of a test's.
+//! They run side by side, so each has a folder, an instance and ports of its own (`common`).
+
+mod common;
+
+// The repository.
+mod architecture;
+
+// Commands on files.
+mod decode;
+mod fuse;
+mod golden;
+mod locate;
+mod score;
+mod simulate;
+mod track;
+mod track_with_counts;
+mod worth_of_counts;
+
+// Deployments: real processes.
+mod bench;
+mod deployment;
+mod live_asterix;
+mod live_bearings;
+mod live_counts;
+mod live_plots;
+mod system_calls;
+mod top;
+
+// Recordings of real sensors.
+mod held_out_sensor;
+mod replay_barcelona;
