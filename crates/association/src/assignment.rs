@@ -13,11 +13,7 @@
 //!
 //! Rows that share no column, not even through others, do not concern each other. A union-find structure splits the
 //! scan into such components, which away from crowds have one or two rows. Within a component the method is that of
-//! shortest augmenting paths (R. Jonker, A. Volgenant, *A shortest augmenting path algorithm for dense and sparse
-//! linear assignment problems*, Computing 38, 1987). Each row has a column of its own besides, which stands for being
-//! alone. Rows come in one after the other. A row that wants a held column may drive its holder to another one, that
-//! one's holder to yet another, or out; Dijkstra's search finds the cheapest such chain. Prices on the columns keep what
-//! earlier searches learned, so that no step of a chain has a negative cost and the result is exact.
+//! shortest augmenting paths ([`crate::augmenting`]), where being alone is a choice of the row's own.
 //!
 //! Limits: time must be bounded, and the worst case of an exact solution grows with the cube of the crowd. Crowds of
 //! real targets are far from it, because nearly every chain is short: the steps of a component are counted, and only
@@ -27,14 +23,14 @@
 
 use std::ops::Range;
 
+use crate::augmenting::{AugmentingPaths, Choice, NONE, Problem, Stop};
+
 /// How often an exact solution may look at a pair or a column, for each pair of the component.
 ///
 /// Components of up to 20 rows never need more, nor do 250 rows of which each may have each of 250 columns. Of 2500
 /// vehicles, 30 m apart and seen with 30 m of noise, all in one component, each pair needs 15; of the hardest crowd
 /// measured (20 m apart, every eighth without a track) 158.
 pub const STEPS_PER_PAIR_MAX: usize = 300;
-
-const NONE: u32 = u32::MAX;
 
 /// A row and a column that may be put together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,65 +62,37 @@ pub struct Assignment {
     pairs: Vec<Pair>,
     /// By row, then by column: a member of the same component with a smaller place, or itself.
     parent: Vec<u32>,
-    rows: Vec<Row>,
-    columns: Vec<Column>,
+    /// By row: places of its pairs in the sorted list.
+    rows: Vec<Range<u32>>,
+    columns_max: usize,
     /// Rows that have pairs, sorted by component and label.
     order: Vec<u32>,
-    /// Columns that the search has reached and may still reach more cheaply.
-    frontier: Vec<u32>,
-    /// Columns that the search has passed.
-    passed: Vec<u32>,
-    /// What the exact solution of the present component may still take.
-    steps_left: usize,
+    paths: AugmentingPaths,
 }
 
-/// Places of a row's pairs in the sorted list.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    begin: u32,
-    end: u32,
-    /// The chosen one.
-    held: u32,
+/// Each row with its pairs; the label of a pair is its place.
+struct Sparse<'a> {
+    pairs: &'a [Pair],
+    rows: &'a [Range<u32>],
+    unassigned_cost: f64,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Column {
-    /// Place of the chosen pair.
-    held: u32,
-    /// What holding the column has come to cost. 0 while nobody holds it.
-    price: f64,
-    /// Cost of the cheapest chain to it that is known.
-    reached: f64,
-    /// Place of the last pair of that chain.
-    through: u32,
-    /// No cheaper chain can be found.
-    passed: bool,
-}
+impl Problem for Sparse<'_> {
+    /// A pair that costs no more than leaving its row alone is admissible.
+    const OWN_FIRST: bool = false;
 
-impl Row {
-    const EMPTY: Self = Self {
-        begin: 0,
-        end: 0,
-        held: NONE,
-    };
-}
+    fn show_choices(&self, row: u32, mut each: impl FnMut(u32, u32, f64)) {
+        each(NONE, NONE, self.unassigned_cost);
+        for place in self.rows[row as usize].clone() {
+            let pair = self.pairs[place as usize];
+            each(place, pair.column, pair.cost);
+        }
+    }
 
-impl Column {
-    const FREE: Self = Self {
-        held: NONE,
-        price: 0.0,
-        reached: f64::INFINITY,
-        through: NONE,
-        passed: false,
-    };
-}
-
-/// Where a chain of changes ends.
-enum End {
-    /// At a column that nobody holds.
-    Column(u32),
-    /// At a row that stays, or becomes, alone.
-    Row(u32),
+    fn choice(&self, label: u32) -> Choice {
+        let Pair { row, column, cost } = self.pairs[label as usize];
+        Choice { row, column, cost }
+    }
 }
 
 impl Assignment {
@@ -138,12 +106,10 @@ impl Assignment {
             pairs_max,
             pairs: Vec::with_capacity(pairs_max),
             parent: vec![NONE; rows_max + columns_max],
-            rows: vec![Row::EMPTY; rows_max],
-            columns: vec![Column::FREE; columns_max],
+            rows: vec![0..0; rows_max],
+            columns_max,
             order: Vec::with_capacity(rows_max),
-            frontier: Vec::with_capacity(columns_max),
-            passed: Vec::with_capacity(columns_max),
-            steps_left: 0,
+            paths: AugmentingPaths::new(rows_max, columns_max),
         }
     }
 
@@ -164,7 +130,7 @@ impl Assignment {
         let mut begin = 0;
         while begin < self.order.len() {
             let end = self.component_end(begin);
-            if self.choose_exactly(begin, end, unassigned_cost).is_none() {
+            if self.choose_exactly(begin, end, unassigned_cost).is_err() {
                 self.choose_greedily(begin, end);
                 outcome.greedy_components += 1;
             }
@@ -172,7 +138,7 @@ impl Assignment {
         }
         self.order.sort_unstable();
         for &row in &self.order {
-            let held = self.rows[row as usize].held;
+            let held = self.paths.held(row);
             if held != NONE {
                 let pair = self.pairs[held as usize];
                 chosen(pair.row, pair.column, pair.cost);
@@ -187,7 +153,7 @@ impl Assignment {
         self.pairs.clear();
         let mut ignored = 0;
         for pair in pairs {
-            let known = (pair.row as usize) < self.rows.len() && (pair.column as usize) < self.columns.len();
+            let known = (pair.row as usize) < self.rows.len() && (pair.column as usize) < self.columns_max;
             let worthwhile = unassigned_cost.is_finite() && pair.cost.is_finite() && pair.cost <= unassigned_cost;
             if known && worthwhile && self.pairs.len() < self.pairs_max {
                 self.pairs.push(*pair);
@@ -226,17 +192,15 @@ impl Assignment {
         self.pairs.dedup_by_key(|pair| (pair.row, pair.column));
         self.order.clear();
         for (place, pair) in (0..).zip(&self.pairs) {
-            self.columns[pair.column as usize] = Column::FREE;
             let row = &mut self.rows[pair.row as usize];
             if self.order.last() != Some(&pair.row) {
                 self.order.push(pair.row);
-                *row = Row {
-                    begin: place,
-                    ..Row::EMPTY
-                };
+                row.start = place;
             }
             row.end = place + 1;
         }
+        self.paths
+            .forget(self.order.iter().copied(), self.pairs.iter().map(|pair| pair.column));
     }
 
     /// Where in the order the component ends that begins at `begin`.
@@ -250,134 +214,34 @@ impl Assignment {
     /// Places of the pairs of the rows at `begin..end` of the order.
     fn places(&self, begin: usize, end: usize) -> Range<u32> {
         let (first, last) = (self.order[begin], self.order[end - 1]);
-        self.rows[first as usize].begin..self.rows[last as usize].end
+        self.rows[first as usize].start..self.rows[last as usize].end
     }
 
-    /// Brings in the rows at `begin..end` of the order. Nothing if that takes too many steps.
-    fn choose_exactly(&mut self, begin: usize, end: usize, unassigned_cost: f64) -> Option<()> {
-        self.steps_left = STEPS_PER_PAIR_MAX * self.places(begin, end).len();
-        (begin..end).try_for_each(|place| self.bring_in(self.order[place], unassigned_cost))
+    /// Brings in the rows at `begin..end` of the order, in a number of steps that depends on the number of their pairs.
+    fn choose_exactly(&mut self, begin: usize, end: usize, unassigned_cost: f64) -> Result<(), Stop> {
+        let mut steps_left = STEPS_PER_PAIR_MAX * self.places(begin, end).len();
+        let sparse = Sparse {
+            pairs: &self.pairs,
+            rows: &self.rows,
+            unassigned_cost,
+        };
+        let (paths, mut rows) = (&mut self.paths, self.order[begin..end].iter());
+        rows.try_for_each(|row| paths.bring_in(&sparse, *row, &mut steps_left))
     }
 
     /// Forgets what was tried with the rows at `begin..end` of the order, and takes their cheapest pair, then the next
     /// that is still possible.
     fn choose_greedily(&mut self, begin: usize, end: usize) {
-        self.frontier.clear();
-        self.passed.clear();
         let places = self.places(begin, end);
         let pairs = &mut self.pairs[places.start as usize..places.end as usize];
         pairs.sort_unstable_by(|one, other| {
             let labels = (one.row, one.column).cmp(&(other.row, other.column));
             one.cost.total_cmp(&other.cost).then(labels)
         });
-        for pair in pairs {
-            self.rows[pair.row as usize].held = NONE;
-            self.columns[pair.column as usize] = Column::FREE;
-        }
-        for place in places {
-            let pair = self.pairs[place as usize];
-            let (row, column) = (
-                &mut self.rows[pair.row as usize],
-                &mut self.columns[pair.column as usize],
-            );
-            if row.held == NONE && column.held == NONE {
-                (row.held, column.held) = (place, place);
-            }
-        }
-    }
-
-    /// Makes the cheapest chain of changes that `start` can begin. Nothing if finding it takes too many steps.
-    fn bring_in(&mut self, start: u32, unassigned_cost: f64) -> Option<()> {
-        let (end, end_cost) = self.cheapest_chain(start, unassigned_cost)?;
-        let mut vacant = match end {
-            End::Column(column) => Some(column),
-            End::Row(row) => self.let_go(row),
-        };
-        while let Some(column) = vacant {
-            let place = self.columns[column as usize].through;
-            let row = self.pairs[place as usize].row;
-            vacant = self.let_go(row);
-            self.rows[row as usize].held = place;
-            self.columns[column as usize].held = place;
-        }
-        self.close_search(end_cost);
-        Some(())
-    }
-
-    /// Takes the row's column from it and returns it.
-    fn let_go(&mut self, row: u32) -> Option<u32> {
-        let held = std::mem::replace(&mut self.rows[row as usize].held, NONE);
-        (held != NONE).then(|| self.pairs[held as usize].column)
-    }
-
-    /// Dijkstra's search from `start` over columns and the rows that hold them: the end of the cheapest chain and its
-    /// cost. Nothing if that takes too many steps.
-    fn cheapest_chain(&mut self, start: u32, unassigned_cost: f64) -> Option<(End, f64)> {
-        let (mut row, mut row_cost) = (start, 0.0);
-        let (mut loser, mut loser_cost) = (start, unassigned_cost);
-        loop {
-            if row_cost + unassigned_cost < loser_cost {
-                (loser, loser_cost) = (row, row_cost + unassigned_cost);
-            }
-            self.reach_from(row, row_cost);
-            let Some(place) = self.nearest() else {
-                return Some((End::Row(loser), loser_cost));
-            };
-            let seen = (self.rows[row as usize].end - self.rows[row as usize].begin) as usize + self.frontier.len();
-            self.steps_left = self.steps_left.checked_sub(seen)?;
-            let number = self.frontier[place];
-            let column = &mut self.columns[number as usize];
-            if column.reached > loser_cost {
-                return Some((End::Row(loser), loser_cost));
-            }
-            if column.held == NONE {
-                return Some((End::Column(number), column.reached));
-            }
-            column.passed = true;
-            self.frontier.swap_remove(place);
-            self.passed.push(number);
-            let held = self.pairs[column.held as usize];
-            row = held.row;
-            // What the holder no longer pays once it gives up the column.
-            row_cost = column.reached - column.price - held.cost;
-        }
-    }
-
-    /// Extends the chain that displaces `row` by each of the row's columns.
-    fn reach_from(&mut self, row: u32, row_cost: f64) {
-        let Row { begin, end, .. } = self.rows[row as usize];
-        for place in begin..end {
-            let pair = self.pairs[place as usize];
-            let column = &mut self.columns[pair.column as usize];
-            let reached = row_cost + pair.cost + column.price;
-            if !column.passed && reached < column.reached {
-                if column.through == NONE {
-                    self.frontier.push(pair.column);
-                }
-                (column.reached, column.through) = (reached, place);
-            }
-        }
-    }
-
-    /// Place in the frontier of the column that is reached most cheaply; of equal ones, the one of the lowest label.
-    fn nearest(&self) -> Option<usize> {
-        let reached = |place: usize| self.columns[self.frontier[place] as usize].reached;
-        (0..self.frontier.len()).min_by(|&one, &other| {
-            let labels = self.frontier[one].cmp(&self.frontier[other]);
-            reached(one).total_cmp(&reached(other)).then(labels)
-        })
-    }
-
-    /// Raises the price of each column passed by as much as it was reached more cheaply than the end, and forgets the
-    /// search.
-    fn close_search(&mut self, end_cost: f64) {
-        for &number in &self.passed {
-            let column = &mut self.columns[number as usize];
-            column.price += end_cost - column.reached;
-        }
-        for number in self.frontier.drain(..).chain(self.passed.drain(..)) {
-            let column = &mut self.columns[number as usize];
-            (column.reached, column.through, column.passed) = (f64::INFINITY, NONE, false);
+        let (rows, columns) = (pairs.iter().map(|pair| pair.row), pairs.iter().map(|pair| pair.column));
+        self.paths.forget(rows, columns);
+        for (place, &Pair { row, column, cost }) in (places.start..).zip(&*pairs) {
+            self.paths.take_free(place, Choice { row, column, cost });
         }
     }
 }

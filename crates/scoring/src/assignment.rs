@@ -5,18 +5,11 @@
 //! compete: the greedy choice can force a partner far away on the loser. What is wanted is the set of pairs whose gains
 //! have the greatest sum.
 //!
-//! The method is that of shortest augmenting paths (Jonker and Volgenant, *A shortest augmenting path algorithm for dense
-//! and sparse linear assignment problems*, Computing 38, 1987). Rows come in one after the other. A row that wants a
-//! column which is taken may drive its holder to another column, that one's holder to yet another, or out; Dijkstra's
-//! search finds the cheapest such chain. Prices on the columns keep what was learned in earlier searches, so that no step
-//! of a chain has a negative cost and the result is exact.
-//!
-//! Only pairs that are listed are looked at. A search ends where its chain does, commonly at the next neighbour, so the
-//! cost grows with the crowding and hardly with the size of the picture. Solvers of full matrices need a cost for every
-//! pair of a crowd: two thousand vehicles on an airport took one most of a second, and this one a few milliseconds.
+//! The solver is that of reports and tracks ([`association::augmenting`]). Only pairs that are listed are looked at, so the
+//! cost grows with the crowding and hardly with the size of the picture. Solvers of full matrices need a cost for every pair
+//! of a crowd: two thousand vehicles on an airport took one most of a second, and this one a few milliseconds.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use association::augmenting::{AugmentingPaths, Choice, NONE, Problem};
 
 /// A possible pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,186 +27,59 @@ pub struct Candidate {
 /// # Panics
 /// If a candidate's row or column is not below `rows` or `columns`.
 pub fn best_pairs(rows: usize, columns: usize, candidates: &[Candidate]) -> Vec<Option<usize>> {
+    let known = |candidate: &Candidate| candidate.row < rows && candidate.column < columns;
+    assert!(candidates.iter().all(known), "rows and columns are numbered from 0");
     let wishes = Wishes::new(rows, candidates);
-    let mut search = Search::new(rows, columns);
-    for row in 0..rows {
-        search.bring_in(row, &wishes);
+    let (mut paths, mut steps) = (AugmentingPaths::new(rows, columns), usize::MAX);
+    let all = 0..rows as u32;
+    for row in all.clone() {
+        // A row that finds nothing better stays alone.
+        let _ = paths.bring_in(&wishes, row, &mut steps);
     }
-    search.column_of
+    let held = all.map(|row| paths.held(row));
+    held.map(|label| (label != NONE).then(|| wishes.wishes[label as usize].column))
+        .collect()
 }
 
-/// The candidates of each row.
+/// The candidates of each row. A candidate's label is its place.
 struct Wishes {
-    /// Column and gain, row after row.
-    wishes: Vec<(usize, f64)>,
+    /// Row after row.
+    wishes: Vec<Candidate>,
     /// Where each row's wishes begin; one more than there are rows.
     begins: Vec<usize>,
 }
 
 impl Wishes {
     fn new(rows: usize, candidates: &[Candidate]) -> Self {
-        let mut begins = vec![0; rows + 1];
-        for candidate in candidates {
-            begins[candidate.row + 1] += 1;
-        }
-        for row in 0..rows {
-            begins[row + 1] += begins[row];
-        }
-        let mut free = begins.clone();
-        let mut wishes = vec![(0, 0.0); candidates.len()];
-        for candidate in candidates {
-            wishes[free[candidate.row]] = (candidate.column, candidate.gain);
-            free[candidate.row] += 1;
-        }
-        Self { wishes, begins }
-    }
-
-    fn of(&self, row: usize) -> &[(usize, f64)] {
-        &self.wishes[self.begins[row]..self.begins[row + 1]]
-    }
-}
-
-/// The pairs so far, and the working memory of one search.
-struct Search {
-    column_of: Vec<Option<usize>>,
-    row_of: Vec<Option<usize>>,
-    /// By row: the gain of its pair.
-    gain: Vec<f64>,
-    /// By column: what holding it has come to cost. 0 for a column that nobody holds.
-    price: Vec<f64>,
-    /// By column: cost of the cheapest chain to it that is known.
-    cost: Vec<f64>,
-    /// By column: the row that would take it at the end of that chain.
-    taker: Vec<usize>,
-    /// By column: the gain of that pair.
-    offer: Vec<f64>,
-    /// By column: whether no cheaper chain can be found.
-    settled: Vec<bool>,
-    /// Columns whose working memory is in use.
-    touched: Vec<usize>,
-    queue: BinaryHeap<Reached>,
-}
-
-/// A column at the end of a chain.
-struct Reached {
-    cost: f64,
-    column: usize,
-}
-
-/// Where a chain ends.
-enum End {
-    /// At a column that nobody holds.
-    Column(usize),
-    /// At a row that stays, or becomes, alone.
-    Row(usize),
-}
-
-impl Search {
-    fn new(rows: usize, columns: usize) -> Self {
+        let mut wishes = candidates.to_vec();
+        wishes.sort_by_key(|candidate| candidate.row);
+        let begin = |row: usize| wishes.partition_point(|candidate| candidate.row < row);
         Self {
-            column_of: vec![None; rows],
-            row_of: vec![None; columns],
-            gain: vec![0.0; rows],
-            price: vec![0.0; columns],
-            cost: vec![f64::INFINITY; columns],
-            taker: vec![0; columns],
-            offer: vec![0.0; columns],
-            settled: vec![false; columns],
-            touched: Vec::new(),
-            queue: BinaryHeap::new(),
+            begins: (0..=rows).map(begin).collect(),
+            wishes,
         }
-    }
-
-    /// Gives `start` the column that the cheapest chain of changes gives it, if it is worth that.
-    fn bring_in(&mut self, start: usize, wishes: &Wishes) {
-        let (end, end_cost) = self.cheapest_chain(start, wishes);
-        self.raise_prices(end_cost);
-        let mut column = match end {
-            End::Column(column) => Some(column),
-            End::Row(row) => self.column_of[row].take(),
-        };
-        while let Some(taken) = column {
-            let row = self.taker[taken];
-            column = self.column_of[row].replace(taken);
-            self.row_of[taken] = Some(row);
-            self.gain[row] = self.offer[taken];
-        }
-        self.forget();
-    }
-
-    /// Dijkstra's search from `start` over columns and the rows that hold them.
-    fn cheapest_chain(&mut self, start: usize, wishes: &Wishes) -> (End, f64) {
-        let (mut row, mut cost) = (start, 0.0);
-        let (mut loser, mut loser_cost) = (start, 0.0);
-        loop {
-            if cost < loser_cost {
-                (loser, loser_cost) = (row, cost);
-            }
-            for &(column, gain) in wishes.of(row) {
-                let through = cost + self.price[column] - gain;
-                if !self.settled[column] && through < self.cost[column] {
-                    if self.cost[column] == f64::INFINITY {
-                        self.touched.push(column);
-                    }
-                    self.cost[column] = through;
-                    self.taker[column] = row;
-                    self.offer[column] = gain;
-                    self.queue.push(Reached { cost: through, column });
-                }
-            }
-            let next = loop {
-                match self.queue.pop() {
-                    Some(reached) if self.settled[reached.column] => {}
-                    Some(reached) if reached.cost < loser_cost => break reached,
-                    _ => return (End::Row(loser), loser_cost),
-                }
-            };
-            let Some(holder) = self.row_of[next.column] else {
-                return (End::Column(next.column), next.cost);
-            };
-            self.settled[next.column] = true;
-            row = holder;
-            // What the holder gives up: its gain, less the price that it no longer pays.
-            cost = next.cost + self.gain[holder] - self.price[next.column];
-        }
-    }
-
-    /// What the search has passed becomes dearer by as much as it was passed more cheaply than the end was reached.
-    fn raise_prices(&mut self, end_cost: f64) {
-        for &column in &self.touched {
-            if self.settled[column] {
-                self.price[column] += end_cost - self.cost[column];
-            }
-        }
-    }
-
-    fn forget(&mut self) {
-        while let Some(column) = self.touched.pop() {
-            self.cost[column] = f64::INFINITY;
-            self.settled[column] = false;
-        }
-        self.queue.clear();
     }
 }
 
-impl PartialEq for Reached {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
+impl Problem for Wishes {
+    /// Pairs that are worth nothing are never made.
+    const OWN_FIRST: bool = true;
+
+    fn show_choices(&self, row: u32, mut each: impl FnMut(u32, u32, f64)) {
+        each(NONE, NONE, 0.0);
+        let [begin, end] = [0, 1].map(|next| self.begins[row as usize + next]);
+        for (label, wish) in (begin as u32..).zip(&self.wishes[begin..end]) {
+            each(label, wish.column as u32, -wish.gain);
+        }
     }
-}
 
-impl Eq for Reached {}
-
-impl PartialOrd for Reached {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Reached {
-    /// The cheapest is the greatest: the queue hands out the greatest first.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.cost.total_cmp(&self.cost).then(other.column.cmp(&self.column))
+    fn choice(&self, label: u32) -> Choice {
+        let wish = &self.wishes[label as usize];
+        Choice {
+            row: wish.row as u32,
+            column: wish.column as u32,
+            cost: -wish.gain,
+        }
     }
 }
 

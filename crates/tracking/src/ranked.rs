@@ -3,7 +3,8 @@
 //! All interpretations are far too many: ten detections that may each be false, new or of one of three tracks have
 //! millions. But only the best few dozen will be kept. In logarithms the likelihood of an interpretation is a sum over
 //! its rows, so the best one is an assignment problem: each row takes one of its choices, no column is taken twice
-//! (false and new belong to the row alone, and bar nobody). It is solved by shortest augmenting paths.
+//! (false and new belong to the row alone, and bar nobody). It is solved by shortest augmenting paths
+//! ([`association::augmenting`]).
 //!
 //! Murty's method finds the next ones. What remains after the best is split into disjoint parts: the first row takes
 //! something else; the first row keeps its choice and the second takes something else; and so on. The best of each part
@@ -21,6 +22,8 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::ops::Range;
+
+use association::augmenting::{self, AugmentingPaths};
 
 use crate::log_sum::{log_add, log_sum};
 
@@ -88,49 +91,67 @@ impl Part {
 
 /// A place in the heap: cheapest first, then earliest made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Waiting {
+struct Queued {
     cost: f64,
     part: u32,
 }
 
-impl Eq for Waiting {}
+impl Eq for Queued {}
 
-impl Ord for Waiting {
+impl Ord for Queued {
     fn cmp(&self, other: &Self) -> Ordering {
         self.cost.total_cmp(&other.cost).then(self.part.cmp(&other.part))
     }
 }
 
-impl PartialOrd for Waiting {
+impl PartialOrd for Queued {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Column {
-    /// Row that holds it and with which choice.
-    held: Option<(u8, u8)>,
-    price: f64,
-    reached: f64,
-    through: (u8, u8),
-    passed: bool,
+/// The rows of a part with the choices that it leaves them. A choice's label is its row and its number in it.
+struct Open<'a> {
+    choices: &'a [Choice],
+    /// Places of each row's choices.
+    rows: &'a [Range<u32>],
+    /// Row that may not take the choices of `forbidden`.
+    limited: u32,
+    forbidden: u64,
 }
 
-const FREE: Column = Column {
-    held: None,
-    price: 0.0,
-    reached: f64::INFINITY,
-    through: (0, 0),
-    passed: false,
-};
+impl Open<'_> {
+    fn column(choice: &Choice) -> u32 {
+        if choice.column == OWN {
+            augmenting::NONE
+        } else {
+            u32::from(choice.column)
+        }
+    }
+}
 
-/// Where a chain of changes ends.
-#[derive(Clone, Copy)]
-enum End {
-    Column(usize),
-    /// This row takes this choice of its own.
-    Own(u8, u8),
+impl augmenting::Problem for Open<'_> {
+    const OWN_FIRST: bool = true;
+
+    fn show_choices(&self, row: u32, mut each: impl FnMut(u32, u32, f64)) {
+        let forbidden = if row == self.limited { self.forbidden } else { 0 };
+        let Range { start, end } = self.rows[row as usize];
+        for (number, choice) in (0..).zip(&self.choices[start as usize..end as usize]) {
+            if forbidden >> number & 1 == 0 {
+                each(row * CHOICES_MAX as u32 + number, Self::column(choice), choice.cost);
+            }
+        }
+    }
+
+    fn choice(&self, label: u32) -> augmenting::Choice {
+        let (row, number) = (label / CHOICES_MAX as u32, label % CHOICES_MAX as u32);
+        let choice = &self.choices[(self.rows[row as usize].start + number) as usize];
+        augmenting::Choice {
+            row,
+            column: Self::column(choice),
+            cost: choice.cost,
+        }
+    }
 }
 
 /// Working memory for the ranked solutions of one cluster after the other.
@@ -143,8 +164,8 @@ pub(crate) struct Ranked {
     log_rest: Vec<f64>,
     choices: Vec<Choice>,
     parts: Vec<Part>,
-    heap: BinaryHeap<Reverse<Waiting>>,
-    columns: [Column; COLUMNS_MAX],
+    heap: BinaryHeap<Reverse<Queued>>,
+    paths: AugmentingPaths,
     /// Logarithm of the bound of the parts for which there was no room.
     log_refused: f64,
 }
@@ -166,7 +187,7 @@ impl Ranked {
             choices: Vec::with_capacity(CHOICES_TOTAL_MAX),
             parts: Vec::with_capacity(PARTS_MAX),
             heap: BinaryHeap::with_capacity(PARTS_MAX),
-            columns: [FREE; COLUMNS_MAX],
+            paths: AugmentingPaths::new(ROWS_MAX, COLUMNS_MAX),
             log_refused: f64::NEG_INFINITY,
         }
     }
@@ -258,7 +279,7 @@ impl Ranked {
         let waiting = self
             .heap
             .iter()
-            .map(|Reverse(waiting)| self.parts[waiting.part as usize].log_bound);
+            .map(|Reverse(queued)| self.parts[queued.part as usize].log_bound);
         log_add(log_sum(waiting), self.log_refused)
     }
 
@@ -293,13 +314,13 @@ impl Ranked {
 
     /// Cost of the next solution, if there is one.
     pub(crate) fn next_cost(&self) -> Option<f64> {
-        self.heap.peek().map(|Reverse(waiting)| waiting.cost)
+        self.heap.peek().map(|Reverse(queued)| queued.cost)
     }
 
     /// The cheapest solution that has not come out before.
     pub(crate) fn next(&mut self) -> Option<Solution> {
-        let Reverse(waiting) = self.heap.pop()?;
-        let best = self.parts[waiting.part as usize];
+        let Reverse(queued) = self.heap.pop()?;
+        let best = self.parts[queued.part as usize];
         let rows = self.problems[usize::from(best.problem)].rows;
         for row in usize::from(best.fixed)..rows {
             let already = if row == usize::from(best.fixed) {
@@ -315,8 +336,8 @@ impl Ranked {
         }
         Some(Solution {
             problem: usize::from(best.problem),
-            cost: waiting.cost,
-            part: waiting.part,
+            cost: queued.cost,
+            part: queued.part,
         })
     }
 
@@ -341,7 +362,7 @@ impl Ranked {
         part.cost = cost;
         let place = self.parts.len() as u32;
         self.parts.push(part);
-        self.heap.push(Reverse(Waiting { cost, part: place }));
+        self.heap.push(Reverse(Queued { cost, part: place }));
     }
 
     fn choice(&self, problem: &Problem, row: u8, choice: u8) -> Choice {
@@ -351,100 +372,31 @@ impl Ranked {
 
     /// Cost of the best solution of the part, which is left in its choices; `None` if it has none.
     fn solve(&mut self, problem: &Problem, part: &mut Part) -> Option<f64> {
-        self.columns[..problem.columns].fill(FREE);
+        let (rows, columns) = (problem.rows as u32, problem.columns as u32);
+        let fixed = u32::from(part.fixed);
+        self.paths.forget(fixed..rows, 0..columns);
         for row in 0..part.fixed {
             let column = self.choice(problem, row, part.chosen[usize::from(row)]).column;
             if column != OWN {
-                // Fixed rows are never displaced: their columns are out of reach.
-                self.columns[usize::from(column)].passed = true;
-                self.columns[usize::from(column)].reached = f64::NEG_INFINITY;
+                // Fixed rows are never displaced.
+                self.paths.bar(u32::from(column));
             }
         }
-        for row in part.fixed..problem.rows as u8 {
-            self.bring_in(problem, part, row)?;
+        let open = Open {
+            choices: &self.choices,
+            rows: &self.rows[problem.first_row..problem.first_row + problem.rows],
+            limited: fixed,
+            forbidden: part.forbidden,
+        };
+        let mut steps = usize::MAX;
+        for row in fixed..rows {
+            self.paths.bring_in(&open, row, &mut steps).ok()?;
+        }
+        for row in fixed..rows {
+            part.chosen[row as usize] = (self.paths.held(row) % CHOICES_MAX as u32) as u8;
         }
         let chosen = (0..problem.rows).map(|row| self.choice(problem, row as u8, part.chosen[row]).cost);
         Some(problem.base_cost + chosen.sum::<f64>())
-    }
-
-    /// Makes the cheapest chain of changes by which `start` gets something. `None` if there is none.
-    fn bring_in(&mut self, problem: &Problem, part: &mut Part, start: u8) -> Option<()> {
-        let (end, end_cost) = self.cheapest_chain(problem, part, start)?;
-        let mut vacant = match end {
-            End::Column(column) => Some(column),
-            End::Own(row, choice) => {
-                let given_up = (row != start).then(|| self.column_of(problem, part, row)).flatten();
-                part.chosen[usize::from(row)] = choice;
-                given_up
-            }
-        };
-        while let Some(column) = vacant {
-            let (row, choice) = self.columns[column].through;
-            vacant = (row != start).then(|| self.column_of(problem, part, row)).flatten();
-            part.chosen[usize::from(row)] = choice;
-            self.columns[column].held = Some((row, choice));
-        }
-        for column in &mut self.columns[..problem.columns] {
-            if column.reached == f64::NEG_INFINITY {
-                continue;
-            }
-            if column.passed {
-                column.price += end_cost - column.reached;
-            }
-            (column.reached, column.passed) = (f64::INFINITY, false);
-        }
-        Some(())
-    }
-
-    fn column_of(&self, problem: &Problem, part: &Part, row: u8) -> Option<usize> {
-        let column = self.choice(problem, row, part.chosen[usize::from(row)]).column;
-        (column != OWN).then_some(usize::from(column))
-    }
-
-    /// Dijkstra's search over columns and the rows that hold them. Prices keep the costs of all steps but the first from
-    /// being negative.
-    fn cheapest_chain(&mut self, problem: &Problem, part: &Part, start: u8) -> Option<(End, f64)> {
-        let (mut row, mut row_cost) = (start, 0.0);
-        let mut best_own: Option<(End, f64)> = None;
-        loop {
-            let range = self.rows[problem.first_row + usize::from(row)].clone();
-            let forbidden = if row == part.fixed { part.forbidden } else { 0 };
-            for (number, place) in (0u8..).zip(range) {
-                if forbidden >> number & 1 == 1 {
-                    continue;
-                }
-                let choice = self.choices[place as usize];
-                if choice.column == OWN {
-                    let cost = row_cost + choice.cost;
-                    if best_own.is_none_or(|(_, best)| cost < best) {
-                        best_own = Some((End::Own(row, number), cost));
-                    }
-                    continue;
-                }
-                let column = &mut self.columns[usize::from(choice.column)];
-                let cost = row_cost + choice.cost + column.price;
-                if !column.passed && cost < column.reached {
-                    (column.reached, column.through) = (cost, (row, number));
-                }
-            }
-            let open = self.columns[..problem.columns].iter().enumerate();
-            let nearest = open
-                .filter(|(_, column)| !column.passed && column.reached < f64::INFINITY)
-                .min_by(|(_, one), (_, other)| one.reached.total_cmp(&other.reached));
-            let Some((number, _)) = nearest else { return best_own };
-            let column = &mut self.columns[number];
-            if best_own.is_some_and(|(_, cost)| cost <= column.reached) {
-                return best_own;
-            }
-            let Some((holder, choice)) = column.held else {
-                return Some((End::Column(number), column.reached));
-            };
-            column.passed = true;
-            // What the holder no longer pays once it gives up the column.
-            let (reached, price) = (column.reached, column.price);
-            row_cost = reached - price - self.choice(problem, holder, choice).cost;
-            row = holder;
-        }
     }
 }
 

@@ -1,0 +1,315 @@
+//! Shortest augmenting paths: the one solver of assignment problems in this house.
+//!
+//! Rows come in one after the other. A row that wants a held column may drive its holder to another one, that one's holder to
+//! yet another, and so on, until the chain ends at a free column, or at a row that takes what is its own and bars nobody
+//! else. Dijkstra's search finds the cheapest such chain. Prices on the columns keep what earlier searches learned, so that
+//! no step of a chain but the first has a negative cost and the result is exact.
+//!
+//! Only choices that a row has are looked at. So the cost grows with the crowding, and hardly with the number of columns;
+//! but the worst case grows with the cube of the crowd, so that who must bound time gives a number of steps. Of columns
+//! reached at the same cost the one with the lowest number comes first.
+//!
+//! Source: R. Jonker, A. Volgenant, *A shortest augmenting path algorithm for dense and sparse linear assignment problems*,
+//! Computing 38 (1987).
+
+/// Label of no choice, column of no column.
+pub const NONE: u32 = u32::MAX;
+
+/// One choice of one row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// Row that has the choice.
+    pub row: u32,
+    /// Column that it takes; [`NONE`] for what is the row's own.
+    pub column: u32,
+    /// Cost, a finite number; it may be negative.
+    pub cost: f64,
+}
+
+/// A sparse assignment problem: each row takes one of its choices, no column is taken twice, and the sum of the costs is smallest.
+pub trait Problem {
+    /// Which of two chains of the same cost is made: one that ends at a row's own choice (`true`), or at a column (`false`).
+    const OWN_FIRST: bool;
+
+    /// Shows `each` every choice of a row, as label, column (or [`NONE`]) and cost.
+    fn show_choices(&self, row: u32, each: impl FnMut(u32, u32, f64));
+
+    /// The choice with a label, other than [`NONE`].
+    fn choice(&self, label: u32) -> Choice;
+}
+
+/// Why a row could not be brought in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// Whatever changes, some row would be left without a choice.
+    NoChoice,
+    /// The search takes more steps than were left.
+    NoSteps,
+}
+
+/// Choices made so far, prices, and the working memory of one search.
+#[derive(Clone, Debug)]
+pub struct AugmentingPaths {
+    columns: Vec<Column>,
+    /// By row: label of the choice that it has taken, or [`NONE`].
+    held: Vec<u32>,
+    /// Columns that the search has reached and may still reach more cheaply, with the costs of the chains to them: side by
+    /// side, since all of them are looked at time and again.
+    frontier: Vec<(f64, u32)>,
+    /// Columns that the search has passed.
+    passed: Vec<u32>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    /// Label of the choice that holds it, or [`NONE`].
+    held: u32,
+    /// What holding the column has come to cost. 0 while nobody holds it.
+    price: f64,
+    /// Cost of the cheapest chain to it that is known.
+    reached: f64,
+    /// Label of the last choice of that chain, or [`NONE`].
+    through: u32,
+    /// Place in the frontier.
+    place: u32,
+    /// No cheaper chain can be found.
+    passed: bool,
+}
+
+impl Column {
+    const FREE: Self = Self {
+        held: NONE,
+        price: 0.0,
+        reached: f64::INFINITY,
+        through: NONE,
+        place: 0,
+        passed: false,
+    };
+}
+
+/// Where a chain of changes ends.
+#[derive(Clone, Copy)]
+enum End {
+    /// At a column that nobody holds.
+    Column(u32),
+    /// At a row that takes its own choice of this label.
+    Own(u32, u32),
+}
+
+impl AugmentingPaths {
+    /// Memory for rows `0..rows_max` and columns `0..columns_max`.
+    pub fn new(rows_max: usize, columns_max: usize) -> Self {
+        Self {
+            columns: vec![Column::FREE; columns_max],
+            held: vec![NONE; rows_max],
+            frontier: Vec::with_capacity(columns_max),
+            passed: Vec::with_capacity(columns_max),
+        }
+    }
+
+    /// Forgets what is known of these rows and columns: before the first row of a problem is brought in.
+    pub fn forget(&mut self, rows: impl Iterator<Item = u32>, columns: impl Iterator<Item = u32>) {
+        self.frontier.clear();
+        self.passed.clear();
+        rows.for_each(|row| self.held[row as usize] = NONE);
+        columns.for_each(|column| self.columns[column as usize] = Column::FREE);
+    }
+
+    /// Keeps a column out of reach of all rows, until it is forgotten.
+    pub fn bar(&mut self, column: u32) {
+        self.columns[column as usize].passed = true;
+    }
+
+    /// Label of the choice that a row has taken; [`NONE`] before it is brought in.
+    pub fn held(&self, row: u32) -> u32 {
+        self.held[row as usize]
+    }
+
+    /// Lets a row take a choice for good, if neither the row nor the column is taken.
+    pub fn take_free(&mut self, label: u32, choice: Choice) {
+        let (held, column) = (
+            &mut self.held[choice.row as usize],
+            &mut self.columns[choice.column as usize],
+        );
+        if *held == NONE && column.held == NONE {
+            (*held, column.held) = (label, label);
+        }
+    }
+
+    /// Makes the cheapest chain of changes by which `start` gets a choice, and takes off `steps_left` how many choices and
+    /// columns were looked at.
+    ///
+    /// # Errors
+    /// [`Stop`], if there is no such chain, or finding it takes more than `steps_left`.
+    pub fn bring_in<P: Problem>(&mut self, problem: &P, start: u32, steps_left: &mut usize) -> Result<(), Stop> {
+        let (end, end_cost) = self.cheapest_chain(problem, start, steps_left)?;
+        let mut vacant = match end {
+            End::Column(column) => column,
+            End::Own(row, label) => self.exchange(problem, row, label),
+        };
+        while vacant != NONE {
+            let label = self.columns[vacant as usize].through;
+            let column = vacant;
+            vacant = self.exchange(problem, problem.choice(label).row, label);
+            self.columns[column as usize].held = label;
+        }
+        self.close_search(end_cost);
+        Ok(())
+    }
+
+    /// Lets a row take another choice, and returns the column that it gives up.
+    fn exchange(&mut self, problem: &impl Problem, row: u32, label: u32) -> u32 {
+        let held = std::mem::replace(&mut self.held[row as usize], label);
+        if held == NONE {
+            NONE
+        } else {
+            problem.choice(held).column
+        }
+    }
+
+    /// Dijkstra's search from `start` over columns and the rows that hold them: the end of the cheapest chain and its cost.
+    fn cheapest_chain<P: Problem>(
+        &mut self,
+        problem: &P,
+        start: u32,
+        steps_left: &mut usize,
+    ) -> Result<(End, f64), Stop> {
+        let (mut row, mut row_cost) = (start, 0.0);
+        let mut own: Option<(End, f64)> = None;
+        loop {
+            let mut steps = 0;
+            let (columns, frontier) = (&mut self.columns, &mut self.frontier);
+            problem.show_choices(row, |label, number, cost| {
+                if number == NONE {
+                    let cost = row_cost + cost;
+                    if own.is_none_or(|(_, least)| cost < least) {
+                        own = Some((End::Own(row, label), cost));
+                    }
+                    return;
+                }
+                steps += 1;
+                let column = &mut columns[number as usize];
+                let reached = row_cost + cost + column.price;
+                if !column.passed && reached < column.reached {
+                    if column.through == NONE {
+                        column.place = frontier.len() as u32;
+                        frontier.push((reached, number));
+                    } else {
+                        frontier[column.place as usize].0 = reached;
+                    }
+                    (column.reached, column.through) = (reached, label);
+                }
+            });
+            let Some(place) = self.nearest() else {
+                return own.ok_or(Stop::NoChoice);
+            };
+            *steps_left = steps_left
+                .checked_sub(steps + self.frontier.len())
+                .ok_or(Stop::NoSteps)?;
+            let (_, number) = self.frontier[place];
+            let column = self.columns[number as usize];
+            let ends_at_own = |cost: f64| cost < column.reached || P::OWN_FIRST && cost == column.reached;
+            if let Some(own) = own.filter(|(_, cost)| ends_at_own(*cost)) {
+                return Ok(own);
+            }
+            if column.held == NONE {
+                return Ok((End::Column(number), column.reached));
+            }
+            self.columns[number as usize].passed = true;
+            self.passed.push(number);
+            self.frontier.swap_remove(place);
+            if let Some((_, moved)) = self.frontier.get(place) {
+                self.columns[*moved as usize].place = place as u32;
+            }
+            let held = problem.choice(column.held);
+            row = held.row;
+            // What the holder no longer pays once it gives up the column.
+            row_cost = column.reached - column.price - held.cost;
+        }
+    }
+
+    /// Place in the frontier of the column that is reached most cheaply; of equal ones, the one of the lowest number.
+    fn nearest(&self) -> Option<usize> {
+        let each = self.frontier.iter().enumerate();
+        let nearest = each.min_by(|(_, one), (_, other)| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+        nearest.map(|(place, _)| place)
+    }
+
+    /// Raises the price of each column passed by as much as it was reached more cheaply than the end, and forgets the
+    /// search.
+    fn close_search(&mut self, end_cost: f64) {
+        for &number in &self.passed {
+            let column = &mut self.columns[number as usize];
+            column.price += end_cost - column.reached;
+        }
+        let reached = self.frontier.drain(..).map(|(_, number)| number);
+        for number in reached.chain(self.passed.drain(..)) {
+            let column = &mut self.columns[number as usize];
+            (column.reached, column.through, column.passed) = (f64::INFINITY, NONE, false);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Choices (row, column, cost); of two chains of the same cost, those that end at a row's own go first.
+    struct Listed(Vec<Choice>);
+
+    impl Problem for Listed {
+        const OWN_FIRST: bool = true;
+
+        fn show_choices(&self, row: u32, mut each: impl FnMut(u32, u32, f64)) {
+            for (label, choice) in (0..).zip(&self.0).filter(|(_, choice)| choice.row == row) {
+                each(label, choice.column, choice.cost);
+            }
+        }
+
+        fn choice(&self, label: u32) -> Choice {
+            self.0[label as usize]
+        }
+    }
+
+    fn listed(choices: &[(u32, u32, f64)]) -> Listed {
+        let choice = |&(row, column, cost)| Choice { row, column, cost };
+        Listed(choices.iter().map(choice).collect())
+    }
+
+    fn bring_in(paths: &mut AugmentingPaths, problem: &Listed, rows: u32, mut steps: usize) -> Result<Vec<u32>, Stop> {
+        (0..rows).try_for_each(|row| paths.bring_in(problem, row, &mut steps))?;
+        Ok((0..rows).map(|row| paths.held(row)).collect())
+    }
+
+    #[test]
+    fn rows_without_a_choice_of_their_own_may_find_none() {
+        let both = listed(&[(0, 0, 1.0), (1, 0, 1.0)]);
+        let mut paths = AugmentingPaths::new(2, 2);
+        assert_eq!(bring_in(&mut paths, &both, 2, usize::MAX), Err(Stop::NoChoice));
+        paths.forget(0..2, 0..2);
+        let one_gives_way = listed(&[(0, 0, 1.0), (0, 1, 5.0), (1, 0, 1.0)]);
+        assert_eq!(bring_in(&mut paths, &one_gives_way, 2, usize::MAX), Ok(vec![1, 2]));
+        paths.forget(0..2, 0..2);
+        paths.bar(1);
+        assert_eq!(bring_in(&mut paths, &one_gives_way, 2, usize::MAX), Err(Stop::NoChoice));
+    }
+
+    #[test]
+    fn of_equal_chains_the_rows_own_choice_goes_first() {
+        let equal = listed(&[(0, 0, 2.0), (0, NONE, 2.0)]);
+        assert_eq!(
+            bring_in(&mut AugmentingPaths::new(1, 1), &equal, 1, usize::MAX),
+            Ok(vec![1])
+        );
+    }
+
+    #[test]
+    fn a_search_ends_when_its_steps_do() {
+        // Row 1 looks at its choice and the column reached, then at those of the row that holds it.
+        let chain = listed(&[(0, 0, 1.0), (0, 1, 2.0), (1, 0, 1.0)]);
+        let needed = 4 + 2 + 3;
+        assert!(bring_in(&mut AugmentingPaths::new(2, 2), &chain, 2, needed).is_ok());
+        let found = bring_in(&mut AugmentingPaths::new(2, 2), &chain, 2, needed - 1);
+        assert_eq!(found, Err(Stop::NoSteps));
+    }
+}
