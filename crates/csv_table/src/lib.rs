@@ -93,9 +93,9 @@ pub struct Column {
     place: usize,
 }
 
-/// A row with as many values as there are columns.
+/// The values of a row, as many as there are columns.
 #[derive(Clone, Copy, Debug)]
-pub struct Row<'a> {
+pub struct Cells<'a> {
     line: u64,
     values: &'a ByteRecord,
 }
@@ -164,7 +164,7 @@ impl<R: Read> Table<R> {
     ///
     /// # Errors
     /// If the row has more or fewer values than the header has names, or the input fails.
-    pub fn next_row(&mut self) -> Option<Result<Row<'_>, CsvError>> {
+    pub fn next_row(&mut self) -> Option<Result<Cells<'_>, CsvError>> {
         if self.failed {
             return None;
         }
@@ -184,7 +184,7 @@ impl<R: Read> Table<R> {
         let line = self.line();
         let (found, expected) = (self.row.len(), self.header.len());
         Some(match found == expected {
-            true => Ok(Row {
+            true => Ok(Cells {
                 line,
                 values: &self.row,
             }),
@@ -207,7 +207,7 @@ impl<R: Read> Table<R> {
     }
 }
 
-impl Row<'_> {
+impl Cells<'_> {
     /// The value as text; `None` if it is empty or the column is not there.
     ///
     /// # Errors
@@ -227,6 +227,18 @@ impl Row<'_> {
     pub fn number(&self, column: Column) -> Result<f64, CsvError> {
         self.number_or_empty(column)?
             .ok_or_else(|| self.error(column, "is empty; write a number"))
+    }
+
+    /// Finite numbers.
+    ///
+    /// # Errors
+    /// If one of the values is none.
+    pub fn numbers<const N: usize>(&self, columns: [Column; N]) -> Result<[f64; N], CsvError> {
+        let mut numbers = [0.0; N];
+        for (number, column) in numbers.iter_mut().zip(columns) {
+            *number = self.number(column)?;
+        }
+        Ok(numbers)
     }
 
     /// A finite number, or `None` if the value is empty or the column is not there.
@@ -271,7 +283,7 @@ impl Row<'_> {
     /// Nanoseconds of a time in seconds.
     ///
     /// # Errors
-    /// As [`Row::time_s`].
+    /// As [`Cells::time_s`].
     pub fn time_ns(&self, column: Column) -> Result<i64, CsvError> {
         self.time_s(column).map(frames::time::ns)
     }

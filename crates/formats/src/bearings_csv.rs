@@ -6,24 +6,23 @@
 use std::f64::consts::TAU;
 use std::io::{self, Read, Write};
 
-use csv_table::{Column, CsvError, Row, Table, write_time};
+use csv_table::{Cells, Column, CsvError, Table};
 use observations::Bearing;
+
+use crate::rows::{Columns, Reference, Row, RowReader, RowWriter, write_exact};
 
 /// A standard deviation beyond this says nothing about a direction, radians.
 const SIGMA_MAX_RAD: f64 = 1.0;
 
-/// Reads bearings, row by row.
-///
-/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
-#[derive(Debug)]
-pub struct BearingReader<R> {
-    table: Table<R>,
-    columns: Columns,
-    first_day_ns: i64,
-}
+/// Reads bearings.
+pub type BearingReader<R> = RowReader<R, BearingColumns>;
+/// Writes bearings. What was written and read again is the same to the last bit.
+pub type BearingWriter<W> = RowWriter<Bearing, W>;
 
+/// Columns of bearings.
 #[derive(Debug)]
-struct Columns {
+pub struct BearingColumns {
+    first_day_ns: i64,
     time: Column,
     emitter: Column,
     bearing: Column,
@@ -41,7 +40,8 @@ impl<R: Read> BearingReader<R> {
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
-        let columns = Columns {
+        let columns = BearingColumns {
+            first_day_ns,
             time: table.required("time_s")?,
             emitter: table.required("emitter_id")?,
             bearing: table.required("bearing_rad")?,
@@ -51,39 +51,20 @@ impl<R: Read> BearingReader<R> {
             frequency: table.optional("frequency_hz")?,
             pulse_interval: table.optional("pulse_interval_s")?,
         };
-        Ok(Self {
-            table,
-            columns,
-            first_day_ns,
-        })
-    }
-
-    /// The line, from 1, of the row read last.
-    pub fn line(&self) -> u64 {
-        self.table.line()
+        Ok(Self { table, columns })
     }
 }
 
-impl<R: Read> Iterator for BearingReader<R> {
-    type Item = Result<Bearing, CsvError>;
+impl Columns for BearingColumns {
+    type Value = Bearing;
 
-    fn next(&mut self) -> Option<Self::Item> {
-        let row = self.table.next_row()?;
-        Some(row.and_then(|row| self.columns.bearing(row, self.first_day_ns)))
-    }
-}
-
-impl Columns {
-    fn bearing(&self, row: Row<'_>, first_day_ns: i64) -> Result<Bearing, CsvError> {
+    fn read(&mut self, row: Cells<'_>) -> Result<Bearing, CsvError> {
         let time_ns = row.time_ns(self.time)?;
         let emitter_id = match row.text(self.emitter)? {
             Some(_) => Some(row.whole(self.emitter)?),
             None => None,
         };
-        let mut platform_m = [0.0; 3];
-        for (place, column) in platform_m.iter_mut().zip(self.platform) {
-            *place = row.number(column)?;
-        }
+        let platform_m = row.numbers(self.platform)?;
         let frequency_hz = positive(row, self.frequency, "must be greater than 0; a frequency is, in hertz")?;
         let interval = "must be greater than 0; the time between pulses is, in seconds";
         let pulse_interval_s = positive(row, self.pulse_interval, interval)?;
@@ -92,7 +73,7 @@ impl Columns {
             _ => None,
         };
         Ok(Bearing {
-            time_of_measurement_ns: first_day_ns.saturating_add(time_ns),
+            time_of_measurement_ns: self.first_day_ns.saturating_add(time_ns),
             emitter_id,
             bearing_rad: angle(row, self.bearing)?,
             sigma_rad: self.sigma(row)?,
@@ -102,8 +83,10 @@ impl Columns {
             pulse_interval_s,
         })
     }
+}
 
-    fn sigma(&self, row: Row<'_>) -> Result<f64, CsvError> {
+impl BearingColumns {
+    fn sigma(&self, row: Cells<'_>) -> Result<f64, CsvError> {
         match row.number(self.sigma)? {
             ..=0.0 => Err(row.error(self.sigma, "must be greater than 0; a standard deviation is")),
             sigma if sigma > SIGMA_MAX_RAD => {
@@ -116,7 +99,7 @@ impl Columns {
 }
 
 /// A number that may be missing; one that is not above 0 is refused for this reason.
-fn positive(row: Row<'_>, column: Option<Column>, reason: &str) -> Result<Option<f64>, CsvError> {
+fn positive(row: Cells<'_>, column: Option<Column>, reason: &str) -> Result<Option<f64>, CsvError> {
     let number = row.number_or_empty(column)?;
     match (column, number) {
         (Some(column), Some(..=0.0)) => Err(row.error(column, reason)),
@@ -124,67 +107,27 @@ fn positive(row: Row<'_>, column: Option<Column>, reason: &str) -> Result<Option
     }
 }
 
-fn angle(row: Row<'_>, column: Column) -> Result<f64, CsvError> {
+fn angle(row: Cells<'_>, column: Column) -> Result<f64, CsvError> {
     match row.number(column)? {
         angle if angle.abs() > TAU => Err(row.error(column, "is more than a full turn; write radians, not degrees")),
         angle => Ok(angle),
     }
 }
 
-/// Writes bearings. What was written and read again is the same to the last bit.
-#[derive(Debug)]
-pub struct BearingWriter<W: Write> {
-    writer: W,
-    first_day_ns: i64,
-}
-
-impl<W: Write> BearingWriter<W> {
-    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
-    ///
-    /// # Errors
-    /// If `writer` fails.
-    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
-        writeln!(
-            writer,
-            "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz,pulse_interval_s"
-        )?;
-        Ok(Self { writer, first_day_ns })
+impl Row for Bearing {
+    fn columns() -> String {
+        "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz,pulse_interval_s".to_owned()
     }
 
-    /// Writes one row.
-    ///
-    /// # Errors
-    /// If the writer fails.
-    pub fn write(&mut self, bearing: &Bearing) -> io::Result<()> {
-        let out = &mut self.writer;
-        write_time(out, bearing.time_of_measurement_ns - self.first_day_ns)?;
-        match bearing.emitter_id {
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        reference.write_time(out, self.time_of_measurement_ns)?;
+        match self.emitter_id {
             Some(emitter_id) => write!(out, ",{emitter_id}")?,
             None => write!(out, ",")?,
         }
-        let [east, north, up] = bearing.platform_m;
-        write!(
-            out,
-            ",{},{},{east},{north},{up}",
-            bearing.bearing_rad, bearing.sigma_rad
-        )?;
-        for number in [bearing.heading_rad, bearing.frequency_hz, bearing.pulse_interval_s] {
-            match number {
-                Some(number) => write!(out, ",{number}")?,
-                None => write!(out, ",")?,
-            }
-        }
-        writeln!(out)
-    }
-
-    /// What is written to.
-    pub fn get_ref(&self) -> &W {
-        &self.writer
-    }
-
-    /// What was written to; not flushed.
-    pub fn into_inner(self) -> W {
-        self.writer
+        write_exact(out, [self.bearing_rad, self.sigma_rad])?;
+        write_exact(out, self.platform_m)?;
+        write_exact(out, [self.heading_rad, self.frequency_hz, self.pulse_interval_s])
     }
 }
 

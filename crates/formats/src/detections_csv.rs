@@ -6,8 +6,10 @@
 
 use std::io::{self, Read, Write};
 
-use csv_table::{Column, CsvError, Row, Table, write_time};
+use csv_table::{Cells, Column, CsvError, Table};
 use observations::{Detection, DetectionKind, QUANTITIES_MAX, Truth};
+
+use crate::rows::{Columns, Reference, Row, RowReader, RowWriter, write_exact};
 
 /// Place of the range rate among the columns of measured values.
 const RANGE_RATE: usize = QUANTITIES_MAX;
@@ -15,18 +17,15 @@ const VALUES: [&str; QUANTITIES_MAX + 1] = ["m0", "m1", "m2", "m3"];
 const SIGMAS: [&str; QUANTITIES_MAX + 1] = ["s0", "s1", "s2", "s3"];
 const PLATFORM: [&str; 3] = ["px", "py", "pz"];
 
-/// Reads detections, row by row.
-///
-/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
-#[derive(Debug)]
-pub struct DetectionReader<R> {
-    table: Table<R>,
-    columns: Columns,
-    first_day_ns: i64,
-}
+/// Reads detections.
+pub type DetectionReader<R> = RowReader<R, DetectionColumns>;
+/// Writes detections. What was written and read again is the same to the last bit.
+pub type DetectionWriter<W> = RowWriter<Detection, W>;
 
+/// Columns of detections.
 #[derive(Debug)]
-struct Columns {
+pub struct DetectionColumns {
+    first_day_ns: i64,
     time: Column,
     sensor: Column,
     scan: Column,
@@ -45,7 +44,8 @@ impl<R: Read> DetectionReader<R> {
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
-        let columns = Columns {
+        let columns = DetectionColumns {
+            first_day_ns,
             time: table.required("time_s")?,
             sensor: table.required("sensor_id")?,
             scan: table.required("scan")?,
@@ -56,35 +56,21 @@ impl<R: Read> DetectionReader<R> {
             platform: table.all(PLATFORM)?,
             truth: table.optional("truth_id")?,
         };
-        Ok(Self {
-            table,
-            columns,
-            first_day_ns,
-        })
+        Ok(Self { table, columns })
     }
 }
 
-impl<R: Read> Iterator for DetectionReader<R> {
-    type Item = Result<Detection, CsvError>;
+impl Columns for DetectionColumns {
+    type Value = Detection;
 
-    fn next(&mut self) -> Option<Self::Item> {
-        let row = self.table.next_row()?;
-        Some(row.and_then(|row| self.columns.detection(row, self.first_day_ns)))
-    }
-}
-
-impl Columns {
-    fn detection(&self, row: Row<'_>, first_day_ns: i64) -> Result<Detection, CsvError> {
+    fn read(&mut self, row: Cells<'_>) -> Result<Detection, CsvError> {
         let time_ns = row.time_ns(self.time)?;
         let kind = self.kind(row)?;
         let values = self.values(row, kind)?;
         let range_rate_mps = row.number_or_empty(self.values[RANGE_RATE])?;
-        let mut platform_m = [0.0; 3];
-        for (place, column) in platform_m.iter_mut().zip(self.platform) {
-            *place = row.number(column)?;
-        }
+        let platform_m = row.numbers(self.platform)?;
         Ok(Detection {
-            time_of_measurement_ns: first_day_ns.saturating_add(time_ns),
+            time_of_measurement_ns: self.first_day_ns.saturating_add(time_ns),
             sensor_id: row.whole(self.sensor)?,
             scan: row.whole(self.scan)?,
             detection_id: row.whole(self.number)?,
@@ -96,8 +82,10 @@ impl Columns {
             truth: self.truth(row)?,
         })
     }
+}
 
-    fn kind(&self, row: Row<'_>) -> Result<DetectionKind, CsvError> {
+impl DetectionColumns {
+    fn kind(&self, row: Cells<'_>) -> Result<DetectionKind, CsvError> {
         let word = row.text(self.kind)?.unwrap_or_default();
         DetectionKind::from_word(word).ok_or_else(|| {
             let words = DetectionKind::ALL.map(DetectionKind::word).join(", ");
@@ -105,7 +93,7 @@ impl Columns {
         })
     }
 
-    fn values(&self, row: Row<'_>, kind: DetectionKind) -> Result<[f64; QUANTITIES_MAX], CsvError> {
+    fn values(&self, row: Cells<'_>, kind: DetectionKind) -> Result<[f64; QUANTITIES_MAX], CsvError> {
         let mut values = [0.0; QUANTITIES_MAX];
         let quantities = kind.quantities();
         for ((value, quantity), column) in values.iter_mut().zip(quantities).zip(self.values) {
@@ -123,7 +111,7 @@ impl Columns {
     /// The standard deviations of what was measured: of all of it, or of nothing.
     fn sigmas(
         &self,
-        row: Row<'_>,
+        row: Cells<'_>,
         kind: DetectionKind,
         range_rate: bool,
     ) -> Result<Option<[f64; QUANTITIES_MAX + 1]>, CsvError> {
@@ -153,7 +141,7 @@ impl Columns {
         }
     }
 
-    fn truth(&self, row: Row<'_>) -> Result<Option<Truth>, CsvError> {
+    fn truth(&self, row: Cells<'_>) -> Result<Option<Truth>, CsvError> {
         let (Some(column), Some(text)) = (self.truth, row.text(self.truth)?) else {
             return Ok(None);
         };
@@ -169,7 +157,7 @@ impl Columns {
     }
 }
 
-fn expect_empty(row: Row<'_>, column: Column, kind: DetectionKind) -> Result<(), CsvError> {
+fn expect_empty(row: Cells<'_>, column: Column, kind: DetectionKind) -> Result<(), CsvError> {
     match row.text(column)? {
         None => Ok(()),
         Some(_) => Err(row.error(
@@ -179,79 +167,36 @@ fn expect_empty(row: Row<'_>, column: Column, kind: DetectionKind) -> Result<(),
     }
 }
 
-/// Writes detections. What was written and read again is the same to the last bit.
-#[derive(Debug)]
-pub struct DetectionWriter<W: Write> {
-    writer: W,
-    first_day_ns: i64,
-}
-
-impl<W: Write> DetectionWriter<W> {
-    /// Goes on writing to something that has its header line.
-    pub fn resume(writer: W, first_day_ns: i64) -> Self {
-        Self { writer, first_day_ns }
-    }
-
-    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
-    ///
-    /// # Errors
-    /// If `writer` fails.
-    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
+impl Row for Detection {
+    fn columns() -> String {
         let columns = [&VALUES[..], &SIGMAS, &PLATFORM].concat().join(",");
-        writeln!(writer, "time_s,sensor_id,scan,detection_id,kind,{columns},truth_id")?;
-        Ok(Self { writer, first_day_ns })
+        format!("time_s,sensor_id,scan,detection_id,kind,{columns},truth_id")
     }
 
-    /// Writes one row.
-    ///
-    /// # Errors
-    /// If the writer fails.
-    pub fn write(&mut self, detection: &Detection) -> io::Result<()> {
-        let out = &mut self.writer;
-        write_time(out, detection.time_of_measurement_ns - self.first_day_ns)?;
-        write!(out, ",{},{}", detection.sensor_id, detection.scan)?;
-        write!(out, ",{},{}", detection.detection_id, detection.kind.word())?;
-        let measured = detection.kind.quantities().len();
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        reference.write_time(out, self.time_of_measurement_ns)?;
+        write!(out, ",{},{}", self.sensor_id, self.scan)?;
+        write!(out, ",{},{}", self.detection_id, self.kind.word())?;
+        let measured = self.kind.quantities().len();
         let mut values = [None; QUANTITIES_MAX + 1];
-        for (place, value) in detection.values.iter().enumerate().take(measured) {
+        for (place, value) in self.values.iter().enumerate().take(measured) {
             values[place] = Some(*value);
         }
-        values[RANGE_RATE] = detection.range_rate_mps;
+        values[RANGE_RATE] = self.range_rate_mps;
         let sigma = |(place, value): (usize, &Option<f64>)| {
-            let sigmas = detection.sigmas.filter(|_| value.is_some());
+            let sigmas = self.sigmas.filter(|_| value.is_some());
             sigmas.map(|sigmas| sigmas[place])
         };
-        write_numbers(out, values)?;
-        write_numbers(out, values.iter().enumerate().map(sigma))?;
-        write_numbers(out, detection.platform_m.map(Some))?;
-        match detection.truth {
-            Some(Truth::Target(target)) => writeln!(out, ",{target}"),
-            Some(Truth::FalseAlarm) => writeln!(out, ",-1"),
-            Some(Truth::Merged) => writeln!(out, ",merged"),
-            None => writeln!(out, ","),
+        write_exact(out, values)?;
+        write_exact(out, values.iter().enumerate().map(sigma))?;
+        write_exact(out, self.platform_m.map(Some))?;
+        match self.truth {
+            Some(Truth::Target(target)) => write!(out, ",{target}"),
+            Some(Truth::FalseAlarm) => write!(out, ",-1"),
+            Some(Truth::Merged) => write!(out, ",merged"),
+            None => write!(out, ","),
         }
     }
-
-    /// Flushes the writer.
-    ///
-    /// # Errors
-    /// If it fails.
-    pub fn flush(&mut self) -> io::Result<()> {
-        self.writer.flush()
-    }
-
-    /// What was written to; not flushed.
-    pub fn into_inner(self) -> W {
-        self.writer
-    }
-}
-
-/// Each number with as many decimals as it takes to get it back.
-fn write_numbers(out: &mut impl Write, numbers: impl IntoIterator<Item = Option<f64>>) -> io::Result<()> {
-    numbers.into_iter().try_for_each(|number| match number {
-        Some(number) => write!(out, ",{number}"),
-        None => write!(out, ","),
-    })
 }
 
 #[cfg(test)]
@@ -453,7 +398,8 @@ mod tests {
             for detection in &detections {
                 writer.write(detection).unwrap();
             }
-            let reader = DetectionReader::new(&writer.writer[..], first_day_ns).unwrap();
+            let text = writer.into_inner();
+            let reader = DetectionReader::new(&text[..], first_day_ns).unwrap();
             let found: Vec<_> = reader.map(Result::unwrap).collect();
             prop_assert_eq!(found, detections);
         }

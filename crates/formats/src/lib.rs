@@ -9,6 +9,7 @@
 //! - [`recording`]: a recording as a whole: which of its records can be believed, and statistics of them;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`autoferry`]: a public data set of detections;
+//! - [`rows`]: tables of values, a row each, whatever their kind;
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`wide_area_csv`]: observations and sensor tracks as rows
 //!   of text;
 //! - [`tracks_csv`]: sensor tracks and system tracks as output.
@@ -20,6 +21,7 @@ pub mod bearings_csv;
 pub mod containers;
 pub mod detections_csv;
 pub mod recording;
+pub mod rows;
 pub mod sbs;
 pub mod sensor_tracks_csv;
 pub mod tracks_csv;

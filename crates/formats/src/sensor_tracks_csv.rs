@@ -12,27 +12,23 @@ use messages::{
     Callsign, Covariance, Identity, STATE_LEN, SensorTrack, TYPE_NAME_MAX, TargetType, TrackKind, TrackState,
 };
 
-use csv_table::{COVARIANCE_COLUMNS, Column, CsvError, Row, Table};
+use csv_table::{COVARIANCE_COLUMNS, Cells, Column, CsvError, Table};
 
+use crate::rows::{Columns, RowReader};
 pub use crate::tracks_csv::SensorTrackWriter;
 
 const KINEMATICS: [&str; STATE_LEN] = ["x", "y", "z", "vx", "vy", "vz"];
 /// How far a covariance may go beyond the product of its standard deviations: files round to a few decimals.
 const ROUNDING: f64 = 1e-3;
 
-/// Reads sensor tracks, row by row.
-///
-/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
+/// Reads sensor tracks.
+pub type SensorTrackReader<R, F> = RowReader<R, SensorTrackColumns<F>>;
+
+/// Columns of sensor tracks. `F` says which source a `sensor_id` is; `None` rejects the row.
 #[derive(Debug)]
-pub struct SensorTrackReader<R, F> {
-    table: Table<R>,
-    columns: Columns,
+pub struct SensorTrackColumns<F> {
     first_day_ns: i64,
     source_of: F,
-}
-
-#[derive(Debug)]
-struct Columns {
     time: Column,
     sensor: Column,
     number: Column,
@@ -54,13 +50,15 @@ struct Columns {
 
 impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
     /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds). `source_of` says which
-    /// source a `sensor_id` is; `None` refuses the row.
+    /// source a `sensor_id` is; `None` rejects the row.
     ///
     /// # Errors
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64, source_of: F) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
-        let columns = Columns {
+        let columns = SensorTrackColumns {
+            first_day_ns,
+            source_of,
             time: table.required("time_s")?,
             sensor: table.required("sensor_id")?,
             number: table.required("sensor_track_id")?,
@@ -79,40 +77,16 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             target_type: table.optional("type")?,
             confidence: table.optional("type_confidence")?,
         };
-        Ok(Self {
-            table,
-            columns,
-            first_day_ns,
-            source_of,
-        })
-    }
-
-    /// The line, from 1, of the row read last, or of the header.
-    pub fn line(&self) -> u64 {
-        self.table.line()
+        Ok(Self { table, columns })
     }
 }
 
-impl<R: Read, F: FnMut(u32) -> Option<u16>> Iterator for SensorTrackReader<R, F> {
-    type Item = Result<SensorTrack, CsvError>;
+impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
+    type Value = SensorTrack;
 
-    fn next(&mut self) -> Option<Self::Item> {
-        let row = match self.table.next_row()? {
-            Ok(row) => row,
-            Err(error) => return Some(Err(error)),
-        };
-        Some(self.columns.track(row, &mut self.source_of).map(|mut track| {
-            track.time_of_measurement_ns = track.time_of_measurement_ns.saturating_add(self.first_day_ns);
-            track
-        }))
-    }
-}
-
-impl Columns {
-    /// The row's track; its time counts from the first day.
-    fn track(&self, row: Row<'_>, source_of: &mut impl FnMut(u32) -> Option<u16>) -> Result<SensorTrack, CsvError> {
+    fn read(&mut self, row: Cells<'_>) -> Result<SensorTrack, CsvError> {
         let sensor = row.whole(self.sensor)?;
-        let source = source_of(sensor).ok_or_else(|| {
+        let source = (self.source_of)(sensor).ok_or_else(|| {
             let reason = "is no sensor of this run; name it in the configuration, or leave its file out";
             row.error(self.sensor, reason)
         })?;
@@ -120,7 +94,7 @@ impl Columns {
         let trace_m2 = self.trace(row)?;
         let (kind, members) = self.kind(row)?;
         Ok(SensorTrack {
-            time_of_measurement_ns: row.time_ns(self.time)?,
+            time_of_measurement_ns: row.time_ns(self.time)?.saturating_add(self.first_day_ns),
             track_number: row.whole(self.number)?,
             source,
             valid: self.valid(row, trace_m2.is_some())?,
@@ -137,8 +111,10 @@ impl Columns {
             ..SensorTrack::default()
         })
     }
+}
 
-    fn state(&self, row: Row<'_>) -> Result<TrackState, CsvError> {
+impl<F> SensorTrackColumns<F> {
+    fn state(&self, row: Cells<'_>) -> Result<TrackState, CsvError> {
         let word = row.text(self.state)?.unwrap_or_default();
         TrackState::from_word(word).ok_or_else(|| {
             let words = TrackState::ALL.map(TrackState::word).join(", ");
@@ -146,7 +122,7 @@ impl Columns {
         })
     }
 
-    fn valid(&self, row: Row<'_>, trace: bool) -> Result<u16, CsvError> {
+    fn valid(&self, row: Cells<'_>, trace: bool) -> Result<u16, CsvError> {
         let height = flag(row, self.height_valid)?;
         let velocity = flag(row, self.velocity_valid)?;
         let bit = |set: bool, bit: u16| if set { bit } else { 0 };
@@ -157,7 +133,7 @@ impl Columns {
             | bit(trace, bits::TRACE))
     }
 
-    fn covariance(&self, row: Row<'_>) -> Result<Covariance, CsvError> {
+    fn covariance(&self, row: Cells<'_>) -> Result<Covariance, CsvError> {
         let mut covariance = Covariance::default();
         for (place, column) in covariance.upper.iter_mut().zip(self.covariance) {
             *place = row.number(column)?;
@@ -181,14 +157,14 @@ impl Columns {
         Ok(covariance)
     }
 
-    fn trace(&self, row: Row<'_>) -> Result<Option<f64>, CsvError> {
+    fn trace(&self, row: Cells<'_>) -> Result<Option<f64>, CsvError> {
         match (self.trace, row.number_or_empty(self.trace)?) {
             (Some(column), Some(trace)) if trace < 0.0 => Err(row.error(column, "is negative, which no trace is")),
             (_, trace) => Ok(trace),
         }
     }
 
-    fn method(&self, row: Row<'_>) -> Result<u8, CsvError> {
+    fn method(&self, row: Cells<'_>) -> Result<u8, CsvError> {
         match (self.method, row.text(self.method)?) {
             (Some(column), Some(_)) => row.whole(column),
             _ => Ok(0),
@@ -196,7 +172,7 @@ impl Columns {
     }
 
     /// What the track follows, and how many members a group has.
-    fn kind(&self, row: Row<'_>) -> Result<(TrackKind, u16), CsvError> {
+    fn kind(&self, row: Cells<'_>) -> Result<(TrackKind, u16), CsvError> {
         let kind = match (self.kind, row.text(self.kind)?) {
             (Some(column), Some(word)) => {
                 let known = TrackKind::ALL.into_iter().find(|kind| kind.word() == word);
@@ -218,7 +194,7 @@ impl Columns {
         }
     }
 
-    fn target_type(&self, row: Row<'_>) -> Result<TargetType, CsvError> {
+    fn target_type(&self, row: Cells<'_>) -> Result<TargetType, CsvError> {
         let confidence = row.number_or_empty(self.confidence)?;
         match (self.target_type, row.text(self.target_type)?, self.confidence, confidence) {
             (_, None, Some(column), Some(_)) => Err(row.error(column, "is of no type; name it in the column type")),
@@ -234,7 +210,7 @@ impl Columns {
         }
     }
 
-    fn identity(&self, row: Row<'_>) -> Result<Identity, CsvError> {
+    fn identity(&self, row: Cells<'_>) -> Result<Identity, CsvError> {
         let mut identity = Identity::default();
         if let Some(address) = digits(row, self.address, 16, 6, "an address of up to six hexadecimal digits")? {
             identity = identity.with_address(address);
@@ -252,7 +228,7 @@ impl Columns {
 }
 
 /// A column of zeros and ones; where it is missing or empty, ones.
-fn flag(row: Row<'_>, column: Option<Column>) -> Result<bool, CsvError> {
+fn flag(row: Cells<'_>, column: Option<Column>) -> Result<bool, CsvError> {
     let Some(column) = column else { return Ok(true) };
     match row.text(column)? {
         None | Some("1") => Ok(true),
@@ -262,7 +238,7 @@ fn flag(row: Row<'_>, column: Option<Column>) -> Result<bool, CsvError> {
 }
 
 fn digits(
-    row: Row<'_>,
+    row: Cells<'_>,
     column: Option<Column>,
     radix: u32,
     digits_max: usize,

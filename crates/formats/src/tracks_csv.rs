@@ -6,163 +6,85 @@
 
 use std::io::{self, Write};
 
-use csv_table::{COVARIANCE_COLUMNS, write_time};
+use csv_table::COVARIANCE_COLUMNS;
 use messages::{
     COVARIANCE_LEN, Identity, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, sensor_track_bits,
 };
-use observations::sensor_id;
+
+use crate::rows::{Reference, Row, RowWriter};
 
 /// The columns of a track's kind and of its target's type.
 const DESCRIPTION_NAMES: &str = "kind,members,type,type_confidence";
 
 /// Writes sensor tracks.
-#[derive(Debug)]
-pub struct SensorTrackWriter<W: Write> {
-    writer: W,
-    first_day_ns: i64,
+pub type SensorTrackWriter<W> = RowWriter<SensorTrack, W>;
+/// Writes system tracks.
+pub type SystemTrackWriter<W> = RowWriter<SystemTrack, W>;
+/// Writes the tracks of a tracker.
+pub type TrackerTrackWriter<W> = RowWriter<TrackerTrack, W>;
+
+/// A track that a tracker has made of several sensors' detections.
+#[derive(Clone, Copy, Debug)]
+pub struct TrackerTrack {
+    /// The track as a sensor would report it; its source does not matter.
+    pub track: SensorTrack,
+    /// Number of hypotheses of its cluster.
+    pub hypotheses: u32,
+    /// Sum of the reliabilities of those that contain it, 0 to 1.
+    pub reliability: f64,
 }
 
-impl<W: Write> SensorTrackWriter<W> {
-    /// Goes on writing to something that has its header line.
-    pub fn resume(writer: W, first_day_ns: i64) -> Self {
-        Self { writer, first_day_ns }
-    }
-
-    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
-    ///
-    /// # Errors
-    /// If `writer` fails.
-    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
-        write_sensor_track_names(&mut writer)?;
-        writeln!(writer)?;
-        Ok(Self { writer, first_day_ns })
-    }
-
-    /// Writes one row. `sensor_id` is the source's place in the configuration, from 1.
-    ///
-    /// # Errors
-    /// If the writer fails.
-    pub fn write(&mut self, track: &SensorTrack) -> io::Result<()> {
-        write_sensor_track(&mut self.writer, self.first_day_ns, sensor_id(track.source), track)?;
-        writeln!(self.writer)
-    }
-
-    /// Flushes the writer.
-    ///
-    /// # Errors
-    /// If it fails.
-    pub fn flush(&mut self) -> io::Result<()> {
-        self.writer.flush()
-    }
-
-    /// What was written to; not flushed.
-    pub fn into_inner(self) -> W {
-        self.writer
-    }
-}
-
-/// Writes tracks that were made of detections (FM-6): sensor tracks with what their tracker thinks of them.
-#[derive(Debug)]
-pub struct TrackerTrackWriter<W: Write> {
-    writer: W,
-    first_day_ns: i64,
-}
-
-impl<W: Write> TrackerTrackWriter<W> {
+impl TrackerTrack {
     /// The `sensor_id` of the tracker itself.
     pub const SENSOR_ID: u32 = 0;
+}
 
-    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
-    ///
-    /// # Errors
-    /// If `writer` fails.
-    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
-        write_sensor_track_names(&mut writer)?;
-        writeln!(writer, ",hypotheses,reliability")?;
-        Ok(Self { writer, first_day_ns })
+impl Row for SensorTrack {
+    fn columns() -> String {
+        let covariance = COVARIANCE_COLUMNS.join(",");
+        format!(
+            "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,{covariance},state,address,mode_3a,callsign,method,trace,\
+             height_valid,velocity_valid,{DESCRIPTION_NAMES}"
+        )
     }
 
-    /// Writes one row: a track, the number of hypotheses of its cluster, and the sum of the reliabilities of those that
-    /// contain it.
-    ///
-    /// # Errors
-    /// If the writer fails.
-    pub fn write(&mut self, track: &SensorTrack, hypotheses: u32, reliability: f64) -> io::Result<()> {
-        write_sensor_track(&mut self.writer, self.first_day_ns, Self::SENSOR_ID, track)?;
-        writeln!(self.writer, ",{hypotheses},{reliability:.6}")
-    }
-
-    /// What was written to; not flushed.
-    pub fn into_inner(self) -> W {
-        self.writer
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        write_sensor_track(out, reference, reference.sensor_id(self.source), self)
     }
 }
 
-/// Writes system tracks.
-#[derive(Debug)]
-pub struct SystemTrackWriter<W: Write> {
-    writer: W,
-    first_day_ns: i64,
-    sensor_ids: Option<Vec<u32>>,
+impl Row for TrackerTrack {
+    fn columns() -> String {
+        format!("{},hypotheses,reliability", SensorTrack::columns())
+    }
+
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        write_sensor_track(out, reference, Self::SENSOR_ID, &self.track)?;
+        write!(out, ",{},{:.6}", self.hypotheses, self.reliability)
+    }
 }
 
-impl<W: Write> SystemTrackWriter<W> {
-    /// Goes on writing to something that has its header line.
-    pub fn resume(writer: W, first_day_ns: i64) -> Self {
-        Self {
-            writer,
-            first_day_ns,
-            sensor_ids: None,
-        }
+impl Row for SystemTrack {
+    fn columns() -> String {
+        let covariance = COVARIANCE_COLUMNS.join(",");
+        format!(
+            "time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,\
+             {covariance},sensor_track_ids,report_times_s,height_valid,trigger,merged_into,{DESCRIPTION_NAMES}"
+        )
     }
 
-    /// Shows source number n as `sensor_ids[n]` instead of [`sensor_id`]: for tracks from files that have ids of their own.
-    #[must_use]
-    pub fn with_sensor_ids(mut self, sensor_ids: Vec<u32>) -> Self {
-        self.sensor_ids = Some(sensor_ids);
-        self
-    }
-
-    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
-    ///
-    /// # Errors
-    /// If `writer` fails.
-    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
-        write!(
-            writer,
-            "time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,"
-        )?;
-        write!(writer, "address,mode_3a,callsign,")?;
-        write!(writer, "{}", COVARIANCE_COLUMNS.join(","))?;
-        writeln!(
-            writer,
-            ",sensor_track_ids,report_times_s,height_valid,trigger,merged_into,{DESCRIPTION_NAMES}"
-        )?;
-        Ok(Self::resume(writer, first_day_ns))
-    }
-
-    /// Writes one row.
-    ///
-    /// # Errors
-    /// If the writer fails.
-    pub fn write(&mut self, track: &SystemTrack) -> io::Result<()> {
-        let (out, first_day_ns) = (&mut self.writer, self.first_day_ns);
-        let sensor_id = |source: u16| match &self.sensor_ids {
-            Some(ids) => ids
-                .get(usize::from(source))
-                .copied()
-                .unwrap_or_else(|| sensor_id(source)),
-            None => sensor_id(source),
-        };
-        let parts = track.contributions();
-        write_time(out, track.reference_time_ns - first_day_ns)?;
-        write!(out, ",{}", track.track_number)?;
-        write_kinematics(out, &track.position_m, &track.velocity_mps)?;
-        write!(out, ",{},", state_word(track.state))?;
-        write_joined(out, parts, |out, part| write!(out, "{}", sensor_id(part.source)))?;
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        let parts = self.contributions();
+        reference.write_time(out, self.reference_time_ns)?;
+        write!(out, ",{}", self.track_number)?;
+        write_kinematics(out, &self.position_m, &self.velocity_mps)?;
+        write!(out, ",{},", state_word(self.state))?;
+        write_joined(out, parts, |out, part| {
+            write!(out, "{}", reference.sensor_id(part.source))
+        })?;
         write_joined(out, parts, |out, part| write!(out, "{:.4}", part.weight))?;
-        if track.selected_source != messages::NO_SOURCE {
-            write!(out, "{}", sensor_id(track.selected_source))?;
+        if self.selected_source != messages::NO_SOURCE {
+            write!(out, "{}", reference.sensor_id(self.selected_source))?;
         }
         write!(out, ",")?;
         write_joined(out, parts, |out, part| match part.accuracy.is_nan() {
@@ -170,37 +92,23 @@ impl<W: Write> SystemTrackWriter<W> {
             false => write!(out, "{:.4}", part.accuracy),
         })?;
         // The lists each end with the comma that the identity begins with.
-        write_identity_fields(out, &track.identity)?;
+        write_identity_fields(out, &self.identity)?;
         write!(out, ",")?;
-        write_covariance_values(out, &track.covariance.upper)?;
+        write_covariance_values(out, &self.covariance.upper)?;
         write!(out, ",")?;
         write_joined(out, parts, |out, part| write!(out, "{}", part.track_number))?;
         write_joined(out, parts, |out, part| {
-            write_time(out, part.time_of_measurement_ns - first_day_ns)
+            reference.write_time(out, part.time_of_measurement_ns)
         })?;
-        write!(out, "{},", track.height_valid)?;
-        if track.trigger_source != messages::NO_SOURCE {
-            write!(out, "{}", sensor_id(track.trigger_source))?;
+        write!(out, "{},", self.height_valid)?;
+        if self.trigger_source != messages::NO_SOURCE {
+            write!(out, "{}", reference.sensor_id(self.trigger_source))?;
         }
         write!(out, ",")?;
-        if track.merged_into != 0 {
-            write!(out, "{}", track.merged_into)?;
+        if self.merged_into != 0 {
+            write!(out, "{}", self.merged_into)?;
         }
-        write_description(out, track.kind, track.members, &track.target_type)?;
-        writeln!(out)
-    }
-
-    /// Flushes the writer.
-    ///
-    /// # Errors
-    /// If it fails.
-    pub fn flush(&mut self) -> io::Result<()> {
-        self.writer.flush()
-    }
-
-    /// What was written to; not flushed.
-    pub fn into_inner(self) -> W {
-        self.writer
+        write_description(out, self.kind, self.members, &self.target_type)
     }
 }
 
@@ -208,17 +116,13 @@ fn state_word(code: u8) -> &'static str {
     TrackState::from_code(code).map_or("", TrackState::word)
 }
 
-fn write_sensor_track_names(out: &mut impl Write) -> io::Result<()> {
-    write!(out, "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,")?;
-    write!(out, "{}", COVARIANCE_COLUMNS.join(","))?;
-    write!(
-        out,
-        ",state,address,mode_3a,callsign,method,trace,height_valid,velocity_valid,{DESCRIPTION_NAMES}"
-    )
-}
-
-fn write_sensor_track(out: &mut impl Write, first_day_ns: i64, sensor_id: u32, track: &SensorTrack) -> io::Result<()> {
-    write_time(out, track.time_of_measurement_ns.saturating_sub(first_day_ns))?;
+fn write_sensor_track(
+    out: &mut impl Write,
+    reference: &Reference,
+    sensor_id: u32,
+    track: &SensorTrack,
+) -> io::Result<()> {
+    reference.write_time(out, track.time_of_measurement_ns)?;
     write!(out, ",{sensor_id},{}", track.track_number)?;
     write_kinematics(out, &track.position_m, &track.velocity_mps)?;
     write_covariance(out, &track.covariance.upper)?;
@@ -374,7 +278,8 @@ mod tests {
         };
         let mut writer = SensorTrackWriter::begin(Vec::new(), 1_000).unwrap();
         writer.write(&track).unwrap();
-        let columns = columns(std::str::from_utf8(&writer.writer).unwrap());
+        let written = writer.into_inner();
+        let columns = columns(std::str::from_utf8(&written).unwrap());
         assert_eq!(value(&columns, "time_s"), "86400.0078125");
         assert_eq!(value(&columns, "sensor_id"), "2");
         assert_eq!(value(&columns, "z"), "0.000", "no negative zero");
@@ -393,7 +298,7 @@ mod tests {
         let mut hostile = SensorTrack { members: 0, ..track };
         hostile.target_type.confidence = 7.0;
         writer.write(&hostile).unwrap();
-        assert!(writer.writer.ends_with(b",0,1,,,,\n"));
+        assert!(writer.into_inner().ends_with(b",0,1,,,,\n"));
         assert_eq!(
             (value(&columns, "type"), value(&columns, "type_confidence")),
             ("fast?boat 2", "0.8125")
@@ -428,7 +333,8 @@ mod tests {
         };
         let mut writer = SystemTrackWriter::begin(Vec::new(), 0).unwrap();
         writer.write(&track).unwrap();
-        let columns = columns(std::str::from_utf8(&writer.writer).unwrap());
+        let written = writer.into_inner();
+        let columns = columns(std::str::from_utf8(&written).unwrap());
         for (name, expected) in [
             ("time_s", "2.5"),
             ("system_track_id", "7"),

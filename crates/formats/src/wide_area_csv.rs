@@ -7,23 +7,27 @@
 
 use std::io::{self, Read, Write};
 
-use csv_table::{Column, CsvError, Row, Table, write_time};
+use csv_table::{Cells, Column, CsvError, Table};
 use observations::WideAreaReport;
+
+use crate::rows::{Columns, Reference, Row, RowReader, RowWriter, write_exact};
 
 /// Most numbers of a route.
 const ROUTE_MAX: usize = 2000;
 
-/// Reads wide-area reports, row by row.
-///
-/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
+/// Reads wide-area reports.
+pub type WideAreaReader<R> = RowReader<R, WideAreaColumns>;
+/// Writes wide-area reports. What was written and read again is the same to the last bit, but for the route.
+pub type WideAreaWriter<W> = RowWriter<WideAreaReport, W>;
+
+/// Columns of wide-area reports.
 #[derive(Debug)]
-pub struct WideAreaReader<R> {
-    table: Table<R>,
+pub struct WideAreaColumns {
+    first_day_ns: i64,
     times: [Column; 2],
     kinematics: [Column; 6],
     count: Column,
     route: Option<Column>,
-    first_day_ns: i64,
 }
 
 impl<R: Read> WideAreaReader<R> {
@@ -33,47 +37,36 @@ impl<R: Read> WideAreaReader<R> {
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
-        Ok(Self {
+        let columns = WideAreaColumns {
+            first_day_ns,
             times: table.all(["time_s", "arrival_s"])?,
             kinematics: table.all(["x", "y", "z", "vx", "vy", "vz"])?,
             count: table.required("count")?,
             route: table.optional("route")?,
-            table,
-            first_day_ns,
+        };
+        Ok(Self { table, columns })
+    }
+}
+
+impl Columns for WideAreaColumns {
+    type Value = WideAreaReport;
+
+    fn read(&mut self, row: Cells<'_>) -> Result<WideAreaReport, CsvError> {
+        let [x, y, z, vx, vy, vz] = row.numbers(self.kinematics)?;
+        let [time, arrival] = self.times;
+        Ok(WideAreaReport {
+            time_ns: self.first_day_ns.saturating_add(row.time_ns(time)?),
+            arrival_ns: self.first_day_ns.saturating_add(row.time_ns(arrival)?),
+            position_m: [x, y, z],
+            velocity_mps: [vx, vy, vz],
+            targets: row.whole(self.count)?,
+            origin_m: origin(row, self.route)?,
         })
     }
 }
 
-impl<R: Read> Iterator for WideAreaReader<R> {
-    type Item = Result<WideAreaReport, CsvError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let row = match self.table.next_row()? {
-            Ok(row) => row,
-            Err(error) => return Some(Err(error)),
-        };
-        let read = || {
-            let mut numbers = [0.0; 6];
-            for (number, column) in numbers.iter_mut().zip(self.kinematics) {
-                *number = row.number(column)?;
-            }
-            let [x, y, z, vx, vy, vz] = numbers;
-            let [time, arrival] = self.times;
-            Ok(WideAreaReport {
-                time_ns: self.first_day_ns.saturating_add(row.time_ns(time)?),
-                arrival_ns: self.first_day_ns.saturating_add(row.time_ns(arrival)?),
-                position_m: [x, y, z],
-                velocity_mps: [vx, vy, vz],
-                targets: row.whole(self.count)?,
-                origin_m: origin(row, self.route)?,
-            })
-        };
-        Some(read())
-    }
-}
-
 /// The first place of a route.
-fn origin(row: Row<'_>, column: Option<Column>) -> Result<Option<[f64; 2]>, CsvError> {
+fn origin(row: Cells<'_>, column: Option<Column>) -> Result<Option<[f64; 2]>, CsvError> {
     let (Some(column), Some(text)) = (column, row.text(column)?) else {
         return Ok(None);
     };
@@ -98,63 +91,22 @@ fn origin(row: Row<'_>, column: Option<Column>) -> Result<Option<[f64; 2]>, CsvE
     Ok(Some(origin_m))
 }
 
-/// Writes wide-area reports.
-#[derive(Debug)]
-pub struct WideAreaWriter<W: Write> {
-    writer: W,
-    first_day_ns: i64,
-}
-
-impl<W: Write> WideAreaWriter<W> {
-    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
-    ///
-    /// # Errors
-    /// If `writer` fails.
-    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
-        writeln!(writer, "time_s,arrival_s,x,y,z,vx,vy,vz,count,route")?;
-        Ok(Self { writer, first_day_ns })
+impl Row for WideAreaReport {
+    fn columns() -> String {
+        "time_s,arrival_s,x,y,z,vx,vy,vz,count,route".to_owned()
     }
 
-    /// Goes on behind rows that an earlier writer has left.
-    pub fn resume(writer: W, first_day_ns: i64) -> Self {
-        Self { writer, first_day_ns }
-    }
-
-    /// Writes one row.
-    ///
-    /// # Errors
-    /// If the writer fails.
-    pub fn write(&mut self, report: &WideAreaReport) -> io::Result<()> {
-        let out = &mut self.writer;
-        write_time(out, report.time_ns - self.first_day_ns)?;
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        reference.write_time(out, self.time_ns)?;
         write!(out, ",")?;
-        write_time(out, report.arrival_ns - self.first_day_ns)?;
-        for number in report.position_m.iter().chain(&report.velocity_mps) {
-            write!(out, ",{number}")?;
+        reference.write_time(out, self.arrival_ns)?;
+        write_exact(out, self.position_m)?;
+        write_exact(out, self.velocity_mps)?;
+        write!(out, ",{},", self.targets)?;
+        match self.origin_m {
+            Some([east, north]) => write!(out, "{east}|{north}"),
+            None => Ok(()),
         }
-        write!(out, ",{},", report.targets)?;
-        if let Some([east, north]) = report.origin_m {
-            write!(out, "{east}|{north}")?;
-        }
-        writeln!(out)
-    }
-
-    /// Flushes the writer.
-    ///
-    /// # Errors
-    /// If it fails.
-    pub fn flush(&mut self) -> io::Result<()> {
-        self.writer.flush()
-    }
-
-    /// What is written to.
-    pub fn get_ref(&self) -> &W {
-        &self.writer
-    }
-
-    /// What was written to; not flushed.
-    pub fn into_inner(self) -> W {
-        self.writer
     }
 }
 

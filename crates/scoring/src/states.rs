@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map;
 use std::io::Read;
 
-use csv_table::{COVARIANCE_COLUMNS, Column, CsvError, Row, Table};
+use csv_table::{COVARIANCE_COLUMNS, Cells, Column, CsvError, Table};
 use messages::{COVARIANCE_LEN, Covariance};
 use rustc_hash::FxHashMap;
 
@@ -141,7 +141,7 @@ fn covariance<R: Read>(table: &Table<R>) -> Result<Option<[Column; COVARIANCE_LE
 }
 
 /// The covariance of a row; `None` if a part of it is no number.
-fn stated(row: Row<'_>, columns: [Column; COVARIANCE_LEN]) -> Option<Covariance> {
+fn stated(row: Cells<'_>, columns: [Column; COVARIANCE_LEN]) -> Option<Covariance> {
     let mut covariance = Covariance::default();
     for (place, column) in covariance.upper.iter_mut().zip(columns) {
         *place = row.number(column).ok()?;
@@ -149,7 +149,7 @@ fn stated(row: Row<'_>, columns: [Column; COVARIANCE_LEN]) -> Option<Covariance>
     Some(covariance)
 }
 
-fn numbers<const D: usize>(row: Row<'_>, columns: [Column; D]) -> Result<[f64; D], CsvError> {
+fn numbers<const D: usize>(row: Cells<'_>, columns: [Column; D]) -> Result<[f64; D], CsvError> {
     let mut numbers = [0.0; D];
     for (number, column) in numbers.iter_mut().zip(columns) {
         *number = row.number(column)?;

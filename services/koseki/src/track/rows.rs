@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 use std::time::Duration;
 
-use formats::tracks_csv::TrackerTrackWriter;
+use formats::tracks_csv::{TrackerTrack, TrackerTrackWriter};
 use tracking::wide_area::schedule::Schedule;
 use tracking::{TrackReport, Tracker};
 
@@ -70,8 +70,11 @@ impl Rows {
 
     fn write(&mut self) -> io::Result<()> {
         for report in &self.reports {
-            self.writer
-                .write(&report.sensor_track(0), report.hypotheses, report.reliability)?;
+            self.writer.write(&TrackerTrack {
+                track: report.sensor_track(0),
+                hypotheses: report.hypotheses,
+                reliability: report.reliability,
+            })?;
             self.written += 1;
         }
         Ok(())

@@ -1,0 +1,154 @@
+//! Rows of text: how any kind of them is read and written.
+//!
+//! A kind of row says which columns it has and what its values are ([`Row`]), or how a value is made of them
+//! ([`Columns`]); everything else is the same for all kinds. Times are seconds since midnight (UTC) of the first day, exact
+//! to the nanosecond. What was written and read again is the same, to the last bit where a kind does not round.
+
+use std::io::{self, Read, Write};
+use std::marker::PhantomData;
+
+use csv_table::{Cells, CsvError, Table};
+use observations::sensor_id;
+
+/// A value that is written as a row.
+pub trait Row {
+    /// Names of the columns, separated by commas.
+    fn columns() -> String;
+
+    /// Writes the values in the order of the columns, separated by commas, without an end of line.
+    ///
+    /// # Errors
+    /// If `out` fails.
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()>;
+}
+
+/// Origin of the times and names of the sources in a file.
+#[derive(Clone, Debug, Default)]
+pub struct Reference {
+    first_day_ns: i64,
+    sensor_ids: Vec<u32>,
+}
+
+impl Reference {
+    /// Writes a time (UTC, nanoseconds) in seconds since the first day.
+    ///
+    /// # Errors
+    /// If `out` fails.
+    pub fn write_time(&self, out: &mut impl Write, time_ns: i64) -> io::Result<()> {
+        csv_table::write_time(out, time_ns.saturating_sub(self.first_day_ns))
+    }
+
+    /// Id under which the file shows source number `source`.
+    pub fn sensor_id(&self, source: u16) -> u32 {
+        let own = self.sensor_ids.get(usize::from(source)).copied();
+        own.unwrap_or_else(|| sensor_id(source))
+    }
+}
+
+/// Writes rows of one kind.
+#[derive(Debug)]
+pub struct RowWriter<T, W> {
+    writer: W,
+    reference: Reference,
+    kind: PhantomData<fn(&T)>,
+}
+
+impl<T: Row, W: Write> RowWriter<T, W> {
+    /// Writes the header line; times will be counted from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// If `writer` fails.
+    pub fn begin(mut writer: W, first_day_ns: i64) -> io::Result<Self> {
+        writeln!(writer, "{}", T::columns())?;
+        Ok(Self::resume(writer, first_day_ns))
+    }
+
+    /// Goes on writing to something that has its header line.
+    pub fn resume(writer: W, first_day_ns: i64) -> Self {
+        Self {
+            writer,
+            reference: Reference {
+                first_day_ns,
+                sensor_ids: Vec::new(),
+            },
+            kind: PhantomData,
+        }
+    }
+
+    /// Shows source number n as `sensor_ids[n]` instead of [`sensor_id`]: for sources that have ids of their own in files.
+    #[must_use]
+    pub fn with_sensor_ids(mut self, sensor_ids: Vec<u32>) -> Self {
+        self.reference.sensor_ids = sensor_ids;
+        self
+    }
+
+    /// Writes one row.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub fn write(&mut self, row: &T) -> io::Result<()> {
+        row.write(&mut self.writer, &self.reference)?;
+        writeln!(self.writer)
+    }
+
+    /// Flushes the writer.
+    ///
+    /// # Errors
+    /// If it fails.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+
+    /// The writer, not flushed.
+    pub fn into_inner(self) -> W {
+        self.writer
+    }
+}
+
+/// The columns of a table that values are read from.
+pub trait Columns {
+    /// A row's value.
+    type Value;
+
+    /// Makes a value of a row.
+    ///
+    /// # Errors
+    /// If the row does not hold one.
+    fn read(&mut self, cells: Cells<'_>) -> Result<Self::Value, CsvError>;
+}
+
+/// Reads values, row by row.
+///
+/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
+#[derive(Debug)]
+pub struct RowReader<R, C> {
+    pub(crate) table: Table<R>,
+    pub(crate) columns: C,
+}
+
+impl<R: Read, C> RowReader<R, C> {
+    /// Line, from 1, of the row read last, or of the header.
+    pub fn line(&self) -> u64 {
+        self.table.line()
+    }
+}
+
+impl<R: Read, C: Columns> Iterator for RowReader<R, C> {
+    type Item = Result<C::Value, CsvError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let row = self.table.next_row()?;
+        Some(row.and_then(|cells| self.columns.read(cells)))
+    }
+}
+
+/// Writes each number behind a comma, with as many decimals as it takes to get it back; nothing for `None`.
+pub(crate) fn write_exact(
+    out: &mut impl Write,
+    numbers: impl IntoIterator<Item = impl Into<Option<f64>>>,
+) -> io::Result<()> {
+    numbers.into_iter().try_for_each(|number| match number.into() {
+        Some(number) => write!(out, ",{number}"),
+        None => write!(out, ","),
+    })
+}
