@@ -16,22 +16,23 @@
 //! All inputs are made here, by `koseki simulate` or from numbers: a difference in the golden file of an input
 //! (`inputs.txt`) explains all others.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use test_support::{Digest, Random, assert_golden, places};
+use test_support::{Digest, Random, assert_golden, places, rows};
 
 use crate::common::{Folder, repository};
 
 /// Rows of a table that a golden file shows.
 const SHOWN_MAX: usize = 200;
 /// Columns of the covariance of a state.
-const COVARIANCE: [&str; 21] = [
+pub(crate) const COVARIANCE: [&str; 21] = [
     "P00", "P01", "P02", "P03", "P04", "P05", "P11", "P12", "P13", "P14", "P15", "P22", "P23", "P24", "P25", "P33",
     "P34", "P35", "P44", "P45", "P55",
 ];
 
 /// Compares with the file of this name in `tests/golden`.
-fn golden(name: &str, found: &str) {
+pub(crate) fn golden(name: &str, found: &str) {
     assert_golden(&repository("tests/golden").join(name), found);
 }
 
@@ -81,6 +82,12 @@ fn excerpt<const S: usize, const H: usize>(title: &str, text: &str, shown: [&str
         writeln!(out, "# {}…{} of {count} rows: {others}", hashed[0], hashed[H - 1]).unwrap();
     }
     out
+}
+
+/// A line about these columns of a table, of which nothing is shown.
+pub(crate) fn hash_of_columns<const N: usize>(title: &str, text: &str, columns: [&str; N]) -> String {
+    let rows = rows(text, columns).into_iter().map(|row| row.join(",") + "\n");
+    hash_of(title, &format!("{}\n{}", columns.join(","), rows.collect::<String>()))
 }
 
 /// A line about a table of which nothing is shown.
@@ -467,4 +474,46 @@ fn emitters_are_located_as_they_were() {
         out += &hash_of("decisions", &folder.read("why.csv"));
         golden(&format!("locate_{name}.csv"), &out);
     }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Decoding
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Two records of every edition, with each item that it has in some of them; then those of the default editions again,
+/// with what is known of reserved expansion fields. Decoding is exact, so nothing is rounded.
+#[test]
+fn records_are_decoded_as_they_were() {
+    let folder = Folder::new();
+    let mut blocks: BTreeMap<(u8, String), Vec<u8>> = BTreeMap::new();
+    for line in include_str!("golden/records.txt").lines().skip(1) {
+        let [category, edition, octets] = *line.split(' ').collect::<Vec<_>>() else {
+            panic!("{line}")
+        };
+        let octets = (0..octets.len())
+            .step_by(2)
+            .map(|at| u8::from_str_radix(&octets[at..at + 2], 16).unwrap());
+        let key = (category.parse().unwrap(), edition.to_owned());
+        blocks.entry(key).or_default().extend(octets);
+    }
+    let mut out = String::new();
+    let mut decode = |category: u8, octets: &[u8], editions: &str| {
+        folder.write("x.ast", octets);
+        let (printed, _) = folder.succeed(&format!("decode x.ast --out -{editions}"));
+        writeln!(out, "# category {category:03}{editions}\n{printed}").unwrap();
+    };
+    for ((category, edition), octets) in &blocks {
+        decode(*category, octets, &format!(" --edition {category}={edition}"));
+    }
+    for expansion in asterix::registry::EXPANSIONS {
+        let (category, edition) = (expansion.number, expansion.edition);
+        let octets: Vec<u8> = blocks
+            .iter()
+            .filter(|((of, _), _)| *of == category)
+            .flat_map(|(_, octets)| octets)
+            .copied()
+            .collect();
+        decode(category, &octets, &format!(" --edition {category}/RE={edition}"));
+    }
+    golden("decode.jsonl", &out);
 }

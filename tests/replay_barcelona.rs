@@ -14,6 +14,7 @@ use rustix::process::Signal;
 use test_support::recordings;
 
 use crate::common::{Home, Running, S, kill, repository, until};
+use crate::golden::{COVARIANCE, golden, hash_of_columns};
 
 /// A report is fresh at a whole second if it is not older than this.
 const FRESH_NS: i64 = 3 * S;
@@ -489,17 +490,98 @@ fn without_identity_position_and_motion_join_the_same_reports() {
     joined.at_least("reports within 60 m are joined", 0.90, 10_000);
 }
 
+/// Each file twice at full speed, and once at a speed at which the processes wait for each other in other ways.
 #[test]
 fn the_files_are_the_same_in_every_run_and_at_every_speed() {
     let Some(data) = recordings("lebl2016") else { return };
-    let (_one, first) = replay(&data, &["--speed", "max"]);
-    let (_other, second) = replay(&data, &["--speed", "max"]);
-    let (_third, paced) = replay(&data, &["--speed", "600"]);
-    let first = bytes_of(&first);
-    assert_eq!(first.len(), 4, "{:?}", first.keys());
-    assert!(first.values().all(|bytes| bytes.len() > 1_000_000));
-    assert!(first == bytes_of(&second), "two runs at full speed differ");
-    assert!(first == bytes_of(&paced), "the run at 600 times its own speed differs");
+    let start = |home: &Home, speed: &str| start(home, &data, &["--speed", speed]);
+    let files = files_at(&["max", "max", "600"], &start);
+    assert_eq!(files.len(), 4, "{:?}", files.keys());
+    assert!(files.values().all(|bytes| bytes.len() > 1_000_000));
+    golden("replay_2016.txt", &hashes(&files));
+}
+
+/// Another day, on which many tracks end as others begin: two sensors without ADS-B.
+#[test]
+fn the_files_of_a_busy_day_are_the_same_in_every_run_and_at_every_speed() {
+    let Some(data) = recordings("lebl2020") else { return };
+    let text = std::fs::read_to_string(repository(CONFIGURATION)).unwrap();
+    let ads_b = text.rfind("[[source]]").unwrap()..text.find("[fusion]\n").unwrap();
+    assert!(text[ads_b.clone()].contains("name = \"ads-b\""));
+    let text = text.replace(&text[ads_b], "").replace("2016-05-10", "2020-10-02");
+    let text = text.replace(
+        "lebl2016/160510-lebl-220001_SMR_cat10.ast",
+        "lebl2020/201002-lebl-080001_SMR_cat10.ast",
+    );
+    let text = text.replace(
+        "lebl2016/160510-lebl-220001_MLAT_cat20.ast",
+        "lebl2020/201002-lebl-080001_MLAT_cat10.ast",
+    );
+    let text = text.replace(
+        "editions = { \"19\" = \"1.3\", \"20\" = \"1.9\" }",
+        "editions = { \"10\" = \"1.1\" }",
+    );
+    let start = |home: &Home, speed: &str| {
+        home.write("day.toml", &text);
+        let up = [
+            "up",
+            "day.toml",
+            "--instance",
+            INSTANCE,
+            "--data",
+            data.to_str().unwrap(),
+            "--out",
+            "out",
+        ];
+        home.start(&[&up[..], &["--speed", speed]].concat())
+    };
+    let files = files_at(&["max", "max", "1000", "1000"], &start);
+    assert_eq!(files.len(), 3, "{:?}", files.keys());
+    golden("replay_2020.txt", &hashes(&files));
+}
+
+/// The files of replays at these speeds, which must not differ.
+fn files_at(speeds: &[&str], start: &dyn Fn(&Home, &str) -> Running) -> BTreeMap<String, Vec<u8>> {
+    let mut files: Option<BTreeMap<String, Vec<u8>>> = None;
+    for speed in speeds {
+        let home = Home::new();
+        let (status, said) = start(&home, speed).end();
+        assert!(status.success(), "{said}");
+        home.assert_nothing_is_left(INSTANCE);
+        let found = bytes_of(&home.path("out"));
+        if let Some(files) = &files {
+            assert!(found.keys().eq(files.keys()), "{speed}: {:?}", found.keys());
+            let differ = found.iter().find(|(name, bytes)| files[*name] != **bytes);
+            assert!(
+                differ.is_none(),
+                "{} differs in a run at speed {speed}",
+                differ.unwrap().0
+            );
+        }
+        files = Some(found);
+    }
+    files.expect("a speed")
+}
+
+/// A line about the states in each of these files.
+fn hashes(files: &BTreeMap<String, Vec<u8>>) -> String {
+    let state = ["time_s", "x", "y", "z", "vx", "vy", "vz", "state", "address"];
+    let mut out = String::new();
+    for (name, bytes) in files {
+        let text = std::str::from_utf8(bytes).unwrap();
+        out += &hash_of_columns(&format!("{name}, states"), text, state);
+        out += &hash_of_columns(&format!("{name}, covariances"), text, COVARIANCE);
+    }
+    let fused = std::str::from_utf8(&files["system_tracks.csv"]).unwrap();
+    let of_fusion = [
+        "system_track_id",
+        "sources",
+        "weights",
+        "selected",
+        "lambda",
+        "sensor_track_ids",
+    ];
+    out + &hash_of_columns("system_tracks.csv, contributions", fused, of_fusion)
 }
 
 #[test]
