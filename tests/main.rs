@@ -7,6 +7,7 @@ mod common;
 
 // The repository.
 mod architecture;
+mod requirements;
 
 // Commands on files.
 mod decode;

@@ -5,6 +5,7 @@ pub(crate) mod folder;
 pub(crate) mod home;
 
 use std::collections::BTreeSet;
+use std::fs;
 use std::net::{SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -23,6 +24,31 @@ pub(crate) const PLACE: [f64; 2] = [41.297063, 2.078447];
 /// A file or folder of the repository, by its path there.
 pub(crate) fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
+}
+
+/// Files of the repository with one of these extensions, by their path there, with their texts.
+pub(crate) fn texts(extensions: &[&str]) -> Vec<(String, String)> {
+    let top = repository("").canonicalize().unwrap();
+    let (mut folders, mut found) = (vec![top.clone()], Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap();
+            if path.is_dir() {
+                if !name.starts_with('.') && !["target", "records"].contains(&name) {
+                    folders.push(path);
+                }
+            } else if extensions
+                .iter()
+                .any(|extension| path.extension() == Some(extension.as_ref()))
+            {
+                let inside = path.strip_prefix(&top).unwrap().to_str().unwrap().to_owned();
+                found.push((inside, fs::read_to_string(&path).unwrap()));
+            }
+        }
+    }
+    found.sort();
+    found
 }
 
 /// The time now, nanoseconds since 1970 (UTC).
