@@ -1,30 +1,16 @@
 //! The Autoferry scenarios: known totals, and detections that lie where the targets were.
-//!
-//! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
-//! workspace; where they are absent the tests say so and pass.
 
-use std::env;
 use std::f64::consts::TAU;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 use formats::autoferry::{self, Scan, Sensor};
 use formats::detections_csv::{DetectionReader, DetectionWriter};
+use test_support::recording;
 
 const DAY_NS: i64 = 86_400 * 1_000_000_000;
 
 fn scenario(number: u32) -> Option<Vec<Scan>> {
-    let folder = env::var_os("KOSEKI_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let file = |kind: &str| folder.join(format!("autoferry/scenario{number}/scenario{number}_{kind}.json"));
-    let read = |kind: &str| fs::read(file(kind)).ok();
-    let Some((detections, truth)) = read("detections").zip(read("groundTruth")) else {
-        println!("skipped: no recording {}", file("detections").display());
-        return None;
-    };
-    Some(autoferry::read(&detections, &truth).unwrap())
+    let read = |kind: &str| recording(&format!("autoferry/scenario{number}/scenario{number}_{kind}.json"));
+    Some(autoferry::read(&read("detections")?, &read("groundTruth")?).unwrap())
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

@@ -3,14 +3,8 @@
 //! The recordings do not say where the radars stand; any place will do, as what is checked does not depend on it: that
 //! each plot comes to lie at its own range, azimuth and height, that aircraft move as their own computers say in register
 //! 5,0, and that a radar's track lies where its plot does.
-//!
-//! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
-//! workspace; where one is absent its tests say so and pass.
 
-use std::env;
 use std::f64::consts::{PI, TAU};
-use std::fs;
-use std::path::{Path, PathBuf};
 
 use asterix::typed::cat048;
 use asterix::{Decoder, Mode};
@@ -22,25 +16,13 @@ use reception::observation::{self, Reading};
 use reception::{
     Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,
 };
+use test_support::recording;
 
 const S: i64 = 1_000_000_000;
 /// One radar's plots.
 const PLOTS: &str = "akapetanovic/Jahorina.raw";
 /// A network of several radars, of which four send tracks with their plots.
 const TRACKS: &str = "cro/cat_034_048.pcap";
-
-fn recording(name: &str) -> Option<Vec<u8>> {
-    let folder = env::var_os("KOSEKI_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    let bytes = fs::read(&path).ok();
-    if bytes.is_none() {
-        println!("skipped: no recording {}", path.display());
-    }
-    bytes
-}
 
 /// The system around the radar's supposed place, 100 km to the south-east.
 fn model() -> SourceModel {

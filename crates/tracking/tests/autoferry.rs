@@ -7,14 +7,11 @@
 //! detection within 20 m of it in at least half of its scans, and in two at least; before that nobody could know of it.
 //! It is *tracked* if a confirmed track lies within 20 m of it, one track for each target at most (GOSPA's pairs).
 //!
-//! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
-//! workspace; where they are absent the test says so and passes. `--nocapture` prints the table of docs/tracking.md.
-
-use std::path::{Path, PathBuf};
-use std::{env, fs};
+//! `--nocapture` prints the table of docs/tracking.md.
 
 use formats::autoferry::{self, Scan, Sensor};
 use scoring::gospa::Metric;
+use test_support::recording;
 use tracking::settings::{Capacity, SensorSettings};
 use tracking::{FieldOfView, Settings, Tracker};
 
@@ -27,17 +24,8 @@ const SCENARIOS: [u32; 4] = [2, 3, 13, 16];
 const POSITIONS: [Sensor; 2] = [Sensor::Lidar, Sensor::Radar];
 
 fn scenario(number: u32) -> Option<Vec<Scan>> {
-    let folder = env::var_os("KOSEKI_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let file = |kind: &str| folder.join(format!("autoferry/scenario{number}/scenario{number}_{kind}.json"));
-    let read = |kind: &str| fs::read(file(kind)).ok();
-    let Some((detections, truth)) = read("detections").zip(read("groundTruth")) else {
-        println!("skipped: no recording {}", file("detections").display());
-        return None;
-    };
-    Some(autoferry::read(&detections, &truth).unwrap())
+    let read = |kind: &str| recording(&format!("autoferry/scenario{number}/scenario{number}_{kind}.json"));
+    Some(autoferry::read(&read("detections")?, &read("groundTruth")?).unwrap())
 }
 
 /// What is known of the sensors. Reach: the lidar's by its data sheet, the radar's range scale, and to where the cameras tell

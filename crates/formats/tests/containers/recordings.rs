@@ -1,28 +1,10 @@
 //! Captures of real networks: how many datagrams they hold, from when to when, and that all of them are blocks.
-//!
-//! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
-//! workspace; where they are absent the tests say so and pass.
 
 use std::collections::BTreeMap;
-use std::env;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 use asterix::blocks;
 use formats::containers::{Container, Counts, TimeStamp, datagrams};
-
-fn recording(name: &str) -> Option<Vec<u8>> {
-    let folder = env::var_os("KOSEKI_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    let bytes = fs::read(&path).ok();
-    if bytes.is_none() {
-        println!("skipped: no recording {}", path.display());
-    }
-    bytes
-}
+use test_support::recording;
 
 /// The counters, the data blocks of each category, and the first and the last time in ns.
 fn describe(bytes: &[u8]) -> (Counts, BTreeMap<u8, usize>, [i64; 2]) {

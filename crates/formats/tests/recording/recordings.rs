@@ -1,29 +1,10 @@
 //! Recordings of real sensors: what is given of them, and that nothing is made up.
-//!
-//! The recordings are no part of the project. They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the
-//! workspace; where they are absent the tests say so and pass.
-
-use std::env;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 use asterix::Edition;
 use formats::recording::{Recording, Statistics};
+use test_support::recording;
 
 use crate::forge::{in_edition, read};
-
-fn recording(name: &str) -> Option<Vec<u8>> {
-    let folder = env::var_os("KOSEKI_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    let bytes = fs::read(&path).ok();
-    if bytes.is_none() {
-        println!("skipped: no recording {}", path.display());
-    }
-    bytes
-}
 
 #[test]
 fn seven_radars() {
