@@ -16,6 +16,7 @@ const SOURCES: u16 = 4;
 fn settings(targets: usize) -> Settings {
     let source = |number: u16| SourceSettings {
         name: format!("source{number}"),
+        sensor_uid: 0,
         period_ns: S,
         fresh_ns: 5 * S / 2,
         accuracy: Accuracy {

@@ -252,7 +252,7 @@ fn a_configuration_says_what_is_known_better() {
 #[test]
 fn a_comparison_has_a_row_per_rule_with_the_figures_of_fuse_and_score() {
     let folder = two_sensors();
-    let rules: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name).collect();
+    let rules: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name()).collect();
     let found = folder.json("compare --tracks a.csv b.csv --truth truth.csv --json");
     let rows = found["rules"].as_array().unwrap();
     assert_eq!(

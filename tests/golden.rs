@@ -351,8 +351,8 @@ fn every_rule_fuses_as_it_did() {
     let folder = Folder::new();
     for rule in fusion::rules::REGISTRY {
         golden(
-            &format!("rule_{}.csv", rule.name),
-            &CASES[0].fuse(&folder, rule.name, 5),
+            &format!("rule_{}.csv", rule.name()),
+            &CASES[0].fuse(&folder, rule.name(), 5),
         );
     }
 }

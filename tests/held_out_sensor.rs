@@ -199,11 +199,11 @@ fn every_rule_agrees_more_or_less() {
         "rule", "all", "with radar", "all", "with radar"
     );
     for rule in REGISTRY {
-        let mut line = format!("{:<24}", rule.name);
+        let mut line = format!("{:<24}", rule.name());
         for held_out in [ADSB, MLAT] {
             let (all, with_radar) = judge(&recorded.fused_without(held_out, rule), recorded.truth(held_out));
             line.push_str(&format!("{} {} ", all.row(), with_radar.row()));
-            assert!(all.percentile(0.5) < 50.0, "{}", rule.name);
+            assert!(all.percentile(0.5) < 50.0, "{}", rule.name());
         }
         println!("{line}");
     }

@@ -18,7 +18,7 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
-use crate::quality::{LOANED_MAX, SCHEMA, reserved_slices};
+use crate::quality::{LOANED_MAX, reserved_slices};
 use crate::transport::{Payload, Transport};
 
 type Port<S, T> = iceoryx2::port::publisher::Publisher<S, [T], BatchHeader>;
@@ -30,11 +30,8 @@ pub struct Publisher<S: Transport, T: Payload> {
     notifier: Notifier<S>,
     topic: Arc<str>,
     slice_len: usize,
-    schema: u64,
-    incarnation: u64,
-    next_sequence: u64,
-    /// Progress mark of the previous send.
-    progress_ns: i64,
+    /// Header of the next slice. Its progress mark is that of the previous send.
+    header: BatchHeader,
     counts: PublisherCounts,
     failed_connections: Arc<AtomicU64>,
 }
@@ -76,13 +73,29 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
             notifier,
             topic: topic.name.as_str().into(),
             slice_len: topic.capacity.slice_len,
-            schema: SCHEMA,
-            incarnation,
-            next_sequence: 0,
-            progress_ns: i64::MIN,
+            header: BatchHeader {
+                schema: T::SCHEMA,
+                incarnation,
+                progress_ns: i64::MIN,
+                ..BatchHeader::default()
+            },
             counts: PublisherCounts::default(),
             failed_connections,
         }
+    }
+
+    /// This publisher, stating in every slice the start-up number of fusion.
+    #[must_use]
+    pub fn with_epoch(mut self, epoch: u64) -> Self {
+        self.header.epoch = epoch;
+        self
+    }
+
+    /// This publisher, stating in every slice the identity of the sensor that its samples come from.
+    #[must_use]
+    pub fn of_sensor(mut self, sensor_uid: u32) -> Self {
+        self.header.sensor_uid = sensor_uid;
+        self
     }
 
     /// Sends `count` samples, in as many slices as they need; with none, one empty slice that carries the mark.
@@ -94,23 +107,24 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
     /// [`BusError::Send`] if a slice could not be sent; those before it were. The samples that were not sent are
     /// counted here, keep their numbers, and so are counted as lost by subscribers. Sending may be tried again.
     pub fn send(&mut self, mark: Mark, count: usize, mut fill: impl FnMut(usize, u64) -> T) -> Result<(), BusError> {
-        let first_sequence = self.next_sequence;
+        let first_sequence = self.header.first_sequence;
         let mut done = 0;
         loop {
             let length = (count - done).min(self.slice_len);
             let last = done + length == count;
             let header = BatchHeader {
-                schema: self.schema,
-                incarnation: self.incarnation,
-                first_sequence: self.next_sequence,
-                progress_ns: if last { mark.progress_ns } else { self.progress_ns },
+                progress_ns: if last {
+                    mark.progress_ns
+                } else {
+                    self.header.progress_ns
+                },
                 sent_ns: mark.sent_ns,
                 flags: if last && mark.end { BatchHeader::END } else { 0 },
-                reserved: 0,
+                ..self.header
             };
             let fill_one = |index| fill(done + index, header.first_sequence + index as u64);
             if let Err(reason) = self.send_slice(header, length, fill_one) {
-                self.next_sequence = first_sequence + count as u64;
+                self.header.first_sequence = first_sequence + count as u64;
                 self.counts.not_sent += (count - done) as u64;
                 return Err(BusError::Send {
                     topic: self.topic.clone(),
@@ -118,12 +132,12 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
                     reason,
                 });
             }
-            self.next_sequence += length as u64;
+            self.header.first_sequence += length as u64;
             self.counts.samples += length as u64;
             self.counts.slices += 1;
             done += length;
             if last {
-                self.progress_ns = mark.progress_ns;
+                self.header.progress_ns = mark.progress_ns;
                 return Ok(());
             }
         }
@@ -136,12 +150,12 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
 
     /// The incarnation that this publisher states.
     pub fn incarnation(&self) -> u64 {
-        self.incarnation
+        self.header.incarnation
     }
 
     /// Sequence number of the next sample.
     pub fn next_sequence(&self) -> u64 {
-        self.next_sequence
+        self.header.first_sequence
     }
 
     /// Most samples in one slice.
@@ -170,7 +184,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
     /// Makes the next slices state another schema, as a publisher of another build would.
     #[doc(hidden)]
     pub fn pretend_schema(&mut self, schema: u64) {
-        self.schema = schema;
+        self.header.schema = schema;
     }
 }
 

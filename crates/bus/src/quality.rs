@@ -11,13 +11,10 @@
 use iceoryx2::node::Node;
 use iceoryx2::prelude::{EventId, ServiceName};
 use iceoryx2::service::builder::{event, publish_subscribe};
-use messages::{BatchHeader, Capacity, Topic, layout};
+use messages::{BatchHeader, Capacity, Topic};
 
 use crate::error::BusError;
 use crate::transport::{Payload, Transport};
-
-/// The layouts that this build sends and accepts. Computed when compiling: doing it per slice would take microseconds.
-pub(crate) const SCHEMA: u64 = layout::fingerprint();
 
 /// Most processes that have a topic open at a time: 64 sources, the services, each perhaps twice, and spare ones.
 pub(crate) const NODES_MAX: usize = 256;

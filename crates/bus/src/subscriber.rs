@@ -27,7 +27,6 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
-use crate::quality::SCHEMA;
 use crate::transport::{Payload, Transport};
 
 type Port<S, T> = iceoryx2::port::subscriber::Subscriber<S, [T], BatchHeader>;
@@ -141,7 +140,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         };
         let slice = Slice(sample);
         let header = slice.header();
-        if header.schema != SCHEMA {
+        if header.schema != T::SCHEMA {
             self.counts.schema_mismatch += 1;
             return Ok(Received::Refused);
         }

@@ -12,6 +12,7 @@ use bus::{
     WaitMode, Waiter, Woken,
 };
 use common::{Home, Line, PATIENCE, mark, send, shared_memory, take_all, topic, track, until};
+use messages::layout::Sample as _;
 use messages::{BatchHeader, SensorTrack, Topic};
 use proptest::prelude::*;
 
@@ -133,13 +134,13 @@ fn an_empty_slice_carries_its_header<S: Transport>() {
     assert_eq!(
         header,
         BatchHeader {
-            schema: messages::layout::fingerprint(),
+            schema: SensorTrack::SCHEMA,
             incarnation: 10,
             first_sequence: 2,
             progress_ns: 7,
             sent_ns: 8,
             flags: BatchHeader::END,
-            reserved: 0,
+            ..BatchHeader::default()
         }
     );
 }
@@ -258,7 +259,7 @@ fn another_layout_is_refused<S: Transport>() {
     let (mut publisher, mut subscriber) = (line.publisher(10), line.subscriber(5));
     publisher.pretend_schema(1);
     send(&mut publisher, 3);
-    publisher.pretend_schema(messages::layout::fingerprint());
+    publisher.pretend_schema(SensorTrack::SCHEMA);
     let taken = subscriber.take(9, |_, _| panic!("shown")).unwrap();
     assert_eq!(taken, 1);
     let counts = subscriber.counts();

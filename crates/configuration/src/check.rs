@@ -138,6 +138,7 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
         monitor: check_monitor(&raw.monitor, &fusion)?,
         fusion,
         name: raw.name,
+        origin: raw.origin,
         path: path.to_owned(),
         frame,
         order: raw.time.order,
@@ -226,6 +227,16 @@ fn check_source(
     let locator = check_locator(index, raw, &input, network)?;
     let source = Source {
         number: index as u16,
+        uid: match raw.uid {
+            Some(0) => {
+                return Err(problem(
+                    key("uid"),
+                    "0 stands for an unknown sensor; choose a number from 1 to 4294967295",
+                ));
+            }
+            Some(uid) => uid,
+            None => messages::sensor_uid(&raw.name),
+        },
         name: raw.name.clone(),
         technology: technology(raw.technology, &input, network),
         tracker,
@@ -252,6 +263,7 @@ fn check_source(
     };
     let weighed = engine::SourceSettings {
         name: raw.name.clone(),
+        sensor_uid: source.uid,
         period_ns: nanoseconds(period_s),
         fresh_ns: nanoseconds(within(
             &key("fresh_s"),

@@ -10,7 +10,7 @@ use super::raw::{RawDropOut, RawHandOver, RawIntersection, RawMosaic, RawResidua
 /// The rule and its options.
 pub(super) fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> Checked<engine::RuleSettings> {
     let rule = fusion::rules::find(&raw.name).ok_or_else(|| {
-        let known: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name).collect();
+        let known: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name()).collect();
         problem(
             "fusion.rule.name",
             format!("\"{}\" is no fusion rule; there are: {}", raw.name, known.join(", ")),

@@ -56,6 +56,8 @@ pub const DEMO: &str = include_str!("../../../config/demo.toml");
 pub struct Config {
     /// Name of the deployment.
     pub name: String,
+    /// Number of the deployment among those that exchange tracks; 0: none.
+    pub origin: u32,
     /// File it was read from.
     pub path: PathBuf,
     /// The system frame.
@@ -98,6 +100,8 @@ pub enum Order {
 pub struct Source {
     /// Its number: its place in the file, from 0.
     pub number: u16,
+    /// Identity of the sensor, the same in every deployment that hears it.
+    pub uid: u32,
     /// Its name, which is also part of its topic's name.
     pub name: String,
     /// Where its data come from.

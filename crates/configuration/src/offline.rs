@@ -233,6 +233,7 @@ impl Offline {
         };
         let raw_accuracy = raw.and_then(|raw| raw.accuracy.as_ref()).unwrap_or(&stated);
         Ok(engine::SourceSettings {
+            sensor_uid: 0,
             name: raw
                 .and_then(|raw| raw.name.clone())
                 .unwrap_or_else(|| seen.id.to_string()),

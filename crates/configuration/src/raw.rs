@@ -16,6 +16,9 @@ use super::wide_area_sensor::RawWideAreaSensor;
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawConfig {
     pub(crate) name: String,
+    /// Number of the deployment among those that exchange tracks, 1 to 4294967295; 0: it exchanges none.
+    #[serde(default)]
+    pub(crate) origin: u32,
     pub(crate) frame: RawPlace,
     #[serde(default)]
     pub(crate) time: RawTime,
@@ -59,6 +62,8 @@ pub(crate) struct RawTime {
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawSource {
     pub(crate) name: String,
+    /// Identity of the sensor, the same in every deployment that hears it, 1 to 4294967295; left out: derived from the name.
+    pub(crate) uid: Option<u32>,
     #[serde(default = "one")]
     pub(crate) period_s: f64,
     pub(crate) fresh_s: Option<f64>,
@@ -465,7 +470,7 @@ impl Default for RawRule {
     fn default() -> Self {
         let engine = fusion::settings::RuleSettings::default();
         Self {
-            name: fusion::rules::default_rule().name.to_owned(),
+            name: fusion::rules::default_rule().name().to_owned(),
             residual: RawResidual::Position,
             recency: 1.0,
             reference_source: None,

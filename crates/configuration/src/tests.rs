@@ -31,9 +31,24 @@ fn the_shipped_configurations_are_sound() {
 }
 
 #[test]
+fn sensors_and_deployments_have_an_identity() {
+    let named = Config::parse(Path::new("barcelona.toml"), &barcelona(), &[]).unwrap();
+    let radar = named.source("radar").unwrap();
+    assert_eq!((radar.uid, named.origin), (messages::sensor_uid("radar"), 0));
+    let overrides = ["source[0].uid=77".to_owned(), "origin=3".to_owned()];
+    let numbered = Config::parse(Path::new("barcelona.toml"), &barcelona(), &overrides).unwrap();
+    let weighed = &numbered.fusion.settings.sources[0];
+    assert_eq!(
+        (numbered.sources[0].uid, weighed.sensor_uid, numbered.origin),
+        (77, 77, 3)
+    );
+}
+
+#[test]
 fn mistakes_are_named_with_file_line_value_and_remedy() {
     let cases = [
         ("sensor_tracks = 4000", "sensor_tracks = 0", "must lie between 1 and"),
+        ("priority = 3", "uid = 0", "0 stands for an unknown sensor"),
         ("priority = 3", "prioritty = 3", "unknown field `prioritty`"),
         (
             "name = \"ads-b\"",

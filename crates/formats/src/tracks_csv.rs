@@ -330,6 +330,7 @@ mod tests {
             flags: contribution_bits::FRESH,
             weight: 1.0,
             accuracy: 12.34567,
+            ..Contribution::default()
         };
         let mut writer = SystemTrackWriter::begin(Vec::new(), 0).unwrap();
         writer.write(&track).unwrap();

@@ -312,7 +312,10 @@ impl Engine {
     /// An address that belongs to a target far away is not believed: transponders are misread, and two can have the same.
     fn believed_identity(&mut self, report: &SensorTrack) -> Identity {
         let identity = report.identity;
-        let Some(address) = identity.address().filter(|_| self.settings.association.use_identity) else {
+        let Some(address) = identity
+            .unique_number()
+            .filter(|_| self.settings.association.use_identity)
+        else {
             return identity;
         };
         let Some(system) = self.systems.with_address(address) else {
@@ -324,7 +327,7 @@ impl Engine {
             return identity;
         }
         self.counts.add(report.source, Counter::IdentityConflicts);
-        identity.without_address()
+        identity.without_unique_number()
     }
 
     /// The entry of the report's sensor track: the one it has, or a new one, then not linked yet. `None` if the table is full.
@@ -507,6 +510,7 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
     };
     let source = |index: usize| SourceSettings {
         name: format!("source{index}"),
+        sensor_uid: 0,
         period_ns: 1_000_000_000,
         fresh_ns: 2_500_000_000,
         accuracy: Accuracy {

@@ -68,7 +68,7 @@ impl Engine {
         let claim = Claim {
             silence,
             reports,
-            has_address: entry.identity.address().is_some(),
+            has_address: entry.identity.unique_number().is_some(),
         };
         (
             claim.is_believed() && (had_their_chance || claim.has_address),

@@ -30,7 +30,7 @@ impl Engine {
 
     /// An address says at once where a sensor track belongs; the others wait until their scan is complete.
     fn place_new(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        let address = self.sensors.get(sensor).latest.identity.address();
+        let address = self.sensors.get(sensor).latest.identity.unique_number();
         let known = address
             .filter(|_| self.settings.association.use_identity)
             .and_then(|address| self.systems.with_address(address));
@@ -77,9 +77,11 @@ impl Engine {
     fn reconsider(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
         let system = self.sensors.get(sensor).system;
         let identity = self.sensors.get(sensor).latest.identity;
-        let mine = identity.address().filter(|_| self.settings.association.use_identity);
+        let mine = identity
+            .unique_number()
+            .filter(|_| self.settings.association.use_identity);
         if let Some(mine) = mine {
-            let theirs = self.systems.get(system).identity.address();
+            let theirs = self.systems.get(system).identity.unique_number();
             if theirs.is_some_and(|theirs| theirs != mine) {
                 self.counts.add(report.source, Counter::IdentityConflicts);
                 self.decide(sensor, DecisionKind::IdentityConflict, f64::NAN, f64::NAN, sink);

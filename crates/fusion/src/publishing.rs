@@ -1,8 +1,8 @@
 //! When a system track is weighed, and what is said of it.
 
 use messages::{
-    AXES, CONTRIBUTIONS_MAX, Contribution, Counter, Covariance, NO_SOURCE, SensorTrack, StageTimes, SystemTrack,
-    TrackState, contribution_bits,
+    AXES, Contribution, Counter, Covariance, NO_SOURCE, SensorTrack, StageTimes, SystemTrack, TrackState,
+    contribution_bits,
 };
 
 use crate::description::Description;
@@ -203,7 +203,6 @@ impl Engine {
         let mut message = SystemTrack {
             reference_time_ns: entry.state.time_ns,
             time_of_measurement_ns: cause.map_or(entry.state.time_ns, |report| report.time_of_measurement_ns),
-            sequence: 0,
             stages: cause.map_or(StageTimes::default(), |report| report.stages),
             track_number: entry.number,
             trigger_source: cause.map_or(NO_SOURCE, |report| report.source),
@@ -212,18 +211,18 @@ impl Engine {
             position_m: entry.state.position_m,
             velocity_mps: entry.state.velocity_mps,
             covariance: entry.state.covariance,
-            contributions: [Contribution::default(); CONTRIBUTIONS_MAX],
             source_count: members.len() as u16,
             contribution_count: members.len() as u16,
             state: entry.life as u8,
             height_valid: u8::from(entry.state.has_height),
-            rule: rules::code(self.settings.rule.rule),
+            rule: self.settings.rule.rule.code.code(),
             alerts: entry.alerts,
             merged_into: entry.merged_into,
             on_ground: u8::from(entry.on_ground),
             kind: entry.description.kind as u8,
             members: entry.description.members,
             target_type: entry.description.target_type,
+            ..SystemTrack::default()
         };
         let mut heaviest = 0.0;
         for (index, share) in shares.iter().enumerate() {
@@ -250,6 +249,8 @@ impl Engine {
                 } else {
                     f64::NAN
                 },
+                sensor_uid: self.settings.sources[usize::from(member.source)].sensor_uid,
+                ..Contribution::default()
             };
             if weight > heaviest {
                 heaviest = weight;

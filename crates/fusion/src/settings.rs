@@ -49,6 +49,8 @@ pub struct Capacity {
 pub struct SourceSettings {
     /// Name, for messages to people.
     pub name: String,
+    /// Identity of the sensor, the same in every deployment that hears it; 0: unknown.
+    pub sensor_uid: u32,
     /// Time between two reports of one target, nanoseconds.
     pub period_ns: i64,
     /// Age beyond which a report no longer contributes, nanoseconds.

@@ -184,11 +184,11 @@ impl SystemTracks {
     /// Adds what `identity` knows to the system track's; an address once carried is never changed.
     pub(crate) fn identify(&mut self, slot: SystemSlot, identity: &Identity) {
         let entry = &mut self.entries[slot as usize];
-        let carried = entry.identity.address();
+        let carried = entry.identity.unique_number();
         let mut merged = identity.or(&entry.identity);
         if let Some(address) = carried {
             merged = merged.with_address(address);
-        } else if let Some(address) = merged.address() {
+        } else if let Some(address) = merged.unique_number() {
             self.by_address.entry(address).or_insert(slot);
         }
         entry.identity = merged;
@@ -199,7 +199,7 @@ impl SystemTracks {
         self.grid.remove(slot);
         self.set_life(slot, TrackState::Terminated);
         let entry = &mut self.entries[slot as usize];
-        if let Some(address) = entry.identity.address()
+        if let Some(address) = entry.identity.unique_number()
             && self.by_address.get(&address) == Some(&slot)
         {
             self.by_address.remove(&address);

@@ -17,6 +17,7 @@ const S: i64 = 1_000_000_000;
 fn settings() -> Settings {
     let source = |name: &str| SourceSettings {
         name: name.to_owned(),
+        sensor_uid: 0,
         period_ns: S,
         fresh_ns: 5 * S / 2,
         accuracy: Accuracy {
@@ -170,7 +171,7 @@ fn no_rule_allocates_anything_at_reports_or_at_uniform_times() {
                 }
                 engine.advance(i64::MAX, &mut |_: &SystemTrack| published += 1);
             });
-            assert!(published > 2_000, "{}: {published}", rule.name);
+            assert!(published > 2_000, "{}: {published}", rule.name());
             let repaired = engine.counts().get(messages::Counter::CovariancesRepaired);
             assert!(repaired > 0, "the traffic was meant to need repairs");
         }

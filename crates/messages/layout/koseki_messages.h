@@ -6,54 +6,116 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SCHEMA UINT64_C(0x2c00644931801275) /* Every BatchHeader.schema must equal this. */
+#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0x6376fca9f5956254) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0x3f3924826fb216c0) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x2e86ce3ebba8ca15) /* BatchHeader.schema of its slices. */
+#define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x9adee01cc67eb8ad) /* BatchHeader.schema of its slices. */
+#define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x2dfda4c3dd95c740) /* BatchHeader.schema of its slices. */
+#define KOSEKI_CUE_SCHEMA UINT64_C(0xaf1e6d717b9bb525) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x934307e9dc3c0033) /* BatchHeader.schema of its slices. */
+#define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0xcf4b0ce1093881cc) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0x2ee1a77c420b678) /* BatchHeader.schema of its slices. */
+#define KOSEKI_PROGRESS_SCHEMA UINT64_C(0xd685ec79c1f207d) /* BatchHeader.schema of its slices. */
+#define KOSEKI_CONTROL_SCHEMA UINT64_C(0xb124b2ef9c9a3290) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
-#define KOSEKI_COUNTERS_MAX UINT64_C(0x50) /* Length of Counters.values. */
-#define KOSEKI_IDENTITY_ADDRESS UINT64_C(0x1) /* Bit of a flags or valid field. */
-#define KOSEKI_IDENTITY_MODE_3A UINT64_C(0x2) /* Bit of a flags or valid field. */
-#define KOSEKI_IDENTITY_CALLSIGN UINT64_C(0x4) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_TRACK_HEIGHT UINT64_C(0x1) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_TRACK_VELOCITY UINT64_C(0x2) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_TRACK_VERTICAL_RATE UINT64_C(0x4) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_TRACK_OWN_COVARIANCE UINT64_C(0x8) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_TRACK_MEASURED UINT64_C(0x10) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_TRACK_ON_GROUND UINT64_C(0x20) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_TRACK_DERIVED_VELOCITY UINT64_C(0x40) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_TRACK_TRACE UINT64_C(0x80) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_DETECTION_RANGE_RATE UINT64_C(0x1) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_DETECTION_SIGMAS UINT64_C(0x2) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_BEARING_HEADING UINT64_C(0x2) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_BEARING_FREQUENCY UINT64_C(0x4) /* Bit of a flags or valid field. */
-#define KOSEKI_SENSOR_BEARING_PULSE_INTERVAL UINT64_C(0x8) /* Bit of a flags or valid field. */
-#define KOSEKI_PLATFORM_STATE_VELOCITY UINT64_C(0x1) /* Bit of a flags or valid field. */
-#define KOSEKI_PLATFORM_STATE_HEADING UINT64_C(0x2) /* Bit of a flags or valid field. */
-#define KOSEKI_PLATFORM_STATE_ATTITUDE UINT64_C(0x4) /* Bit of a flags or valid field. */
-#define KOSEKI_PLATFORM_STATE_POSITION_SIGMA UINT64_C(0x8) /* Bit of a flags or valid field. */
-#define KOSEKI_PLATFORM_STATE_HEADING_SIGMA UINT64_C(0x10) /* Bit of a flags or valid field. */
-#define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* Bit of a flags or valid field. */
-#define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* Bit of a flags or valid field. */
-#define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* Bit of a flags or valid field. */
-#define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Bit of a flags or valid field. */
-#define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* Bit of a flags or valid field. */
-#define KOSEKI_ALERT_COMMUNICATION_FAILURE UINT64_C(0x4) /* Bit of a flags or valid field. */
-#define KOSEKI_ALERT_UNLAWFUL_INTERFERENCE UINT64_C(0x8) /* Bit of a flags or valid field. */
-#define KOSEKI_ALERT_MEDICAL UINT64_C(0x10) /* Bit of a flags or valid field. */
-#define KOSEKI_ALERT_MINIMUM_FUEL UINT64_C(0x20) /* Bit of a flags or valid field. */
-#define KOSEKI_ALERT_TRANSPONDER_ALERT UINT64_C(0x40) /* Bit of a flags or valid field. */
-#define KOSEKI_ALERT_RESOLUTION_ADVISORY UINT64_C(0x80) /* Bit of a flags or valid field. */
-#define KOSEKI_REGISTRATION_EAST UINT64_C(0x1) /* Bit of a flags or valid field. */
-#define KOSEKI_REGISTRATION_NORTH UINT64_C(0x2) /* Bit of a flags or valid field. */
-#define KOSEKI_REGISTRATION_UP UINT64_C(0x4) /* Bit of a flags or valid field. */
-#define KOSEKI_REGISTRATION_TIME UINT64_C(0x8) /* Bit of a flags or valid field. */
-#define KOSEKI_REGISTRATION_RANGE UINT64_C(0x10) /* Bit of a flags or valid field. */
-#define KOSEKI_REGISTRATION_AZIMUTH UINT64_C(0x20) /* Bit of a flags or valid field. */
-#define KOSEKI_STATE_TENTATIVE UINT64_C(0x0) /* Value of a state field. */
-#define KOSEKI_STATE_CONFIRMED UINT64_C(0x1) /* Value of a state field. */
-#define KOSEKI_STATE_COASTED UINT64_C(0x2) /* Value of a state field. */
-#define KOSEKI_STATE_TERMINATED UINT64_C(0x3) /* Value of a state field. */
-#define KOSEKI_KIND_SINGLE UINT64_C(0x0) /* Value of a track's kind field. */
-#define KOSEKI_KIND_GROUP UINT64_C(0x1) /* Value of a track's kind field. */
+#define KOSEKI_CONTRIBUTORS_MAX UINT64_C(0x40) /* Length of ContributorSet.sensor_uids. */
+#define KOSEKI_COUNTERS_MAX UINT64_C(0x60) /* Length of Counters.values. */
+#define KOSEKI_IDENTITY_MODE_3A UINT64_C(0x1) /* `mode_3a` holds a Mode 3/A code. */
+#define KOSEKI_IDENTITY_CALLSIGN UINT64_C(0x2) /* `callsign` holds a callsign. */
+#define KOSEKI_IDENTITY_NAME UINT64_C(0x4) /* `name` holds a name. */
+#define KOSEKI_MOVEMENT_ACCELERATION UINT64_C(0x1) /* `acceleration_mps2` is known east and north. */
+#define KOSEKI_MOVEMENT_VERTICAL_ACCELERATION UINT64_C(0x2) /* `acceleration_mps2` is known upwards. */
+#define KOSEKI_SENSOR_TRACK_HEIGHT UINT64_C(0x1) /* Height (`position[2]`) was observed; without it z is 0 and its variance says nothing. */
+#define KOSEKI_SENSOR_TRACK_VELOCITY UINT64_C(0x2) /* Horizontal velocity was delivered or derived. */
+#define KOSEKI_SENSOR_TRACK_VERTICAL_RATE UINT64_C(0x4) /* Vertical velocity was delivered or derived. */
+#define KOSEKI_SENSOR_TRACK_OWN_COVARIANCE UINT64_C(0x8) /* The covariance is the source's own statement; without it, it comes from configured accuracies. */
+#define KOSEKI_SENSOR_TRACK_MEASURED UINT64_C(0x10) /* `measured_m` holds the measurement from which the source updated its track. */
+#define KOSEKI_SENSOR_TRACK_ON_GROUND UINT64_C(0x20) /* The source says that the target is on the ground. */
+#define KOSEKI_SENSOR_TRACK_DERIVED_VELOCITY UINT64_C(0x40) /* The velocity was derived by the adapter from successive positions. */
+#define KOSEKI_SENSOR_TRACK_TRACE UINT64_C(0x80) /* `trace` holds the source's own covariance trace (TI-16). */
+#define KOSEKI_SENSOR_DETECTION_RANGE_RATE UINT64_C(0x1) /* `range_rate_mps` was measured. */
+#define KOSEKI_SENSOR_DETECTION_SIGMAS UINT64_C(0x2) /* `sigmas` hold standard deviations. */
+#define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* `emitter_id` is known: the sensor tells transmitters apart. */
+#define KOSEKI_SENSOR_BEARING_HEADING UINT64_C(0x2) /* `heading_rad` is known. */
+#define KOSEKI_SENSOR_BEARING_FREQUENCY UINT64_C(0x4) /* `frequency_hz` was measured. */
+#define KOSEKI_SENSOR_BEARING_PULSE_INTERVAL UINT64_C(0x8) /* `pulse_interval_s` was measured. */
+#define KOSEKI_PLATFORM_STATE_VELOCITY UINT64_C(0x1) /* `velocity_mps` is known. */
+#define KOSEKI_PLATFORM_STATE_HEADING UINT64_C(0x2) /* `heading_rad` is known. */
+#define KOSEKI_PLATFORM_STATE_ATTITUDE UINT64_C(0x4) /* `pitch_rad` and `roll_rad` are known. */
+#define KOSEKI_PLATFORM_STATE_POSITION_SIGMA UINT64_C(0x8) /* `position_sigma_m` is known. */
+#define KOSEKI_PLATFORM_STATE_HEADING_SIGMA UINT64_C(0x10) /* `heading_sigma_rad` is known. */
+#define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* `origin_m` is known. */
+#define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* The source's latest report is within its expected period. */
+#define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* The accuracy value exists: the source has delivered more than one report. */
+#define KOSEKI_CONTRIBUTOR_SET_OVERFLOW UINT64_C(0x1) /* More sensors have contributed than `sensor_uids` can hold: whoever shares any sensor must take it to be among them. */
+#define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Special position identification: the pilot has pressed the button. */
+#define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* An emergency, of whatever kind; Mode 3/A code 7700. */
+#define KOSEKI_ALERT_COMMUNICATION_FAILURE UINT64_C(0x4) /* Radio communication has failed; code 7600. */
+#define KOSEKI_ALERT_UNLAWFUL_INTERFERENCE UINT64_C(0x8) /* Unlawful interference; code 7500. */
+#define KOSEKI_ALERT_MEDICAL UINT64_C(0x10) /* Medical flight. */
+#define KOSEKI_ALERT_MINIMUM_FUEL UINT64_C(0x20) /* Minimum fuel. */
+#define KOSEKI_ALERT_TRANSPONDER_ALERT UINT64_C(0x40) /* The Mode 3/A code was changed lately, or the transponder raises its alert for another reason. */
+#define KOSEKI_ALERT_RESOLUTION_ADVISORY UINT64_C(0x80) /* A collision avoidance system advises the crew to manoeuvre. */
+#define KOSEKI_REGISTRATION_EAST UINT64_C(0x1) /* The offset east is being removed from the source's reports. */
+#define KOSEKI_REGISTRATION_NORTH UINT64_C(0x2) /* The offset north is. */
+#define KOSEKI_REGISTRATION_UP UINT64_C(0x4) /* The offset up is. */
+#define KOSEKI_REGISTRATION_TIME UINT64_C(0x8) /* The time offset is. */
+#define KOSEKI_REGISTRATION_RANGE UINT64_C(0x10) /* The range bias is. */
+#define KOSEKI_REGISTRATION_AZIMUTH UINT64_C(0x20) /* The azimuth bias is. */
+#define KOSEKI_STATE_TENTATIVE UINT64_C(0x0) /* Seen, not yet believed. */
+#define KOSEKI_STATE_CONFIRMED UINT64_C(0x1) /* Believed, and supported by recent reports. */
+#define KOSEKI_STATE_COASTED UINT64_C(0x2) /* Believed, but carried on by extrapolation for want of reports. */
+#define KOSEKI_STATE_TERMINATED UINT64_C(0x3) /* Ended; the number is not used again soon. */
+#define KOSEKI_KIND_SINGLE UINT64_C(0x0) /* One target. */
+#define KOSEKI_KIND_GROUP UINT64_C(0x1) /* Several targets that are not told apart (WA-7). */
+#define KOSEKI_RULE_AUTO UINT64_C(0x1) /* Filter of the target's own, with what its sources are worth learned. */
+#define KOSEKI_RULE_SYSTEM_FILTER UINT64_C(0x2) /* Filter of the target's own. */
+#define KOSEKI_RULE_BEST_SOURCE UINT64_C(0x3) /* Source with the smallest accuracy value. */
+#define KOSEKI_RULE_INVERSE_TRACE UINT64_C(0x4) /* Weights inverse to the covariance traces. */
+#define KOSEKI_RULE_QUALITY_FACTOR UINT64_C(0x5) /* Weights by quality index. */
+#define KOSEKI_RULE_MOSAIC UINT64_C(0x6) /* Source that the cell of a mosaic names. */
+#define KOSEKI_RULE_INFORMATION UINT64_C(0x7) /* Information sum of independent errors. */
+#define KOSEKI_RULE_COVARIANCE_INTERSECTION UINT64_C(0x8) /* Covariance intersection: bound for unknown correlations. */
+#define KOSEKI_RULE_BAR_SHALOM_CAMPO UINT64_C(0x9) /* Bar-Shalom and Campo's combination of correlated errors. */
+#define KOSEKI_IDENTITY_KIND_NONE UINT64_C(0x0) /* No number is known. */
+#define KOSEKI_IDENTITY_KIND_AIRCRAFT UINT64_C(0x1) /* 24-bit aircraft address. */
+#define KOSEKI_IDENTITY_KIND_SHIP UINT64_C(0x2) /* 30-bit Maritime Mobile Service Identity (MMSI). */
+#define KOSEKI_HORIZONTAL_UNKNOWN UINT64_C(0x0) /* Not known. */
+#define KOSEKI_HORIZONTAL_STRAIGHT UINT64_C(0x1) /* Constant course. */
+#define KOSEKI_HORIZONTAL_TURN_LEFT UINT64_C(0x2) /* Turn to the left. */
+#define KOSEKI_HORIZONTAL_TURN_RIGHT UINT64_C(0x3) /* Turn to the right. */
+#define KOSEKI_VERTICAL_UNKNOWN UINT64_C(0x0) /* Not known. */
+#define KOSEKI_VERTICAL_LEVEL UINT64_C(0x1) /* Constant height. */
+#define KOSEKI_VERTICAL_CLIMB UINT64_C(0x2) /* Climb. */
+#define KOSEKI_VERTICAL_DESCEND UINT64_C(0x3) /* Descent. */
+#define KOSEKI_LONGITUDINAL_UNKNOWN UINT64_C(0x0) /* Not known. */
+#define KOSEKI_LONGITUDINAL_CONSTANT UINT64_C(0x1) /* Constant speed over ground. */
+#define KOSEKI_LONGITUDINAL_INCREASING UINT64_C(0x2) /* Increasing speed over ground. */
+#define KOSEKI_LONGITUDINAL_DECREASING UINT64_C(0x3) /* Decreasing speed over ground. */
+#define KOSEKI_DETECTION_KIND_POSITION2 UINT64_C(0x0) /* East and north in the system frame. */
+#define KOSEKI_DETECTION_KIND_POSITION3 UINT64_C(0x1) /* East, north and up in the system frame. */
+#define KOSEKI_DETECTION_KIND_RANGE_BEARING UINT64_C(0x2) /* Slant range and bearing from the sensor. */
+#define KOSEKI_DETECTION_KIND_RANGE_BEARING_ELEVATION UINT64_C(0x3) /* Slant range, bearing and elevation from the sensor. */
+#define KOSEKI_DETECTION_KIND_BEARING UINT64_C(0x4) /* Bearing from the sensor. */
+#define KOSEKI_DETECTION_KIND_BEARING_ELEVATION UINT64_C(0x5) /* Bearing and elevation from the sensor. */
+#define KOSEKI_STREAM_SENSOR_TRACKS UINT64_C(0x1) /* Sensor tracks of a source. */
+#define KOSEKI_STREAM_DETECTIONS UINT64_C(0x2) /* Detections of a source. */
+#define KOSEKI_STREAM_BEARINGS UINT64_C(0x3) /* Bearings of a source. */
+#define KOSEKI_STREAM_PLATFORM_STATES UINT64_C(0x4) /* States of the platform that carries a source's sensor. */
+#define KOSEKI_STREAM_CUES UINT64_C(0x5) /* Cues for the sensor of a source. */
+#define KOSEKI_STREAM_WIDE_AREA UINT64_C(0x6) /* Reports of a wide-area sensor. */
+#define KOSEKI_STREAM_SYSTEM_TRACKS UINT64_C(0x7) /* System tracks. */
+#define KOSEKI_PROCESS_ADAPTER UINT64_C(0x0) /* Turns one sensor's data into sensor tracks. */
+#define KOSEKI_PROCESS_FUSION UINT64_C(0x1) /* Fuses sensor tracks into system tracks. */
+#define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */
+#define KOSEKI_PROCESS_RECORDER UINT64_C(0x3) /* Writes tracks to files. */
+#define KOSEKI_PROCESS_LAUNCHER UINT64_C(0x4) /* Starts and watches the others. */
+#define KOSEKI_PROCESS_SIMULATOR UINT64_C(0x5) /* Sends what the simulated sensors observe over the network. */
+#define KOSEKI_PROCESS_GATEWAY UINT64_C(0x6) /* Sends tracks to other systems over the network. */
+#define KOSEKI_LIFE_STARTING UINT64_C(0x0) /* Opening its topics. */
+#define KOSEKI_LIFE_RUNNING UINT64_C(0x1) /* Doing its work. */
+#define KOSEKI_LIFE_FINISHED UINT64_C(0x2) /* Done: all its input has been worked off, and it will exit by itself. */
+#define KOSEKI_LIFE_FAILED UINT64_C(0x3) /* Unable to go on; the note says why. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */
@@ -68,16 +130,52 @@ static_assert(offsetof(KosekiStageTimes, taken_ns) == 16, "offset");
 static_assert(offsetof(KosekiStageTimes, fused_ns) == 24, "offset");
 
 typedef struct KosekiIdentity {
-    uint32_t address; /* 24-bit aircraft address in the low bits. */
+    uint32_t address; /* 24-bit aircraft address or 30-bit MMSI, as `kind` says, in the low bits. */
     uint16_t mode_3a; /* Mode 3/A code, its four octal digits in twelve bits. */
-    uint16_t valid; /* Which fields hold something: see `identity_bits`. */
+    uint8_t kind; /* Kind of `address`: an `IdentityKind` code. */
+    uint8_t valid; /* Fields that hold something: see `identity_bits`. */
     uint8_t callsign[8]; /* Callsign in ASCII, padded with blanks. */
+    uint8_t name[20]; /* Name in ASCII, padded with blanks: that of a ship, for example. */
+    uint32_t reserved; /* Reserved, 0. */
 } KosekiIdentity;
-static_assert(sizeof(KosekiIdentity) == 16, "size");
+static_assert(sizeof(KosekiIdentity) == 40, "size");
 static_assert(offsetof(KosekiIdentity, address) == 0, "offset");
 static_assert(offsetof(KosekiIdentity, mode_3a) == 4, "offset");
-static_assert(offsetof(KosekiIdentity, valid) == 6, "offset");
+static_assert(offsetof(KosekiIdentity, kind) == 6, "offset");
+static_assert(offsetof(KosekiIdentity, valid) == 7, "offset");
 static_assert(offsetof(KosekiIdentity, callsign) == 8, "offset");
+static_assert(offsetof(KosekiIdentity, name) == 16, "offset");
+static_assert(offsetof(KosekiIdentity, reserved) == 36, "offset");
+
+typedef struct KosekiExtent {
+    float length_m; /* Length of the longer side, metres; 0: unknown. */
+    float width_m; /* Length of the shorter side, metres; 0: unknown. */
+    float orientation_rad; /* Direction of the longer side, radians clockwise from north, in [0, 2 pi). */
+    float length_sigma_m; /* Standard deviation of the length, metres; 0: unknown. */
+    float width_sigma_m; /* Standard deviation of the width, metres; 0: unknown. */
+    float orientation_sigma_rad; /* Standard deviation of the orientation, radians; 0: the orientation is unknown. */
+} KosekiExtent;
+static_assert(sizeof(KosekiExtent) == 24, "size");
+static_assert(offsetof(KosekiExtent, length_m) == 0, "offset");
+static_assert(offsetof(KosekiExtent, width_m) == 4, "offset");
+static_assert(offsetof(KosekiExtent, orientation_rad) == 8, "offset");
+static_assert(offsetof(KosekiExtent, length_sigma_m) == 12, "offset");
+static_assert(offsetof(KosekiExtent, width_sigma_m) == 16, "offset");
+static_assert(offsetof(KosekiExtent, orientation_sigma_rad) == 20, "offset");
+
+typedef struct KosekiMovement {
+    float acceleration_mps2[3]; /* Acceleration east, north, up, metres per second squared. */
+    uint8_t horizontal; /* Mode in the horizontal plane: a `HorizontalMovement` code. */
+    uint8_t vertical; /* Mode in the vertical: a `VerticalMovement` code. */
+    uint8_t longitudinal; /* Mode along the track: a `LongitudinalMovement` code. */
+    uint8_t valid; /* Components of the acceleration that are known: see `movement_bits`. */
+} KosekiMovement;
+static_assert(sizeof(KosekiMovement) == 16, "size");
+static_assert(offsetof(KosekiMovement, acceleration_mps2) == 0, "offset");
+static_assert(offsetof(KosekiMovement, horizontal) == 12, "offset");
+static_assert(offsetof(KosekiMovement, vertical) == 13, "offset");
+static_assert(offsetof(KosekiMovement, longitudinal) == 14, "offset");
+static_assert(offsetof(KosekiMovement, valid) == 15, "offset");
 
 typedef struct KosekiTargetType {
     uint8_t name[12]; /* Name in ASCII, padded with blanks. */
@@ -94,22 +192,28 @@ static_assert(sizeof(KosekiCovariance) == 168, "size");
 static_assert(offsetof(KosekiCovariance, upper) == 0, "offset");
 
 typedef struct KosekiBatchHeader {
-    uint64_t schema; /* Fingerprint of the layouts the publisher was built with; others are refused. */
+    uint64_t schema; /* Fingerprint of the layout the publisher was built with; others are rejected. */
     uint64_t incarnation; /* Monotonic start time of the publisher, nanoseconds: a restart shows as a new value. */
     uint64_t first_sequence; /* Samples sent by this incarnation before this slice: the sequence number of its first sample. */
     int64_t progress_ns; /* Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown. */
     int64_t sent_ns; /* Monotonic time of the send, nanoseconds. */
+    uint64_t epoch; /* Start-up number of fusion, rising with each start; tracks of a smaller one are no longer kept up. 0: not fusion. */
     uint32_t flags; /* Bit 0: the source has ended, and nothing follows. */
+    uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor. */
+    uint32_t origin; /* Deployment that the samples come from, where not the one at hand; 0: the one at hand. */
     uint32_t reserved; /* Reserved, 0. */
 } KosekiBatchHeader;
-static_assert(sizeof(KosekiBatchHeader) == 48, "size");
+static_assert(sizeof(KosekiBatchHeader) == 64, "size");
 static_assert(offsetof(KosekiBatchHeader, schema) == 0, "offset");
 static_assert(offsetof(KosekiBatchHeader, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiBatchHeader, first_sequence) == 16, "offset");
 static_assert(offsetof(KosekiBatchHeader, progress_ns) == 24, "offset");
 static_assert(offsetof(KosekiBatchHeader, sent_ns) == 32, "offset");
-static_assert(offsetof(KosekiBatchHeader, flags) == 40, "offset");
-static_assert(offsetof(KosekiBatchHeader, reserved) == 44, "offset");
+static_assert(offsetof(KosekiBatchHeader, epoch) == 40, "offset");
+static_assert(offsetof(KosekiBatchHeader, flags) == 48, "offset");
+static_assert(offsetof(KosekiBatchHeader, sensor_uid) == 52, "offset");
+static_assert(offsetof(KosekiBatchHeader, origin) == 56, "offset");
+static_assert(offsetof(KosekiBatchHeader, reserved) == 60, "offset");
 
 typedef struct KosekiSensorTrack {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
@@ -130,9 +234,12 @@ typedef struct KosekiSensorTrack {
     uint8_t kind; /* What the track follows: a `TrackKind` code. */
     uint16_t members; /* Expected number of members of a group; 0 for a single target. */
     uint16_t reserved; /* Reserved, 0. */
-    KosekiTargetType target_type; /* What type of target it is. */
+    KosekiTargetType target_type; /* Type of the target. */
+    KosekiExtent extent; /* Size of the target, as its source states or measures it. */
+    KosekiMovement movement; /* Modes of movement and acceleration, as the source states them. */
+    uint32_t spare[4]; /* Reserved, 0. */
 } KosekiSensorTrack;
-static_assert(sizeof(KosekiSensorTrack) == 344, "size");
+static_assert(sizeof(KosekiSensorTrack) == 424, "size");
 static_assert(offsetof(KosekiSensorTrack, time_of_measurement_ns) == 0, "offset");
 static_assert(offsetof(KosekiSensorTrack, sequence) == 8, "offset");
 static_assert(offsetof(KosekiSensorTrack, stages) == 16, "offset");
@@ -140,18 +247,21 @@ static_assert(offsetof(KosekiSensorTrack, track_number) == 48, "offset");
 static_assert(offsetof(KosekiSensorTrack, source) == 52, "offset");
 static_assert(offsetof(KosekiSensorTrack, valid) == 54, "offset");
 static_assert(offsetof(KosekiSensorTrack, identity) == 56, "offset");
-static_assert(offsetof(KosekiSensorTrack, position_m) == 72, "offset");
-static_assert(offsetof(KosekiSensorTrack, velocity_mps) == 96, "offset");
-static_assert(offsetof(KosekiSensorTrack, covariance) == 120, "offset");
-static_assert(offsetof(KosekiSensorTrack, measured_m) == 288, "offset");
-static_assert(offsetof(KosekiSensorTrack, trace_m2) == 312, "offset");
-static_assert(offsetof(KosekiSensorTrack, state) == 320, "offset");
-static_assert(offsetof(KosekiSensorTrack, method) == 321, "offset");
-static_assert(offsetof(KosekiSensorTrack, alerts) == 322, "offset");
-static_assert(offsetof(KosekiSensorTrack, kind) == 323, "offset");
-static_assert(offsetof(KosekiSensorTrack, members) == 324, "offset");
-static_assert(offsetof(KosekiSensorTrack, reserved) == 326, "offset");
-static_assert(offsetof(KosekiSensorTrack, target_type) == 328, "offset");
+static_assert(offsetof(KosekiSensorTrack, position_m) == 96, "offset");
+static_assert(offsetof(KosekiSensorTrack, velocity_mps) == 120, "offset");
+static_assert(offsetof(KosekiSensorTrack, covariance) == 144, "offset");
+static_assert(offsetof(KosekiSensorTrack, measured_m) == 312, "offset");
+static_assert(offsetof(KosekiSensorTrack, trace_m2) == 336, "offset");
+static_assert(offsetof(KosekiSensorTrack, state) == 344, "offset");
+static_assert(offsetof(KosekiSensorTrack, method) == 345, "offset");
+static_assert(offsetof(KosekiSensorTrack, alerts) == 346, "offset");
+static_assert(offsetof(KosekiSensorTrack, kind) == 347, "offset");
+static_assert(offsetof(KosekiSensorTrack, members) == 348, "offset");
+static_assert(offsetof(KosekiSensorTrack, reserved) == 350, "offset");
+static_assert(offsetof(KosekiSensorTrack, target_type) == 352, "offset");
+static_assert(offsetof(KosekiSensorTrack, extent) == 368, "offset");
+static_assert(offsetof(KosekiSensorTrack, movement) == 392, "offset");
+static_assert(offsetof(KosekiSensorTrack, spare) == 408, "offset");
 
 typedef struct KosekiSensorDetection {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
@@ -164,7 +274,7 @@ typedef struct KosekiSensorDetection {
     double sigmas[4]; /* Standard deviations of the values and, last, of the range rate. */
     double platform_m[3]; /* Where the sensor was, metres east, north and up. */
     uint16_t source; /* Source: its number in the configuration (TI-2). */
-    uint8_t kind; /* Which quantities were measured: 0 position2, 1 position3, 2 range_bearing, 3 range_bearing_elevation, 4 bearing, 5 bearing_elevation. */
+    uint8_t kind; /* Quantities that were measured: a `DetectionKind` code. */
     uint8_t valid; /* Which fields hold something: see `sensor_detection_bits`. */
     uint32_t reserved; /* Reserved, 0. */
 } KosekiSensorDetection;
@@ -291,69 +401,107 @@ static_assert(offsetof(KosekiCue, reserved) == 126, "offset");
 
 typedef struct KosekiContribution {
     int64_t time_of_measurement_ns; /* Time of measurement of the source's latest report, UTC, nanoseconds. */
-    uint32_t track_number; /* Number of the sensor track at its source. */
-    uint16_t source; /* Source number. */
-    uint16_t flags; /* See `contribution_bits`. */
     double weight; /* Coefficient eta in [0, 1]; the weights of one system track sum to 1. */
     double accuracy; /* Accuracy value lambda (TI-9), smaller is better; NaN where the rule has none. */
+    uint32_t track_number; /* Number of the sensor track at its source. */
+    uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment that hears it; 0: unknown. */
+    uint32_t origin; /* Deployment that the sensor track comes from, where not the one at hand; 0: the one at hand. */
+    uint16_t source; /* Source number. */
+    uint16_t flags; /* Flags: see `contribution_bits`. */
 } KosekiContribution;
-static_assert(sizeof(KosekiContribution) == 32, "size");
+static_assert(sizeof(KosekiContribution) == 40, "size");
 static_assert(offsetof(KosekiContribution, time_of_measurement_ns) == 0, "offset");
-static_assert(offsetof(KosekiContribution, track_number) == 8, "offset");
-static_assert(offsetof(KosekiContribution, source) == 12, "offset");
-static_assert(offsetof(KosekiContribution, flags) == 14, "offset");
-static_assert(offsetof(KosekiContribution, weight) == 16, "offset");
-static_assert(offsetof(KosekiContribution, accuracy) == 24, "offset");
+static_assert(offsetof(KosekiContribution, weight) == 8, "offset");
+static_assert(offsetof(KosekiContribution, accuracy) == 16, "offset");
+static_assert(offsetof(KosekiContribution, track_number) == 24, "offset");
+static_assert(offsetof(KosekiContribution, sensor_uid) == 28, "offset");
+static_assert(offsetof(KosekiContribution, origin) == 32, "offset");
+static_assert(offsetof(KosekiContribution, source) == 36, "offset");
+static_assert(offsetof(KosekiContribution, flags) == 38, "offset");
 
 typedef struct KosekiSystemTrack {
     int64_t reference_time_ns; /* Reference time of the state, UTC, nanoseconds since 1970. */
     int64_t time_of_measurement_ns; /* Time of measurement of the report that caused this state, UTC, nanoseconds; of the reference time, if none did. */
     uint64_t sequence; /* The state's sequence number at its publisher. */
+    uint64_t epoch; /* Start-up number of the fusion that made it, rising with each start; 0: unknown. */
     KosekiStageTimes stages; /* Stages of the report that caused this state; all but `fused_ns` are 0 if none did. */
     uint32_t track_number; /* System-track number, unique while fusion runs. */
+    uint32_t origin; /* Deployment that made it: `origin` of its configuration; 0: not stated. */
+    uint32_t owner_track_number; /* Number of the track at the deployment that owns the target, where another does; else 0. */
+    uint32_t merged_into; /* Number of the system track into which this one was merged, where it ended by a merge; else 0. */
     uint16_t trigger_source; /* Source of the report that caused this state; 65535 if none did (coasting, ending). */
     uint16_t selected_source; /* Source with the largest weight; 65535 if none contributes. */
-    KosekiIdentity identity; /* Who the target says it is. */
-    double position_m[3]; /* Position east, north, up, metres. */
-    double velocity_mps[3]; /* Velocity east, north, up, metres per second. */
-    KosekiCovariance covariance; /* Covariance of position and velocity. */
-    KosekiContribution contributions[16]; /* Contributing sources in the order of their numbers; `contribution_count` of them hold something. */
     uint16_t source_count; /* How many sources contribute. */
     uint16_t contribution_count; /* How many of `contributions` hold something. */
     uint8_t state; /* State of the track: a `TrackState` code. */
     uint8_t height_valid; /* 1 if some source observes height; otherwise z says nothing. */
-    uint8_t rule; /* Fusion rule: its place in the registry of rules. */
-    uint8_t alerts; /* What a contributing source wants noticed: see `alert_bits`. */
-    uint32_t merged_into; /* Number of the system track into which this one was merged, where it ended by a merge; else 0. */
+    uint8_t rule; /* Fusion rule: a `FusionRule` code; 0: unknown. */
+    uint8_t alerts; /* Alerts of the contributing sources: see `alert_bits`. */
     uint8_t on_ground; /* 1 if a contributing source says that the target is on the ground. */
-    uint8_t kind; /* What the track follows: a `TrackKind` code. */
+    uint8_t kind; /* Kind of what the track follows: a `TrackKind` code. */
     uint16_t members; /* Expected number of members of a group; 0 for a single target. */
-    KosekiTargetType target_type; /* What type of target it is. */
+    KosekiIdentity identity; /* Identity of the target, as far as its sources say. */
+    KosekiTargetType target_type; /* Type of the target. */
+    double position_m[3]; /* Position east, north, up, metres. */
+    double velocity_mps[3]; /* Velocity east, north, up, metres per second. */
+    KosekiMovement movement; /* Modes of movement and acceleration. */
+    KosekiExtent extent; /* Size of the target. */
+    KosekiCovariance covariance; /* Covariance of position and velocity. */
+    KosekiContribution contributions[16]; /* Contributing sources in the order of their numbers; `contribution_count` of them hold something. */
+    uint32_t spare[4]; /* Reserved, 0. */
 } KosekiSystemTrack;
-static_assert(sizeof(KosekiSystemTrack) == 840, "size");
+static_assert(sizeof(KosekiSystemTrack) == 1064, "size");
 static_assert(offsetof(KosekiSystemTrack, reference_time_ns) == 0, "offset");
 static_assert(offsetof(KosekiSystemTrack, time_of_measurement_ns) == 8, "offset");
 static_assert(offsetof(KosekiSystemTrack, sequence) == 16, "offset");
-static_assert(offsetof(KosekiSystemTrack, stages) == 24, "offset");
-static_assert(offsetof(KosekiSystemTrack, track_number) == 56, "offset");
-static_assert(offsetof(KosekiSystemTrack, trigger_source) == 60, "offset");
-static_assert(offsetof(KosekiSystemTrack, selected_source) == 62, "offset");
-static_assert(offsetof(KosekiSystemTrack, identity) == 64, "offset");
-static_assert(offsetof(KosekiSystemTrack, position_m) == 80, "offset");
-static_assert(offsetof(KosekiSystemTrack, velocity_mps) == 104, "offset");
-static_assert(offsetof(KosekiSystemTrack, covariance) == 128, "offset");
-static_assert(offsetof(KosekiSystemTrack, contributions) == 296, "offset");
-static_assert(offsetof(KosekiSystemTrack, source_count) == 808, "offset");
-static_assert(offsetof(KosekiSystemTrack, contribution_count) == 810, "offset");
-static_assert(offsetof(KosekiSystemTrack, state) == 812, "offset");
-static_assert(offsetof(KosekiSystemTrack, height_valid) == 813, "offset");
-static_assert(offsetof(KosekiSystemTrack, rule) == 814, "offset");
-static_assert(offsetof(KosekiSystemTrack, alerts) == 815, "offset");
-static_assert(offsetof(KosekiSystemTrack, merged_into) == 816, "offset");
-static_assert(offsetof(KosekiSystemTrack, on_ground) == 820, "offset");
-static_assert(offsetof(KosekiSystemTrack, kind) == 821, "offset");
-static_assert(offsetof(KosekiSystemTrack, members) == 822, "offset");
-static_assert(offsetof(KosekiSystemTrack, target_type) == 824, "offset");
+static_assert(offsetof(KosekiSystemTrack, epoch) == 24, "offset");
+static_assert(offsetof(KosekiSystemTrack, stages) == 32, "offset");
+static_assert(offsetof(KosekiSystemTrack, track_number) == 64, "offset");
+static_assert(offsetof(KosekiSystemTrack, origin) == 68, "offset");
+static_assert(offsetof(KosekiSystemTrack, owner_track_number) == 72, "offset");
+static_assert(offsetof(KosekiSystemTrack, merged_into) == 76, "offset");
+static_assert(offsetof(KosekiSystemTrack, trigger_source) == 80, "offset");
+static_assert(offsetof(KosekiSystemTrack, selected_source) == 82, "offset");
+static_assert(offsetof(KosekiSystemTrack, source_count) == 84, "offset");
+static_assert(offsetof(KosekiSystemTrack, contribution_count) == 86, "offset");
+static_assert(offsetof(KosekiSystemTrack, state) == 88, "offset");
+static_assert(offsetof(KosekiSystemTrack, height_valid) == 89, "offset");
+static_assert(offsetof(KosekiSystemTrack, rule) == 90, "offset");
+static_assert(offsetof(KosekiSystemTrack, alerts) == 91, "offset");
+static_assert(offsetof(KosekiSystemTrack, on_ground) == 92, "offset");
+static_assert(offsetof(KosekiSystemTrack, kind) == 93, "offset");
+static_assert(offsetof(KosekiSystemTrack, members) == 94, "offset");
+static_assert(offsetof(KosekiSystemTrack, identity) == 96, "offset");
+static_assert(offsetof(KosekiSystemTrack, target_type) == 136, "offset");
+static_assert(offsetof(KosekiSystemTrack, position_m) == 152, "offset");
+static_assert(offsetof(KosekiSystemTrack, velocity_mps) == 176, "offset");
+static_assert(offsetof(KosekiSystemTrack, movement) == 200, "offset");
+static_assert(offsetof(KosekiSystemTrack, extent) == 216, "offset");
+static_assert(offsetof(KosekiSystemTrack, covariance) == 240, "offset");
+static_assert(offsetof(KosekiSystemTrack, contributions) == 408, "offset");
+static_assert(offsetof(KosekiSystemTrack, spare) == 1048, "offset");
+
+typedef struct KosekiContributorSet {
+    int64_t reference_time_ns; /* Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* Sequence number at its publisher. */
+    uint64_t epoch; /* Start-up number of the fusion that made the track, rising with each start; 0: unknown. */
+    uint32_t track_number; /* System-track number. */
+    uint32_t origin; /* Deployment that made the track: `origin` of its configuration; 0: not stated. */
+    uint16_t count; /* How many of `sensor_uids` hold something. */
+    uint16_t flags; /* Flags: see `contributor_set_bits`. */
+    uint32_t reserved[3]; /* Reserved, 0. */
+    uint32_t sensor_uids[64]; /* Identities of the sensors, rising. */
+} KosekiContributorSet;
+static_assert(sizeof(KosekiContributorSet) == 304, "size");
+static_assert(offsetof(KosekiContributorSet, reference_time_ns) == 0, "offset");
+static_assert(offsetof(KosekiContributorSet, sequence) == 8, "offset");
+static_assert(offsetof(KosekiContributorSet, epoch) == 16, "offset");
+static_assert(offsetof(KosekiContributorSet, track_number) == 24, "offset");
+static_assert(offsetof(KosekiContributorSet, origin) == 28, "offset");
+static_assert(offsetof(KosekiContributorSet, count) == 32, "offset");
+static_assert(offsetof(KosekiContributorSet, flags) == 34, "offset");
+static_assert(offsetof(KosekiContributorSet, reserved) == 36, "offset");
+static_assert(offsetof(KosekiContributorSet, sensor_uids) == 48, "offset");
 
 typedef struct KosekiRegistration {
     double comparisons; /* Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known. */
@@ -368,8 +516,11 @@ typedef struct KosekiRegistration {
     double covariance_inflation; /* Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not. */
     uint32_t removed; /* Which of the errors are being removed from the source's reports: `registration_bits`. */
     uint32_t reserved; /* Reserved, 0. */
+    double clock_offset_s; /* Offset of the source's clock against the times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
+    double clock_offset_sigma_s; /* Its standard deviation, seconds; 0: unknown. */
+    uint64_t spare[4]; /* Reserved, 0. */
 } KosekiRegistration;
-static_assert(sizeof(KosekiRegistration) == 120, "size");
+static_assert(sizeof(KosekiRegistration) == 168, "size");
 static_assert(offsetof(KosekiRegistration, comparisons) == 0, "offset");
 static_assert(offsetof(KosekiRegistration, offset_m) == 8, "offset");
 static_assert(offsetof(KosekiRegistration, offset_sigma_m) == 32, "offset");
@@ -382,11 +533,14 @@ static_assert(offsetof(KosekiRegistration, azimuth_bias_sigma_rad) == 96, "offse
 static_assert(offsetof(KosekiRegistration, covariance_inflation) == 104, "offset");
 static_assert(offsetof(KosekiRegistration, removed) == 112, "offset");
 static_assert(offsetof(KosekiRegistration, reserved) == 116, "offset");
+static_assert(offsetof(KosekiRegistration, clock_offset_s) == 120, "offset");
+static_assert(offsetof(KosekiRegistration, clock_offset_sigma_s) == 128, "offset");
+static_assert(offsetof(KosekiRegistration, spare) == 136, "offset");
 
 typedef struct KosekiCounters {
-    uint64_t values[80]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */
+    uint64_t values[96]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */
 } KosekiCounters;
-static_assert(sizeof(KosekiCounters) == 640, "size");
+static_assert(sizeof(KosekiCounters) == 768, "size");
 static_assert(offsetof(KosekiCounters, values) == 0, "offset");
 
 typedef struct KosekiHealth {
@@ -404,7 +558,7 @@ typedef struct KosekiHealth {
     KosekiCounters counters; /* Values of the counters. */
     KosekiRegistration registration; /* Systematic errors of the source, where fusion speaks of one. */
 } KosekiHealth;
-static_assert(sizeof(KosekiHealth) == 888, "size");
+static_assert(sizeof(KosekiHealth) == 1064, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
 static_assert(offsetof(KosekiHealth, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiHealth, progress_ns) == 16, "offset");
@@ -417,7 +571,7 @@ static_assert(offsetof(KosekiHealth, reserved) == 36, "offset");
 static_assert(offsetof(KosekiHealth, name) == 40, "offset");
 static_assert(offsetof(KosekiHealth, note) == 72, "offset");
 static_assert(offsetof(KosekiHealth, counters) == 128, "offset");
-static_assert(offsetof(KosekiHealth, registration) == 768, "offset");
+static_assert(offsetof(KosekiHealth, registration) == 896, "offset");
 
 typedef struct KosekiProgress {
     uint64_t consumer_incarnation; /* Monotonic start time of the consumer, nanoseconds: a restart shows as a new value. */
@@ -425,9 +579,10 @@ typedef struct KosekiProgress {
     uint64_t done_sequence; /* Samples of that source worked off: all with a sequence number below this. */
     uint64_t done_batches; /* Slices of that publisher taken since the consumer joined. */
     int64_t progress_ns; /* How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown. */
-    uint16_t source; /* Source number of the topic, plus 32768 for that of its detections; number of a wide-area */
-    uint16_t consumer; /* The consumer: a `ProcessKind` code. */
-    uint16_t reserved[2]; /* Reserved, 0. */
+    uint16_t number; /* Number of the source, or of the wide-area sensor; 0 for the system tracks. */
+    uint8_t stream; /* Kind of topic: a `Stream` code. */
+    uint8_t consumer; /* Kind of the consumer: a `ProcessKind` code. */
+    uint32_t reserved; /* Reserved, 0. */
     int64_t said_ns; /* Monotonic time at which this was said, nanoseconds. */
 } KosekiProgress;
 static_assert(sizeof(KosekiProgress) == 56, "size");
@@ -436,8 +591,9 @@ static_assert(offsetof(KosekiProgress, publisher_incarnation) == 8, "offset");
 static_assert(offsetof(KosekiProgress, done_sequence) == 16, "offset");
 static_assert(offsetof(KosekiProgress, done_batches) == 24, "offset");
 static_assert(offsetof(KosekiProgress, progress_ns) == 32, "offset");
-static_assert(offsetof(KosekiProgress, source) == 40, "offset");
-static_assert(offsetof(KosekiProgress, consumer) == 42, "offset");
+static_assert(offsetof(KosekiProgress, number) == 40, "offset");
+static_assert(offsetof(KosekiProgress, stream) == 42, "offset");
+static_assert(offsetof(KosekiProgress, consumer) == 43, "offset");
 static_assert(offsetof(KosekiProgress, reserved) == 44, "offset");
 static_assert(offsetof(KosekiProgress, said_ns) == 48, "offset");
 

@@ -5,54 +5,116 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SCHEMA = 0x2c00644931801275  # Every BatchHeader.schema must equal this.
+SENSOR_TRACK_SCHEMA = 0x6376fca9f5956254  # BatchHeader.schema of its slices.
+SENSOR_DETECTION_SCHEMA = 0x3f3924826fb216c0  # BatchHeader.schema of its slices.
+SENSOR_BEARING_SCHEMA = 0x2e86ce3ebba8ca15  # BatchHeader.schema of its slices.
+PLATFORM_STATE_SCHEMA = 0x9adee01cc67eb8ad  # BatchHeader.schema of its slices.
+WIDE_AREA_SCHEMA = 0x2dfda4c3dd95c740  # BatchHeader.schema of its slices.
+CUE_SCHEMA = 0xaf1e6d717b9bb525  # BatchHeader.schema of its slices.
+SYSTEM_TRACK_SCHEMA = 0x934307e9dc3c0033  # BatchHeader.schema of its slices.
+CONTRIBUTOR_SET_SCHEMA = 0xcf4b0ce1093881cc  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0x2ee1a77c420b678  # BatchHeader.schema of its slices.
+PROGRESS_SCHEMA = 0xd685ec79c1f207d  # BatchHeader.schema of its slices.
+CONTROL_SCHEMA = 0xb124b2ef9c9a3290  # BatchHeader.schema of its slices.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
-COUNTERS_MAX = 0x50  # Length of Counters.values.
-IDENTITY_ADDRESS = 0x1  # Bit of a flags or valid field.
-IDENTITY_MODE_3A = 0x2  # Bit of a flags or valid field.
-IDENTITY_CALLSIGN = 0x4  # Bit of a flags or valid field.
-SENSOR_TRACK_HEIGHT = 0x1  # Bit of a flags or valid field.
-SENSOR_TRACK_VELOCITY = 0x2  # Bit of a flags or valid field.
-SENSOR_TRACK_VERTICAL_RATE = 0x4  # Bit of a flags or valid field.
-SENSOR_TRACK_OWN_COVARIANCE = 0x8  # Bit of a flags or valid field.
-SENSOR_TRACK_MEASURED = 0x10  # Bit of a flags or valid field.
-SENSOR_TRACK_ON_GROUND = 0x20  # Bit of a flags or valid field.
-SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # Bit of a flags or valid field.
-SENSOR_TRACK_TRACE = 0x80  # Bit of a flags or valid field.
-SENSOR_DETECTION_RANGE_RATE = 0x1  # Bit of a flags or valid field.
-SENSOR_DETECTION_SIGMAS = 0x2  # Bit of a flags or valid field.
-SENSOR_BEARING_EMITTER = 0x1  # Bit of a flags or valid field.
-SENSOR_BEARING_HEADING = 0x2  # Bit of a flags or valid field.
-SENSOR_BEARING_FREQUENCY = 0x4  # Bit of a flags or valid field.
-SENSOR_BEARING_PULSE_INTERVAL = 0x8  # Bit of a flags or valid field.
-PLATFORM_STATE_VELOCITY = 0x1  # Bit of a flags or valid field.
-PLATFORM_STATE_HEADING = 0x2  # Bit of a flags or valid field.
-PLATFORM_STATE_ATTITUDE = 0x4  # Bit of a flags or valid field.
-PLATFORM_STATE_POSITION_SIGMA = 0x8  # Bit of a flags or valid field.
-PLATFORM_STATE_HEADING_SIGMA = 0x10  # Bit of a flags or valid field.
-WIDE_AREA_ORIGIN = 0x1  # Bit of a flags or valid field.
-CONTRIBUTION_FRESH = 0x1  # Bit of a flags or valid field.
-CONTRIBUTION_SCORED = 0x2  # Bit of a flags or valid field.
-ALERT_SPECIAL_IDENTIFICATION = 0x1  # Bit of a flags or valid field.
-ALERT_EMERGENCY = 0x2  # Bit of a flags or valid field.
-ALERT_COMMUNICATION_FAILURE = 0x4  # Bit of a flags or valid field.
-ALERT_UNLAWFUL_INTERFERENCE = 0x8  # Bit of a flags or valid field.
-ALERT_MEDICAL = 0x10  # Bit of a flags or valid field.
-ALERT_MINIMUM_FUEL = 0x20  # Bit of a flags or valid field.
-ALERT_TRANSPONDER_ALERT = 0x40  # Bit of a flags or valid field.
-ALERT_RESOLUTION_ADVISORY = 0x80  # Bit of a flags or valid field.
-REGISTRATION_EAST = 0x1  # Bit of a flags or valid field.
-REGISTRATION_NORTH = 0x2  # Bit of a flags or valid field.
-REGISTRATION_UP = 0x4  # Bit of a flags or valid field.
-REGISTRATION_TIME = 0x8  # Bit of a flags or valid field.
-REGISTRATION_RANGE = 0x10  # Bit of a flags or valid field.
-REGISTRATION_AZIMUTH = 0x20  # Bit of a flags or valid field.
-STATE_TENTATIVE = 0x0  # Value of a state field.
-STATE_CONFIRMED = 0x1  # Value of a state field.
-STATE_COASTED = 0x2  # Value of a state field.
-STATE_TERMINATED = 0x3  # Value of a state field.
-KIND_SINGLE = 0x0  # Value of a track's kind field.
-KIND_GROUP = 0x1  # Value of a track's kind field.
+CONTRIBUTORS_MAX = 0x40  # Length of ContributorSet.sensor_uids.
+COUNTERS_MAX = 0x60  # Length of Counters.values.
+IDENTITY_MODE_3A = 0x1  # `mode_3a` holds a Mode 3/A code.
+IDENTITY_CALLSIGN = 0x2  # `callsign` holds a callsign.
+IDENTITY_NAME = 0x4  # `name` holds a name.
+MOVEMENT_ACCELERATION = 0x1  # `acceleration_mps2` is known east and north.
+MOVEMENT_VERTICAL_ACCELERATION = 0x2  # `acceleration_mps2` is known upwards.
+SENSOR_TRACK_HEIGHT = 0x1  # Height (`position[2]`) was observed; without it z is 0 and its variance says nothing.
+SENSOR_TRACK_VELOCITY = 0x2  # Horizontal velocity was delivered or derived.
+SENSOR_TRACK_VERTICAL_RATE = 0x4  # Vertical velocity was delivered or derived.
+SENSOR_TRACK_OWN_COVARIANCE = 0x8  # The covariance is the source's own statement; without it, it comes from configured accuracies.
+SENSOR_TRACK_MEASURED = 0x10  # `measured_m` holds the measurement from which the source updated its track.
+SENSOR_TRACK_ON_GROUND = 0x20  # The source says that the target is on the ground.
+SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # The velocity was derived by the adapter from successive positions.
+SENSOR_TRACK_TRACE = 0x80  # `trace` holds the source's own covariance trace (TI-16).
+SENSOR_DETECTION_RANGE_RATE = 0x1  # `range_rate_mps` was measured.
+SENSOR_DETECTION_SIGMAS = 0x2  # `sigmas` hold standard deviations.
+SENSOR_BEARING_EMITTER = 0x1  # `emitter_id` is known: the sensor tells transmitters apart.
+SENSOR_BEARING_HEADING = 0x2  # `heading_rad` is known.
+SENSOR_BEARING_FREQUENCY = 0x4  # `frequency_hz` was measured.
+SENSOR_BEARING_PULSE_INTERVAL = 0x8  # `pulse_interval_s` was measured.
+PLATFORM_STATE_VELOCITY = 0x1  # `velocity_mps` is known.
+PLATFORM_STATE_HEADING = 0x2  # `heading_rad` is known.
+PLATFORM_STATE_ATTITUDE = 0x4  # `pitch_rad` and `roll_rad` are known.
+PLATFORM_STATE_POSITION_SIGMA = 0x8  # `position_sigma_m` is known.
+PLATFORM_STATE_HEADING_SIGMA = 0x10  # `heading_sigma_rad` is known.
+WIDE_AREA_ORIGIN = 0x1  # `origin_m` is known.
+CONTRIBUTION_FRESH = 0x1  # The source's latest report is within its expected period.
+CONTRIBUTION_SCORED = 0x2  # The accuracy value exists: the source has delivered more than one report.
+CONTRIBUTOR_SET_OVERFLOW = 0x1  # More sensors have contributed than `sensor_uids` can hold: whoever shares any sensor must take it to be among them.
+ALERT_SPECIAL_IDENTIFICATION = 0x1  # Special position identification: the pilot has pressed the button.
+ALERT_EMERGENCY = 0x2  # An emergency, of whatever kind; Mode 3/A code 7700.
+ALERT_COMMUNICATION_FAILURE = 0x4  # Radio communication has failed; code 7600.
+ALERT_UNLAWFUL_INTERFERENCE = 0x8  # Unlawful interference; code 7500.
+ALERT_MEDICAL = 0x10  # Medical flight.
+ALERT_MINIMUM_FUEL = 0x20  # Minimum fuel.
+ALERT_TRANSPONDER_ALERT = 0x40  # The Mode 3/A code was changed lately, or the transponder raises its alert for another reason.
+ALERT_RESOLUTION_ADVISORY = 0x80  # A collision avoidance system advises the crew to manoeuvre.
+REGISTRATION_EAST = 0x1  # The offset east is being removed from the source's reports.
+REGISTRATION_NORTH = 0x2  # The offset north is.
+REGISTRATION_UP = 0x4  # The offset up is.
+REGISTRATION_TIME = 0x8  # The time offset is.
+REGISTRATION_RANGE = 0x10  # The range bias is.
+REGISTRATION_AZIMUTH = 0x20  # The azimuth bias is.
+STATE_TENTATIVE = 0x0  # Seen, not yet believed.
+STATE_CONFIRMED = 0x1  # Believed, and supported by recent reports.
+STATE_COASTED = 0x2  # Believed, but carried on by extrapolation for want of reports.
+STATE_TERMINATED = 0x3  # Ended; the number is not used again soon.
+KIND_SINGLE = 0x0  # One target.
+KIND_GROUP = 0x1  # Several targets that are not told apart (WA-7).
+RULE_AUTO = 0x1  # Filter of the target's own, with what its sources are worth learned.
+RULE_SYSTEM_FILTER = 0x2  # Filter of the target's own.
+RULE_BEST_SOURCE = 0x3  # Source with the smallest accuracy value.
+RULE_INVERSE_TRACE = 0x4  # Weights inverse to the covariance traces.
+RULE_QUALITY_FACTOR = 0x5  # Weights by quality index.
+RULE_MOSAIC = 0x6  # Source that the cell of a mosaic names.
+RULE_INFORMATION = 0x7  # Information sum of independent errors.
+RULE_COVARIANCE_INTERSECTION = 0x8  # Covariance intersection: bound for unknown correlations.
+RULE_BAR_SHALOM_CAMPO = 0x9  # Bar-Shalom and Campo's combination of correlated errors.
+IDENTITY_KIND_NONE = 0x0  # No number is known.
+IDENTITY_KIND_AIRCRAFT = 0x1  # 24-bit aircraft address.
+IDENTITY_KIND_SHIP = 0x2  # 30-bit Maritime Mobile Service Identity (MMSI).
+HORIZONTAL_UNKNOWN = 0x0  # Not known.
+HORIZONTAL_STRAIGHT = 0x1  # Constant course.
+HORIZONTAL_TURN_LEFT = 0x2  # Turn to the left.
+HORIZONTAL_TURN_RIGHT = 0x3  # Turn to the right.
+VERTICAL_UNKNOWN = 0x0  # Not known.
+VERTICAL_LEVEL = 0x1  # Constant height.
+VERTICAL_CLIMB = 0x2  # Climb.
+VERTICAL_DESCEND = 0x3  # Descent.
+LONGITUDINAL_UNKNOWN = 0x0  # Not known.
+LONGITUDINAL_CONSTANT = 0x1  # Constant speed over ground.
+LONGITUDINAL_INCREASING = 0x2  # Increasing speed over ground.
+LONGITUDINAL_DECREASING = 0x3  # Decreasing speed over ground.
+DETECTION_KIND_POSITION2 = 0x0  # East and north in the system frame.
+DETECTION_KIND_POSITION3 = 0x1  # East, north and up in the system frame.
+DETECTION_KIND_RANGE_BEARING = 0x2  # Slant range and bearing from the sensor.
+DETECTION_KIND_RANGE_BEARING_ELEVATION = 0x3  # Slant range, bearing and elevation from the sensor.
+DETECTION_KIND_BEARING = 0x4  # Bearing from the sensor.
+DETECTION_KIND_BEARING_ELEVATION = 0x5  # Bearing and elevation from the sensor.
+STREAM_SENSOR_TRACKS = 0x1  # Sensor tracks of a source.
+STREAM_DETECTIONS = 0x2  # Detections of a source.
+STREAM_BEARINGS = 0x3  # Bearings of a source.
+STREAM_PLATFORM_STATES = 0x4  # States of the platform that carries a source's sensor.
+STREAM_CUES = 0x5  # Cues for the sensor of a source.
+STREAM_WIDE_AREA = 0x6  # Reports of a wide-area sensor.
+STREAM_SYSTEM_TRACKS = 0x7  # System tracks.
+PROCESS_ADAPTER = 0x0  # Turns one sensor's data into sensor tracks.
+PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
+PROCESS_MONITOR = 0x2  # Records latencies and counters.
+PROCESS_RECORDER = 0x3  # Writes tracks to files.
+PROCESS_LAUNCHER = 0x4  # Starts and watches the others.
+PROCESS_SIMULATOR = 0x5  # Sends what the simulated sensors observe over the network.
+PROCESS_GATEWAY = 0x6  # Sends tracks to other systems over the network.
+LIFE_STARTING = 0x0  # Opening its topics.
+LIFE_RUNNING = 0x1  # Doing its work.
+LIFE_FINISHED = 0x2  # Done: all its input has been worked off, and it will exit by itself.
+LIFE_FAILED = 0x3  # Unable to go on; the note says why.
 
 
 class StageTimes(ctypes.Structure):
@@ -77,10 +139,13 @@ assert StageTimes.fused_ns.offset == 24
 
 class Identity(ctypes.Structure):
     _fields_ = [
-        ("address", ctypes.c_uint32),  # 24-bit aircraft address in the low bits.
+        ("address", ctypes.c_uint32),  # 24-bit aircraft address or 30-bit MMSI, as `kind` says, in the low bits.
         ("mode_3a", ctypes.c_uint16),  # Mode 3/A code, its four octal digits in twelve bits.
-        ("valid", ctypes.c_uint16),  # Which fields hold something: see `identity_bits`.
+        ("kind", ctypes.c_uint8),  # Kind of `address`: an `IdentityKind` code.
+        ("valid", ctypes.c_uint8),  # Fields that hold something: see `identity_bits`.
         ("callsign", ctypes.c_uint8 * 8),  # Callsign in ASCII, padded with blanks.
+        ("name", ctypes.c_uint8 * 20),  # Name in ASCII, padded with blanks: that of a ship, for example.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -88,11 +153,60 @@ class Identity(ctypes.Structure):
         return "Identity"
 
 
-assert ctypes.sizeof(Identity) == 16
+assert ctypes.sizeof(Identity) == 40
 assert Identity.address.offset == 0
 assert Identity.mode_3a.offset == 4
-assert Identity.valid.offset == 6
+assert Identity.kind.offset == 6
+assert Identity.valid.offset == 7
 assert Identity.callsign.offset == 8
+assert Identity.name.offset == 16
+assert Identity.reserved.offset == 36
+
+
+class Extent(ctypes.Structure):
+    _fields_ = [
+        ("length_m", ctypes.c_float),  # Length of the longer side, metres; 0: unknown.
+        ("width_m", ctypes.c_float),  # Length of the shorter side, metres; 0: unknown.
+        ("orientation_rad", ctypes.c_float),  # Direction of the longer side, radians clockwise from north, in [0, 2 pi).
+        ("length_sigma_m", ctypes.c_float),  # Standard deviation of the length, metres; 0: unknown.
+        ("width_sigma_m", ctypes.c_float),  # Standard deviation of the width, metres; 0: unknown.
+        ("orientation_sigma_rad", ctypes.c_float),  # Standard deviation of the orientation, radians; 0: the orientation is unknown.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Extent"
+
+
+assert ctypes.sizeof(Extent) == 24
+assert Extent.length_m.offset == 0
+assert Extent.width_m.offset == 4
+assert Extent.orientation_rad.offset == 8
+assert Extent.length_sigma_m.offset == 12
+assert Extent.width_sigma_m.offset == 16
+assert Extent.orientation_sigma_rad.offset == 20
+
+
+class Movement(ctypes.Structure):
+    _fields_ = [
+        ("acceleration_mps2", ctypes.c_float * 3),  # Acceleration east, north, up, metres per second squared.
+        ("horizontal", ctypes.c_uint8),  # Mode in the horizontal plane: a `HorizontalMovement` code.
+        ("vertical", ctypes.c_uint8),  # Mode in the vertical: a `VerticalMovement` code.
+        ("longitudinal", ctypes.c_uint8),  # Mode along the track: a `LongitudinalMovement` code.
+        ("valid", ctypes.c_uint8),  # Components of the acceleration that are known: see `movement_bits`.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Movement"
+
+
+assert ctypes.sizeof(Movement) == 16
+assert Movement.acceleration_mps2.offset == 0
+assert Movement.horizontal.offset == 12
+assert Movement.vertical.offset == 13
+assert Movement.longitudinal.offset == 14
+assert Movement.valid.offset == 15
 
 
 class TargetType(ctypes.Structure):
@@ -127,12 +241,15 @@ assert Covariance.upper.offset == 0
 
 class BatchHeader(ctypes.Structure):
     _fields_ = [
-        ("schema", ctypes.c_uint64),  # Fingerprint of the layouts the publisher was built with; others are refused.
+        ("schema", ctypes.c_uint64),  # Fingerprint of the layout the publisher was built with; others are rejected.
         ("incarnation", ctypes.c_uint64),  # Monotonic start time of the publisher, nanoseconds: a restart shows as a new value.
         ("first_sequence", ctypes.c_uint64),  # Samples sent by this incarnation before this slice: the sequence number of its first sample.
         ("progress_ns", ctypes.c_int64),  # Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown.
         ("sent_ns", ctypes.c_int64),  # Monotonic time of the send, nanoseconds.
+        ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start; tracks of a smaller one are no longer kept up. 0: not fusion.
         ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, and nothing follows.
+        ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
+        ("origin", ctypes.c_uint32),  # Deployment that the samples come from, where not the one at hand; 0: the one at hand.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
     ]
 
@@ -141,14 +258,17 @@ class BatchHeader(ctypes.Structure):
         return "BatchHeader"
 
 
-assert ctypes.sizeof(BatchHeader) == 48
+assert ctypes.sizeof(BatchHeader) == 64
 assert BatchHeader.schema.offset == 0
 assert BatchHeader.incarnation.offset == 8
 assert BatchHeader.first_sequence.offset == 16
 assert BatchHeader.progress_ns.offset == 24
 assert BatchHeader.sent_ns.offset == 32
-assert BatchHeader.flags.offset == 40
-assert BatchHeader.reserved.offset == 44
+assert BatchHeader.epoch.offset == 40
+assert BatchHeader.flags.offset == 48
+assert BatchHeader.sensor_uid.offset == 52
+assert BatchHeader.origin.offset == 56
+assert BatchHeader.reserved.offset == 60
 
 
 class SensorTrack(ctypes.Structure):
@@ -171,7 +291,10 @@ class SensorTrack(ctypes.Structure):
         ("kind", ctypes.c_uint8),  # What the track follows: a `TrackKind` code.
         ("members", ctypes.c_uint16),  # Expected number of members of a group; 0 for a single target.
         ("reserved", ctypes.c_uint16),  # Reserved, 0.
-        ("target_type", TargetType),  # What type of target it is.
+        ("target_type", TargetType),  # Type of the target.
+        ("extent", Extent),  # Size of the target, as its source states or measures it.
+        ("movement", Movement),  # Modes of movement and acceleration, as the source states them.
+        ("spare", ctypes.c_uint32 * 4),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -179,7 +302,7 @@ class SensorTrack(ctypes.Structure):
         return "SensorTrack"
 
 
-assert ctypes.sizeof(SensorTrack) == 344
+assert ctypes.sizeof(SensorTrack) == 424
 assert SensorTrack.time_of_measurement_ns.offset == 0
 assert SensorTrack.sequence.offset == 8
 assert SensorTrack.stages.offset == 16
@@ -187,18 +310,21 @@ assert SensorTrack.track_number.offset == 48
 assert SensorTrack.source.offset == 52
 assert SensorTrack.valid.offset == 54
 assert SensorTrack.identity.offset == 56
-assert SensorTrack.position_m.offset == 72
-assert SensorTrack.velocity_mps.offset == 96
-assert SensorTrack.covariance.offset == 120
-assert SensorTrack.measured_m.offset == 288
-assert SensorTrack.trace_m2.offset == 312
-assert SensorTrack.state.offset == 320
-assert SensorTrack.method.offset == 321
-assert SensorTrack.alerts.offset == 322
-assert SensorTrack.kind.offset == 323
-assert SensorTrack.members.offset == 324
-assert SensorTrack.reserved.offset == 326
-assert SensorTrack.target_type.offset == 328
+assert SensorTrack.position_m.offset == 96
+assert SensorTrack.velocity_mps.offset == 120
+assert SensorTrack.covariance.offset == 144
+assert SensorTrack.measured_m.offset == 312
+assert SensorTrack.trace_m2.offset == 336
+assert SensorTrack.state.offset == 344
+assert SensorTrack.method.offset == 345
+assert SensorTrack.alerts.offset == 346
+assert SensorTrack.kind.offset == 347
+assert SensorTrack.members.offset == 348
+assert SensorTrack.reserved.offset == 350
+assert SensorTrack.target_type.offset == 352
+assert SensorTrack.extent.offset == 368
+assert SensorTrack.movement.offset == 392
+assert SensorTrack.spare.offset == 408
 
 
 class SensorDetection(ctypes.Structure):
@@ -213,7 +339,7 @@ class SensorDetection(ctypes.Structure):
         ("sigmas", ctypes.c_double * 4),  # Standard deviations of the values and, last, of the range rate.
         ("platform_m", ctypes.c_double * 3),  # Where the sensor was, metres east, north and up.
         ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
-        ("kind", ctypes.c_uint8),  # Which quantities were measured: 0 position2, 1 position3, 2 range_bearing, 3 range_bearing_elevation, 4 bearing, 5 bearing_elevation.
+        ("kind", ctypes.c_uint8),  # Quantities that were measured: a `DetectionKind` code.
         ("valid", ctypes.c_uint8),  # Which fields hold something: see `sensor_detection_bits`.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
     ]
@@ -380,11 +506,13 @@ assert Cue.reserved.offset == 126
 class Contribution(ctypes.Structure):
     _fields_ = [
         ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement of the source's latest report, UTC, nanoseconds.
-        ("track_number", ctypes.c_uint32),  # Number of the sensor track at its source.
-        ("source", ctypes.c_uint16),  # Source number.
-        ("flags", ctypes.c_uint16),  # See `contribution_bits`.
         ("weight", ctypes.c_double),  # Coefficient eta in [0, 1]; the weights of one system track sum to 1.
         ("accuracy", ctypes.c_double),  # Accuracy value lambda (TI-9), smaller is better; NaN where the rule has none.
+        ("track_number", ctypes.c_uint32),  # Number of the sensor track at its source.
+        ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment that hears it; 0: unknown.
+        ("origin", ctypes.c_uint32),  # Deployment that the sensor track comes from, where not the one at hand; 0: the one at hand.
+        ("source", ctypes.c_uint16),  # Source number.
+        ("flags", ctypes.c_uint16),  # Flags: see `contribution_bits`.
     ]
 
     @staticmethod
@@ -392,13 +520,15 @@ class Contribution(ctypes.Structure):
         return "Contribution"
 
 
-assert ctypes.sizeof(Contribution) == 32
+assert ctypes.sizeof(Contribution) == 40
 assert Contribution.time_of_measurement_ns.offset == 0
-assert Contribution.track_number.offset == 8
-assert Contribution.source.offset == 12
-assert Contribution.flags.offset == 14
-assert Contribution.weight.offset == 16
-assert Contribution.accuracy.offset == 24
+assert Contribution.weight.offset == 8
+assert Contribution.accuracy.offset == 16
+assert Contribution.track_number.offset == 24
+assert Contribution.sensor_uid.offset == 28
+assert Contribution.origin.offset == 32
+assert Contribution.source.offset == 36
+assert Contribution.flags.offset == 38
 
 
 class SystemTrack(ctypes.Structure):
@@ -406,26 +536,32 @@ class SystemTrack(ctypes.Structure):
         ("reference_time_ns", ctypes.c_int64),  # Reference time of the state, UTC, nanoseconds since 1970.
         ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement of the report that caused this state, UTC, nanoseconds; of the reference time, if none did.
         ("sequence", ctypes.c_uint64),  # The state's sequence number at its publisher.
+        ("epoch", ctypes.c_uint64),  # Start-up number of the fusion that made it, rising with each start; 0: unknown.
         ("stages", StageTimes),  # Stages of the report that caused this state; all but `fused_ns` are 0 if none did.
         ("track_number", ctypes.c_uint32),  # System-track number, unique while fusion runs.
+        ("origin", ctypes.c_uint32),  # Deployment that made it: `origin` of its configuration; 0: not stated.
+        ("owner_track_number", ctypes.c_uint32),  # Number of the track at the deployment that owns the target, where another does; else 0.
+        ("merged_into", ctypes.c_uint32),  # Number of the system track into which this one was merged, where it ended by a merge; else 0.
         ("trigger_source", ctypes.c_uint16),  # Source of the report that caused this state; 65535 if none did (coasting, ending).
         ("selected_source", ctypes.c_uint16),  # Source with the largest weight; 65535 if none contributes.
-        ("identity", Identity),  # Who the target says it is.
-        ("position_m", ctypes.c_double * 3),  # Position east, north, up, metres.
-        ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
-        ("covariance", Covariance),  # Covariance of position and velocity.
-        ("contributions", Contribution * 16),  # Contributing sources in the order of their numbers; `contribution_count` of them hold something.
         ("source_count", ctypes.c_uint16),  # How many sources contribute.
         ("contribution_count", ctypes.c_uint16),  # How many of `contributions` hold something.
         ("state", ctypes.c_uint8),  # State of the track: a `TrackState` code.
         ("height_valid", ctypes.c_uint8),  # 1 if some source observes height; otherwise z says nothing.
-        ("rule", ctypes.c_uint8),  # Fusion rule: its place in the registry of rules.
-        ("alerts", ctypes.c_uint8),  # What a contributing source wants noticed: see `alert_bits`.
-        ("merged_into", ctypes.c_uint32),  # Number of the system track into which this one was merged, where it ended by a merge; else 0.
+        ("rule", ctypes.c_uint8),  # Fusion rule: a `FusionRule` code; 0: unknown.
+        ("alerts", ctypes.c_uint8),  # Alerts of the contributing sources: see `alert_bits`.
         ("on_ground", ctypes.c_uint8),  # 1 if a contributing source says that the target is on the ground.
-        ("kind", ctypes.c_uint8),  # What the track follows: a `TrackKind` code.
+        ("kind", ctypes.c_uint8),  # Kind of what the track follows: a `TrackKind` code.
         ("members", ctypes.c_uint16),  # Expected number of members of a group; 0 for a single target.
-        ("target_type", TargetType),  # What type of target it is.
+        ("identity", Identity),  # Identity of the target, as far as its sources say.
+        ("target_type", TargetType),  # Type of the target.
+        ("position_m", ctypes.c_double * 3),  # Position east, north, up, metres.
+        ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
+        ("movement", Movement),  # Modes of movement and acceleration.
+        ("extent", Extent),  # Size of the target.
+        ("covariance", Covariance),  # Covariance of position and velocity.
+        ("contributions", Contribution * 16),  # Contributing sources in the order of their numbers; `contribution_count` of them hold something.
+        ("spare", ctypes.c_uint32 * 4),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -433,30 +569,66 @@ class SystemTrack(ctypes.Structure):
         return "SystemTrack"
 
 
-assert ctypes.sizeof(SystemTrack) == 840
+assert ctypes.sizeof(SystemTrack) == 1064
 assert SystemTrack.reference_time_ns.offset == 0
 assert SystemTrack.time_of_measurement_ns.offset == 8
 assert SystemTrack.sequence.offset == 16
-assert SystemTrack.stages.offset == 24
-assert SystemTrack.track_number.offset == 56
-assert SystemTrack.trigger_source.offset == 60
-assert SystemTrack.selected_source.offset == 62
-assert SystemTrack.identity.offset == 64
-assert SystemTrack.position_m.offset == 80
-assert SystemTrack.velocity_mps.offset == 104
-assert SystemTrack.covariance.offset == 128
-assert SystemTrack.contributions.offset == 296
-assert SystemTrack.source_count.offset == 808
-assert SystemTrack.contribution_count.offset == 810
-assert SystemTrack.state.offset == 812
-assert SystemTrack.height_valid.offset == 813
-assert SystemTrack.rule.offset == 814
-assert SystemTrack.alerts.offset == 815
-assert SystemTrack.merged_into.offset == 816
-assert SystemTrack.on_ground.offset == 820
-assert SystemTrack.kind.offset == 821
-assert SystemTrack.members.offset == 822
-assert SystemTrack.target_type.offset == 824
+assert SystemTrack.epoch.offset == 24
+assert SystemTrack.stages.offset == 32
+assert SystemTrack.track_number.offset == 64
+assert SystemTrack.origin.offset == 68
+assert SystemTrack.owner_track_number.offset == 72
+assert SystemTrack.merged_into.offset == 76
+assert SystemTrack.trigger_source.offset == 80
+assert SystemTrack.selected_source.offset == 82
+assert SystemTrack.source_count.offset == 84
+assert SystemTrack.contribution_count.offset == 86
+assert SystemTrack.state.offset == 88
+assert SystemTrack.height_valid.offset == 89
+assert SystemTrack.rule.offset == 90
+assert SystemTrack.alerts.offset == 91
+assert SystemTrack.on_ground.offset == 92
+assert SystemTrack.kind.offset == 93
+assert SystemTrack.members.offset == 94
+assert SystemTrack.identity.offset == 96
+assert SystemTrack.target_type.offset == 136
+assert SystemTrack.position_m.offset == 152
+assert SystemTrack.velocity_mps.offset == 176
+assert SystemTrack.movement.offset == 200
+assert SystemTrack.extent.offset == 216
+assert SystemTrack.covariance.offset == 240
+assert SystemTrack.contributions.offset == 408
+assert SystemTrack.spare.offset == 1048
+
+
+class ContributorSet(ctypes.Structure):
+    _fields_ = [
+        ("reference_time_ns", ctypes.c_int64),  # Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # Sequence number at its publisher.
+        ("epoch", ctypes.c_uint64),  # Start-up number of the fusion that made the track, rising with each start; 0: unknown.
+        ("track_number", ctypes.c_uint32),  # System-track number.
+        ("origin", ctypes.c_uint32),  # Deployment that made the track: `origin` of its configuration; 0: not stated.
+        ("count", ctypes.c_uint16),  # How many of `sensor_uids` hold something.
+        ("flags", ctypes.c_uint16),  # Flags: see `contributor_set_bits`.
+        ("reserved", ctypes.c_uint32 * 3),  # Reserved, 0.
+        ("sensor_uids", ctypes.c_uint32 * 64),  # Identities of the sensors, rising.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "ContributorSet"
+
+
+assert ctypes.sizeof(ContributorSet) == 304
+assert ContributorSet.reference_time_ns.offset == 0
+assert ContributorSet.sequence.offset == 8
+assert ContributorSet.epoch.offset == 16
+assert ContributorSet.track_number.offset == 24
+assert ContributorSet.origin.offset == 28
+assert ContributorSet.count.offset == 32
+assert ContributorSet.flags.offset == 34
+assert ContributorSet.reserved.offset == 36
+assert ContributorSet.sensor_uids.offset == 48
 
 
 class Registration(ctypes.Structure):
@@ -473,6 +645,9 @@ class Registration(ctypes.Structure):
         ("covariance_inflation", ctypes.c_double),  # Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
         ("removed", ctypes.c_uint32),  # Which of the errors are being removed from the source's reports: `registration_bits`.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
+        ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against the times of receipt, seconds; 0 with a standard deviation of 0: unknown.
+        ("clock_offset_sigma_s", ctypes.c_double),  # Its standard deviation, seconds; 0: unknown.
+        ("spare", ctypes.c_uint64 * 4),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -480,7 +655,7 @@ class Registration(ctypes.Structure):
         return "Registration"
 
 
-assert ctypes.sizeof(Registration) == 120
+assert ctypes.sizeof(Registration) == 168
 assert Registration.comparisons.offset == 0
 assert Registration.offset_m.offset == 8
 assert Registration.offset_sigma_m.offset == 32
@@ -493,11 +668,14 @@ assert Registration.azimuth_bias_sigma_rad.offset == 96
 assert Registration.covariance_inflation.offset == 104
 assert Registration.removed.offset == 112
 assert Registration.reserved.offset == 116
+assert Registration.clock_offset_s.offset == 120
+assert Registration.clock_offset_sigma_s.offset == 128
+assert Registration.spare.offset == 136
 
 
 class Counters(ctypes.Structure):
     _fields_ = [
-        ("values", ctypes.c_uint64 * 80),  # Counts since the process started, indexed by the codes of `Counter`; a few are levels.
+        ("values", ctypes.c_uint64 * 96),  # Counts since the process started, indexed by the codes of `Counter`; a few are levels.
     ]
 
     @staticmethod
@@ -505,7 +683,7 @@ class Counters(ctypes.Structure):
         return "Counters"
 
 
-assert ctypes.sizeof(Counters) == 640
+assert ctypes.sizeof(Counters) == 768
 assert Counters.values.offset == 0
 
 
@@ -531,7 +709,7 @@ class Health(ctypes.Structure):
         return "Health"
 
 
-assert ctypes.sizeof(Health) == 888
+assert ctypes.sizeof(Health) == 1064
 assert Health.said_ns.offset == 0
 assert Health.incarnation.offset == 8
 assert Health.progress_ns.offset == 16
@@ -544,7 +722,7 @@ assert Health.reserved.offset == 36
 assert Health.name.offset == 40
 assert Health.note.offset == 72
 assert Health.counters.offset == 128
-assert Health.registration.offset == 768
+assert Health.registration.offset == 896
 
 
 class Progress(ctypes.Structure):
@@ -554,9 +732,10 @@ class Progress(ctypes.Structure):
         ("done_sequence", ctypes.c_uint64),  # Samples of that source worked off: all with a sequence number below this.
         ("done_batches", ctypes.c_uint64),  # Slices of that publisher taken since the consumer joined.
         ("progress_ns", ctypes.c_int64),  # How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown.
-        ("source", ctypes.c_uint16),  # Source number of the topic, plus 32768 for that of its detections; number of a wide-area
-        ("consumer", ctypes.c_uint16),  # The consumer: a `ProcessKind` code.
-        ("reserved", ctypes.c_uint16 * 2),  # Reserved, 0.
+        ("number", ctypes.c_uint16),  # Number of the source, or of the wide-area sensor; 0 for the system tracks.
+        ("stream", ctypes.c_uint8),  # Kind of topic: a `Stream` code.
+        ("consumer", ctypes.c_uint8),  # Kind of the consumer: a `ProcessKind` code.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
         ("said_ns", ctypes.c_int64),  # Monotonic time at which this was said, nanoseconds.
     ]
 
@@ -571,8 +750,9 @@ assert Progress.publisher_incarnation.offset == 8
 assert Progress.done_sequence.offset == 16
 assert Progress.done_batches.offset == 24
 assert Progress.progress_ns.offset == 32
-assert Progress.source.offset == 40
-assert Progress.consumer.offset == 42
+assert Progress.number.offset == 40
+assert Progress.stream.offset == 42
+assert Progress.consumer.offset == 43
 assert Progress.reserved.offset == 44
 assert Progress.said_ns.offset == 48
 

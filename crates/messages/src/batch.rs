@@ -6,9 +6,8 @@ sample! {
     /// Precedes every slice on every topic.
     ///
     /// A slice may be empty: then it only says how far its source has got.
-    #[derive(Default)]
-    BatchHeader, size 48 {
-        /// Fingerprint of the layouts the publisher was built with; others are refused.
+    BatchHeader, size 64 {
+        /// Fingerprint of the layout the publisher was built with; others are rejected.
         schema: u64,
         /// Monotonic start time of the publisher, nanoseconds: a restart shows as a new value.
         incarnation: u64,
@@ -18,8 +17,14 @@ sample! {
         progress_ns: i64,
         /// Monotonic time of the send, nanoseconds.
         sent_ns: i64,
+        /// Start-up number of fusion, rising with each start; tracks of a smaller one are no longer kept up. 0: not fusion.
+        epoch: u64,
         /// Bit 0: the source has ended, and nothing follows.
         flags: u32,
+        /// Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
+        sensor_uid: u32,
+        /// Deployment that the samples come from, where not the one at hand; 0: the one at hand.
+        origin: u32,
         /// Reserved, 0.
         reserved: u32,
     }

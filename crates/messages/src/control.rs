@@ -5,7 +5,6 @@ use crate::layout::sample;
 sample! {
     /// How far one consumer has got on one topic. Producers of recorded data wait for it, so that no reader falls
     /// behind and nothing is lost.
-    #[derive(Default)]
     Progress, size 56 {
         /// Monotonic start time of the consumer, nanoseconds: a restart shows as a new value.
         consumer_incarnation: u64,
@@ -16,14 +15,15 @@ sample! {
         /// Slices of that publisher taken since the consumer joined.
         done_batches: u64,
         /// How far the consumer has got in the time of the data, UTC, nanoseconds; i64::MIN if unknown.
-        progress_ns: i64,
-        /// Source number of the topic, plus 32768 for that of its detections; number of a wide-area
-        /// sensor plus 16384; 65535 for the system tracks.
-        source: u16,
-        /// The consumer: a `ProcessKind` code.
-        consumer: u16,
+        progress_ns: i64 = i64::MIN,
+        /// Number of the source, or of the wide-area sensor; 0 for the system tracks.
+        number: u16,
+        /// Kind of topic: a `Stream` code.
+        stream: u8,
+        /// Kind of the consumer: a `ProcessKind` code.
+        consumer: u8,
         /// Reserved, 0.
-        reserved: [u16; 2],
+        reserved: u32,
         /// Monotonic time at which this was said, nanoseconds.
         said_ns: i64,
     }
@@ -31,7 +31,6 @@ sample! {
 
 sample! {
     /// An order to the fusion process.
-    #[derive(Default)]
     Control, size 40 {
         /// Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7).
         kind: u32,

@@ -10,21 +10,13 @@ use crate::ProcessKind;
 use crate::layout::sample;
 
 /// Length of [`Counters::values`].
-pub const COUNTERS_MAX: usize = 80;
+pub const COUNTERS_MAX: usize = 96;
 
 sample! {
     /// The values of all counters of a process, or of one source within it.
-    Counters, size 640 {
+    Counters, size 768 {
         /// Counts since the process started, indexed by the codes of `Counter`; a few are levels.
-        values: [u64; 80],
-    }
-}
-
-impl Default for Counters {
-    fn default() -> Self {
-        Self {
-            values: [0; COUNTERS_MAX],
-        }
+        values: [u64; 96] = [0; COUNTERS_MAX],
     }
 }
 

@@ -12,7 +12,6 @@ pub const COVARIANCE_LEN: usize = STATE_LEN * (STATE_LEN + 1) / 2;
 sample! {
     /// Upper triangle, row by row, of the covariance of (x, y, z, vx, vy, vz): P00, P01, …, P05, P11, …, P55
     /// in m², m²/s and m²/s² (FM-5).
-    #[derive(Default)]
     Covariance, size 168 {
         /// The 21 elements.
         upper: [f64; 21],

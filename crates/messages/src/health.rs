@@ -1,5 +1,6 @@
 //! What every process says about itself, several times a second.
 
+use crate::codes;
 use crate::layout::sample;
 use crate::{Counters, Registration};
 
@@ -11,17 +12,17 @@ pub type HealthName = [u8; 32];
 
 sample! {
     /// State and counters of one process, or of one source within it.
-    Health, size 888 {
+    Health, size 1064 {
         /// When this was said, monotonic, nanoseconds.
         said_ns: i64,
         /// Monotonic start time of the process, nanoseconds.
         incarnation: u64,
         /// How far the process has got in the time of its data, UTC, nanoseconds; i64::MIN if unknown.
-        progress_ns: i64,
+        progress_ns: i64 = i64::MIN,
         /// Operating system's process number.
         process_id: u32,
         /// Source that the counters speak of; 65535 for the process as a whole.
-        source: u16,
+        source: u16 = NO_SOURCE,
         /// What kind of process: a `ProcessKind` code.
         kind: u8,
         /// A `LifeState` code.
@@ -33,31 +34,11 @@ sample! {
         /// Name of the process, UTF-8, padded with zeros.
         name: [u8; 32],
         /// What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros.
-        note: [u8; 56],
+        note: [u8; 56] = [0; 56],
         /// Values of the counters.
         counters: Counters,
         /// Systematic errors of the source, where fusion speaks of one.
         registration: Registration,
-    }
-}
-
-impl Default for Health {
-    fn default() -> Self {
-        Self {
-            said_ns: 0,
-            incarnation: 0,
-            progress_ns: i64::MIN,
-            process_id: 0,
-            source: NO_SOURCE,
-            kind: 0,
-            life: 0,
-            restarts: 0,
-            reserved: 0,
-            name: [0; 32],
-            note: [0; 56],
-            counters: Counters::default(),
-            registration: Registration::default(),
-        }
     }
 }
 
@@ -86,14 +67,14 @@ impl Health {
         self
     }
 
-    /// The process's kind; `None` for a code of another schema.
+    /// Kind of the process; `None` for a code of another schema.
     pub fn kind(&self) -> Option<ProcessKind> {
-        PROCESS_KINDS.get(usize::from(self.kind)).copied()
+        ProcessKind::from_code(self.kind)
     }
 
-    /// Where the process is in its life; `None` for a code of another schema.
+    /// State of the process's life; `None` for a code of another schema.
     pub fn life(&self) -> Option<LifeState> {
-        LifeState::ALL.get(usize::from(self.life)).copied()
+        LifeState::from_code(self.life)
     }
 }
 
@@ -111,77 +92,36 @@ fn fill(bytes: &mut [u8], text: &str) {
     bytes[..end].copy_from_slice(&text.as_bytes()[..end]);
 }
 
-/// The kinds of processes a deployment is made of (PL-1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(u8)]
-pub enum ProcessKind {
-    /// Turns one sensor's data into sensor tracks.
-    Adapter,
-    /// Fuses sensor tracks into system tracks.
-    Fusion,
-    /// Records latencies and counters.
-    Monitor,
-    /// Writes tracks to files.
-    Recorder,
-    /// Starts and watches the others.
-    Launcher,
-    /// Sends what the simulated sensors observe over the network.
-    Simulator,
-    /// Sends tracks to other systems over the network.
-    Gateway,
-}
-
-/// Every kind, in the order of its code.
-pub const PROCESS_KINDS: [ProcessKind; 7] = [
-    ProcessKind::Adapter,
-    ProcessKind::Fusion,
-    ProcessKind::Monitor,
-    ProcessKind::Recorder,
-    ProcessKind::Launcher,
-    ProcessKind::Simulator,
-    ProcessKind::Gateway,
-];
-
-impl ProcessKind {
-    /// The word that the command line uses (FM-3).
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Adapter => "adapter",
-            Self::Fusion => "fusion",
-            Self::Monitor => "monitor",
-            Self::Recorder => "recorder",
-            Self::Launcher => "launcher",
-            Self::Simulator => "simulator",
-            Self::Gateway => "gateway",
-        }
+codes! {
+    /// Kind of a deployment's process (PL-1).
+    pub enum ProcessKind: u8 {
+        /// Turns one sensor's data into sensor tracks.
+        Adapter = 0, "adapter";
+        /// Fuses sensor tracks into system tracks.
+        Fusion = 1, "fusion";
+        /// Records latencies and counters.
+        Monitor = 2, "monitor";
+        /// Writes tracks to files.
+        Recorder = 3, "recorder";
+        /// Starts and watches the others.
+        Launcher = 4, "launcher";
+        /// Sends what the simulated sensors observe over the network.
+        Simulator = 5, "simulator";
+        /// Sends tracks to other systems over the network.
+        Gateway = 6, "gateway";
     }
 }
 
-/// Where a process is in its life.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum LifeState {
-    /// Opening its topics.
-    Starting,
-    /// Doing its work.
-    Running,
-    /// All its input has been worked off; it will exit by itself.
-    Finished,
-    /// Cannot go on; the note says why.
-    Failed,
-}
-
-impl LifeState {
-    /// Every state, in the order of its code.
-    pub const ALL: [Self; 4] = [Self::Starting, Self::Running, Self::Finished, Self::Failed];
-
-    /// The word that tables use.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Starting => "starting",
-            Self::Running => "running",
-            Self::Finished => "finished",
-            Self::Failed => "failed",
-        }
+codes! {
+    /// State in the life of a process.
+    pub enum LifeState: u8 {
+        /// Opening its topics.
+        Starting = 0, "starting";
+        /// Doing its work.
+        Running = 1, "running";
+        /// Done: all its input has been worked off, and it will exit by itself.
+        Finished = 2, "finished";
+        /// Unable to go on; the note says why.
+        Failed = 3, "failed";
     }
 }

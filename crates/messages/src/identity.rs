@@ -1,47 +1,78 @@
-//! What a target says it is.
+//! Identity of a target.
 
 use std::fmt;
 
+use crate::codes;
+use crate::codes::bits;
 use crate::layout::sample;
 
-/// Bits of [`Identity::valid`].
-pub mod identity_bits {
-    /// `address` holds a 24-bit aircraft address.
-    pub const ADDRESS: u16 = 1;
-    /// `mode_3a` holds a Mode 3/A code.
-    pub const MODE_3A: u16 = 1 << 1;
-    /// `callsign` holds a callsign.
-    pub const CALLSIGN: u16 = 1 << 2;
-
-    pub(crate) const NAMES: &[(&str, u64)] = &[
-        ("ADDRESS", ADDRESS as u64),
-        ("MODE_3A", MODE_3A as u64),
-        ("CALLSIGN", CALLSIGN as u64),
-    ];
+bits! {
+    /// Bits of [`Identity::valid`].
+    identity_bits: u8 {
+        /// `mode_3a` holds a Mode 3/A code.
+        MODE_3A = 1;
+        /// `callsign` holds a callsign.
+        CALLSIGN = 1 << 1;
+        /// `name` holds a name.
+        NAME = 1 << 2;
+    }
 }
+
+codes! {
+    /// Kind of the number by which a target's transponder names itself.
+    pub enum IdentityKind: u8, default None {
+        /// No number is known.
+        None = 0, "none";
+        /// 24-bit aircraft address.
+        Aircraft = 1, "aircraft";
+        /// 30-bit Maritime Mobile Service Identity (MMSI).
+        Ship = 2, "ship";
+    }
+}
+
+/// Bits of an MMSI.
+const MMSI_BITS: u32 = 30;
 
 /// A callsign: up to eight characters, padded with blanks, as ASTERIX and Mode S carry it.
 pub type Callsign = [u8; 8];
 
+/// Most characters of a [name](Identity::name).
+pub const NAME_MAX: usize = 20;
+
 sample! {
     /// Identity of a target, as far as it is known (TI-1).
-    #[derive(Default)]
-    Identity, size 16 {
-        /// 24-bit aircraft address in the low bits.
+    Identity, size 40 {
+        /// 24-bit aircraft address or 30-bit MMSI, as `kind` says, in the low bits.
         address: u32,
         /// Mode 3/A code, its four octal digits in twelve bits.
         mode_3a: u16,
-        /// Which fields hold something: see `identity_bits`.
-        valid: u16,
+        /// Kind of `address`: an `IdentityKind` code.
+        kind: u8,
+        /// Fields that hold something: see `identity_bits`.
+        valid: u8,
         /// Callsign in ASCII, padded with blanks.
         callsign: [u8; 8],
+        /// Name in ASCII, padded with blanks: that of a ship, for example.
+        name: [u8; 20],
+        /// Reserved, 0.
+        reserved: u32,
     }
 }
 
 impl Identity {
-    /// The aircraft address, where known.
+    /// The 24-bit aircraft address, where known.
     pub fn address(&self) -> Option<u32> {
-        (self.valid & identity_bits::ADDRESS != 0).then_some(self.address)
+        (self.kind == IdentityKind::Aircraft.code()).then_some(self.address)
+    }
+
+    /// The 30-bit MMSI of a ship, where known.
+    pub fn mmsi(&self) -> Option<u32> {
+        (self.kind == IdentityKind::Ship.code()).then_some(self.address)
+    }
+
+    /// Number that no other target has, whatever its kind: an aircraft's address, or a ship's MMSI with bit 30 set.
+    pub fn unique_number(&self) -> Option<u32> {
+        self.address().or_else(|| self.mmsi().map(|mmsi| mmsi | 1 << MMSI_BITS))
     }
 
     /// The Mode 3/A code, where known.
@@ -51,19 +82,41 @@ impl Identity {
 
     /// The callsign without its padding, where known.
     pub fn callsign(&self) -> Option<&str> {
-        if self.valid & identity_bits::CALLSIGN == 0 {
-            return None;
-        }
-        std::str::from_utf8(&self.callsign)
-            .ok()
-            .map(|text| text.trim_end_matches([' ', '\0']))
+        (self.valid & identity_bits::CALLSIGN != 0)
+            .then(|| unpadded(&self.callsign))
+            .flatten()
+    }
+
+    /// The name without its padding, where known.
+    pub fn name(&self) -> Option<&str> {
+        (self.valid & identity_bits::NAME != 0)
+            .then(|| unpadded(&self.name))
+            .flatten()
     }
 
     /// This identity with an aircraft address (the low 24 bits of `address`).
     #[must_use]
     pub fn with_address(mut self, address: u32) -> Self {
         self.address = address & 0x00ff_ffff;
-        self.valid |= identity_bits::ADDRESS;
+        self.kind = IdentityKind::Aircraft.code();
+        self
+    }
+
+    /// This identity with a ship's MMSI (the low 30 bits of `mmsi`).
+    #[must_use]
+    pub fn with_mmsi(mut self, mmsi: u32) -> Self {
+        self.address = mmsi & ((1 << MMSI_BITS) - 1);
+        self.kind = IdentityKind::Ship.code();
+        self
+    }
+
+    /// This identity with a name, cut to its first [`NAME_MAX`] octets.
+    #[must_use]
+    pub fn with_name(mut self, name: &str) -> Self {
+        self.name = [b' '; NAME_MAX];
+        let length = name.len().min(NAME_MAX);
+        self.name[..length].copy_from_slice(&name.as_bytes()[..length]);
+        self.valid |= identity_bits::NAME;
         self
     }
 
@@ -83,25 +136,26 @@ impl Identity {
         self
     }
 
-    /// Whether both know an address, or both a Mode 3/A code, and these differ. What one of them lacks contradicts nothing.
+    /// Whether both know a unique number, or both a Mode 3/A code, and these differ. What one of them lacks contradicts nothing.
     pub fn contradicts(&self, other: &Self) -> bool {
         let differ = |a: Option<u32>, b: Option<u32>| matches!((a, b), (Some(a), Some(b)) if a != b);
-        differ(self.address(), other.address()) || differ(self.mode_3a().map(u32::from), other.mode_3a().map(u32::from))
+        differ(self.unique_number(), other.unique_number())
+            || differ(self.mode_3a().map(u32::from), other.mode_3a().map(u32::from))
     }
 
-    /// This identity with its address forgotten.
+    /// This identity with its unique number forgotten.
     #[must_use]
-    pub fn without_address(mut self) -> Self {
+    pub fn without_unique_number(mut self) -> Self {
         self.address = 0;
-        self.valid &= !identity_bits::ADDRESS;
+        self.kind = IdentityKind::None.code();
         self
     }
 
     /// What this identity lacks, taken from `other`.
     #[must_use]
     pub fn or(mut self, other: &Self) -> Self {
-        if let (None, Some(address)) = (self.address(), other.address()) {
-            self = self.with_address(address);
+        if self.kind == IdentityKind::None.code() {
+            (self.address, self.kind) = (other.address, other.kind);
         }
         if let (None, Some(code)) = (self.mode_3a(), other.mode_3a()) {
             self = self.with_mode_3a(code);
@@ -109,26 +163,58 @@ impl Identity {
         if self.valid & identity_bits::CALLSIGN == 0 && other.valid & identity_bits::CALLSIGN != 0 {
             self = self.with_callsign(other.callsign);
         }
+        if self.valid & identity_bits::NAME == 0 && other.valid & identity_bits::NAME != 0 {
+            self.name = other.name;
+            self.valid |= identity_bits::NAME;
+        }
         self
     }
 }
 
+fn unpadded(text: &[u8]) -> Option<&str> {
+    std::str::from_utf8(text)
+        .ok()
+        .map(|text| text.trim_end_matches([' ', '\0']))
+}
+
 impl fmt::Display for Identity {
-    /// `4CA7B3 A7421 RYR48CP`: what is known, `-` where nothing is.
+    /// `4CA7B3 A7421 RYR48CP`, `211234560 HAMBURG`: what is known, `-` where nothing is.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut separator = "";
-        if let Some(address) = self.address() {
-            write!(f, "{address:06X}")?;
-            separator = " ";
-        }
-        if let Some(code) = self.mode_3a() {
-            write!(f, "{separator}A{code:04o}")?;
-            separator = " ";
-        }
-        if let Some(callsign) = self.callsign() {
-            write!(f, "{separator}{callsign}")?;
-            separator = " ";
-        }
-        if separator.is_empty() { f.write_str("-") } else { Ok(()) }
+        let address = self.address().map(|address| format!("{address:06X}"));
+        let mmsi = self.mmsi().map(|mmsi| format!("{mmsi:09}"));
+        let code = self.mode_3a().map(|code| format!("A{code:04o}"));
+        let texts = [self.callsign(), self.name()].map(|text| text.map(str::to_owned));
+        let known: Vec<_> = [address, mmsi, code].into_iter().chain(texts).flatten().collect();
+        f.write_str(if known.is_empty() { "-" } else { "" })?;
+        f.write_str(&known.join(" "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_aircraft_and_a_ship_of_the_same_digits_are_two() {
+        let aircraft = Identity::default().with_address(0x4c_a7b3).with_mode_3a(0o7421);
+        let ship = Identity::default().with_mmsi(0x4c_a7b3).with_name("HAMBURG");
+        assert!(aircraft.contradicts(&ship) && !aircraft.contradicts(&Identity::default()));
+        assert_eq!((aircraft.mmsi(), ship.address()), (None, None));
+        assert_eq!((ship.mmsi(), ship.name()), (Some(0x4c_a7b3), Some("HAMBURG")));
+        assert_eq!(Identity::default().or(&ship), ship);
+        assert_eq!(
+            (aircraft.to_string(), ship.to_string(), Identity::default().to_string()),
+            (
+                "4CA7B3 A7421".to_owned(),
+                "005023667 HAMBURG".to_owned(),
+                "-".to_owned()
+            )
+        );
+    }
+
+    #[test]
+    fn a_name_that_is_too_long_is_cut() {
+        let long = Identity::default().with_name("TWENTY-ONE CHARACTERS");
+        assert_eq!(long.name(), Some("TWENTY-ONE CHARACTER"));
     }
 }

@@ -2,10 +2,13 @@
 //!
 //! `sample!` writes the `#[repr(C)]` struct as given and, beside it, a table of its fields with their offsets.
 //! [`c_header`] and [`python_module`] print those tables for the other languages. Two processes agree on a layout
-//! exactly if they agree on [`fingerprint`], which hashes names, types, offsets and sizes: that is stronger than
-//! comparing type names and sizes, under which two swapped `f64` would pass unnoticed.
+//! exactly if they agree on its [`Layout::fingerprint`], which hashes names, types, offsets and sizes: that is stronger than
+//! comparing type names and sizes, under which two swapped `f64` would pass unnoticed. Each type has its own, so a new or
+//! changed one does not part the readers of the others from their publishers.
 
 use std::fmt::Write as _;
+
+use crate::Constant;
 
 /// One field of a sample.
 #[derive(Clone, Copy, Debug)]
@@ -37,25 +40,36 @@ pub struct Layout {
 
 /// A type that was declared as a sample.
 pub trait Sample: Copy {
-    /// Its memory map.
+    /// Memory map of the type.
     const LAYOUT: Layout;
+    /// Fingerprint that the header of a slice of such samples states.
+    const SCHEMA: u64 = Self::LAYOUT.fingerprint();
 }
 
-/// Declares a shared-memory sample: a `#[repr(C)]` struct with its asserted size, its zero-copy marker and its
-/// [`Layout`].
+/// Declares a shared-memory sample: a `#[repr(C)]` struct with its asserted size, its zero-copy marker, its [`Layout`], and
+/// its default: a field that has none of its own is zero, which says "unknown" wherever a field says nothing else.
 macro_rules! sample {
+    (@default) => { Default::default() };
+    (@default $default:expr) => { $default };
     (
         $(#[doc = $doc:literal])*
-        $(#[derive($($extra:ident),*)])?
         $name:ident, size $size:literal {
-            $( $(#[doc = $fdoc:literal])+ $field:ident : $kind:ty, )*
+            $( $(#[doc = $fdoc:literal])+ $field:ident : $kind:ty $(= $default:expr)?, )*
         }
     ) => {
         $(#[doc = $doc])*
-        #[derive(Clone, Copy, Debug, PartialEq $($(, $extra)*)?)]
+        #[derive(Clone, Copy, Debug, PartialEq)]
         #[repr(C)]
         pub struct $name {
             $( $(#[doc = $fdoc])+ pub $field: $kind, )*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self {
+                    $( $field: $crate::layout::sample!(@default $($default)?), )*
+                }
+            }
         }
 
         // SAFETY: `#[repr(C)]`, `Copy`, and made only of fields that are themselves fit for shared memory (checked in
@@ -102,10 +116,27 @@ macro_rules! sample {
 }
 pub(crate) use sample;
 
+/// Samples of which slices are made.
+const TRAVELLING: &[Layout] = &[
+    crate::SensorTrack::LAYOUT,
+    crate::SensorDetection::LAYOUT,
+    crate::SensorBearing::LAYOUT,
+    crate::PlatformState::LAYOUT,
+    crate::WideArea::LAYOUT,
+    crate::Cue::LAYOUT,
+    crate::SystemTrack::LAYOUT,
+    crate::ContributorSet::LAYOUT,
+    crate::Health::LAYOUT,
+    crate::Progress::LAYOUT,
+    crate::Control::LAYOUT,
+];
+
 /// Every sample, those that others contain first.
 pub const ALL: &[Layout] = &[
     crate::StageTimes::LAYOUT,
     crate::Identity::LAYOUT,
+    crate::Extent::LAYOUT,
+    crate::Movement::LAYOUT,
     crate::TargetType::LAYOUT,
     crate::Covariance::LAYOUT,
     crate::BatchHeader::LAYOUT,
@@ -117,6 +148,7 @@ pub const ALL: &[Layout] = &[
     crate::Cue::LAYOUT,
     crate::Contribution::LAYOUT,
     crate::SystemTrack::LAYOUT,
+    crate::ContributorSet::LAYOUT,
     crate::Registration::LAYOUT,
     crate::Counters::LAYOUT,
     crate::Health::LAYOUT,
@@ -124,26 +156,19 @@ pub const ALL: &[Layout] = &[
     crate::Control::LAYOUT,
 ];
 
-/// Hash of every layout: what a batch carries so that a subscriber built otherwise refuses it.
-pub const fn fingerprint() -> u64 {
-    let mut hash = Fnv(0xcbf2_9ce4_8422_2325).number(crate::SCHEMA_VERSION as usize);
-    let mut index = 0;
-    while index < ALL.len() {
-        hash = hash.text(ALL[index].name).number(ALL[index].size);
-        let fields = ALL[index].fields;
-        let mut field = 0;
-        while field < fields.len() {
-            let each = &fields[field];
-            hash = hash
-                .text(each.name)
-                .text(each.kind)
-                .number(each.offset)
-                .number(each.size);
-            field += 1;
-        }
-        index += 1;
+impl Layout {
+    /// Hash of this layout, of those that it contains, and of the header before every slice: what a slice carries so that a
+    /// subscriber built otherwise rejects it.
+    pub const fn fingerprint(&self) -> u64 {
+        let hash = Fnv(0xcbf2_9ce4_8422_2325).number(crate::SCHEMA_VERSION as usize);
+        hash.layout(&crate::BatchHeader::LAYOUT).layout(self).0
     }
-    hash.0
+
+    /// Samples that the fields of this one are, or are arrays of.
+    pub fn contained(&self) -> impl Iterator<Item = &'static Self> {
+        let of = |field: &Field| ALL.iter().find(|layout| names(field.kind, layout.name));
+        self.fields.iter().filter_map(of)
+    }
 }
 
 /// FNV-1a, the simplest hash that can run at compile time.
@@ -167,6 +192,28 @@ impl Fnv {
         self.byte(0)
     }
 
+    const fn layout(mut self, layout: &Layout) -> Self {
+        self = self.text(layout.name).number(layout.size);
+        let mut index = 0;
+        while index < layout.fields.len() {
+            let field = &layout.fields[index];
+            self = self
+                .text(field.name)
+                .text(field.kind)
+                .number(field.offset)
+                .number(field.size);
+            let mut contained = 0;
+            while contained < ALL.len() {
+                if names(field.kind, ALL[contained].name) {
+                    self = self.layout(&ALL[contained]);
+                }
+                contained += 1;
+            }
+            index += 1;
+        }
+        self
+    }
+
     const fn number(mut self, number: usize) -> Self {
         let mut index = 0;
         while index < 8 {
@@ -175,6 +222,24 @@ impl Fnv {
         }
         self
     }
+}
+
+/// Whether `kind`, a field's type, is `name` or an array of it.
+const fn names(kind: &str, name: &str) -> bool {
+    let (kind, name) = (kind.as_bytes(), name.as_bytes());
+    let start = if kind[0] == b'[' { 1 } else { 0 };
+    if kind.len() < start + name.len() {
+        return false;
+    }
+    let mut index = 0;
+    while index < name.len() {
+        if kind[start + index] != name[index] {
+            return false;
+        }
+        index += 1;
+    }
+    let end = start + name.len();
+    end == kind.len() || kind[end] == b';'
 }
 
 /// A field's type, split into element and count: `[f64; 3]` is (`f64`, 3).
@@ -199,58 +264,74 @@ fn size_of_name(name: &str) -> Option<usize> {
 
 /// The constants a reader in another language needs, by name.
 fn constants() -> Vec<(String, u64, &'static str)> {
-    use crate::{
-        alert_bits, contribution_bits, identity_bits, platform_state_bits, registration_bits, sensor_bearing_bits,
-        sensor_detection_bits, sensor_track_bits, wide_area_bits,
-    };
-    let mut list = vec![
+    let lengths = [
         (
-            "SCHEMA".to_owned(),
-            fingerprint(),
-            "Every BatchHeader.schema must equal this.",
-        ),
-        (
-            "CONTRIBUTIONS_MAX".to_owned(),
-            crate::CONTRIBUTIONS_MAX as u64,
+            "CONTRIBUTIONS_MAX",
+            crate::CONTRIBUTIONS_MAX,
             "Length of SystemTrack.contributions.",
         ),
         (
-            "COUNTERS_MAX".to_owned(),
-            crate::COUNTERS_MAX as u64,
-            "Length of Counters.values.",
+            "CONTRIBUTORS_MAX",
+            crate::CONTRIBUTORS_MAX,
+            "Length of ContributorSet.sensor_uids.",
         ),
+        ("COUNTERS_MAX", crate::COUNTERS_MAX, "Length of Counters.values."),
     ];
-    let groups: [(&str, &[(&str, u64)]); 9] = [
-        ("IDENTITY", identity_bits::NAMES),
-        ("SENSOR_TRACK", sensor_track_bits::NAMES),
-        ("SENSOR_DETECTION", sensor_detection_bits::NAMES),
-        ("SENSOR_BEARING", sensor_bearing_bits::NAMES),
-        ("PLATFORM_STATE", platform_state_bits::NAMES),
-        ("WIDE_AREA", wide_area_bits::NAMES),
-        ("CONTRIBUTION", contribution_bits::NAMES),
-        ("ALERT", alert_bits::NAMES),
-        ("REGISTRATION", registration_bits::NAMES),
+    let bits: [(&str, &[Constant]); 11] = [
+        ("IDENTITY", crate::identity_bits::CONSTANTS),
+        ("MOVEMENT", crate::movement_bits::CONSTANTS),
+        ("SENSOR_TRACK", crate::sensor_track_bits::CONSTANTS),
+        ("SENSOR_DETECTION", crate::sensor_detection_bits::CONSTANTS),
+        ("SENSOR_BEARING", crate::sensor_bearing_bits::CONSTANTS),
+        ("PLATFORM_STATE", crate::platform_state_bits::CONSTANTS),
+        ("WIDE_AREA", crate::wide_area_bits::CONSTANTS),
+        ("CONTRIBUTION", crate::contribution_bits::CONSTANTS),
+        ("CONTRIBUTOR_SET", crate::contributor_set_bits::CONSTANTS),
+        ("ALERT", crate::alert_bits::CONSTANTS),
+        ("REGISTRATION", crate::registration_bits::CONSTANTS),
     ];
-    for (group, bits) in groups {
-        for (name, bit) in bits {
-            list.push((format!("{group}_{name}"), *bit, "Bit of a flags or valid field."));
+    let codes = [
+        ("STATE", crate::TrackState::constants()),
+        ("KIND", crate::TrackKind::constants()),
+        ("RULE", crate::FusionRule::constants()),
+        ("IDENTITY_KIND", crate::IdentityKind::constants()),
+        ("HORIZONTAL", crate::HorizontalMovement::constants()),
+        ("VERTICAL", crate::VerticalMovement::constants()),
+        ("LONGITUDINAL", crate::LongitudinalMovement::constants()),
+        ("DETECTION_KIND", crate::DetectionKind::constants()),
+        ("STREAM", crate::Stream::constants()),
+        ("PROCESS", crate::ProcessKind::constants()),
+        ("LIFE", crate::LifeState::constants()),
+    ];
+    let schema = |layout: &Layout| {
+        (
+            format!("{}_SCHEMA", constant_name(layout.name)),
+            layout.fingerprint(),
+            "BatchHeader.schema of its slices.",
+        )
+    };
+    let mut list: Vec<_> = TRAVELLING.iter().map(schema).collect();
+    list.extend(lengths.map(|(name, length, doc)| (name.to_owned(), length as u64, doc)));
+    let codes = codes.iter().map(|(group, constants)| (*group, &constants[..]));
+    for (group, constants) in bits.into_iter().chain(codes) {
+        for constant in constants {
+            let word = constant.word.replace('-', "_").to_uppercase();
+            list.push((format!("{group}_{word}"), constant.value, constant.doc));
         }
     }
-    for state in crate::TrackState::ALL {
-        list.push((
-            format!("STATE_{}", state.word().to_uppercase()),
-            state as u64,
-            "Value of a state field.",
-        ));
-    }
-    for kind in crate::TrackKind::ALL {
-        list.push((
-            format!("KIND_{}", kind.word().to_uppercase()),
-            kind as u64,
-            "Value of a track's kind field.",
-        ));
-    }
     list
+}
+
+/// `SYSTEM_TRACK` for `SystemTrack`.
+fn constant_name(type_name: &str) -> String {
+    let mut name = String::new();
+    for (index, letter) in type_name.char_indices() {
+        if index > 0 && letter.is_uppercase() {
+            name.push('_');
+        }
+        name.push(letter.to_ascii_uppercase());
+    }
+    name
 }
 
 /// The layouts as a C11 header, with its own static assertions.

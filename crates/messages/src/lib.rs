@@ -15,17 +15,21 @@
 #![forbid(unsafe_op_in_unsafe_fn)]
 
 mod batch;
+mod codes;
 mod control;
 mod counters;
 mod covariance;
+mod extent;
 mod health;
 mod identity;
 pub mod layout;
+mod movement;
 mod platform_state;
 mod registration;
 mod sensor_bearing;
 mod sensor_detection;
 mod sensor_track;
+mod sensor_uid;
 mod stages;
 mod system_track;
 mod target_type;
@@ -33,97 +37,83 @@ mod topics;
 mod wide_area;
 
 pub use batch::BatchHeader;
+pub use codes::Constant;
 pub use control::{Control, Progress};
 pub use counters::{COUNTERS_MAX, Counter, CounterClass, Counters};
 pub use covariance::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
-pub use health::{Health, HealthName, LifeState, NO_SOURCE, PROCESS_KINDS, ProcessKind};
-pub use identity::{Callsign, Identity, identity_bits};
+pub use extent::Extent;
+pub use health::{Health, HealthName, LifeState, NO_SOURCE, ProcessKind};
+pub use identity::{Callsign, Identity, IdentityKind, NAME_MAX, identity_bits};
+pub use movement::{HorizontalMovement, LongitudinalMovement, Movement, VerticalMovement, movement_bits};
 pub use platform_state::{PlatformState, platform_state_bits};
 pub use registration::{Registration, registration_bits};
 pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
-pub use sensor_detection::{SensorDetection, sensor_detection_bits};
+pub use sensor_detection::{DetectionKind, Quantity, SensorDetection, sensor_detection_bits};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
+pub use sensor_uid::sensor_uid;
 pub use stages::StageTimes;
-pub use system_track::{CONTRIBUTIONS_MAX, Contribution, SystemTrack, contribution_bits};
+pub use system_track::{
+    CONTRIBUTIONS_MAX, CONTRIBUTORS_MAX, Contribution, ContributorSet, SystemTrack, contribution_bits,
+    contributor_set_bits,
+};
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Capacity, Topic, TopicName, control, cues, detections_number, health, platform_states, progress, sensor_bearings,
-    sensor_detections, sensor_tracks, system_tracks, wide_area, wide_area_number,
+    Capacity, Stream, StreamId, Topic, TopicName, contributors, control, cues, health, platform_states, progress,
+    sensor_bearings, sensor_detections, sensor_tracks, system_tracks, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 
-/// Changes whenever any layout or the meaning of any field changes; carried by every batch and checked by every
-/// subscriber.
-pub const SCHEMA_VERSION: u32 = 5;
+/// Version of the meaning of the samples' fields. It is part of every sample's fingerprint, which every slice carries and
+/// every subscriber checks; a changed layout changes that of its own type by itself.
+pub const SCHEMA_VERSION: u32 = 6;
 
 /// Number of nanoseconds in a second.
 pub const NS_PER_S: f64 = 1e9;
 
-/// The life of a track, as files and displays name it (see the vocabulary in ARCHITECTURE.md).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[repr(u8)]
-pub enum TrackState {
-    /// Seen, not yet believed.
-    #[default]
-    Tentative = 0,
-    /// Believed, and supported by recent reports.
-    Confirmed = 1,
-    /// Believed, but carried on by extrapolation for want of reports.
-    Coasted = 2,
-    /// Ended; the number is not used again soon.
-    Terminated = 3,
-}
-
-impl TrackState {
-    /// Every state, in the order of its code.
-    pub const ALL: [Self; 4] = [Self::Tentative, Self::Confirmed, Self::Coasted, Self::Terminated];
-
-    /// The word that files use (FM-5).
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Tentative => "tentative",
-            Self::Confirmed => "confirmed",
-            Self::Coasted => "coasted",
-            Self::Terminated => "terminated",
-        }
-    }
-
-    /// The state that a file's word names.
-    pub fn from_word(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|state| state.word() == word)
-    }
-
-    /// The state that a message's code names; codes of a future schema yield `None`.
-    pub fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.get(usize::from(code)).copied()
+codes! {
+    /// State in the life of a track.
+    pub enum TrackState: u8, default Tentative {
+        /// Seen, not yet believed.
+        Tentative = 0, "tentative";
+        /// Believed, and supported by recent reports.
+        Confirmed = 1, "confirmed";
+        /// Believed, but carried on by extrapolation for want of reports.
+        Coasted = 2, "coasted";
+        /// Ended; the number is not used again soon.
+        Terminated = 3, "terminated";
     }
 }
 
-/// What a track follows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[repr(u8)]
-pub enum TrackKind {
-    /// One target.
-    #[default]
-    Single = 0,
-    /// Several targets that are not told apart (WA-7).
-    Group = 1,
+codes! {
+    /// Kind of what a track follows.
+    pub enum TrackKind: u8, default Single {
+        /// One target.
+        Single = 0, "single";
+        /// Several targets that are not told apart (WA-7).
+        Group = 1, "group";
+    }
 }
 
-impl TrackKind {
-    /// Every kind, in the order of its code.
-    pub const ALL: [Self; 2] = [Self::Single, Self::Group];
-
-    /// The word that files use.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Single => "single",
-            Self::Group => "group",
-        }
-    }
-
-    /// The kind that a message's code names; codes of a future schema yield `None`.
-    pub fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.get(usize::from(code)).copied()
+codes! {
+    /// Rule by which a system track's contributions were weighed.
+    pub enum FusionRule: u8 {
+        /// Filter of the target's own, with what its sources are worth learned.
+        Auto = 1, "auto";
+        /// Filter of the target's own.
+        SystemFilter = 2, "system-filter";
+        /// Source with the smallest accuracy value.
+        BestSource = 3, "best-source";
+        /// Weights inverse to the covariance traces.
+        InverseTrace = 4, "inverse-trace";
+        /// Weights by quality index.
+        QualityFactor = 5, "quality-factor";
+        /// Source that the cell of a mosaic names.
+        Mosaic = 6, "mosaic";
+        /// Information sum of independent errors.
+        Information = 7, "information";
+        /// Covariance intersection: bound for unknown correlations.
+        CovarianceIntersection = 8, "covariance-intersection";
+        /// Bar-Shalom and Campo's combination of correlated errors.
+        BarShalomCampo = 9, "bar-shalom-campo";
     }
 }

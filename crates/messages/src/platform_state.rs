@@ -1,33 +1,27 @@
 //! Where a moving sensor is, and how it lies in space.
 
 use crate::StageTimes;
+use crate::codes::bits;
 use crate::layout::sample;
 
-/// Bits of [`PlatformState::valid`].
-pub mod platform_state_bits {
-    /// `velocity_mps` is known.
-    pub const VELOCITY: u16 = 1;
-    /// `heading_rad` is known.
-    pub const HEADING: u16 = 1 << 1;
-    /// `pitch_rad` and `roll_rad` are known.
-    pub const ATTITUDE: u16 = 1 << 2;
-    /// `position_sigma_m` is known.
-    pub const POSITION_SIGMA: u16 = 1 << 3;
-    /// `heading_sigma_rad` is known.
-    pub const HEADING_SIGMA: u16 = 1 << 4;
-
-    pub(crate) const NAMES: &[(&str, u64)] = &[
-        ("VELOCITY", VELOCITY as u64),
-        ("HEADING", HEADING as u64),
-        ("ATTITUDE", ATTITUDE as u64),
-        ("POSITION_SIGMA", POSITION_SIGMA as u64),
-        ("HEADING_SIGMA", HEADING_SIGMA as u64),
-    ];
+bits! {
+    /// Bits of [`PlatformState::valid`].
+    platform_state_bits: u16 {
+        /// `velocity_mps` is known.
+        VELOCITY = 1;
+        /// `heading_rad` is known.
+        HEADING = 1 << 1;
+        /// `pitch_rad` and `roll_rad` are known.
+        ATTITUDE = 1 << 2;
+        /// `position_sigma_m` is known.
+        POSITION_SIGMA = 1 << 3;
+        /// `heading_sigma_rad` is known.
+        HEADING_SIGMA = 1 << 4;
+    }
 }
 
 sample! {
     /// Position and attitude of the platform that carries a sensor, at one time (EL-11).
-    #[derive(Default)]
     PlatformState, size 144 {
         /// Time at which the platform was there, UTC, nanoseconds since 1970.
         time_ns: i64,

@@ -2,36 +2,30 @@
 
 use std::fmt;
 
+use crate::codes::bits;
 use crate::layout::sample;
 
-/// Bits of [`Registration::removed`].
-pub mod registration_bits {
-    /// The offset east is being removed from the source's reports.
-    pub const EAST: u32 = 1;
-    /// The offset north is.
-    pub const NORTH: u32 = 1 << 1;
-    /// The offset up is.
-    pub const UP: u32 = 1 << 2;
-    /// The time offset is.
-    pub const TIME: u32 = 1 << 3;
-    /// The range bias is.
-    pub const RANGE: u32 = 1 << 4;
-    /// The azimuth bias is.
-    pub const AZIMUTH: u32 = 1 << 5;
-
-    pub(crate) const NAMES: &[(&str, u64)] = &[
-        ("EAST", EAST as u64),
-        ("NORTH", NORTH as u64),
-        ("UP", UP as u64),
-        ("TIME", TIME as u64),
-        ("RANGE", RANGE as u64),
-        ("AZIMUTH", AZIMUTH as u64),
-    ];
+bits! {
+    /// Bits of [`Registration::removed`].
+    registration_bits: u32 {
+        /// The offset east is being removed from the source's reports.
+        EAST = 1;
+        /// The offset north is.
+        NORTH = 1 << 1;
+        /// The offset up is.
+        UP = 1 << 2;
+        /// The time offset is.
+        TIME = 1 << 3;
+        /// The range bias is.
+        RANGE = 1 << 4;
+        /// The azimuth bias is.
+        AZIMUTH = 1 << 5;
+    }
 }
 
 sample! {
     /// What fusion has learned of the systematic errors of one source (BF-3) and of the truth of its covariances (BF-5).
-    Registration, size 120 {
+    Registration, size 168 {
         /// Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known.
         comparisons: f64,
         /// Estimated offset of the reports from the true positions (east, north, up), metres.
@@ -51,30 +45,17 @@ sample! {
         /// Its standard deviation, radians.
         azimuth_bias_sigma_rad: f64,
         /// Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
-        covariance_inflation: f64,
+        covariance_inflation: f64 = 1.0,
         /// Which of the errors are being removed from the source's reports: `registration_bits`.
         removed: u32,
         /// Reserved, 0.
         reserved: u32,
-    }
-}
-
-impl Default for Registration {
-    fn default() -> Self {
-        Self {
-            comparisons: 0.0,
-            offset_m: [0.0; 3],
-            offset_sigma_m: [0.0; 3],
-            time_offset_s: 0.0,
-            time_offset_sigma_s: 0.0,
-            range_bias_m: 0.0,
-            range_bias_sigma_m: 0.0,
-            azimuth_bias_rad: 0.0,
-            azimuth_bias_sigma_rad: 0.0,
-            covariance_inflation: 1.0,
-            removed: 0,
-            reserved: 0,
-        }
+        /// Offset of the source's clock against the times of receipt, seconds; 0 with a standard deviation of 0: unknown.
+        clock_offset_s: f64,
+        /// Its standard deviation, seconds; 0: unknown.
+        clock_offset_sigma_s: f64,
+        /// Reserved, 0.
+        spare: [u64; 4],
     }
 }
 

@@ -1,30 +1,25 @@
 //! From where a sensor hears a transmitter, before anybody has located it.
 
 use crate::StageTimes;
+use crate::codes::bits;
 use crate::layout::sample;
 
-/// Bits of [`SensorBearing::valid`].
-pub mod sensor_bearing_bits {
-    /// `emitter_id` is known: the sensor tells transmitters apart.
-    pub const EMITTER: u16 = 1;
-    /// `heading_rad` is known.
-    pub const HEADING: u16 = 1 << 1;
-    /// `frequency_hz` was measured.
-    pub const FREQUENCY: u16 = 1 << 2;
-    /// `pulse_interval_s` was measured.
-    pub const PULSE_INTERVAL: u16 = 1 << 3;
-
-    pub(crate) const NAMES: &[(&str, u64)] = &[
-        ("EMITTER", EMITTER as u64),
-        ("HEADING", HEADING as u64),
-        ("FREQUENCY", FREQUENCY as u64),
-        ("PULSE_INTERVAL", PULSE_INTERVAL as u64),
-    ];
+bits! {
+    /// Bits of [`SensorBearing::valid`].
+    sensor_bearing_bits: u16 {
+        /// `emitter_id` is known: the sensor tells transmitters apart.
+        EMITTER = 1;
+        /// `heading_rad` is known.
+        HEADING = 1 << 1;
+        /// `frequency_hz` was measured.
+        FREQUENCY = 1 << 2;
+        /// `pulse_interval_s` was measured.
+        PULSE_INTERVAL = 1 << 3;
+    }
 }
 
 sample! {
     /// One bearing of a transmitter, with the place from which it was measured (FM-7).
-    #[derive(Default)]
     SensorBearing, size 120 {
         /// Time of measurement, UTC, nanoseconds since 1970.
         time_of_measurement_ns: i64,

@@ -1,21 +1,23 @@
 //! What a sensor saw, before anybody made a track of it.
 
-use crate::StageTimes;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::codes::bits;
 use crate::layout::sample;
+use crate::{StageTimes, codes};
 
-/// Bits of [`SensorDetection::valid`].
-pub mod sensor_detection_bits {
-    /// `range_rate_mps` was measured.
-    pub const RANGE_RATE: u8 = 1;
-    /// `sigmas` hold standard deviations.
-    pub const SIGMAS: u8 = 1 << 1;
-
-    pub(crate) const NAMES: &[(&str, u64)] = &[("RANGE_RATE", RANGE_RATE as u64), ("SIGMAS", SIGMAS as u64)];
+bits! {
+    /// Bits of [`SensorDetection::valid`].
+    sensor_detection_bits: u8 {
+        /// `range_rate_mps` was measured.
+        RANGE_RATE = 1;
+        /// `sigmas` hold standard deviations.
+        SIGMAS = 1 << 1;
+    }
 }
 
 sample! {
     /// One detection of one sensor (FM-6): a measurement that belongs to no track yet.
-    #[derive(Default)]
     SensorDetection, size 152 {
         /// Time of measurement, UTC, nanoseconds since 1970.
         time_of_measurement_ns: i64,
@@ -37,11 +39,75 @@ sample! {
         platform_m: [f64; 3],
         /// Source: its number in the configuration (TI-2).
         source: u16,
-        /// Which quantities were measured: 0 position2, 1 position3, 2 range_bearing, 3 range_bearing_elevation, 4 bearing, 5 bearing_elevation.
+        /// Quantities that were measured: a `DetectionKind` code.
         kind: u8,
         /// Which fields hold something: see `sensor_detection_bits`.
         valid: u8,
         /// Reserved, 0.
         reserved: u32,
+    }
+}
+
+codes! {
+    /// Kind of a detection: the quantities that were measured.
+    pub enum DetectionKind: u8 {
+        /// East and north in the system frame.
+        Position2 = 0, "position2";
+        /// East, north and up in the system frame.
+        Position3 = 1, "position3";
+        /// Slant range and bearing from the sensor.
+        RangeBearing = 2, "range_bearing";
+        /// Slant range, bearing and elevation from the sensor.
+        RangeBearingElevation = 3, "range_bearing_elevation";
+        /// Bearing from the sensor.
+        Bearing = 4, "bearing";
+        /// Bearing and elevation from the sensor.
+        BearingElevation = 5, "bearing_elevation";
+    }
+}
+
+/// A measured quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Metres east.
+    East,
+    /// Metres north.
+    North,
+    /// Metres up.
+    Up,
+    /// Distance from the sensor, metres.
+    Range,
+    /// Direction in the plane, radians clockwise from north.
+    Bearing,
+    /// Direction above the horizontal, radians.
+    Elevation,
+}
+
+impl DetectionKind {
+    /// The quantities, in the order of their values.
+    pub fn quantities(self) -> &'static [Quantity] {
+        use Quantity::{Bearing, East, Elevation, North, Range, Up};
+        match self {
+            Self::Position2 => &[East, North],
+            Self::Position3 => &[East, North, Up],
+            Self::RangeBearing => &[Range, Bearing],
+            Self::RangeBearingElevation => &[Range, Bearing, Elevation],
+            Self::Bearing => &[Bearing],
+            Self::BearingElevation => &[Bearing, Elevation],
+        }
+    }
+}
+
+impl Quantity {
+    /// What is wrong with a finite value of this quantity, and what to do about it; `None` if nothing is.
+    pub fn fault(self, value: f64) -> Option<&'static str> {
+        match self {
+            Self::East | Self::North | Self::Up => None,
+            Self::Range => (value < 0.0).then_some("is negative, which no range is"),
+            Self::Bearing => (value.abs() > TAU).then_some("is more than a full turn; write radians, not degrees"),
+            Self::Elevation => {
+                (value.abs() > FRAC_PI_2).then_some("is beyond the vertical; write radians, not degrees")
+            }
+        }
     }
 }

@@ -1,74 +1,56 @@
 //! What an adapter reports.
 
+use crate::codes::bits;
 use crate::layout::sample;
-use crate::{Covariance, Identity, StageTimes, TargetType};
+use crate::{Covariance, Extent, Identity, Movement, StageTimes, TargetType};
 
-/// Bits of [`SensorTrack::valid`].
-pub mod sensor_track_bits {
-    /// Height (`position[2]`) was observed; without it z is 0 and its variance says nothing.
-    pub const HEIGHT: u16 = 1;
-    /// Horizontal velocity was delivered or derived.
-    pub const VELOCITY: u16 = 1 << 1;
-    /// Vertical velocity was delivered or derived.
-    pub const VERTICAL_RATE: u16 = 1 << 2;
-    /// The covariance is the source's own statement; without it, it comes from configured accuracies.
-    pub const OWN_COVARIANCE: u16 = 1 << 3;
-    /// `measured_m` holds the measurement from which the source updated its track.
-    pub const MEASURED: u16 = 1 << 4;
-    /// The source says that the target is on the ground.
-    pub const ON_GROUND: u16 = 1 << 5;
-    /// The velocity was derived by the adapter from successive positions.
-    pub const DERIVED_VELOCITY: u16 = 1 << 6;
-    /// `trace` holds the source's own covariance trace (TI-16).
-    pub const TRACE: u16 = 1 << 7;
-
-    pub(crate) const NAMES: &[(&str, u64)] = &[
-        ("HEIGHT", HEIGHT as u64),
-        ("VELOCITY", VELOCITY as u64),
-        ("VERTICAL_RATE", VERTICAL_RATE as u64),
-        ("OWN_COVARIANCE", OWN_COVARIANCE as u64),
-        ("MEASURED", MEASURED as u64),
-        ("ON_GROUND", ON_GROUND as u64),
-        ("DERIVED_VELOCITY", DERIVED_VELOCITY as u64),
-        ("TRACE", TRACE as u64),
-    ];
+bits! {
+    /// Bits of [`SensorTrack::valid`].
+    sensor_track_bits: u16 {
+        /// Height (`position[2]`) was observed; without it z is 0 and its variance says nothing.
+        HEIGHT = 1;
+        /// Horizontal velocity was delivered or derived.
+        VELOCITY = 1 << 1;
+        /// Vertical velocity was delivered or derived.
+        VERTICAL_RATE = 1 << 2;
+        /// The covariance is the source's own statement; without it, it comes from configured accuracies.
+        OWN_COVARIANCE = 1 << 3;
+        /// `measured_m` holds the measurement from which the source updated its track.
+        MEASURED = 1 << 4;
+        /// The source says that the target is on the ground.
+        ON_GROUND = 1 << 5;
+        /// The velocity was derived by the adapter from successive positions.
+        DERIVED_VELOCITY = 1 << 6;
+        /// `trace` holds the source's own covariance trace (TI-16).
+        TRACE = 1 << 7;
+    }
 }
 
-/// Bits of [`SensorTrack::alerts`] and [`SystemTrack::alerts`](crate::SystemTrack::alerts).
-pub mod alert_bits {
-    /// Special position identification: the pilot has pressed the button.
-    pub const SPECIAL_IDENTIFICATION: u8 = 1;
-    /// An emergency, of whatever kind; Mode 3/A code 7700.
-    pub const EMERGENCY: u8 = 1 << 1;
-    /// Radio communication has failed; code 7600.
-    pub const COMMUNICATION_FAILURE: u8 = 1 << 2;
-    /// Unlawful interference; code 7500.
-    pub const UNLAWFUL_INTERFERENCE: u8 = 1 << 3;
-    /// Medical flight.
-    pub const MEDICAL: u8 = 1 << 4;
-    /// Minimum fuel.
-    pub const MINIMUM_FUEL: u8 = 1 << 5;
-    /// The Mode 3/A code was changed lately, or the transponder raises its alert for another reason.
-    pub const TRANSPONDER_ALERT: u8 = 1 << 6;
-    /// A collision avoidance system advises the crew to manoeuvre.
-    pub const RESOLUTION_ADVISORY: u8 = 1 << 7;
-
-    pub(crate) const NAMES: &[(&str, u64)] = &[
-        ("SPECIAL_IDENTIFICATION", SPECIAL_IDENTIFICATION as u64),
-        ("EMERGENCY", EMERGENCY as u64),
-        ("COMMUNICATION_FAILURE", COMMUNICATION_FAILURE as u64),
-        ("UNLAWFUL_INTERFERENCE", UNLAWFUL_INTERFERENCE as u64),
-        ("MEDICAL", MEDICAL as u64),
-        ("MINIMUM_FUEL", MINIMUM_FUEL as u64),
-        ("TRANSPONDER_ALERT", TRANSPONDER_ALERT as u64),
-        ("RESOLUTION_ADVISORY", RESOLUTION_ADVISORY as u64),
-    ];
+bits! {
+    /// Bits of [`SensorTrack::alerts`] and [`SystemTrack::alerts`](crate::SystemTrack::alerts).
+    alert_bits: u8 {
+        /// Special position identification: the pilot has pressed the button.
+        SPECIAL_IDENTIFICATION = 1;
+        /// An emergency, of whatever kind; Mode 3/A code 7700.
+        EMERGENCY = 1 << 1;
+        /// Radio communication has failed; code 7600.
+        COMMUNICATION_FAILURE = 1 << 2;
+        /// Unlawful interference; code 7500.
+        UNLAWFUL_INTERFERENCE = 1 << 3;
+        /// Medical flight.
+        MEDICAL = 1 << 4;
+        /// Minimum fuel.
+        MINIMUM_FUEL = 1 << 5;
+        /// The Mode 3/A code was changed lately, or the transponder raises its alert for another reason.
+        TRANSPONDER_ALERT = 1 << 6;
+        /// A collision avoidance system advises the crew to manoeuvre.
+        RESOLUTION_ADVISORY = 1 << 7;
+    }
 }
 
 sample! {
     /// One report of one sensor track (TI-1): state in the system's East-North-Up frame at the time of measurement.
-    #[derive(Default)]
-    SensorTrack, size 344 {
+    SensorTrack, size 424 {
         /// Time of measurement, UTC, nanoseconds since 1970.
         time_of_measurement_ns: i64,
         /// The report's sequence number at its publisher.
@@ -105,8 +87,14 @@ sample! {
         members: u16,
         /// Reserved, 0.
         reserved: u16,
-        /// What type of target it is.
+        /// Type of the target.
         target_type: TargetType,
+        /// Size of the target, as its source states or measures it.
+        extent: Extent,
+        /// Modes of movement and acceleration, as the source states them.
+        movement: Movement,
+        /// Reserved, 0.
+        spare: [u32; 4],
     }
 }
 

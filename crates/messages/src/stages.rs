@@ -5,7 +5,6 @@ use crate::layout::sample;
 sample! {
     /// Monotonic stamps of one report's stages (PL-8), nanoseconds of the machine's `CLOCK_MONOTONIC`; 0 where a
     /// stage has not been reached. All processes of a deployment share that clock.
-    #[derive(Default)]
     StageTimes, size 32 {
         /// The adapter had the report's last byte.
         ingested_ns: i64,

@@ -1,68 +1,77 @@
-//! What fusion publishes.
+//! Samples that fusion publishes.
 
+use crate::codes::bits;
 use crate::layout::sample;
-use crate::{Covariance, Identity, StageTimes, TargetType};
+use crate::{Covariance, Extent, Identity, Movement, StageTimes, TargetType};
 
-/// How many contributions one system track can list; more are counted in `source_count` only.
+/// Number of contributions that one system track can list; more are counted in `source_count` only.
 pub const CONTRIBUTIONS_MAX: usize = 16;
 
-/// Bits of [`Contribution::flags`].
-pub mod contribution_bits {
-    /// The source's latest report is within its expected period.
-    pub const FRESH: u16 = 1;
-    /// The accuracy value exists: the source has delivered more than one report.
-    pub const SCORED: u16 = 1 << 1;
-
-    pub(crate) const NAMES: &[(&str, u64)] = &[("FRESH", FRESH as u64), ("SCORED", SCORED as u64)];
+bits! {
+    /// Bits of [`Contribution::flags`].
+    contribution_bits: u16 {
+        /// The source's latest report is within its expected period.
+        FRESH = 1;
+        /// The accuracy value exists: the source has delivered more than one report.
+        SCORED = 1 << 1;
+    }
 }
 
-sample! {
-    /// One source's share of a system track.
-    #[derive(Default)]
-    Contribution, size 32 {
-        /// Time of measurement of the source's latest report, UTC, nanoseconds.
-        time_of_measurement_ns: i64,
-        /// Number of the sensor track at its source.
-        track_number: u32,
-        /// Source number.
-        source: u16,
-        /// See `contribution_bits`.
-        flags: u16,
-        /// Coefficient eta in [0, 1]; the weights of one system track sum to 1.
-        weight: f64,
-        /// Accuracy value lambda (TI-9), smaller is better; NaN where the rule has none.
-        accuracy: f64,
+bits! {
+    /// Bits of [`ContributorSet::flags`].
+    contributor_set_bits: u16 {
+        /// More sensors have contributed than `sensor_uids` can hold: whoever shares any sensor must take it to be among them.
+        OVERFLOW = 1;
     }
 }
 
 sample! {
-    /// One state of one system track: the fused picture of one target (TI-19).
-    #[derive(Default)]
-    SystemTrack, size 840 {
+    /// Share of one source in a system track.
+    Contribution, size 40 {
+        /// Time of measurement of the source's latest report, UTC, nanoseconds.
+        time_of_measurement_ns: i64,
+        /// Coefficient eta in [0, 1]; the weights of one system track sum to 1.
+        weight: f64,
+        /// Accuracy value lambda (TI-9), smaller is better; NaN where the rule has none.
+        accuracy: f64,
+        /// Number of the sensor track at its source.
+        track_number: u32,
+        /// Identity of the sensor, the same in every deployment that hears it; 0: unknown.
+        sensor_uid: u32,
+        /// Deployment that the sensor track comes from, where not the one at hand; 0: the one at hand.
+        origin: u32,
+        /// Source number.
+        source: u16,
+        /// Flags: see `contribution_bits`.
+        flags: u16,
+    }
+}
+
+sample! {
+    /// State of one system track at one time: the fused picture of one target (TI-19).
+    SystemTrack, size 1064 {
         /// Reference time of the state, UTC, nanoseconds since 1970.
         reference_time_ns: i64,
         /// Time of measurement of the report that caused this state, UTC, nanoseconds; of the reference time, if none did.
         time_of_measurement_ns: i64,
         /// The state's sequence number at its publisher.
         sequence: u64,
+        /// Start-up number of the fusion that made it, rising with each start; 0: unknown.
+        epoch: u64,
         /// Stages of the report that caused this state; all but `fused_ns` are 0 if none did.
         stages: StageTimes,
         /// System-track number, unique while fusion runs.
         track_number: u32,
+        /// Deployment that made it: `origin` of its configuration; 0: not stated.
+        origin: u32,
+        /// Number of the track at the deployment that owns the target, where another does; else 0.
+        owner_track_number: u32,
+        /// Number of the system track into which this one was merged, where it ended by a merge; else 0.
+        merged_into: u32,
         /// Source of the report that caused this state; 65535 if none did (coasting, ending).
         trigger_source: u16,
         /// Source with the largest weight; 65535 if none contributes.
         selected_source: u16,
-        /// Who the target says it is.
-        identity: Identity,
-        /// Position east, north, up, metres.
-        position_m: [f64; 3],
-        /// Velocity east, north, up, metres per second.
-        velocity_mps: [f64; 3],
-        /// Covariance of position and velocity.
-        covariance: Covariance,
-        /// Contributing sources in the order of their numbers; `contribution_count` of them hold something.
-        contributions: [Contribution; 16],
         /// How many sources contribute.
         source_count: u16,
         /// How many of `contributions` hold something.
@@ -71,24 +80,66 @@ sample! {
         state: u8,
         /// 1 if some source observes height; otherwise z says nothing.
         height_valid: u8,
-        /// Fusion rule: its place in the registry of rules.
+        /// Fusion rule: a `FusionRule` code; 0: unknown.
         rule: u8,
-        /// What a contributing source wants noticed: see `alert_bits`.
+        /// Alerts of the contributing sources: see `alert_bits`.
         alerts: u8,
-        /// Number of the system track into which this one was merged, where it ended by a merge; else 0.
-        merged_into: u32,
         /// 1 if a contributing source says that the target is on the ground.
         on_ground: u8,
-        /// What the track follows: a `TrackKind` code.
+        /// Kind of what the track follows: a `TrackKind` code.
         kind: u8,
         /// Expected number of members of a group; 0 for a single target.
         members: u16,
-        /// What type of target it is.
+        /// Identity of the target, as far as its sources say.
+        identity: Identity,
+        /// Type of the target.
         target_type: TargetType,
+        /// Position east, north, up, metres.
+        position_m: [f64; 3],
+        /// Velocity east, north, up, metres per second.
+        velocity_mps: [f64; 3],
+        /// Modes of movement and acceleration.
+        movement: Movement,
+        /// Size of the target.
+        extent: Extent,
+        /// Covariance of position and velocity.
+        covariance: Covariance,
+        /// Contributing sources in the order of their numbers; `contribution_count` of them hold something.
+        contributions: [Contribution; 16],
+        /// Reserved, 0.
+        spare: [u32; 4],
     }
 }
 
 const _: () = assert!(size_of::<[Contribution; CONTRIBUTIONS_MAX]>() == 16 * size_of::<Contribution>());
+
+/// Number of sensors that a [`ContributorSet`] can hold.
+pub const CONTRIBUTORS_MAX: usize = 64;
+
+sample! {
+    /// Set of all sensors that have contributed to one system track since it was started. A deployment that is offered the
+    /// track fuses it as independent of its own only if it shares no sensor with it. Nobody publishes it yet.
+    ContributorSet, size 304 {
+        /// Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970.
+        reference_time_ns: i64,
+        /// Sequence number at its publisher.
+        sequence: u64,
+        /// Start-up number of the fusion that made the track, rising with each start; 0: unknown.
+        epoch: u64,
+        /// System-track number.
+        track_number: u32,
+        /// Deployment that made the track: `origin` of its configuration; 0: not stated.
+        origin: u32,
+        /// How many of `sensor_uids` hold something.
+        count: u16,
+        /// Flags: see `contributor_set_bits`.
+        flags: u16,
+        /// Reserved, 0.
+        reserved: [u32; 3],
+        /// Identities of the sensors, rising.
+        sensor_uids: [u32; 64] = [0; CONTRIBUTORS_MAX],
+    }
+}
 
 impl SystemTrack {
     /// The contributions that hold something.

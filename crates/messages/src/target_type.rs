@@ -7,7 +7,6 @@ pub const TYPE_NAME_MAX: usize = 12;
 
 sample! {
     /// Type of a target, as far as it is known (WA-9).
-    #[derive(Default)]
     TargetType, size 16 {
         /// Name in ASCII, padded with blanks.
         name: [u8; 12],

@@ -5,8 +5,10 @@
 use std::fmt;
 use std::marker::PhantomData;
 
+use crate::codes;
 use crate::{
-    Control, Cue, Health, PlatformState, Progress, SensorBearing, SensorDetection, SensorTrack, SystemTrack, WideArea,
+    ContributorSet, Control, Cue, Health, PlatformState, Progress, SensorBearing, SensorDetection, SensorTrack,
+    SystemTrack, WideArea,
 };
 
 /// Name of a topic in shared memory.
@@ -37,6 +39,43 @@ pub struct Capacity {
     pub publishers: usize,
     /// Most subscribers at a time.
     pub subscribers: usize,
+}
+
+codes! {
+    /// Kind of topic whose samples are data, not talk between processes.
+    pub enum Stream: u8 {
+        /// Sensor tracks of a source.
+        SensorTracks = 1, "sensor-tracks";
+        /// Detections of a source.
+        Detections = 2, "detections";
+        /// Bearings of a source.
+        Bearings = 3, "bearings";
+        /// States of the platform that carries a source's sensor.
+        PlatformStates = 4, "platform-states";
+        /// Cues for the sensor of a source.
+        Cues = 5, "cues";
+        /// Reports of a wide-area sensor.
+        WideArea = 6, "wide-area";
+        /// System tracks.
+        SystemTracks = 7, "system-tracks";
+    }
+}
+
+/// Stream of one source or sensor, as [`Progress`](crate::Progress) names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StreamId {
+    /// Kind of topic.
+    pub stream: Stream,
+    /// Number of the source or wide-area sensor; 0 for the system tracks.
+    pub number: u16,
+}
+
+impl StreamId {
+    /// System tracks.
+    pub const SYSTEM_TRACKS: Self = Self {
+        stream: Stream::SystemTracks,
+        number: 0,
+    };
 }
 
 /// A topic of samples `T`.
@@ -79,16 +118,6 @@ pub fn sensor_detections(source_name: &str) -> Topic<SensorDetection> {
         subscribers: 16,
     };
     Topic::new(format!("sensor/{source_name}/detections"), capacity)
-}
-
-/// By what number [`Progress`] speaks of the detections of a source.
-pub fn detections_number(source: u16) -> u16 {
-    source | 1 << 15
-}
-
-/// By what number [`Progress`] speaks of a wide-area sensor.
-pub fn wide_area_number(sensor: u16) -> u16 {
-    sensor | 1 << 14
 }
 
 /// Bearings of one source whose adapter locates their transmitters, before the tracks that they led to.
@@ -145,6 +174,17 @@ pub fn system_tracks() -> Topic<SystemTrack> {
         subscribers: 24,
     };
     Topic::new("system/tracks".to_owned(), capacity)
+}
+
+/// Sensors that have contributed to each system track, for deployments that exchange tracks. Nobody publishes it yet.
+pub fn contributors() -> Topic<ContributorSet> {
+    let capacity = Capacity {
+        depth: 64,
+        slice_len: 64,
+        publishers: 2,
+        subscribers: 8,
+    };
+    Topic::new("system/contributors".to_owned(), capacity)
 }
 
 /// State and counters of every process.

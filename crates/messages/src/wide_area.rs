@@ -1,19 +1,19 @@
 //! How many targets a remote sensor sees, and where sensors on board should look next.
 
 use crate::StageTimes;
+use crate::codes::bits;
 use crate::layout::sample;
 
-/// Bits of [`WideArea::valid`].
-pub mod wide_area_bits {
-    /// `origin_m` is known.
-    pub const ORIGIN: u16 = 1;
-
-    pub(crate) const NAMES: &[(&str, u64)] = &[("ORIGIN", ORIGIN as u64)];
+bits! {
+    /// Bits of [`WideArea::valid`].
+    wide_area_bits: u16 {
+        /// `origin_m` is known.
+        ORIGIN = 1;
+    }
 }
 
 sample! {
     /// How many targets there were around a place (WA-2): a count, no detection.
-    #[derive(Default)]
     WideArea, size 128 {
         /// Time of observation, UTC, nanoseconds since 1970.
         time_of_observation_ns: i64,
@@ -40,7 +40,6 @@ sample! {
 
 sample! {
     /// Where and when a sensor should look for one track (WA-12): an ellipse around the predicted position.
-    #[derive(Default)]
     Cue, size 128 {
         /// Time of the look, UTC, nanoseconds since 1970.
         time_ns: i64,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use messages::layout;
+use messages::layout::{self, Sample as _};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("layout")
@@ -59,10 +59,31 @@ fn python_agrees_with_every_offset() {
 }
 
 #[test]
-fn a_swapped_field_changes_the_fingerprint() {
-    // The hash covers names and offsets, so it is not the sum of its parts: any two layouts differ in it.
-    let mut names: Vec<_> = layout::ALL.iter().map(|layout| layout.name).collect();
-    names.dedup();
-    assert_eq!(names.len(), layout::ALL.len());
-    assert_ne!(layout::fingerprint(), 0);
+fn a_swapped_field_changes_the_fingerprint_of_its_type_alone() {
+    let layout = messages::SystemTrack::LAYOUT;
+    let mut fields = layout.fields.to_vec();
+    let place = |name: &str| layout.fields.iter().position(|field| field.name == name).unwrap();
+    let (position, velocity) = (place("position_m"), place("velocity_mps"));
+    (fields[position].name, fields[velocity].name) = (fields[velocity].name, fields[position].name);
+    let swapped = layout::Layout {
+        fields: fields.leak(),
+        ..layout
+    };
+    assert_ne!(swapped.fingerprint(), layout.fingerprint());
+    assert_eq!(messages::SystemTrack::SCHEMA, layout.fingerprint());
+    assert_ne!(messages::SystemTrack::SCHEMA, messages::SensorTrack::SCHEMA);
+}
+
+#[test]
+fn every_contained_layout_counts() {
+    let contained = |layout: &layout::Layout| -> usize {
+        let kinds = layout.fields.iter().map(|field| field.kind);
+        kinds
+            .filter(|kind| kind.starts_with(char::is_uppercase) || kind.starts_with("[C"))
+            .count()
+    };
+    for layout in layout::ALL {
+        let found = layout.contained().count();
+        assert_eq!(found, contained(layout), "{}", layout.name);
+    }
 }

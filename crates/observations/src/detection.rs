@@ -6,9 +6,7 @@
 //! north and up. Angles are radians: bearings clockwise from north, elevations up from the horizontal, both as seen from
 //! where the sensor was at that moment.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
-
-use messages::{SensorDetection, StageTimes, sensor_detection_bits as bits};
+use messages::{DetectionKind, SensorDetection, StageTimes, sensor_detection_bits as bits};
 
 use crate::{Sampled, flag, sensor_id};
 
@@ -41,40 +39,6 @@ pub struct Detection {
     pub truth: Option<Truth>,
 }
 
-/// Which quantities a detection measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DetectionKind {
-    /// Position in the plane.
-    Position2,
-    /// Position in space.
-    Position3,
-    /// Slant range and bearing.
-    RangeBearing,
-    /// Slant range, bearing and elevation.
-    RangeBearingElevation,
-    /// Bearing alone.
-    Bearing,
-    /// Bearing and elevation.
-    BearingElevation,
-}
-
-/// A measured quantity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// Metres east.
-    East,
-    /// Metres north.
-    North,
-    /// Metres up.
-    Up,
-    /// Distance from the sensor, metres.
-    Range,
-    /// Direction in the plane, radians clockwise from north.
-    Bearing,
-    /// Direction above the horizontal, radians.
-    Elevation,
-}
-
 /// What a detection was really of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truth {
@@ -100,7 +64,7 @@ impl Sampled for Detection {
             sigmas: self.sigmas.unwrap_or_default(),
             platform_m: self.platform_m,
             source,
-            kind: self.kind as u8,
+            kind: self.kind.code(),
             valid: flag(self.range_rate_mps.is_some(), bits::RANGE_RATE) | flag(self.sigmas.is_some(), bits::SIGMAS),
             ..SensorDetection::default()
         }
@@ -112,7 +76,7 @@ impl Sampled for Detection {
             sensor_id: sensor_id(sample.source),
             scan: sample.scan,
             detection_id: sample.detection_id,
-            kind: *DetectionKind::ALL.get(usize::from(sample.kind))?,
+            kind: DetectionKind::from_code(sample.kind)?,
             values: sample.values,
             range_rate_mps: (sample.valid & bits::RANGE_RATE != 0).then_some(sample.range_rate_mps),
             sigmas: (sample.valid & bits::SIGMAS != 0).then_some(sample.sigmas),
@@ -122,65 +86,10 @@ impl Sampled for Detection {
     }
 }
 
-impl DetectionKind {
-    /// Every kind, in the order of its code in [`SensorDetection`].
-    pub const ALL: [Self; 6] = [
-        Self::Position2,
-        Self::Position3,
-        Self::RangeBearing,
-        Self::RangeBearingElevation,
-        Self::Bearing,
-        Self::BearingElevation,
-    ];
-
-    /// The word that files use (FM-6).
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Position2 => "position2",
-            Self::Position3 => "position3",
-            Self::RangeBearing => "range_bearing",
-            Self::RangeBearingElevation => "range_bearing_elevation",
-            Self::Bearing => "bearing",
-            Self::BearingElevation => "bearing_elevation",
-        }
-    }
-
-    /// The kind that a file's word names.
-    pub fn from_word(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.word() == word)
-    }
-
-    /// The quantities, in the order of their values.
-    pub fn quantities(self) -> &'static [Quantity] {
-        use Quantity::{Bearing, East, Elevation, North, Range, Up};
-        match self {
-            Self::Position2 => &[East, North],
-            Self::Position3 => &[East, North, Up],
-            Self::RangeBearing => &[Range, Bearing],
-            Self::RangeBearingElevation => &[Range, Bearing, Elevation],
-            Self::Bearing => &[Bearing],
-            Self::BearingElevation => &[Bearing, Elevation],
-        }
-    }
-}
-
-impl Quantity {
-    /// What is wrong with a finite value of this quantity, and what to do about it; `None` if nothing is.
-    pub fn fault(self, value: f64) -> Option<&'static str> {
-        match self {
-            Self::East | Self::North | Self::Up => None,
-            Self::Range => (value < 0.0).then_some("is negative, which no range is"),
-            Self::Bearing => (value.abs() > TAU).then_some("is more than a full turn; write radians, not degrees"),
-            Self::Elevation => {
-                (value.abs() > FRAC_PI_2).then_some("is beyond the vertical; write radians, not degrees")
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use messages::Quantity;
 
     #[test]
     fn every_kind_is_found_by_its_word_and_fits() {

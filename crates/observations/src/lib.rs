@@ -16,7 +16,8 @@ mod observation;
 mod wide_area;
 
 pub use bearing::Bearing;
-pub use detection::{Detection, DetectionKind, QUANTITIES_MAX, Quantity, Truth};
+pub use detection::{Detection, QUANTITIES_MAX, Truth};
+pub use messages::{DetectionKind, Quantity};
 pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, Service, TRUNCATION_NS};
 pub use wide_area::WideAreaReport;
 

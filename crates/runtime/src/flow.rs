@@ -7,7 +7,7 @@
 //! count of it slightly off, cannot be overrun.
 
 use bus::{Bus, Mark, Publisher, Subscriber, Transport};
-use messages::{BatchHeader, ProcessKind, Progress};
+use messages::{BatchHeader, ProcessKind, Progress, StreamId};
 
 use crate::clock::Now;
 
@@ -18,7 +18,7 @@ const REPEAT_NS: i64 = 50_000_000;
 #[derive(Debug)]
 pub struct Flow<S: Transport> {
     progress: Subscriber<S, Progress>,
-    source: u16,
+    stream: StreamId,
     publisher_incarnation: u64,
     window: u64,
     consumers: Vec<Consumer>,
@@ -35,7 +35,7 @@ struct Consumer {
 }
 
 impl<S: Transport> Flow<S> {
-    /// Follows `consumers` of the topic of `source`, whose depth is `depth` slices; its publisher is this process, of
+    /// Follows `consumers` of `stream`, whose topic has a depth of `depth` slices; its publisher is this process, of
     /// `incarnation`.
     ///
     /// # Errors
@@ -43,7 +43,7 @@ impl<S: Transport> Flow<S> {
     pub fn new(
         bus: &Bus<S>,
         incarnation: u64,
-        source: u16,
+        stream: StreamId,
         depth: usize,
         consumers: &[ProcessKind],
     ) -> anyhow::Result<Self> {
@@ -55,7 +55,7 @@ impl<S: Transport> Flow<S> {
         };
         Ok(Self {
             progress: bus.subscriber(&messages::progress(), || incarnation)?,
-            source,
+            stream,
             publisher_incarnation: incarnation,
             window: (depth / 4).max(1) as u64,
             consumers: consumers.iter().map(consumer).collect(),
@@ -67,10 +67,11 @@ impl<S: Transport> Flow<S> {
     /// # Errors
     /// If shared memory fails.
     pub fn update(&mut self, sent: u64) -> anyhow::Result<()> {
-        let (source, publisher, consumers) = (self.source, self.publisher_incarnation, &mut self.consumers);
+        let (stream, publisher, consumers) = (self.stream, self.publisher_incarnation, &mut self.consumers);
         self.progress.take(usize::MAX, |_, said| {
-            for progress in said.iter().filter(|progress| progress.source == source) {
-                let of = |consumer: &&mut Consumer| consumer.kind as u16 == progress.consumer;
+            let of_stream = |said: &&Progress| (said.stream, said.number) == (stream.stream.code(), stream.number);
+            for progress in said.iter().filter(of_stream) {
+                let of = |consumer: &&mut Consumer| consumer.kind.code() == progress.consumer;
                 if let Some(consumer) = consumers.iter_mut().find(of) {
                     consumer.hear(progress, publisher, sent);
                 }
@@ -139,21 +140,21 @@ pub struct Reached<S: Transport> {
 }
 
 impl<S: Transport> Reached<S> {
-    /// Speaks as `kind` for the topics of `sources`.
+    /// Speaks as `kind` of `streams`.
     ///
     /// # Errors
     /// If the progress topic cannot be opened.
-    pub fn new(bus: &Bus<S>, incarnation: u64, kind: ProcessKind, sources: &[u16]) -> anyhow::Result<Self> {
-        let topic = |source: &u16| Progress {
+    pub fn new(bus: &Bus<S>, incarnation: u64, kind: ProcessKind, streams: &[StreamId]) -> anyhow::Result<Self> {
+        let topic = |stream: &StreamId| Progress {
             consumer_incarnation: incarnation,
-            source: *source,
-            consumer: kind as u16,
-            progress_ns: i64::MIN,
+            number: stream.number,
+            stream: stream.stream.code(),
+            consumer: kind.code(),
             ..Progress::default()
         };
         Ok(Self {
             publisher: bus.publisher(&messages::progress(), incarnation)?,
-            topics: sources.iter().map(topic).collect(),
+            topics: streams.iter().map(topic).collect(),
             changed: true,
             said_ns: i64::MIN,
         })
@@ -201,6 +202,7 @@ impl<S: Transport> Reached<S> {
 mod tests {
     use super::*;
     use bus::{InProcess, Root};
+    use messages::Stream;
 
     const NOW: Now = Now {
         mono_ns: 1_000_000_000,
@@ -226,11 +228,18 @@ mod tests {
         }
 
         fn flow(&self, consumers: &[ProcessKind]) -> Flow<InProcess> {
-            Flow::new(&self.bus, 7, 3, 40, consumers).unwrap()
+            Flow::new(&self.bus, 7, stream(3), 40, consumers).unwrap()
         }
 
         fn reached(&self, incarnation: u64, kind: ProcessKind) -> Reached<InProcess> {
-            Reached::new(&self.bus, incarnation, kind, &[2, 3]).unwrap()
+            Reached::new(&self.bus, incarnation, kind, &[stream(2), stream(3)]).unwrap()
+        }
+    }
+
+    fn stream(number: u16) -> StreamId {
+        StreamId {
+            stream: Stream::SensorTracks,
+            number,
         }
     }
 

@@ -1,8 +1,8 @@
 //! One source's way from observations to its topics.
 
-use bus::{Mark, Publisher, SharedMemory, Subscriber};
+use bus::{BusError, Mark, Payload, Publisher, SharedMemory, Subscriber};
 use configuration::{Process, Source};
-use messages::{Counter, Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
+use messages::{Counter, Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, Topic, WideArea};
 use observations::{Bearing, Observation, Sampled, Service, WideAreaReport};
 use runtime::HealthEntry;
 use runtime::clock::mono_ns;
@@ -37,17 +37,27 @@ pub(crate) struct Channel {
     gathered: Made,
 }
 
+/// A publisher of what comes from the sensor of `source`.
+fn publisher<T: Payload>(
+    process: &Process,
+    source: &Source,
+    topic: &Topic<T>,
+) -> Result<Publisher<SharedMemory, T>, BusError> {
+    let publisher = process.bus.publisher(topic, process.incarnation)?;
+    Ok(publisher.of_sensor(source.uid))
+}
+
 impl Channel {
     pub(crate) fn open(process: &Process, source: &Source) -> anyhow::Result<Self> {
         let topic = messages::sensor_tracks(&source.name);
         let detections = messages::sensor_detections(&source.name);
-        let open = |_| process.bus.publisher(&detections, process.incarnation);
+        let open = |_| publisher(process, source, &detections);
         let (bearings, platforms) = (
             messages::sensor_bearings(&source.name),
             messages::platform_states(&source.name),
         );
-        let open_bearings = |_| process.bus.publisher(&bearings, process.incarnation);
-        let open_platforms = |_| process.bus.publisher(&platforms, process.incarnation);
+        let open_bearings = |_| publisher(process, source, &bearings);
+        let open_platforms = |_| publisher(process, source, &platforms);
         let listens_to = source.tracker.iter().flat_map(|tracker| &tracker.wide_area_sensors);
         let counts = listens_to.map(|number| {
             let sensor = &process.config.wide_area_sensors[usize::from(*number)];
@@ -65,13 +75,11 @@ impl Channel {
         Ok(Self {
             counts: counts.collect::<Result<_, _>>()?,
             emissions: emissions.collect::<Result<_, _>>()?,
-            cues: cued
-                .map(|_| process.bus.publisher(&cues, process.incarnation))
-                .transpose()?,
+            cues: cued.map(|_| publisher(process, source, &cues)).transpose()?,
             source: source.number,
             name: source.name.clone(),
             stage: Stage::new(source, process.first_day_ns(), Arrivals::new())?,
-            publisher: process.bus.publisher(&topic, process.incarnation)?,
+            publisher: publisher(process, source, &topic)?,
             detections: source.tracker.as_ref().map(open).transpose()?,
             bearings: source.locator.as_ref().map(open_bearings).transpose()?,
             platforms: source.locator.as_ref().map(open_platforms).transpose()?,

@@ -10,7 +10,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use bus::{Mark, Publisher, SharedMemory, WaitMode, Waiter};
 use configuration::{Process, Recorded, Source};
-use messages::{Counter, ProcessKind, SensorDetection, SensorTrack};
+use messages::{Counter, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
 use runtime::clock::mono_ns;
 use runtime::flow::Flow;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
@@ -86,11 +86,17 @@ impl Replay {
         Ok(Self {
             recording: Recording::supported(bytes, recorded, source, first_day_ns, counts(process, source)?)
                 .with_context(|| path.display().to_string())?,
-            publisher: process.bus.publisher(&topic, process.incarnation)?,
+            publisher: process
+                .bus
+                .publisher(&topic, process.incarnation)?
+                .of_sensor(source.uid),
             flow: Flow::new(
                 &process.bus,
                 process.incarnation,
-                source.number,
+                StreamId {
+                    stream: Stream::SensorTracks,
+                    number: source.number,
+                },
                 topic.capacity.depth,
                 &consumers,
             )?,
@@ -230,11 +236,17 @@ impl Detections {
             false => &[],
         };
         Ok(Self {
-            publisher: process.bus.publisher(&topic, process.incarnation)?,
+            publisher: process
+                .bus
+                .publisher(&topic, process.incarnation)?
+                .of_sensor(source.uid),
             flow: Flow::new(
                 &process.bus,
                 process.incarnation,
-                messages::detections_number(source.number),
+                StreamId {
+                    stream: Stream::Detections,
+                    number: source.number,
+                },
                 topic.capacity.depth,
                 consumers,
             )?,

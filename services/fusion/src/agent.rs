@@ -4,9 +4,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{Bus, Transport, Waiter};
-use configuration::{Config, Order};
+use configuration::{Config, Order, Source};
 use fusion::{Engine, Merger, Pushed};
-use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, SystemTrack, TrackState};
+use messages::{
+    BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Stream, StreamId, SystemTrack, TrackState,
+};
 use runtime::clock::mono_ns;
 use runtime::flow::Reached;
 use runtime::housekeeping::Orders;
@@ -59,8 +61,12 @@ impl<S: Transport> FusionAgent<S> {
         if recorded {
             waiter.watch(bus, &messages::progress())?;
         }
-        let sources: Vec<u16> = config.sources.iter().map(|source| source.number).collect();
-        let reached = || Reached::new(bus, incarnation, ProcessKind::Fusion, &sources);
+        let stream = |source: &Source| StreamId {
+            stream: Stream::SensorTracks,
+            number: source.number,
+        };
+        let streams: Vec<_> = config.sources.iter().map(stream).collect();
+        let reached = || Reached::new(bus, incarnation, ProcessKind::Fusion, &streams);
         Ok(Self {
             engine: Engine::new(config.fusion.settings.clone())?,
             output: Output::new(config, bus, incarnation)?,
@@ -68,7 +74,7 @@ impl<S: Transport> FusionAgent<S> {
             waiter,
             round: Vec::with_capacity(inputs.len()),
             look_at: 0,
-            merger: (config.order == Order::Time).then(|| Merger::new(sources.len(), config.fusion.queue)),
+            merger: (config.order == Order::Time).then(|| Merger::new(streams.len(), config.fusion.queue)),
             reached: recorded.then(reached).transpose()?,
             inputs,
             end_sent: false,
@@ -335,6 +341,6 @@ fn registration(engine: &Engine, source: u16) -> Registration {
         azimuth_bias_sigma_rad: sigma[5],
         covariance_inflation: engine.inflation(source).unwrap_or(1.0),
         removed: bits.fold(0, |bits, (error, removed)| bits | u32::from(*removed) << error),
-        reserved: 0,
+        ..Registration::default()
     }
 }

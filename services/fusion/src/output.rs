@@ -2,12 +2,9 @@
 
 use bus::{Bus, Mark, Publisher, Transport};
 use configuration::Config;
-use messages::{Counter, ProcessKind, SystemTrack};
+use messages::{Counter, ProcessKind, StreamId, SystemTrack};
 use runtime::clock::mono_ns;
 use runtime::flow::Flow;
-
-/// Source number under which consumers report their progress on the system tracks.
-const SYSTEM: u16 = messages::NO_SOURCE;
 
 /// System-track states that wait to be sent as one slice.
 #[derive(Debug)]
@@ -16,6 +13,8 @@ pub(crate) struct Output<S: Transport> {
     waiting: Vec<SystemTrack>,
     /// For recordings: the recorder must keep up.
     flow: Option<Flow<S>>,
+    /// Number of the deployment.
+    origin: u32,
     deadline_ns: i64,
     deadline_misses: u64,
 }
@@ -24,12 +23,21 @@ impl<S: Transport> Output<S> {
     pub(crate) fn new(config: &Config, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
         let topic = messages::system_tracks();
         let follow = config.is_recorded() && config.recorder;
-        let flow = || Flow::new(bus, incarnation, SYSTEM, topic.capacity.depth, &[ProcessKind::Recorder]);
+        let flow = || {
+            Flow::new(
+                bus,
+                incarnation,
+                StreamId::SYSTEM_TRACKS,
+                topic.capacity.depth,
+                &[ProcessKind::Recorder],
+            )
+        };
         Ok(Self {
-            publisher: bus.publisher(&topic, incarnation)?,
+            publisher: bus.publisher(&topic, incarnation)?.with_epoch(incarnation),
             // The ends of all tracks at once fit too.
             waiting: Vec::with_capacity(topic.capacity.slice_len + config.fusion.settings.capacity.system_tracks),
             flow: follow.then(flow).transpose()?,
+            origin: config.origin,
             deadline_ns: config.fusion.deadline_ns,
             deadline_misses: 0,
         })
@@ -63,6 +71,7 @@ impl<S: Transport> Output<S> {
             return Ok(());
         }
         let (waiting, sent_ns, deadline_ns) = (&mut self.waiting, mono_ns(), self.deadline_ns);
+        let (epoch, origin) = (self.publisher.incarnation(), self.origin);
         let count = waiting.len();
         let mut missed = 0;
         self.publisher.send(
@@ -74,7 +83,7 @@ impl<S: Transport> Output<S> {
             count,
             |index, sequence| {
                 let track = &mut waiting[index];
-                track.sequence = sequence;
+                (track.sequence, track.epoch, track.origin) = (sequence, epoch, origin);
                 track.stages.fused_ns = sent_ns;
                 missed += u64::from(track.stages.taken_ns != 0 && sent_ns - track.stages.taken_ns > deadline_ns);
                 *track

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root, Subscriber};
 use configuration::Config;
 use fusion_service::FusionAgent;
-use messages::{BatchHeader, Control, Counter, Covariance, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
+use messages::{
+    BatchHeader, Control, Counter, Covariance, FusionRule, SensorTrack, SystemTrack, TrackState, sensor_track_bits,
+};
 use runtime::housekeeping::{self, Orders};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
@@ -185,6 +187,21 @@ fn a_repeated_report_is_not_fused_twice() {
         bench.received.iter().filter(|track| track.trigger_source == 0).count(),
         10
     );
+}
+
+#[test]
+fn states_say_who_made_them_when_by_which_rule_and_of_which_sensor() {
+    let mut bench = Bench::new(&config("arrival", AT_ONCE));
+    bench.send(1, &[report(1, 0, 0.0, 3.0)], i64::MIN, false);
+    bench.turn();
+    let track = bench.received[0];
+    assert_eq!(
+        (track.epoch, track.origin),
+        (1, 0),
+        "the incarnation; no number of the deployment"
+    );
+    assert_eq!(FusionRule::from_code(track.rule), Some(FusionRule::Auto));
+    assert_eq!(track.contributions()[0].sensor_uid, messages::sensor_uid("b"));
 }
 
 #[test]

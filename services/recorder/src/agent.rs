@@ -11,7 +11,7 @@ use configuration::Config;
 use formats::detections_csv::DetectionWriter;
 use formats::tracks_csv::{SensorTrackWriter, SystemTrackWriter};
 use formats::wide_area_csv::WideAreaWriter;
-use messages::{BatchHeader, Counter, NO_SOURCE, ProcessKind, SystemTrack};
+use messages::{BatchHeader, Counter, ProcessKind, Stream, StreamId, SystemTrack};
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
@@ -104,11 +104,18 @@ impl<S: Transport> RecorderAgent<S> {
             )?);
         }
         waiter.watch(bus, &messages::system_tracks())?;
-        let of_sources = sources.iter().map(|source| source.number);
-        let of_detections = detections.iter().map(|file| messages::detections_number(file.number));
-        let of_counts = counts.iter().map(|file| messages::wide_area_number(file.number));
-        let topics = of_sources.chain([NO_SOURCE]).chain(of_detections).chain(of_counts);
-        let topics: Vec<u16> = topics.collect();
+        let stream = |stream| move |number| StreamId { stream, number };
+        let of_sources = sources.iter().map(|file| file.number).map(stream(Stream::SensorTracks));
+        let of_detections = detections
+            .iter()
+            .map(|file| file.number)
+            .map(stream(Stream::Detections));
+        let of_counts = counts.iter().map(|file| file.number).map(stream(Stream::WideArea));
+        let topics = of_sources
+            .chain([StreamId::SYSTEM_TRACKS])
+            .chain(of_detections)
+            .chain(of_counts);
+        let topics: Vec<_> = topics.collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &topics);
         let Opened { file, rows } = open("system_tracks.csv".to_owned())?;
         let file = BufWriter::new(file);

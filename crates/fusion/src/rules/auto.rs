@@ -11,7 +11,7 @@
 use super::{Method, RuleEntry};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
-    name: "auto",
+    code: messages::FusionRule::Auto,
     summary: "the system filter, keeping one point of each target where the sources see different ones",
     assumption: "as system-filter; differences that persist are systematic errors or detection points, not noise",
     claims_consistency: true,

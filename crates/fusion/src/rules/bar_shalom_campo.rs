@@ -20,7 +20,7 @@ use crate::settings::{Intersection, RuleSettings};
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
-    name: "bar-shalom-campo",
+    code: messages::FusionRule::BarShalomCampo,
     summary: "all sources, weighed by covariances and the cross-covariances that common process noise explains",
     assumption: "errors of different sources are correlated by the target's manoeuvres, as in steady filters, and no more",
     keeps_points: false,

@@ -13,7 +13,7 @@ use crate::settings::{Residual, RuleSettings, Tie};
 use crate::state::{State, combine};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
-    name: "best-source",
+    code: messages::FusionRule::BestSource,
     summary: "the source with the smallest accuracy value lambda = alpha·V gets weight 1",
     assumption: "none: one source at a time, so correlation between sources does not matter",
     keeps_points: false,

@@ -12,7 +12,7 @@ use crate::settings::{Intersection, RuleSettings};
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
-    name: "covariance-intersection",
+    code: messages::FusionRule::CovarianceIntersection,
     summary: "all sources, weighed so that the covariance holds whatever their correlation and is as small as that allows",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,

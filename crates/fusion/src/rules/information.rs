@@ -11,7 +11,7 @@ use crate::settings::RuleSettings;
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
-    name: "information",
+    code: messages::FusionRule::Information,
     summary: "all sources, weighed by their inverse covariances",
     assumption: "errors of different sources are independent; where they are not, the covariance is too small",
     keeps_points: false,

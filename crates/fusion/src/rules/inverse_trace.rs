@@ -7,7 +7,7 @@ use crate::settings::RuleSettings;
 use crate::state::{State, combine};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
-    name: "inverse-trace",
+    code: messages::FusionRule::InverseTrace,
     summary: "all sources, each with a weight proportional to 1/trace of its covariance",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,

@@ -1,8 +1,8 @@
 //! The rules that weigh a target's sources.
 //!
 //! A rule sees contributions that have already been brought to one reference time, and says how large a share each
-//! one gets and which state they yield. It never sees topics, files, or a clock. A new rule is a file here and a line in
-//! [`REGISTRY`].
+//! one gets and which state they yield. It never sees topics, files, or a clock. A new rule is a file here, a line in
+//! [`REGISTRY`], and a line in [`FusionRule`], where it gets its name and the code that messages carry.
 
 mod auto;
 mod bar_shalom_campo;
@@ -18,7 +18,7 @@ mod mosaic;
 mod quality_factor;
 mod system_filter;
 
-use messages::TrackState;
+use messages::{FusionRule, TrackState};
 
 use hand_over::HandOver;
 
@@ -31,8 +31,8 @@ pub const NO_SOURCE: u16 = u16::MAX;
 /// A rule, as the registry lists it.
 #[derive(Debug)]
 pub struct RuleEntry {
-    /// Name on the command line and in the configuration.
-    pub name: &'static str,
+    /// Code in messages, which also gives the name.
+    pub code: FusionRule,
     /// One line for help texts.
     pub summary: &'static str,
     /// What the rule assumes about how the sources' errors are correlated (BF-1).
@@ -47,6 +47,11 @@ pub struct RuleEntry {
 }
 
 impl RuleEntry {
+    /// Name on the command line and in the configuration.
+    pub fn name(&self) -> &'static str {
+        self.code.word()
+    }
+
     /// Whether it takes its states from the targets' filters.
     pub(crate) fn is_from_filter(&self) -> bool {
         matches!(self.method, Method::Filter)
@@ -84,20 +89,12 @@ pub static REGISTRY: &[RuleEntry] = &[
 
 /// The rule called `name`.
 pub fn find(name: &str) -> Option<&'static RuleEntry> {
-    REGISTRY.iter().find(|entry| entry.name == name)
+    REGISTRY.iter().find(|entry| entry.name() == name)
 }
 
 /// The rule used where the configuration names none.
 pub fn default_rule() -> &'static RuleEntry {
     &REGISTRY[0]
-}
-
-/// Place of `rule` in the registry, as messages carry it.
-pub fn code(rule: &RuleEntry) -> u8 {
-    REGISTRY
-        .iter()
-        .position(|entry| std::ptr::eq(entry, rule))
-        .unwrap_or_default() as u8
 }
 
 /// Lets a rule weigh `target`. `shares` holds one share per candidate, of which there is at least one; their accuracy

@@ -11,7 +11,7 @@ use crate::settings::RuleSettings;
 use crate::state::{State, combine};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
-    name: "mosaic",
+    code: messages::FusionRule::Mosaic,
     summary: "the confirmed source that comes first in the list of the target's cell",
     assumption: "none: one source at a time, so correlation between sources does not matter",
     keeps_points: false,

@@ -10,7 +10,7 @@ use crate::settings::RuleSettings;
 use crate::state::{State, combine};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
-    name: "quality-factor",
+    code: messages::FusionRule::QualityFactor,
     summary: "all sources, each with a weight proportional to its track's confirmed scans among the last N",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,

@@ -11,7 +11,7 @@
 use super::{Candidate, Method, RuleEntry, Share};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
-    name: "system-filter",
+    code: messages::FusionRule::SystemFilter,
     summary: "one Kalman filter per target over the measurements behind all sensor tracks",
     assumption: "measurement errors are independent between sources and in time, once the sources' filters are undone",
     claims_consistency: true,

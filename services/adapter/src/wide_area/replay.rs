@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use bus::{Mark, Publisher, SharedMemory, WaitMode, Waiter};
 use configuration::{Process, WideAreaSensor};
-use messages::{Counter, Counters, ProcessKind, StageTimes, WideArea};
+use messages::{Counter, Counters, ProcessKind, StageTimes, Stream, StreamId, WideArea};
 use observations::Sampled;
 use runtime::clock::mono_ns;
 use runtime::flow::Flow;
@@ -47,7 +47,10 @@ impl Replay {
             true => &[ProcessKind::Recorder],
             false => &[],
         };
-        let number = messages::wide_area_number(sensor.number);
+        let stream = StreamId {
+            stream: Stream::WideArea,
+            number: sensor.number,
+        };
         let mut waiter = process.bus.waiter(WaitMode::Event);
         waiter.watch(&process.bus, &messages::progress())?;
         Ok(Self {
@@ -59,7 +62,7 @@ impl Replay {
             flow: Flow::new(
                 &process.bus,
                 process.incarnation,
-                number,
+                stream,
                 topic.capacity.depth,
                 consumers,
             )?,

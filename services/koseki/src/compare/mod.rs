@@ -87,10 +87,10 @@ fn fuse(rule: &'static RuleEntry, setup: &Setup<'_>, age_max_s: f64) -> anyhow::
         Ok(())
     };
     let driven = drive(&mut engine, &mut reports, row, |_| Ok(()));
-    let driven = driven.with_context(|| format!("rule {}", rule.name))?;
+    let driven = driven.with_context(|| format!("rule {}", rule.name()))?;
     let count = |counter| engine.counts().get(counter);
     let outcome = Outcome {
-        rule: rule.name,
+        rule: rule.name(),
         score: None,
         confirmed_tracks: count(Counter::TracksConfirmed),
         merged_tracks: count(Counter::TracksMerged),

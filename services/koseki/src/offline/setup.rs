@@ -109,7 +109,7 @@ fn given(path: &Path) -> anyhow::Result<Given> {
 /// If there is none; the message names those that there are.
 pub(crate) fn rule(name: &str) -> Result<&'static RuleEntry, Usage> {
     rules::find(name).ok_or_else(|| {
-        let known: Vec<&str> = rules::REGISTRY.iter().map(|entry| entry.name).collect();
+        let known: Vec<&str> = rules::REGISTRY.iter().map(|entry| entry.name()).collect();
         Usage(format!(
             "--rule {name}: there is no such rule; there are {}",
             known.join(", ")
