@@ -24,6 +24,7 @@
 use std::ops::Range;
 
 use crate::augmenting::{AugmentingPaths, Choice, NONE, Problem, Stop};
+use crate::components::{join, representative};
 
 /// How often an exact solution may look at a pair or a column, for each pair of the component.
 ///
@@ -173,12 +174,10 @@ impl Assignment {
             }
         }
         for pair in &self.pairs {
-            let one = root(&mut self.parent, pair.row);
-            let other = root(&mut self.parent, first_column + pair.column);
-            self.parent[one.max(other) as usize] = one.min(other);
+            join(&mut self.parent, pair.row, first_column + pair.column);
         }
         for pair in &self.pairs {
-            self.parent[pair.row as usize] = root(&mut self.parent, pair.row);
+            self.parent[pair.row as usize] = representative(&mut self.parent, pair.row);
         }
     }
 
@@ -244,16 +243,6 @@ impl Assignment {
             self.paths.take_free(place, Choice { row, column, cost });
         }
     }
-}
-
-/// The first of `member`'s component; shortens the way there for the next time.
-fn root(parent: &mut [u32], mut member: u32) -> u32 {
-    while parent[member as usize] != member {
-        let above = parent[parent[member as usize] as usize];
-        parent[member as usize] = above;
-        member = above;
-    }
-    member
 }
 
 #[cfg(test)]

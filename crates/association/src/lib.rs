@@ -9,6 +9,7 @@
 
 pub mod assignment;
 pub mod augmenting;
+pub mod components;
 pub mod distance;
 mod grid;
 

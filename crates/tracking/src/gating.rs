@@ -7,6 +7,7 @@
 //! cluster that would grow beyond [`CLUSTER_TRACKS_MAX`] tracks or [`ROWS_MAX`] detections refuses the pair that would
 //! make it so. So 10,000 detections in one gate cost no more than 10,000 elsewhere. All is counted.
 
+use association::components::representative;
 use association::{Grid, distance};
 
 use crate::counts::Counts;
@@ -43,15 +44,15 @@ pub(crate) struct Gating {
     pub(crate) pairs_begin: Vec<u32>,
     /// By track: logarithm of the probability that there is no detection in its gate, for what the scan is worth.
     pub(crate) log_misses: Vec<f64>,
-    /// By cluster: one that stands for all that are joined with it.
+    /// By cluster: another one that is joined with it, or itself.
     joined: Vec<u32>,
-    /// By standing-in cluster: tracks and detections of all that are joined with it.
+    /// By representative: tracks and detections of all that are joined with it.
     sizes: Vec<(u32, u32)>,
     /// By detection: a cluster that it belongs to, or [`NONE`].
     owner: Vec<u32>,
-    /// (standing-in cluster, cluster), sorted.
+    /// (representative, cluster), sorted.
     pub(crate) clusters: Vec<(u32, u32)>,
-    /// (standing-in cluster, detection), sorted; detections of no cluster last.
+    /// (representative, detection), sorted; detections of no cluster last.
     pub(crate) plots: Vec<(u32, u32)>,
     grid: Grid,
     in_grid: usize,
@@ -215,7 +216,7 @@ impl Gating {
     }
 
     fn join(&mut self, cluster: u32, plot: u32) -> bool {
-        let one = self.standing_in(cluster);
+        let one = self.representative(cluster);
         let owner = self.owner[plot as usize];
         if owner == NONE {
             let room = (self.sizes[one as usize].1 as usize) < ROWS_MAX;
@@ -225,7 +226,7 @@ impl Gating {
             }
             return room;
         }
-        let other = self.standing_in(owner);
+        let other = self.representative(owner);
         if one == other {
             return true;
         }
@@ -240,29 +241,27 @@ impl Gating {
         true
     }
 
-    /// The cluster that stands for all that are joined with this one: the first of them.
-    fn standing_in(&mut self, cluster: u32) -> u32 {
-        let mut at = cluster;
-        while self.joined[at as usize] != at {
-            let above = self.joined[at as usize];
-            self.joined[at as usize] = self.joined[above as usize];
-            at = above;
-        }
-        at
+    /// The cluster that represents all that are joined with this one: the first of them.
+    fn representative(&mut self, cluster: u32) -> u32 {
+        representative(&mut self.joined, cluster)
     }
 
     fn sort(&mut self) {
         self.clusters.clear();
         for cluster in 0..self.joined.len() as u32 {
-            let standing = self.standing_in(cluster);
-            self.clusters.push((standing, cluster));
+            let first = self.representative(cluster);
+            self.clusters.push((first, cluster));
         }
         self.clusters.sort_unstable();
         self.plots.clear();
         for plot in 0..self.owner.len() {
             let owner = self.owner[plot];
-            let standing = if owner == NONE { NONE } else { self.standing_in(owner) };
-            self.plots.push((standing, plot as u32));
+            let first = if owner == NONE {
+                NONE
+            } else {
+                self.representative(owner)
+            };
+            self.plots.push((first, plot as u32));
         }
         self.plots.sort_unstable();
     }

@@ -9,13 +9,18 @@
 //!
 //! # A scan's way (HT-1)
 //!
-//! 1. [`Tracker::scan`] checks the detections (`measurement` knows what each kind says of a state) and finds the scan's
-//!    place among the open ones: late ones are worked in as if they had come in time (`tracker`).
-//! 2. Every track is predicted and compared with the detections near it. Detections in several clusters' gates bring them
-//!    together (`gating`), and the product of their hypotheses is made (`parents`).
-//! 3. Each hypothesis poses an assignment problem; the likeliest interpretations of all of them come out in order, and no
-//!    more than can be kept (`ranked`, `update`). The tests hold the definition instead: every one of them.
-//! 4. Children that are the same are merged, unreliable ones dropped, tracks confirmed, clusters separated (`stage`).
+//! 1. [`Tracker::scan`] finds the scan's place among the open ones (`tracker`): late ones are worked in as if they had come
+//!    in time. `plot` takes over the usable detections; `measurement` knows what each kind says of a state.
+//! 2. `scan_update` makes the tables after the scan of those before it. Every track is predicted and compared with the
+//!    detections near it. Detections in several clusters' gates bring them together (`gating`, `joined`), and the product of
+//!    their hypotheses is made (`parents`).
+//! 3. `cluster_update`: each hypothesis poses an assignment problem (`interpretations`); the likeliest interpretations of all
+//!    of them come out in order, and no more than can be kept (`ranked`). Their tracks are made in `branching`. The tests hold
+//!    the definition instead: every interpretation there is.
+//! 4. Children that are the same are merged, unreliable ones dropped, tracks confirmed (`hypothesis_store`), clusters
+//!    separated (`separation`).
+//!
+//! Wide-area support is asked in one place, `wide_area::support`.
 //!
 //! What was considered and decided can be had as records ([`explanation`]).
 //! Detections that come one by one are made into scans by [`cutting`], those of files by [`scans`].
@@ -38,6 +43,9 @@
 
 #![forbid(unsafe_code)]
 
+mod branching;
+mod cluster_explanation;
+mod cluster_update;
 mod clutter;
 #[cfg(test)]
 mod correlation_tests;
@@ -50,7 +58,10 @@ pub mod explanation;
 mod field_of_view;
 mod gate;
 mod gating;
+mod hypothesis_store;
 mod initiation;
+mod interpretations;
+mod joined;
 mod life;
 mod limits;
 mod log_sum;
@@ -62,12 +73,13 @@ mod population;
 mod ranked;
 mod resolution;
 mod scan_context;
+mod scan_update;
 pub mod scans;
 pub mod selection;
 mod sensor;
+mod separation;
 pub mod settings;
 mod splitting;
-mod stage;
 #[cfg(test)]
 mod testing;
 mod track;
@@ -76,7 +88,6 @@ mod tracker;
 #[cfg(test)]
 mod tracker_tests;
 mod turn;
-mod update;
 pub mod wide_area;
 #[cfg(test)]
 mod wide_area_identity_tests;

@@ -5,59 +5,21 @@
 
 use std::ops::Range;
 
-use crate::explanation::CorrectionRecord;
+use crate::joined::Joined;
 use crate::log_sum::log_sum;
-use crate::population::{Cluster, Hypothesis, Population};
-use crate::wide_area::correction::{Gains, Rule, has_enough, lacking};
+use crate::population::{Cluster, Population};
+use crate::wide_area::support::Demand;
 
 /// A hypothesis before the scan.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Parent {
     pub(crate) log_reliability: f64,
-    /// How many tracks it lacks of those that a valid wide-area report has seen, and of those by which reliabilities are
-    /// corrected in this scan.
+    /// Number of tracks that it lacks of those that a valid wide-area report has seen, and of those by which reliabilities
+    /// are corrected in this scan.
     pub(crate) lacking: usize,
     pub(crate) lacking_due: usize,
     /// Places in the list of members.
     members: Range<u32>,
-}
-
-/// What wide-area reports ask of a cluster.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Asked {
-    /// How many targets there are, if that is known.
-    pub(crate) targets: Option<f64>,
-    /// How the reliabilities of its hypotheses are corrected.
-    pub(crate) correction: Option<Rule>,
-    /// Whether those of their children are corrected, too.
-    pub(crate) corrects_children: bool,
-}
-
-impl Asked {
-    fn is_enough(&self, hypothesis: &Hypothesis) -> bool {
-        self.targets
-            .is_none_or(|targets| has_enough(hypothesis.members.len(), targets))
-    }
-
-    fn gains(&self, hypotheses: &[Hypothesis]) -> Gains {
-        let rated = hypotheses
-            .iter()
-            .map(|hypothesis| (hypothesis.log_reliability, self.is_enough(hypothesis)));
-        self.correction.map_or(Gains::NONE, |rule| Gains::of_all(rated, rule))
-    }
-
-    /// What the correction of these hypotheses comes to, if it changes them.
-    pub(crate) fn explained(&self, hypotheses: &[Hypothesis]) -> Option<CorrectionRecord> {
-        let gains = self.gains(hypotheses);
-        let enough = hypotheses.iter().filter(|hypothesis| self.is_enough(hypothesis));
-        let before: f64 = enough.map(|hypothesis| hypothesis.log_reliability.exp()).sum();
-        (gains != Gains::NONE).then(|| CorrectionRecord {
-            targets: self.targets.unwrap_or(f64::NAN),
-            before: before.min(1.0),
-            after: (before * gains.gain(true).exp()).min(1.0),
-            of_children: false,
-        })
-    }
 }
 
 /// The hypotheses of one cluster, or of several together.
@@ -91,14 +53,9 @@ impl Parents {
         }
     }
 
-    /// Takes the hypotheses of `clusters`, at most `hypotheses_max` of all together. Returns the share of their
+    /// Takes the hypotheses of joined clusters, at most `hypotheses_max` of all together. Returns the share of their
     /// probability that was dropped.
-    pub(crate) fn gather<'a>(
-        &mut self,
-        population: &'a Population,
-        clusters: impl Iterator<Item = (&'a Cluster, Asked)>,
-        hypotheses_max: usize,
-    ) -> f64 {
+    pub(crate) fn gather(&mut self, joined: &Joined<'_>, hypotheses_max: usize) -> f64 {
         self.list.clear();
         self.members.clear();
         self.corrected = false;
@@ -108,8 +65,9 @@ impl Parents {
             lacking_due: 0,
             members: 0..0,
         });
-        for (cluster, asked) in clusters {
-            self.multiply(population, cluster, hypotheses_max, &asked);
+        for (place, cluster) in joined.clusters() {
+            let demand = joined.support.demand(place);
+            self.multiply(joined.scan.before, cluster, hypotheses_max, &demand);
         }
         let kept = log_sum(self.list.iter().map(|parent| parent.log_reliability));
         (1.0 - kept.exp()).max(0.0)
@@ -121,16 +79,16 @@ impl Parents {
         &self.members[range.start as usize..range.end as usize]
     }
 
-    fn multiply(&mut self, population: &Population, cluster: &Cluster, hypotheses_max: usize, asked: &Asked) {
+    fn multiply(&mut self, population: &Population, cluster: &Cluster, hypotheses_max: usize, demand: &Demand) {
         let range = cluster.hypotheses.start as usize..cluster.hypotheses.end as usize;
         let hypotheses = &population.hypotheses[range];
         // WA-4, to the hypotheses themselves; their children follow once they are drawn.
-        let gains = asked.gains(hypotheses);
-        self.corrected |= asked.corrects_children && gains != Gains::NONE;
+        let gains = demand.gains(hypotheses);
+        self.corrected |= demand.corrects_children && !gains.are_none();
         self.products.clear();
         for (one, parent) in (0..).zip(&self.list) {
             for (other, hypothesis) in (0..).zip(hypotheses) {
-                let corrected = hypothesis.log_reliability + gains.gain(asked.is_enough(hypothesis));
+                let corrected = hypothesis.log_reliability + gains.gain(demand.is_enough(hypothesis));
                 let product = parent.log_reliability + corrected;
                 self.products.push((product, one, other));
             }
@@ -147,11 +105,11 @@ impl Parents {
             members.extend_from_slice(&self.members[parent.members.start as usize..parent.members.end as usize]);
             let of_other = population.members_of(&hypotheses[other as usize]);
             members.extend_from_slice(of_other);
-            let lacking = asked.targets.map_or(0, |targets| lacking(of_other.len(), targets));
+            let lacking = demand.lacking(of_other.len());
             list.push(Parent {
                 log_reliability,
                 lacking: parent.lacking + lacking,
-                lacking_due: parent.lacking_due + if asked.corrects_children { lacking } else { 0 },
+                lacking_due: parent.lacking_due + if demand.corrects_children { lacking } else { 0 },
                 members: begin..members.len() as u32,
             });
         }

@@ -20,6 +20,15 @@ pub(crate) struct Plot {
     pub(crate) log_weight: f64,
 }
 
+/// A scan as the tracker keeps it.
+#[derive(Clone, Debug)]
+pub(crate) struct Scan {
+    pub(crate) time_ns: i64,
+    /// Place of its sensor in the settings.
+    pub(crate) sensor: usize,
+    pub(crate) plots: Vec<Plot>,
+}
+
 /// Takes over the usable detections.
 pub(crate) fn admit(
     detections: &[Detection],

@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::limits::{DETECTION_COUNTS, HYPOTHESES_MAX};
 use crate::sensor::Memory;
 use crate::track::Track;
-use crate::wide_area::identification::Identities;
+use crate::wide_area::carried::Carried;
 
 /// One consistent explanation of everything in a cluster.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,18 +37,13 @@ pub(crate) struct Cluster {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Population {
     pub(crate) time_ns: i64,
-    /// Wide-area reports that arrived until then have been used.
-    pub(crate) reports_ns: i64,
-    /// So have emissions that were received until then.
-    pub(crate) emissions_ns: i64,
     pub(crate) tracks: Vec<Track>,
     pub(crate) hypotheses: Vec<Hypothesis>,
     pub(crate) members: Vec<u32>,
     pub(crate) clusters: Vec<Cluster>,
     /// By sensor.
     pub(crate) sensors: Vec<Memory>,
-    /// Of the confirmed tracks.
-    pub(crate) identities: Identities,
+    pub(crate) support: Carried,
     /// Serial number of the next detection, of the next track's root, of the next confirmed track.
     pub(crate) next_serial: u32,
     pub(crate) next_root: u32,
@@ -59,24 +54,22 @@ impl Population {
     pub(crate) fn new(tracks_max: usize, sensors: usize, types: usize) -> Self {
         Self {
             time_ns: i64::MIN,
-            reports_ns: i64::MIN,
-            emissions_ns: i64::MIN,
             tracks: Vec::with_capacity(tracks_max),
             hypotheses: Vec::with_capacity(2 * tracks_max + HYPOTHESES_MAX),
             members: Vec::with_capacity(8 * tracks_max + HYPOTHESES_MAX),
             clusters: Vec::with_capacity(tracks_max),
             sensors: vec![Memory::NONE; sensors],
-            identities: Identities::new(tracks_max, types),
+            support: Carried::new(tracks_max, types),
             next_serial: 1,
             next_root: 1,
             next_number: 1,
         }
     }
 
-    /// Empties the tables, to be filled with what follows from `before`. Who the tracks are is found when they are there.
+    /// Empties the tables, to be filled with what follows from `before`.
     pub(crate) fn follow(&mut self, before: &Self, time_ns: i64) {
         self.time_ns = time_ns;
-        self.reports_ns = before.reports_ns;
+        self.support.follow(&before.support);
         self.tracks.clear();
         self.hypotheses.clear();
         self.members.clear();

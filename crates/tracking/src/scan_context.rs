@@ -7,7 +7,7 @@ use crate::population::Population;
 use crate::sensor::Sensor;
 use crate::settings::Settings;
 use crate::track::Track;
-use crate::wide_area::expectation::Expectations;
+use crate::wide_area::support::Support;
 
 /// A scan, and what it is worked off with.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +19,7 @@ pub(crate) struct ScanContext<'a> {
     pub(crate) gating: &'a Gating,
     pub(crate) settings: &'a Settings,
     pub(crate) sensor: &'a Sensor,
-    /// What wide-area reports say of the clusters before the scan.
-    pub(crate) expectations: &'a Expectations,
+    pub(crate) support: &'a Support,
     /// Logarithm of the weight of all its detections (WA-1).
     pub(crate) log_weight: f64,
     pub(crate) time_ns: i64,

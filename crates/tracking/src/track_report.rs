@@ -3,14 +3,11 @@
 use estimation::PackedGaussian;
 use messages::{NS_PER_S, SensorTrack, TargetType, TrackKind, TrackState, sensor_track_bits};
 
-use crate::motion::{MotionSettings, noise};
+use crate::motion::noise;
 use crate::population::{Cluster, Population};
 use crate::settings::Settings;
 use crate::track::Track;
-use crate::wide_area::expectation::Expectation;
 use crate::wide_area::group::Group;
-use crate::wide_area::identification::Whereabouts;
-use crate::wide_area::settings::WideArea;
 
 /// A confirmed track after the latest scan: the most reliable branch of its ancestor (HT-10).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,80 +106,35 @@ pub(crate) fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings
     }
 }
 
-/// Writes of each confirmed ancestor the number, the most reliable branch and its cluster to `best`, by their numbers.
-pub(crate) fn find_best(population: &Population, best: &mut Vec<(u32, u32, u32)>) {
+/// The most reliable branch of a confirmed ancestor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct BestBranch {
+    /// Number of the ancestor.
+    pub(crate) number: u32,
+    /// Places of the branch and of its cluster in the population.
+    pub(crate) track: u32,
+    pub(crate) cluster: u32,
+}
+
+/// Writes the best branches of all confirmed ancestors to `best`, by their numbers.
+pub(crate) fn find_best(population: &Population, best: &mut Vec<BestBranch>) {
     let of = |track: u32| &population.tracks[track as usize];
     best.clear();
-    for (cluster, place) in population.clusters.iter().zip(0..) {
+    for (place, cluster) in (0..).zip(&population.clusters) {
         // All branches of an ancestor are in one cluster.
         let first = best.len();
         for track in cluster.tracks.clone().filter(|track| of(*track).is_confirmed()) {
             let number = of(track).number;
-            match best[first..].iter_mut().find(|(other, ..)| *other == number) {
-                Some((_, branch, _)) if of(track).is_preferred_to(of(*branch)) => *branch = track,
+            match best[first..].iter_mut().find(|best| best.number == number) {
+                Some(best) if of(track).is_preferred_to(of(best.track)) => best.track = track,
                 Some(_) => (),
-                None => best.push((number, track, place)),
+                None => best.push(BestBranch {
+                    number,
+                    track,
+                    cluster: place,
+                }),
             }
         }
     }
     best.sort_unstable();
-}
-
-/// Where a track is at `time_ns`, along its velocity; as uncertain as it was when it was last seen.
-pub(crate) fn whereabouts(track: &Track, time_ns: i64) -> Whereabouts {
-    let estimate = track.motion.estimate();
-    let (position_m, velocity_mps) = (estimate.position_m(), estimate.velocity_mps());
-    let seconds = time_ns.saturating_sub(track.time_ns) as f64 / NS_PER_S;
-    let [xx, xy, _, yy, ..] = estimate.position_covariance();
-    Whereabouts {
-        place_m: [0, 1].map(|axis| position_m[axis] + velocity_mps[axis] * seconds),
-        variances_m2: [xx, yy, xy],
-    }
-}
-
-/// WA-7: whether the cluster's targets are not told apart.
-pub(crate) fn group_of(
-    population: &Population,
-    cluster: &Cluster,
-    expectation: &Expectation,
-    settings: &WideArea,
-) -> Option<Group> {
-    let (groups, targets) = settings.groups.zip(expectation.targets)?;
-    let hypotheses = &population.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize];
-    let rated = hypotheses
-        .iter()
-        .map(|hypothesis| (hypothesis.log_reliability.exp(), hypothesis.members.len()));
-    groups.decide(rated, targets)
-}
-
-/// One track for several, branches included: their mean by reliability. `None` of none.
-pub(crate) fn joined(
-    tracks: impl Iterator<Item = TrackReport>,
-    group: Group,
-    time_ns: i64,
-    motion: &MotionSettings,
-) -> Option<TrackReport> {
-    let mut sum = 0.0;
-    let moved = tracks.map(|track| track.moved_to(time_ns, motion.process_noise_m2ps3));
-    let joined = moved.reduce(|all, track| {
-        sum = if sum == 0.0 { all.reliability } else { sum } + track.reliability;
-        let of_one = all.detections >= track.detections;
-        TrackReport {
-            number: all.number.min(track.number),
-            state: if all.missed.min(track.missed) == 0 {
-                TrackState::Confirmed
-            } else {
-                TrackState::Coasted
-            },
-            estimate: PackedGaussian::mixture(&all.estimate, &track.estimate, track.reliability / sum),
-            reliability: all.reliability.max(track.reliability),
-            missed: all.missed.min(track.missed),
-            detections: if of_one { all.detections } else { track.detections },
-            ..all
-        }
-    })?;
-    Some(TrackReport {
-        group: Some(group),
-        ..joined
-    })
 }

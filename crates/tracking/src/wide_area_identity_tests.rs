@@ -193,8 +193,8 @@ fn an_emission_moves_no_track_and_a_bad_one_changes_nothing() {
         hostile.scan(1, second * S, &two(second)).unwrap();
         let (silent, hostile) = (silent.latest(), hostile.latest());
         assert_eq!(
-            (&silent.tracks, &silent.hypotheses, &silent.identities),
-            (&hostile.tracks, &hostile.hypotheses, &hostile.identities)
+            (&silent.tracks, &silent.hypotheses, &silent.support.identities),
+            (&hostile.tracks, &hostile.hypotheses, &hostile.support.identities)
         );
     }
     assert_eq!(hostile.counts().emissions_refused, 4 * 19);
@@ -231,7 +231,7 @@ fn ended_tracks_are_forgotten() {
             .iter()
             .filter(|track| track.is_confirmed())
             .count();
-        assert!(tracker.latest().identities.len() <= confirmed);
+        assert!(tracker.latest().support.identities.len() <= confirmed);
     }
     assert!(tracker.counts().confirmed > 10);
 }

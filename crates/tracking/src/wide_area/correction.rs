@@ -64,6 +64,11 @@ impl Gains {
         }
     }
 
+    /// Whether they change nothing.
+    pub(crate) fn are_none(&self) -> bool {
+        *self == Self::NONE
+    }
+
     pub(crate) fn gain(&self, is_enough: bool) -> f64 {
         if is_enough { self.enough } else { self.fewer }
     }

@@ -85,7 +85,7 @@ impl Expectations {
         counts: &mut Counts,
     ) {
         self.list.clear();
-        let is_due = |report: &WideAreaReport| report::is_due(report, before.reports_ns, time_ns);
+        let is_due = |report: &WideAreaReport| report::is_due(report, before.support.reports_ns, time_ns);
         let matters = |report: &WideAreaReport| is_due(report) || report::is_valid(report, time_ns, settings.valid_ns);
         let needed = |report: &WideAreaReport| if lasting { matters(report) } else { is_due(report) };
         if before.clusters.is_empty() || !reports.iter().any(needed) {

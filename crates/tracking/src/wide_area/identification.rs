@@ -17,11 +17,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use messages::TargetType;
+use messages::{NS_PER_S, TargetType};
 use observations::WideAreaReport;
 
 use super::emission::Emission;
 use super::prior::{EmissionBand, Knowledge};
+use crate::track::Track;
 
 /// Most emissions of a track that count.
 const EMISSIONS_MAX: u32 = 3;
@@ -207,6 +208,18 @@ impl Identities {
 }
 
 impl Whereabouts {
+    /// Place of a track at `time_ns`, along its velocity; as uncertain as it was when it was last seen.
+    pub(crate) fn of(track: &Track, time_ns: i64) -> Self {
+        let estimate = track.motion.estimate();
+        let (position_m, velocity_mps) = (estimate.position_m(), estimate.velocity_mps());
+        let seconds = time_ns.saturating_sub(track.time_ns) as f64 / NS_PER_S;
+        let [xx, xy, _, yy, ..] = estimate.position_covariance();
+        Self {
+            place_m: [0, 1].map(|axis| position_m[axis] + velocity_mps[axis] * seconds),
+            variances_m2: [xx, yy, xy],
+        }
+    }
+
     /// How far an emission is from coming from here, in standard deviations.
     fn distance(&self, emission: &Emission) -> f64 {
         let line = [0, 1].map(|axis| self.place_m[axis] - emission.platform_m[axis]);

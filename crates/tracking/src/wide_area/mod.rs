@@ -24,10 +24,13 @@
 //! Source: patent JP4702010B2.
 
 pub mod arrivals;
+pub(crate) mod carried;
+pub(crate) mod children;
 pub mod choice;
 pub mod correction;
 pub mod counting;
 pub mod cue;
+pub(crate) mod description;
 pub mod distribution;
 pub mod emission;
 pub(crate) mod expectation;
@@ -37,6 +40,7 @@ pub mod prior;
 pub(crate) mod report;
 pub mod schedule;
 pub mod settings;
+pub(crate) mod support;
 
 pub use emission::{Emission, EmissionRefusal};
 pub use observations::WideAreaReport;

@@ -1,0 +1,251 @@
+//! The tracks of child hypotheses (HT-3): continued without a detection, updated with one, or begun at one.
+//!
+//! Each is made when the first child needs it, and shared by all that have it.
+
+use messages::NS_PER_S;
+
+use crate::counts::Counts;
+use crate::explanation::TrackEvent;
+use crate::gating::NONE;
+use crate::hypothesis_store::HypothesisStore;
+use crate::joined::Joined;
+use crate::life::Deletion;
+use crate::limits::{CLUSTER_TRACKS_MAX, PAIRS_MAX};
+use crate::motion::Motion;
+use crate::population::Population;
+use crate::ranked::ROWS_MAX;
+use crate::scan_context::ScanContext;
+use crate::splitting::mean_motion;
+use crate::track::{NO_DETECTION, Track};
+
+/// Place of a track that has not been made yet, or finds no room.
+pub(crate) const UNMADE: u32 = u32::MAX;
+/// Place of a track that is given up.
+pub(crate) const REMOVED: u32 = u32::MAX - 1;
+
+/// Places in the store of the tracks made so far; working memory for one cluster after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Branches {
+    /// By track before the scan, by pair, by row.
+    missed: Vec<u32>,
+    updated: Vec<u32>,
+    begun: [u32; ROWS_MAX],
+    /// (number, reliability) of confirmed tracks.
+    numbers: Vec<(u32, f64)>,
+    /// Places of the branches of one of them.
+    of_number: Vec<u32>,
+}
+
+impl Branches {
+    pub(crate) fn new(tracks_max: usize) -> Self {
+        Self {
+            missed: vec![UNMADE; tracks_max],
+            updated: vec![UNMADE; 4 * tracks_max + PAIRS_MAX],
+            begun: [UNMADE; ROWS_MAX],
+            numbers: Vec::with_capacity(CLUSTER_TRACKS_MAX),
+            of_number: Vec::with_capacity(CLUSTER_TRACKS_MAX),
+        }
+    }
+
+    /// Forgets the tracks made of these clusters.
+    pub(crate) fn clear(&mut self, joined: &Joined<'_>) {
+        self.begun = [UNMADE; ROWS_MAX];
+        for track in joined.tracks() {
+            self.missed[track as usize] = UNMADE;
+            self.updated[joined.pairs(track)].fill(UNMADE);
+        }
+    }
+
+    /// The track `number` with a pair, or, for [`NONE`], as the memory track, unless it has been silent for too long.
+    pub(crate) fn continued(
+        &mut self,
+        joined: &Joined<'_>,
+        number: u32,
+        pair: u32,
+        store: &mut HypothesisStore,
+        counts: &mut Counts,
+    ) -> u32 {
+        if pair == NONE {
+            let made = &mut self.missed[number as usize];
+            if *made == UNMADE {
+                *made = missed_track(joined, number, counts).map_or(REMOVED, |track| kept(store, track));
+            }
+            return *made;
+        }
+        let made = &mut self.updated[pair as usize];
+        if *made == UNMADE {
+            *made = updated_track(joined, number, pair, counts).map_or(REMOVED, |track| kept(store, track));
+        }
+        *made
+    }
+
+    /// Keeps what directions have made of the track `number`; `None` if it is given up.
+    pub(crate) fn keep_directed(&mut self, number: u32, track: Option<Track>, store: &mut HypothesisStore) {
+        self.missed[number as usize] = track.map_or(REMOVED, |track| kept(store, track));
+    }
+
+    /// Place in the store of a track kept by [`Self::keep_directed`].
+    pub(crate) fn directed(&self, number: u32) -> u32 {
+        self.missed[number as usize]
+    }
+
+    /// The new track that begins at a row's detection.
+    pub(crate) fn begun(
+        &mut self,
+        joined: &Joined<'_>,
+        row: usize,
+        store: &mut HypothesisStore,
+        next: &mut Population,
+        counts: &mut Counts,
+    ) -> u32 {
+        if self.begun[row] == UNMADE {
+            let inherited = self.parents_motion(joined, row);
+            counts.starts_with_parents_motion += u64::from(inherited.is_some());
+            let in_company = u32::from(joined.is_in_confirmed_gate(row));
+            self.begun[row] = match begin(joined.scan, joined.plots[row].1, inherited, next.next_root) {
+                Some(track) => {
+                    next.next_root = next.next_root.wrapping_add(1).max(1);
+                    kept(store, Track { in_company, ..track })
+                }
+                None => REMOVED,
+            };
+        }
+        self.begun[row]
+    }
+
+    /// SP-2: the motion of the most reliable confirmed track in whose gate the row's detection lies.
+    fn parents_motion(&mut self, joined: &Joined<'_>, row: usize) -> Option<Motion> {
+        let scan = joined.scan;
+        let branches_max = scan.settings.splitting.parents_motion?;
+        let plot = joined.plots[row].1;
+        self.numbers.clear();
+        self.of_number.clear();
+        for place in joined.tracks() {
+            let track = &scan.before.tracks[place as usize];
+            let in_gate = || joined.pairs(place).any(|pair| scan.gating.pairs[pair].plot == plot);
+            if !track.is_confirmed() || !in_gate() {
+                continue;
+            }
+            self.of_number.push(place);
+            match self.numbers.iter_mut().find(|(other, _)| *other == track.number) {
+                Some((_, reliability)) => *reliability += track.reliability,
+                None => self.numbers.push((track.number, track.reliability)),
+            }
+        }
+        let best = self.numbers.iter();
+        let (number, _) = best
+            .copied()
+            .max_by(|one, other| one.1.total_cmp(&other.1).then(other.0.cmp(&one.0)))?;
+        let of = |track: &u32| &scan.before.tracks[*track as usize];
+        self.of_number.retain(|track| of(track).number == number);
+        self.of_number.sort_unstable_by(|one, other| {
+            of(other)
+                .reliability
+                .total_cmp(&of(one).reliability)
+                .then(one.cmp(other))
+        });
+        let time_ns = scan.plots[plot as usize].time_ns;
+        let best = self.of_number.iter().take(branches_max).map(of);
+        mean_motion(best.map(|track| (track.motion_at(time_ns, &scan.settings.motion), track.reliability)))
+    }
+}
+
+fn kept(store: &mut HypothesisStore, track: Track) -> u32 {
+    store.add_track(track).unwrap_or(UNMADE)
+}
+
+/// `None` if it is given up.
+fn missed_track(joined: &Joined<'_>, number: u32, counts: &mut Counts) -> Option<Track> {
+    let scan = joined.scan;
+    let mut track = scan.before.tracks[number as usize];
+    let log_miss = scan.gating.log_misses[number as usize];
+    track.missed += 1;
+    track.log_silence += log_miss;
+    track.log_likelihood_ratio += log_miss;
+    // A quick sensor that finds nothing here must not push out of the memory what a slow one has left open.
+    if !joined.plots.is_empty() || scan.sensor.worth >= 1.0 {
+        track.remember(NO_DETECTION);
+    }
+    let deletion = &scan.settings.deletion;
+    if deletion.is_met(&track, scan.time_ns) {
+        explain_end(scan, &track, deletion, TrackEvent::ENDS);
+        return None;
+    }
+    let early = joined.support.deletion();
+    if let Some(early) = early.filter(|deletion| deletion.is_met(&track, scan.time_ns)) {
+        counts.wide_area_deletions += 1;
+        explain_end(scan, &track, &early, TrackEvent::ABSENT_ENDS);
+        return None;
+    }
+    if lacks_company(joined, &track) {
+        explain_company(scan, &track);
+        return None;
+    }
+    Some(track)
+}
+
+/// `None` if it is given up.
+fn updated_track(joined: &Joined<'_>, number: u32, pair: u32, counts: &mut Counts) -> Option<Track> {
+    let scan = joined.scan;
+    let found = scan.gating.pairs[pair as usize];
+    let plot = &scan.plots[found.plot as usize];
+    let mut track = scan.before.tracks[number as usize];
+    track.motion = track.motion_at(plot.time_ns, &scan.settings.motion);
+    // It was compared before, so it can be done.
+    let _ = track.motion.update(&plot.measurement.worth(scan.sensor.worth));
+    (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
+    (track.missed, track.log_silence) = (0, 0.0);
+    track.detections += 1;
+    track.in_company += u32::from(joined.is_in_confirmed_gate(joined.row_of(found.plot) as usize));
+    track.log_likelihood_ratio +=
+        scan.sensor.log_detection + found.log_likelihood - scan.log_clutter[found.plot as usize];
+    track.remember(scan.first_serial.wrapping_add(found.plot));
+    if lacks_company(joined, &track) {
+        counts.out_of_company += 1;
+        explain_company(scan, &track);
+        return None;
+    }
+    Some(track)
+}
+
+/// A new track, with an inherited motion or with what a first detection tells. `None` of a direction alone.
+pub(crate) fn begin(scan: &ScanContext<'_>, plot: u32, inherited: Option<Motion>, root: u32) -> Option<Track> {
+    let found = &scan.plots[plot as usize];
+    let settings = scan.settings;
+    let updated = inherited.and_then(|mut motion| motion.update(&found.measurement).map(|_| motion));
+    let motion = updated.or_else(|| Motion::first(&found.measurement, &settings.first_guess, &settings.motion))?;
+    let serial = scan.first_serial.wrapping_add(plot);
+    Some(Track {
+        log_likelihood_ratio: settings.new_target_share.ln(),
+        ..Track::begun(motion, found.time_ns, serial, root)
+    })
+}
+
+/// SP-7.
+fn lacks_company(joined: &Joined<'_>, track: &Track) -> bool {
+    let judged = joined.confirmed > 0 && !track.is_confirmed() && track.detections > 1;
+    let least = joined.scan.settings.splitting.company_min.filter(|_| judged);
+    least.is_some_and(|least| track.company() < least)
+}
+
+/// Tells that a track was missed too often, or silent for too long.
+pub(crate) fn explain_end(
+    scan: &ScanContext<'_>,
+    track: &Track,
+    deletion: &Deletion,
+    [missed, silent]: [TrackEvent; 2],
+) {
+    if deletion.is_missed_too_often(track) {
+        let limit = deletion.missed_probability;
+        scan.explain(missed, track, track.log_silence.exp(), limit);
+    } else {
+        let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
+        let [silent_s, limit_s] = [silent_ns, deletion.silent_ns].map(|time_ns| time_ns as f64 / NS_PER_S);
+        scan.explain(silent, track, silent_s, limit_s);
+    }
+}
+
+fn explain_company(scan: &ScanContext<'_>, track: &Track) {
+    let limit = scan.settings.splitting.company_min.unwrap_or(f64::NAN);
+    scan.explain(TrackEvent::OutOfCompany, track, track.company(), limit);
+}

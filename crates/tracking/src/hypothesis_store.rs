@@ -1,0 +1,220 @@
+//! The child hypotheses of one cluster while a scan is worked off: reduction and confirmation (HT-9, HT-10).
+//!
+//! Children that were drawn are first merged: those of the same tracks, and, if so configured, those whose associations over
+//! the last scans are the same and that hold as many confirmed tracks; of these the more reliable one stays and takes over the
+//! other's reliability. Two hypotheses in which two targets have exchanged their past, for example, become one that way once
+//! the exchange is old enough: which was which will never be known.
+//!
+//! Then children of low reliability are dropped, and tracks that remain beyond doubt are confirmed.
+//!
+//! Limit: associations are compared by a sum of 64-bit hashes; that two different ones agree is possible, and never happens.
+
+use std::ops::Range;
+
+use crate::counts::Counts;
+use crate::log_sum::{log_add, log_sum};
+use crate::settings::Reduction;
+use crate::track::{TENTATIVE, Track};
+
+/// A child hypothesis.
+#[derive(Clone, Debug)]
+pub(crate) struct Child {
+    /// Logarithm; those of all children sum to 1 once they are reduced.
+    pub(crate) log_reliability: f64,
+    /// Places in the list of members.
+    members: Range<u32>,
+    /// Hash of its associations over the last scans.
+    key: u64,
+}
+
+/// Working memory for one cluster after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct HypothesisStore {
+    /// Tracks that children may have.
+    pub(crate) tracks: Vec<Track>,
+    /// Most reliable first once they are reduced.
+    pub(crate) children: Vec<Child>,
+    members: Vec<u32>,
+}
+
+impl HypothesisStore {
+    pub(crate) fn new(tracks_max: usize, children_max: usize, members_max: usize) -> Self {
+        Self {
+            tracks: Vec::with_capacity(tracks_max),
+            children: Vec::with_capacity(children_max),
+            members: Vec::with_capacity(members_max),
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.tracks.clear();
+        self.children.clear();
+        self.members.clear();
+    }
+
+    /// Keeps a track for children to come, and returns its place. `None` if there is no room.
+    pub(crate) fn add_track(&mut self, track: Track) -> Option<u32> {
+        let room = self.tracks.len() < self.tracks.capacity();
+        room.then(|| {
+            self.tracks.push(track);
+            self.tracks.len() as u32 - 1
+        })
+    }
+
+    /// Adds a track to the child that [`Self::finish_child`] will complete. `false` if there is no room.
+    pub(crate) fn add_member(&mut self, track: u32) -> bool {
+        let room = self.members.len() < self.members.capacity();
+        if room {
+            self.members.push(track);
+        }
+        room
+    }
+
+    /// Number of tentative tracks that the child to be completed has so far.
+    pub(crate) fn tentative_members(&self) -> usize {
+        let begun = &self.members[self.begun()..];
+        begun
+            .iter()
+            .filter(|track| !self.tracks[**track as usize].is_confirmed())
+            .count()
+    }
+
+    /// Forgets the members added since the last child was completed.
+    pub(crate) fn drop_child(&mut self) {
+        self.members.truncate(self.begun());
+    }
+
+    /// Completes a child of the members added since the last one. `false` if there is no room.
+    pub(crate) fn finish_child(&mut self, log_reliability: f64) -> bool {
+        let begin = self.begun();
+        self.members[begin..].sort_unstable();
+        let room = self.children.len() < self.children.capacity();
+        if room {
+            self.children.push(Child {
+                log_reliability,
+                members: begin as u32..self.members.len() as u32,
+                key: 0,
+            });
+        } else {
+            self.drop_child();
+        }
+        room
+    }
+
+    fn begun(&self) -> usize {
+        self.children.last().map_or(0, |child| child.members.end as usize)
+    }
+
+    /// Places of a child's tracks.
+    pub(crate) fn members_of(&self, child: &Child) -> &[u32] {
+        &self.members[child.members.start as usize..child.members.end as usize]
+    }
+
+    /// Merges, drops and normalises the children (HT-9). Returns the share of their probability that was dropped.
+    pub(crate) fn reduce(&mut self, reduction: &Reduction, counts: &mut Counts) -> f64 {
+        self.find_keys(reduction.merge_scans);
+        self.merge(reduction.merge_scans > 0, counts);
+        let total = log_sum(self.children.iter().map(|child| child.log_reliability));
+        self.children.sort_unstable_by(|one, other| {
+            let members = one.members.start.cmp(&other.members.start);
+            other.log_reliability.total_cmp(&one.log_reliability).then(members)
+        });
+        let before = self.children.len();
+        let least = total + reduction.reliability_min.ln();
+        let reliable = self.children.iter().take(reduction.hypotheses_max);
+        let kept = reliable.take_while(|child| child.log_reliability >= least).count();
+        self.children.truncate(kept.max(1));
+        counts.hypotheses_dropped += (before - self.children.len()) as u64;
+        let left = log_sum(self.children.iter().map(|child| child.log_reliability));
+        for child in &mut self.children {
+            child.log_reliability -= left;
+        }
+        (1.0 - (left - total).exp()).max(0.0)
+    }
+
+    fn find_keys(&mut self, scans: usize) {
+        for place in 0..self.children.len() {
+            let members = self.members_of(&self.children[place]);
+            let key = members.iter().fold(members.len() as u64, |key, member| {
+                let track = &self.tracks[*member as usize];
+                key.wrapping_add(associations_key(track, scans))
+            });
+            self.children[place].key = key;
+        }
+    }
+
+    /// Likeliest first: an earlier one stays and takes over a later one's reliability.
+    fn merge(&mut self, by_key: bool, counts: &mut Counts) {
+        let mut kept = 0;
+        for place in 0..self.children.len() {
+            let child = self.children[place].clone();
+            let same = (0..kept).find(|earlier| {
+                let earlier = &self.children[*earlier];
+                earlier.key == child.key && (by_key || self.members_of(earlier) == self.members_of(&child))
+            });
+            if let Some(earlier) = same {
+                let earlier = &mut self.children[earlier];
+                earlier.log_reliability = log_add(earlier.log_reliability, child.log_reliability);
+                counts.hypotheses_merged += 1;
+            } else {
+                self.children[kept] = child;
+                kept += 1;
+            }
+        }
+        self.children.truncate(kept);
+    }
+
+    /// Confirms the tracks that may be confirmed (HT-10), with all branches of the same root. Numbers count up from
+    /// `next_number`.
+    pub(crate) fn confirm(&mut self, may_be: impl Fn(&Track) -> bool, next_number: &mut u32, counts: &mut Counts) {
+        self.sum_reliabilities();
+        for place in 0..self.tracks.len() {
+            let track = &self.tracks[place];
+            if track.is_confirmed() || !may_be(track) {
+                continue;
+            }
+            let root = track.root;
+            for branch in self.tracks.iter_mut().filter(|track| track.root == root) {
+                branch.number = *next_number;
+            }
+            *next_number = next_number.wrapping_add(1).max(1);
+            counts.confirmed += 1;
+        }
+    }
+
+    /// Reliabilities of the children, most reliable first, with their tracks.
+    pub(crate) fn hypotheses(&self) -> impl Iterator<Item = (f64, impl Iterator<Item = &Track>)> {
+        self.children.iter().map(|child| {
+            let members = self.members_of(child).iter();
+            let tracks = members.map(|member| &self.tracks[*member as usize]);
+            (child.log_reliability.exp(), tracks)
+        })
+    }
+
+    fn sum_reliabilities(&mut self) {
+        self.tracks.iter_mut().for_each(|track| track.reliability = 0.0);
+        for child in &self.children {
+            let reliability = child.log_reliability.exp();
+            for member in child.members.clone() {
+                self.tracks[self.members[member as usize] as usize].reliability += reliability;
+            }
+        }
+    }
+}
+
+/// Hash of what a track adds to its hypothesis' associations over the last `scans`.
+fn associations_key(track: &Track, scans: usize) -> u64 {
+    let serials = track.history[..scans].iter();
+    let associations = serials.fold(0x9e37_79b9_7f4a_7c15, |key, serial| mixed(key ^ u64::from(*serial)));
+    let number = if track.number == TENTATIVE { 0 } else { mixed(1) };
+    // Sums of both over all tracks: who has which associations does not matter. Nor does a confirmed track's number: of two
+    // numbers for the same associations one is too many.
+    associations.wrapping_add(number.rotate_left(17))
+}
+
+/// A bijection that leaves no pattern (the finaliser of SplitMix64).
+fn mixed(value: u64) -> u64 {
+    let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let value = (value ^ (value >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    value ^ (value >> 31)
+}

@@ -1,0 +1,291 @@
+//! The interpretations of a scan by the hypotheses of one cluster, as ranked assignment problems (HT-5 … HT-8).
+//!
+//! Each hypothesis of the cluster poses one problem ([`crate::ranked`]): its rows are the cluster's detections, what each may
+//! be taken for are its choices, and their costs are negative logarithms of
+//!
+//! | taken for | likelihood, relative to false |
+//! | --- | --- |
+//! | false | 1 |
+//! | new | density of new targets / density of false detections |
+//! | of track T | probability of detection × density of the innovation / density of false detections / probability of a miss |
+//!
+//! with the misses of all its tracks and its own reliability as the problem's base.
+//!
+//! Where a hypothesis lacks tracks that it ought to have, its children with enough of them are posed as problems of their own
+//! besides: their costs are lowered by so much that the best of them comes out with the best of the others.
+
+use crate::counts::Counts;
+use crate::joined::Joined;
+use crate::limits::{CLUSTER_TRACKS_MAX, PAIRS_MAX};
+use crate::parents::Parents;
+use crate::ranked::{COLUMNS_MAX, Choice, OWN, PROBLEMS_MAX, Ranked, Solution};
+
+/// Most ways to begin the tracks that a parent lacks.
+const WAYS_MAX: u64 = 64;
+/// Meanings of choices that are no pairs.
+const FALSE: u32 = u32::MAX;
+const NEW: u32 = u32::MAX - 1;
+
+/// Working memory for one cluster after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Interpretations {
+    ranked: Ranked,
+    /// By problem: whose it is.
+    problems: Vec<Problem>,
+    /// (row, column, pair) of one hypothesis.
+    entries: Vec<(u32, u32, u32)>,
+}
+
+/// A ranked problem: some of the children of a parent.
+#[derive(Clone, Copy, Debug)]
+struct Problem {
+    parent: usize,
+    /// Only children with enough tracks.
+    is_enough: bool,
+    /// By how much their costs were lowered.
+    lowered: f64,
+}
+
+/// An interpretation, and the parent that it makes a child of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Interpretation {
+    solution: Solution,
+    pub(crate) parent: usize,
+    /// Logarithm of the child's reliability, less a constant that all children of the cluster share.
+    pub(crate) log_reliability: f64,
+    /// Whether the child has as many tracks as it ought to have; `None` if none are lacking.
+    pub(crate) is_enough: Option<bool>,
+}
+
+/// Whether a row starts a new track.
+#[derive(Clone, Copy, PartialEq)]
+enum Start {
+    May,
+    Must,
+    MayNot,
+}
+
+impl Interpretations {
+    pub(crate) fn new() -> Self {
+        Self {
+            ranked: Ranked::new(),
+            problems: Vec::with_capacity(PROBLEMS_MAX),
+            entries: Vec::with_capacity(CLUSTER_TRACKS_MAX * PAIRS_MAX),
+        }
+    }
+
+    /// Poses the problem of each parent; then, where it lacks tracks, that of its children with enough of them.
+    pub(crate) fn pose(&mut self, joined: &Joined<'_>, parents: &Parents, counts: &mut Counts) {
+        self.ranked.clear();
+        self.problems.clear();
+        for parent in 0..parents.list.len() {
+            self.find_entries(joined, parents, parent, counts);
+            let posed = self.pose_problem(joined, parents, parent, |_| Start::May, counts);
+            counts.refused_hypotheses += u64::from(posed.is_none());
+        }
+        for plain in 0..self.problems.len() {
+            let parent = self.problems[plain].parent;
+            let lacking = parents.list[parent].lacking_due;
+            if lacking > 0 {
+                self.find_entries(joined, parents, parent, counts);
+                self.pose_enough(joined, parents, plain, lacking, counts);
+            }
+        }
+        self.ranked.begin();
+    }
+
+    /// Whether some parent's children with enough tracks are posed apart.
+    pub(crate) fn are_apart(&self) -> bool {
+        self.problems.iter().any(|problem| problem.is_enough)
+    }
+
+    /// Cost of the next interpretation, if there is one.
+    pub(crate) fn next_cost(&self) -> Option<f64> {
+        self.ranked.next_cost()
+    }
+
+    /// The next interpretation, the likeliest first; `Some(None)` if it comes out of another problem, too.
+    pub(crate) fn next(&mut self, parents: &Parents) -> Option<Option<Interpretation>> {
+        let solution = self.ranked.next()?;
+        let problem = self.problems[solution.problem];
+        let lacking = parents.list[problem.parent].lacking_due;
+        let is_enough = (lacking > 0).then(|| self.new_tracks(solution) >= lacking);
+        let of_parent = |other: &Problem| other.parent == problem.parent && other.is_enough;
+        let is_elsewhere = !problem.is_enough && is_enough == Some(true) && self.problems.iter().any(of_parent);
+        Some((!is_elsewhere).then(|| Interpretation {
+            solution,
+            parent: problem.parent,
+            log_reliability: -solution.cost - problem.lowered,
+            is_enough,
+        }))
+    }
+
+    /// Logarithm of a likelihood that all interpretations that have not come out do not exceed together.
+    pub(crate) fn log_left(&self) -> f64 {
+        self.ranked.log_left()
+    }
+
+    /// Pairs that are taken in an interpretation.
+    pub(crate) fn pairs(&self, of: &Interpretation) -> impl Iterator<Item = u32> + '_ {
+        self.ranked.meanings(of.solution).filter(|meaning| *meaning < NEW)
+    }
+
+    /// Rows whose detections start new tracks in an interpretation.
+    pub(crate) fn new_rows(&self, of: &Interpretation) -> impl Iterator<Item = usize> + '_ {
+        let rows = self.ranked.meanings(of.solution).enumerate();
+        rows.filter(|(_, meaning)| *meaning == NEW).map(|(row, _)| row)
+    }
+
+    fn new_tracks(&self, solution: Solution) -> usize {
+        self.ranked.meanings(solution).filter(|meaning| *meaning == NEW).count()
+    }
+
+    /// Children that begin at least `lacking` new tracks, each of them once: the first so many rows that begin one are
+    /// given, and the rows between them do not (WA-4).
+    fn pose_enough(
+        &mut self,
+        joined: &Joined<'_>,
+        parents: &Parents,
+        plain: usize,
+        lacking: usize,
+        counts: &mut Counts,
+    ) {
+        let rows = joined.plots.len();
+        let ways = binomial(rows, lacking);
+        if ways > WAYS_MAX || self.problems.len() + ways as usize > PROBLEMS_MAX {
+            counts.wide_area_uncorrected += 1;
+            return;
+        }
+        let (first, parent) = (self.problems.len(), self.problems[plain].parent);
+        let mut starts = if ways == 0 { 0 } else { u64::MAX >> (64 - lacking) };
+        for _ in 0..ways {
+            let last = 63 - starts.leading_zeros() as usize;
+            let start = |row: usize| match starts >> row & 1 {
+                1 => Start::Must,
+                _ if row < last => Start::MayNot,
+                _ => Start::May,
+            };
+            self.pose_problem(joined, parents, parent, start, counts);
+            starts = next_of_as_many_bits(starts);
+        }
+        let best = (first..self.problems.len()).filter_map(|problem| self.ranked.best_cost(problem));
+        let best = best.fold(f64::INFINITY, f64::min);
+        let Some(lowered) = self.ranked.best_cost(plain).map(|plain| best - plain) else {
+            return;
+        };
+        if lowered.is_finite() {
+            for problem in first..self.problems.len() {
+                self.ranked.lower(problem, lowered);
+                self.problems[problem].lowered = lowered;
+                self.problems[problem].is_enough = true;
+            }
+        }
+    }
+
+    /// Poses a problem of the parent whose entries were found last. `None` if there is no room.
+    fn pose_problem(
+        &mut self,
+        joined: &Joined<'_>,
+        parents: &Parents,
+        parent: usize,
+        start: impl Fn(usize) -> Start,
+        counts: &mut Counts,
+    ) -> Option<()> {
+        let (scan, sensor) = (joined.scan, joined.scan.sensor);
+        let members = parents.members(parent).iter();
+        let misses: f64 = members.map(|track| scan.gating.log_misses[*track as usize]).sum();
+        let base = -parents.list[parent].log_reliability - misses;
+        self.ranked.begin_problem(base).then_some(())?;
+        self.problems.push(Problem {
+            parent,
+            is_enough: false,
+            lowered: 0.0,
+        });
+        let lacking = parents.list[parent].lacking;
+        let mut entry = 0;
+        for (row, (_, plot)) in joined.plots.iter().enumerate() {
+            let log_clutter = scan.log_clutter[*plot as usize];
+            let log_weight = scan.log_weight + scan.plots[*plot as usize].log_weight;
+            let log_share = log_share_of_new(joined, lacking, row);
+            self.ranked.begin_row();
+            let mut add = |column, meaning, cost| {
+                let added = self.ranked.add(Choice { column, meaning, cost });
+                counts.dropped_pairs += u64::from(!added);
+            };
+            let start = start(row);
+            let is_usable = log_weight > f64::NEG_INFINITY;
+            if start != Start::Must {
+                add(OWN, FALSE, 0.0);
+            }
+            if let Some(log_share) = log_share.filter(|_| start != Start::MayNot && is_usable) {
+                add(OWN, NEW, -log_share - log_weight);
+            }
+            while let Some(&(_, column, pair)) = self.entries.get(entry).filter(|(of, _, _)| *of == row as u32) {
+                entry += 1;
+                if start == Start::Must || !is_usable {
+                    continue;
+                }
+                let found = scan.gating.pairs[pair as usize];
+                let log_miss = scan.gating.log_misses[found.track as usize];
+                let gain = sensor.log_detection + found.log_likelihood - log_clutter - log_miss;
+                add(column as u16, pair, -gain - log_weight);
+            }
+        }
+        Some(())
+    }
+
+    /// The pairs of a parent by rows, with columns numbered in the order of its tracks.
+    fn find_entries(&mut self, joined: &Joined<'_>, parents: &Parents, parent: usize, counts: &mut Counts) {
+        self.entries.clear();
+        let mut column = 0;
+        for &track in parents.members(parent) {
+            let pairs = joined.pairs(track);
+            if pairs.is_empty() {
+                continue;
+            }
+            if column as usize >= COLUMNS_MAX {
+                counts.dropped_pairs += pairs.len() as u64;
+                continue;
+            }
+            for pair in pairs {
+                let row = joined.row_of(joined.scan.gating.pairs[pair].plot);
+                self.entries.push((row, column, pair as u32));
+            }
+            column += 1;
+        }
+        self.entries.sort_unstable();
+    }
+}
+
+/// Logarithm of how many new targets a row's detection is expected to be, per false detection, for a parent that lacks so many
+/// tracks; `None` if it may not start a track.
+fn log_share_of_new(joined: &Joined<'_>, lacking: usize, row: usize) -> Option<f64> {
+    let settings = joined.scan.settings;
+    let plot = &joined.scan.plots[joined.plots[row].1 as usize];
+    if plot.measurement.place().is_none() || joined.is_start_forbidden(row) {
+        return None;
+    }
+    let of_split = settings.splitting.new_target_share;
+    let of_split = of_split.filter(|_| joined.is_in_confirmed_gate(row));
+    let plain = of_split.unwrap_or(settings.new_target_share);
+    Some(joined.support.new_target_share(plain, lacking).ln())
+}
+
+/// In how many ways `chosen` of `all` can be chosen, or more than are ever wanted.
+fn binomial(all: usize, chosen: usize) -> u64 {
+    if chosen > all {
+        return 0;
+    }
+    let step = |ways: u64, k: usize| ways.saturating_mul((all - k) as u64) / (k as u64 + 1);
+    (0..chosen.min(all - chosen)).fold(1, step)
+}
+
+/// The next larger number with as many bits set (R. W. Gosper).
+fn next_of_as_many_bits(bits: u64) -> u64 {
+    let lowest = bits & bits.wrapping_neg();
+    let carried = bits.wrapping_add(lowest);
+    if lowest == 0 || carried == 0 {
+        return 0;
+    }
+    carried | (((bits ^ carried) >> 2) / lowest)
+}

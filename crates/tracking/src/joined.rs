@@ -1,0 +1,128 @@
+//! Clusters that a scan brings together: they are updated as one.
+
+use std::ops::Range;
+
+use crate::counts::Counts;
+use crate::gating::NONE;
+use crate::population::Cluster;
+use crate::ranked::ROWS_MAX;
+use crate::scan_context::ScanContext;
+use crate::splitting::{DetectionCounts, Limits};
+use crate::track::TENTATIVE;
+use crate::wide_area::support::ClusterSupport;
+
+/// Detections of the joined clusters as rows of their problem; working memory for one after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Rows {
+    /// By detection of the scan: its row.
+    row_of: Vec<u32>,
+    /// By row: whether it lies in a confirmed track's gate.
+    in_confirmed_gate: [bool; ROWS_MAX],
+    /// Numbers of the confirmed tracks.
+    confirmed: Vec<u32>,
+}
+
+impl Rows {
+    pub(crate) fn new(tracks_max: usize, plots_max: usize) -> Self {
+        Self {
+            row_of: vec![NONE; plots_max],
+            in_confirmed_gate: [false; ROWS_MAX],
+            confirmed: Vec::with_capacity(tracks_max),
+        }
+    }
+}
+
+/// Joined clusters, with what their update depends on.
+#[derive(Clone, Copy)]
+pub(crate) struct Joined<'a> {
+    pub(crate) scan: &'a ScanContext<'a>,
+    /// (cluster that represents all, cluster).
+    clusters: &'a [(u32, u32)],
+    /// (cluster that represents all, detection).
+    pub(crate) plots: &'a [(u32, u32)],
+    rows: &'a Rows,
+    pub(crate) detections: DetectionCounts,
+    /// Number of confirmed tracks, branches not counted.
+    pub(crate) confirmed: usize,
+    pub(crate) limits: Limits,
+    pub(crate) support: ClusterSupport<'a>,
+}
+
+impl<'a> Joined<'a> {
+    pub(crate) fn of(
+        scan: &'a ScanContext<'a>,
+        clusters: &'a [(u32, u32)],
+        plots: &'a [(u32, u32)],
+        rows: &'a mut Rows,
+        counts: &mut Counts,
+    ) -> Self {
+        rows.in_confirmed_gate = [false; ROWS_MAX];
+        rows.confirmed.clear();
+        for (row, (_, plot)) in (0..).zip(plots) {
+            rows.row_of[*plot as usize] = row;
+        }
+        let before = scan.before;
+        let all = || clusters.iter().map(|(_, cluster)| &before.clusters[*cluster as usize]);
+        for track in all().flat_map(|cluster| cluster.tracks.clone()) {
+            let number = before.tracks[track as usize].number;
+            if number == TENTATIVE {
+                continue;
+            }
+            rows.confirmed.push(number);
+            for pair in &scan.gating.pairs[scan.gating.pairs_of(track)] {
+                rows.in_confirmed_gate[rows.row_of[pair.plot as usize] as usize] = true;
+            }
+        }
+        rows.confirmed.sort_unstable();
+        rows.confirmed.dedup();
+        let confirmed = rows.confirmed.len();
+        let splitting = &scan.settings.splitting;
+        if confirmed > 0 && splitting.start_in_confirmed_gates {
+            let outside = rows.in_confirmed_gate[..plots.len()].iter();
+            counts.starts_forbidden += outside.filter(|inside| !**inside).count() as u64;
+        }
+        let detections = DetectionCounts::of(all(), plots.len());
+        Self {
+            scan,
+            clusters,
+            plots,
+            rows,
+            detections,
+            confirmed,
+            limits: Limits::of(splitting, confirmed, detections.mean()),
+            support: scan.support.of(clusters, confirmed, &scan.settings.wide_area),
+        }
+    }
+
+    /// The clusters, with their places in the population before the scan.
+    pub(crate) fn clusters(&self) -> impl Iterator<Item = (u32, &'a Cluster)> + use<'a> {
+        let before = self.scan.before;
+        let all = self.clusters.iter();
+        all.map(|(_, cluster)| (*cluster, &before.clusters[*cluster as usize]))
+    }
+
+    /// Places of their tracks in the population before the scan.
+    pub(crate) fn tracks(&self) -> impl Iterator<Item = u32> + use<'a> {
+        self.clusters().flat_map(|(_, cluster)| cluster.tracks.clone())
+    }
+
+    /// Places of a track's pairs.
+    pub(crate) fn pairs(&self, track: u32) -> Range<usize> {
+        self.scan.gating.pairs_of(track)
+    }
+
+    /// Row of a detection of the scan.
+    pub(crate) fn row_of(&self, plot: u32) -> u32 {
+        self.rows.row_of[plot as usize]
+    }
+
+    /// Whether a row's detection lies in a confirmed track's gate.
+    pub(crate) fn is_in_confirmed_gate(&self, row: usize) -> bool {
+        self.rows.in_confirmed_gate[row]
+    }
+
+    /// Whether new tracks that start at a row's detection are the ones that SP-1 forbids.
+    pub(crate) fn is_start_forbidden(&self, row: usize) -> bool {
+        self.confirmed > 0 && self.scan.settings.splitting.start_in_confirmed_gates && !self.is_in_confirmed_gate(row)
+    }
+}

@@ -1,0 +1,199 @@
+//! One scan: from the population before it to the population after it.
+
+use crate::branching;
+use crate::cluster_update::ClusterUpdate;
+use crate::clutter::log_density;
+use crate::counts::Counts;
+use crate::directions::{Claims, Directions};
+use crate::explanation::{Explanation, Observer, TrackEvent};
+use crate::gate::gates;
+use crate::gating::Gating;
+use crate::limits::DETECTION_COUNTS;
+use crate::plot::Scan;
+use crate::population::{Cluster, Hypothesis, Population};
+use crate::scan_context::ScanContext;
+use crate::sensor::Sensor;
+use crate::settings::{Clutter, Settings};
+use crate::wide_area::support::Support;
+
+/// Working memory for one scan after the other.
+#[derive(Debug)]
+pub(crate) struct ScanUpdate {
+    /// By sensor.
+    sensors: Vec<Sensor>,
+    gating: Gating,
+    clusters: ClusterUpdate,
+    log_clutter: Vec<f64>,
+    /// By detection: whether it lies in a confirmed track's gate; by direction: which tracks claim it.
+    is_inside: Vec<bool>,
+    claims: Vec<Claims>,
+}
+
+impl ScanUpdate {
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let capacity = settings.capacity;
+        let gates = gates(settings.gate_probability);
+        let sensors = settings.sensors.iter();
+        Self {
+            sensors: sensors.map(|sensor| Sensor::new(sensor, settings, gates)).collect(),
+            gating: Gating::new(capacity.tracks, capacity.detections),
+            clusters: ClusterUpdate::new(capacity.tracks, capacity.detections),
+            log_clutter: Vec::with_capacity(capacity.detections),
+            is_inside: vec![false; capacity.detections],
+            claims: Vec::with_capacity(capacity.detections),
+        }
+    }
+
+    /// Makes the population `next` of the one before a scan, whose detections have a weight with this logarithm (WA-1).
+    pub(crate) fn run(
+        &mut self,
+        (scan, log_weight): (&Scan, f64),
+        (before, next): (&Population, &mut Population),
+        settings: &Settings,
+        support: &mut Support,
+        observer: Option<&dyn Observer>,
+        counts: &mut Counts,
+    ) {
+        let Scan { time_ns, sensor, plots } = scan;
+        next.follow(before, *time_ns);
+        next.next_serial = next.next_serial.wrapping_add(plots.len() as u32).max(1);
+        counts.scans += 1;
+        let memory = &mut next.sensors[*sensor];
+        let looking = self.sensors[*sensor].at(*time_ns, plots, memory);
+        let directions_only = memory.sees_directions_only();
+        let estimate = &mut memory.clutter;
+        plots.iter().for_each(|plot| estimate.see(&plot.measurement));
+        let density = match settings.sensors[*sensor].clutter {
+            Clutter::Density(density) => density,
+            Clutter::Learned => estimate.density(plots.len(), looking.extent()),
+        };
+        if let Some(observer) = observer {
+            observer.explain(&Explanation::Scan {
+                sensor_id: settings.sensors[*sensor].sensor_id,
+                time_ns: *time_ns,
+                detections: plots.len(),
+                clutter_density: density,
+            });
+        }
+        let guess = &settings.first_guess;
+        self.log_clutter.clear();
+        self.log_clutter
+            .extend(plots.iter().map(|plot| log_density(&plot.measurement, density, guess)));
+        if !directions_only {
+            support.begin_scan(before, *time_ns, &settings.wide_area, counts);
+            next.support.reports_ns = *time_ns;
+            self.gating.run(before, plots, *time_ns, &looking, counts);
+        }
+        let scan = ScanContext {
+            before,
+            plots,
+            log_clutter: &self.log_clutter,
+            gating: &self.gating,
+            settings,
+            sensor: &looking,
+            support,
+            log_weight,
+            time_ns: *time_ns,
+            first_serial: before.next_serial,
+            observer,
+        };
+        let outside = if directions_only {
+            run_directions(&scan, &mut self.clusters, &mut self.claims, next, counts)
+        } else {
+            run_clusters(&scan, &mut self.clusters, next, counts);
+            outside(before, &self.gating, &mut self.is_inside[..plots.len()])
+        };
+        next.sensors[*sensor].clutter.count(outside);
+    }
+}
+
+/// Updates the clusters, and begins new ones at detections that are in no gate.
+fn run_clusters(scan: &ScanContext<'_>, clusters: &mut ClusterUpdate, next: &mut Population, counts: &mut Counts) {
+    let mut of_none = &scan.gating.plots[..];
+    for joined in scan.gating.clusters.chunk_by(|one, other| one.0 == other.0) {
+        let of_joined = of_none.iter().take_while(|(first, _)| *first == joined[0].0);
+        let (plots, rest) = of_none.split_at(of_joined.count());
+        of_none = rest;
+        clusters.run(scan, joined, plots, next, counts);
+    }
+    for &(_, plot) in of_none {
+        begin_cluster(scan, plot, next, counts);
+    }
+}
+
+/// Lets all tracks take directions. Returns how many of these lie in no confirmed track's gate.
+fn run_directions(
+    scan: &ScanContext<'_>,
+    clusters: &mut ClusterUpdate,
+    claims: &mut Vec<Claims>,
+    next: &mut Population,
+    counts: &mut Counts,
+) -> usize {
+    claims.clear();
+    claims.resize(scan.plots.len(), Claims::NONE);
+    let directions = Directions::of(scan);
+    for track in scan.before.tracks.iter().filter(|track| track.is_confirmed()) {
+        directions.claim(track, claims);
+    }
+    for cluster in &scan.before.clusters {
+        clusters.run_directions(scan, cluster, claims, next, counts);
+    }
+    claims.iter().filter(|claims| !claims.are_made()).count()
+}
+
+/// Number of detections that lie in no confirmed track's gate. All branches of a pair of targets have the same ones in theirs.
+fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usize {
+    is_inside.fill(false);
+    let confirmed = |track: u32| before.tracks[track as usize].is_confirmed();
+    for pair in gating.pairs.iter().filter(|pair| confirmed(pair.track)) {
+        is_inside[pair.plot as usize] = true;
+    }
+    is_inside.iter().filter(|is_inside| !**is_inside).count()
+}
+
+/// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
+fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut Counts) {
+    let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
+    let share = scan.settings.new_target_share * weight;
+    let reliability = share / (1.0 + share);
+    if reliability <= 0.0 || reliability < scan.settings.reduction.reliability_min {
+        return;
+    }
+    let Some(mut track) = branching::begin(scan, plot, None, next.next_root) else {
+        return;
+    };
+    if !next.has_room(1, 2, 1) {
+        counts.refused_tracks += 1;
+        return;
+    }
+    track.reliability = reliability;
+    scan.explain(TrackEvent::Started, &track, reliability, f64::NAN);
+    next.next_root = next.next_root.wrapping_add(1).max(1);
+    let (place, hypothesis, member) = (
+        next.tracks.len() as u32,
+        next.hypotheses.len() as u32,
+        next.members.len() as u32,
+    );
+    next.tracks.push(track);
+    next.members.push(place);
+    let mut both = [
+        ((1.0 - reliability).ln(), member..member),
+        (reliability.ln(), member..member + 1),
+    ];
+    if reliability > 0.5 {
+        both.swap(0, 1);
+    }
+    next.hypotheses
+        .extend(both.into_iter().map(|(log_reliability, members)| Hypothesis {
+            log_reliability,
+            members,
+        }));
+    let mut detections = [0.0; DETECTION_COUNTS];
+    detections[0] = 1.0;
+    next.clusters.push(Cluster {
+        tracks: place..place + 1,
+        hypotheses: hypothesis..hypothesis + 2,
+        detections,
+        scans: 1,
+    });
+}

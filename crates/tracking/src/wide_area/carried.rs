@@ -1,0 +1,30 @@
+//! What a population carries of wide-area support from scan to scan.
+
+use super::identification::Identities;
+
+/// State after a scan.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Carried {
+    /// Reports that arrived up to this time, nanoseconds, have been used.
+    pub(crate) reports_ns: i64,
+    /// Emissions that were received up to this time, nanoseconds, have been used.
+    pub(crate) emissions_ns: i64,
+    /// Who the confirmed tracks are.
+    pub(crate) identities: Identities,
+}
+
+impl Carried {
+    /// Before the first scan, with room for `tracks_max` tracks and `types` types of targets.
+    pub(crate) fn new(tracks_max: usize, types: usize) -> Self {
+        Self {
+            reports_ns: i64::MIN,
+            emissions_ns: i64::MIN,
+            identities: Identities::new(tracks_max, types),
+        }
+    }
+
+    /// Takes over what was used before. Who the tracks are is found when they are there.
+    pub(crate) fn follow(&mut self, before: &Self) {
+        self.reports_ns = before.reports_ns;
+    }
+}

@@ -1,0 +1,261 @@
+//! The one place where wide-area support and the tracker meet: what the tracker asks of it is asked here.
+//!
+//! A tracker has one [`Support`], and each update of clusters a [`ClusterSupport`]: what the reports say of these clusters, as
+//! answers to the questions that the update has. Where there are no reports, each answer is that of a tracker without
+//! support.
+
+use observations::WideAreaReport;
+
+use super::correction::{Gains, Rule, has_enough, lacking};
+use super::description::Description;
+use super::emission::{Emission, EmissionRefusal, Emissions};
+use super::expectation::{Expectation, Expectations};
+use super::report::{self, ReportRefusal, Reports};
+use super::settings::{EarlyConfirmation, WideArea};
+use crate::counts::Counts;
+use crate::explanation::{CorrectionRecord, Observer};
+use crate::hypothesis_store::HypothesisStore;
+use crate::life::Deletion;
+use crate::population::{Hypothesis, Population};
+use crate::settings::Settings;
+use crate::track_report::{BestBranch, TrackReport};
+
+/// Wide-area support of one tracker.
+#[derive(Clone, Debug)]
+pub(crate) struct Support {
+    reports: Reports,
+    emissions: Emissions,
+    /// By cluster before the scan at hand.
+    expectations: Expectations,
+    description: Description,
+}
+
+impl Support {
+    pub(crate) fn new(settings: &WideArea, tracks_max: usize) -> Self {
+        Self {
+            reports: Reports::new(),
+            emissions: Emissions::new(settings.knowledge.types.len()),
+            expectations: Expectations::new(tracks_max),
+            description: Description::new(tracks_max),
+        }
+    }
+
+    /// Keeps a report that scans after `closed_ns` may use (WA-2), and returns from which time on they do, nanoseconds.
+    ///
+    /// # Errors
+    /// [`ReportRefusal`], counted, if the report cannot be used.
+    pub(crate) fn take_report(
+        &mut self,
+        report: &WideAreaReport,
+        closed_ns: i64,
+        settings: &WideArea,
+        counts: &mut Counts,
+    ) -> Result<i64, ReportRefusal> {
+        let due_ns = report.arrival_ns.max(closed_ns.saturating_add(1));
+        let due = WideAreaReport {
+            arrival_ns: due_ns,
+            ..*report
+        };
+        report::fault(report, settings.delay_max_ns)
+            .map_or(Ok(()), Err)
+            .and_then(|()| self.reports.keep(due, closed_ns, settings.valid_ns))
+            .inspect_err(|_| counts.wide_area_reports_refused += 1)?;
+        counts.wide_area_reports += 1;
+        Ok(due_ns)
+    }
+
+    /// Keeps an emission that scans after `closed_ns` may use (WA-9), and returns from which time on they do, nanoseconds.
+    ///
+    /// # Errors
+    /// [`EmissionRefusal`], counted, if the emission cannot be used.
+    pub(crate) fn take_emission(
+        &mut self,
+        emission: &Emission,
+        closed_ns: i64,
+        settings: &WideArea,
+        counts: &mut Counts,
+    ) -> Result<i64, EmissionRefusal> {
+        let due_ns = self.emissions.keep(emission, closed_ns, settings.delay_max_ns);
+        let due_ns = due_ns.inspect_err(|_| counts.emissions_refused += 1)?;
+        counts.emissions += 1;
+        Ok(due_ns)
+    }
+
+    /// Finds what the reports say of the clusters before the scan at `time_ns`.
+    pub(crate) fn begin_scan(&mut self, before: &Population, time_ns: i64, settings: &WideArea, counts: &mut Counts) {
+        let reports = self.reports.list();
+        self.expectations
+            .find(before, time_ns, reports, settings, settings.lasts(), counts);
+    }
+
+    /// What the reports say of clusters that the scan has joined, as (cluster that represents all, cluster), with so many
+    /// `confirmed` tracks, branches not counted.
+    pub(crate) fn of<'a>(
+        &'a self,
+        clusters: &'a [(u32, u32)],
+        confirmed: usize,
+        settings: &'a WideArea,
+    ) -> ClusterSupport<'a> {
+        ClusterSupport {
+            settings,
+            expectations: &self.expectations,
+            clusters,
+            confirmed,
+        }
+    }
+
+    /// Finds who the tracks of `next` are, from what was known before the scan at `time_ns` (WA-9).
+    pub(crate) fn identify(
+        &mut self,
+        before: &Population,
+        next: &mut Population,
+        time_ns: i64,
+        settings: &WideArea,
+        counts: &mut Counts,
+    ) {
+        let heard = (self.reports.list(), &self.emissions);
+        self.description
+            .identify(heard, before, next, time_ns, settings, counts);
+    }
+
+    /// Adds what is known to the reports of the best branches, and makes one report of those that are not told apart.
+    pub(crate) fn amend(
+        &mut self,
+        population: &Population,
+        best: &[BestBranch],
+        settings: &Settings,
+        observer: Option<&dyn Observer>,
+        tracks: &mut Vec<TrackReport>,
+    ) {
+        let reports = self.reports.list();
+        self.description
+            .amend(reports, population, best, settings, observer, tracks);
+    }
+}
+
+/// Support of the update of joined clusters.
+#[derive(Clone, Copy)]
+pub(crate) struct ClusterSupport<'a> {
+    settings: &'a WideArea,
+    expectations: &'a Expectations,
+    clusters: &'a [(u32, u32)],
+    confirmed: usize,
+}
+
+impl<'a> ClusterSupport<'a> {
+    fn expectations(&self) -> impl Iterator<Item = Expectation> + use<'a> {
+        let expectations = self.expectations;
+        self.clusters.iter().map(|(_, cluster)| expectations.of(*cluster))
+    }
+
+    /// WA-4: what is asked of one of the clusters, by the rule where a report is due; later, by the one that holds.
+    pub(crate) fn demand(&self, cluster: u32) -> Demand {
+        let expectation = self.expectations.of(cluster);
+        let held = self.settings.held;
+        let held = held.filter(|_| self.confirmed > 0 && expectation.targets.is_some());
+        let correction = self.correction();
+        Demand {
+            targets: expectation.targets,
+            correction: if expectation.is_due { correction } else { held },
+            corrects_children: expectation.is_due && correction.is_some(),
+        }
+    }
+
+    /// WA-4: how reports that are due correct; `None` if they do not.
+    pub(crate) fn correction(&self) -> Option<Rule> {
+        let settings = self.settings;
+        settings
+            .correction
+            .filter(|_| self.confirmed > 0 || !settings.corrects_confirmed_only)
+    }
+
+    /// Number of targets that reports ask for which are due.
+    pub(crate) fn targets_due(&self) -> f64 {
+        let due = self.expectations().filter(|expectation| expectation.is_due);
+        due.filter_map(|expectation| expectation.targets).sum()
+    }
+
+    /// Expected new targets per expected false detection, for a hypothesis that lacks so many tracks, where otherwise `plain`
+    /// are expected (WA-6).
+    pub(crate) fn new_target_share(&self, plain: f64, lacking: usize) -> f64 {
+        match self.easier_confirmation() {
+            Some(early) if lacking > 0 => early.new_target_share.max(plain),
+            _ => plain,
+        }
+    }
+
+    /// WA-8: when else tracks are deleted; `None` if they are not.
+    pub(crate) fn deletion(&self) -> Option<Deletion> {
+        let early = self.settings.deletion?;
+        let is_absent = self.expectations().all(|expectation| expectation.is_absent);
+        is_absent.then_some(early.deletion)
+    }
+
+    /// WA-6: confirms what may be confirmed sooner, where reports show more targets than there are confirmed tracks.
+    pub(crate) fn confirm(&self, store: &mut HypothesisStore, next_number: &mut u32, counts: &mut Counts) {
+        let Some(early) = self.easier_confirmation() else {
+            return;
+        };
+        let targets: f64 = self.expectations().filter_map(|expectation| expectation.targets).sum();
+        if has_enough(self.confirmed, targets) {
+            return;
+        }
+        let before = counts.confirmed;
+        store.confirm(|track| early.is_met(track), next_number, counts);
+        counts.wide_area_confirmations += counts.confirmed - before;
+    }
+
+    /// Least reliability of tracks that are confirmed sooner, if any are.
+    pub(crate) fn early_reliability_min(&self) -> Option<f64> {
+        self.easier_confirmation()
+            .map(|early| early.confirmation.reliability_min)
+    }
+
+    fn easier_confirmation(&self) -> Option<EarlyConfirmation> {
+        let early = self.settings.confirmation;
+        early.filter(|early| self.confirmed > 0 || !early.beside_confirmed_only)
+    }
+}
+
+/// What wide-area reports ask of a cluster.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Demand {
+    /// Number of targets, if that is known.
+    targets: Option<f64>,
+    /// How the reliabilities of its hypotheses are corrected; `None` if they are not.
+    correction: Option<Rule>,
+    /// Whether those of their children are corrected, too.
+    pub(crate) corrects_children: bool,
+}
+
+impl Demand {
+    /// Number of tracks that a hypothesis of so many lacks.
+    pub(crate) fn lacking(&self, tracks: usize) -> usize {
+        self.targets.map_or(0, |targets| lacking(tracks, targets))
+    }
+
+    pub(crate) fn is_enough(&self, hypothesis: &Hypothesis) -> bool {
+        self.lacking(hypothesis.members.len()) == 0
+    }
+
+    /// What is added to the logarithms of these hypotheses' reliabilities.
+    pub(crate) fn gains(&self, hypotheses: &[Hypothesis]) -> Gains {
+        let rated = hypotheses
+            .iter()
+            .map(|hypothesis| (hypothesis.log_reliability, self.is_enough(hypothesis)));
+        self.correction.map_or(Gains::NONE, |rule| Gains::of_all(rated, rule))
+    }
+
+    /// What the correction of these hypotheses comes to, if it changes them.
+    pub(crate) fn explained(&self, hypotheses: &[Hypothesis]) -> Option<CorrectionRecord> {
+        let gains = self.gains(hypotheses);
+        let enough = hypotheses.iter().filter(|hypothesis| self.is_enough(hypothesis));
+        let before: f64 = enough.map(|hypothesis| hypothesis.log_reliability.exp()).sum();
+        (gains != Gains::NONE).then(|| CorrectionRecord {
+            targets: self.targets.unwrap_or(f64::NAN),
+            before: before.min(1.0),
+            after: (before * gains.gain(true).exp()).min(1.0),
+            of_children: false,
+        })
+    }
+}
