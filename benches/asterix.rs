@@ -1,9 +1,9 @@
 //! What one record costs, out of octets and back: items found, typed fields, named values, JSON, encoding.
 //!
-//! `cargo bench -p formats --bench asterix`. Recordings of several sensors, held in memory, where they are present;
+//! `cargo bench -p asterix --bench asterix`. Recordings of several sensors, held in memory, where they are present;
 //! radar reports made by the encoder where there are none. One element of the throughput is one record.
 
-#[path = "../crates/formats/tests/files/mod.rs"]
+#[path = "../crates/asterix/tests/files/mod.rs"]
 mod files;
 
 use std::hint::black_box;

@@ -1,13 +1,12 @@
 //! Live feeds in and ASTERIX out, as a user runs them: real sockets on the loopback interface, real processes, hostile
 //! senders and killed processes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
 use std::time::{Duration, Instant};
 
-use asterix::typed::{cat062, cat063, cat065};
-use asterix::{Decoder, Mode, registry};
+use asterix::{Decoder, Mode, NamedRecord, Value, registry};
 use frames::{Geodetic, SensorFrame};
 use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits as bits};
 use net::{Interface, ReceiverSettings, SenderSettings, UdpReceiver, UdpSender};
@@ -177,8 +176,9 @@ impl Sensor {
 #[derive(Default)]
 struct Heard {
     /// Latest report of each address.
-    tracks: BTreeMap<u32, cat062::TrackMessage>,
-    sensors: BTreeMap<u8, cat063::SensorMessage>,
+    tracks: BTreeMap<u64, NamedRecord>,
+    /// Identifications of the sensors that it told of.
+    sensors: BTreeSet<u64>,
     system_statuses: u64,
 }
 
@@ -189,17 +189,13 @@ impl Heard {
             .receive(patience, |datagram| {
                 for record in decoder.records(datagram.bytes) {
                     let record = record.expect("a gateway sends sound records");
-                    if let Some(track) = cat062::TrackMessage::read(&record)
-                        && let Some(address) = track.aircraft.address
-                    {
-                        self.tracks.insert(address, track);
+                    let named = NamedRecord::new(&record);
+                    let number = |path: &[&str]| named.get(path).and_then(Value::as_u64);
+                    self.system_statuses += u64::from(named.category == 65);
+                    self.sensors.extend(number(&["050", "SIC"]));
+                    if let Some(address) = number(&["380", "ADR"]) {
+                        self.tracks.insert(address, named);
                     }
-                    if let Some(status) = cat063::SensorMessage::read(&record)
-                        && let Some(sensor) = status.sensor
-                    {
-                        self.sensors.insert(sensor.sic, status);
-                    }
-                    self.system_statuses += u64::from(cat065::ServiceMessage::read(&record).is_some());
                 }
             })
             .unwrap();
@@ -228,17 +224,11 @@ fn scan_until(
 
 fn assert_in_place(heard: &Heard) {
     for number in 0..TARGETS {
-        let track = &heard.tracks[&(0x40_0000 + number)];
+        let track = &heard.tracks[&u64::from(0x40_0000 + number)];
+        let degrees = |name| track.get(&["105", name]).and_then(Value::as_f64).unwrap();
         let expected = system().1.to_geodetic(self::track(number, 0).position_m);
-        let found = track.geodetic_position.unwrap();
-        let found = system().1.to_local(
-            Geodetic::from_degrees(
-                found.latitude_rad.to_degrees(),
-                found.longitude_rad.to_degrees(),
-                expected.height_m(),
-            )
-            .unwrap(),
-        );
+        let found = Geodetic::from_degrees(degrees("LAT"), degrees("LON"), expected.height_m()).unwrap();
+        let found = system().1.to_local(found);
         let place = self::track(number, 0).position_m;
         let off = (found[0] - place[0]).hypot(found[1] - place[1]);
         assert!(off < 40.0, "target {number} is {off} m off");

@@ -1,11 +1,11 @@
 //! The ASTERIX codec: a block's body read in all ways with any table, and written again.
 //!
-//! What must hold is in `crates/formats/tests/any_bytes`. The octets are read as the body of a block of the table's
+//! What must hold is in `crates/asterix/tests/any_bytes`. The octets are read as the body of a block of the table's
 //! category, which goes deep, and as they are, which tries the framing.
 
 #![no_main]
 
-#[path = "../../crates/formats/tests/any_bytes/mod.rs"]
+#[path = "../../crates/asterix/tests/any_bytes/mod.rs"]
 mod any_bytes;
 
 use libfuzzer_sys::fuzz_target;

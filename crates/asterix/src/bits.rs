@@ -50,26 +50,6 @@ pub(super) fn goes_on(octet: u8) -> bool {
     octet & 1 == 1
 }
 
-pub(super) fn u16_at(bytes: &[u8], at: usize) -> u16 {
-    u16::from_be_bytes([bytes[at], bytes[at + 1]])
-}
-
-pub(super) fn i16_at(bytes: &[u8], at: usize) -> i16 {
-    u16_at(bytes, at) as i16
-}
-
-pub(super) fn u24_at(bytes: &[u8], at: usize) -> u32 {
-    u32::from_be_bytes([0, bytes[at], bytes[at + 1], bytes[at + 2]])
-}
-
-pub(super) fn i24_at(bytes: &[u8], at: usize) -> i32 {
-    (u24_at(bytes, at) << 8) as i32 >> 8
-}
-
-pub(super) fn i32_at(bytes: &[u8], at: usize) -> i32 {
-    i32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,8 +80,6 @@ mod tests {
         assert_eq!(sign_extend(0b0111, 4), 7);
         assert_eq!(sign_extend(0b1000, 4), -8);
         assert_eq!(sign_extend(u64::MAX, 64), -1);
-        assert_eq!(i24_at(&[0xFF, 0xFF, 0xFE], 0), -2);
-        assert_eq!(i24_at(&[0x7F, 0xFF, 0xFF], 0), 0x7F_FFFF);
     }
 
     #[test]

@@ -26,17 +26,17 @@
 //!
 //! ```text
 //! bytes ── blocks ──► Block ── records(table, mode) ──► Record ──┬── NamedRecord: every item by name, to show
-//!              └────── Decoder does both, and counts ──────┘      └── typed: the fields fusion needs, SI units
+//!              └────── Decoder does both, and counts ──────┘      └── Field: an element at its place, in SI units
 //!
 //! NamedRecord ──────────── encode(table) ──┬─► octets of a record ── BlockWriter ──► blocks of a size
 //! numbers, item by item ── RecordWriter ────┘
 //! ```
 //!
-//! A [`Record`] knows where each of its items lies and has decoded none of them. From there two ways lead on, which
-//! share nothing but the record and so can check each other: [`NamedRecord`] decodes every item as the table says,
-//! into a tree of names and values with the document's units; [`typed`] reads the fields a tracker needs straight
-//! from the bytes, without allocating. The content of a reserved expansion field has editions of its own and is
-//! decoded apart, see [`expansion`].
+//! A [`Record`] knows where each of its items lies and has decoded none of them. From there two ways lead on:
+//! [`NamedRecord`] decodes every item as the table says, into a tree of names and values with the document's units;
+//! a [`Field`](field::Field) reads one element straight from the octets, without allocating, at a place that is looked
+//! up in the same tables while the program is compiled. The content of a reserved expansion field has editions of its
+//! own and is decoded apart, see [`expansion`].
 //!
 //! The way back, [`NamedRecord::encode`], is the exact inverse: the tree of a record becomes the record's octets, save
 //! for what the tree does not hold (spare bits that were set, FSPEC octets that announced nothing). [`RecordWriter`] is
@@ -59,13 +59,13 @@ pub mod decoder;
 pub mod encode_error;
 pub mod error;
 pub mod expansion;
+pub mod field;
 pub mod named;
 pub mod record;
 pub mod record_writer;
 pub mod registry;
 pub mod table;
 pub mod text;
-pub mod typed;
 
 mod bits;
 mod encode;

@@ -8,7 +8,7 @@ use super::block::{Block, HEADER_OCTETS};
 use super::error::Error;
 use super::extent;
 use super::spare;
-use super::table::{Category, Frn, Item, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap, first_element};
+use super::table::{Category, Frn, Item, Layout, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap, first_element};
 
 /// How closely bytes must follow the edition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -21,6 +21,9 @@ pub enum Mode {
     #[default]
     Lenient,
 }
+
+/// Item 010, the sender, in every category: [`registry`](crate::registry) makes sure of it.
+pub(crate) const SENDER: Frn = Frn(1);
 
 /// A record whose items have been found.
 #[derive(Debug, Clone, Copy)]
@@ -57,7 +60,7 @@ impl<'a> Record<'a> {
         self.bytes
     }
 
-    /// The octets of an item, if it is present. The constants of [`typed`](super::typed) modules and
+    /// The octets of an item, if it is present. [`field::item`](crate::field::item) and
     /// [`Uap::frn`] give the number of a named item.
     #[inline]
     pub fn item(&self, frn: Frn) -> Option<&'a [u8]> {
@@ -67,6 +70,50 @@ impl<'a> Record<'a> {
         }
         let rank = (self.present & (bit - 1)).count_ones() as usize;
         Some(&self.bytes[usize::from(self.starts[rank])..usize::from(self.starts[rank + 1])])
+    }
+
+    /// The octets of an item; none if it is not present.
+    #[inline]
+    pub fn octets(&self, frn: Frn) -> &'a [u8] {
+        self.item(frn).unwrap_or_default()
+    }
+
+    /// System area code and system identification code of the sender, item 010; `None` where the record has none.
+    #[inline]
+    pub fn sender(&self) -> Option<(u8, u8)> {
+        match self.item(SENDER)? {
+            [sac, sic, ..] => Some((*sac, *sic)),
+            _ => None,
+        }
+    }
+
+    /// The subitems present in a compound item, in the order sent: the position of each in the item's FSPEC, counted from
+    /// 1, and its octets. Empty where the record has no such item.
+    #[inline]
+    pub fn subitems(&self, frn: Frn) -> impl Iterator<Item = (usize, &'a [u8])> + use<'a> {
+        let (uap, category) = (self.uap, self.table.number);
+        let defined: &'static [Option<Item>] = match uap.item(frn).map(|item| &item.layout) {
+            Some(Layout::Compound(subitems)) => subitems,
+            _ => &[],
+        };
+        let (mut present, mut rest) = self.item(frn).map_or((0, &[][..]), split_fspec);
+        std::iter::from_fn(move || {
+            let position = (present != 0).then(|| present.trailing_zeros() as usize + 1)?;
+            present &= present - 1;
+            let subitem = defined.get(position - 1)?.as_ref()?;
+            let octets = match subitem.fixed_octets {
+                Some(octets) => usize::from(octets),
+                // The item has been measured before, subitem by subitem.
+                None => {
+                    extent::measure(subitem, uap, rest, Mode::Lenient, category, 0)
+                        .ok()?
+                        .octets
+                }
+            };
+            let (subitem, behind) = rest.split_at_checked(octets)?;
+            rest = behind;
+            Some((position, subitem))
+        })
     }
 
     /// The octets of an item, by name; slower than [`item`](Self::item).
@@ -152,6 +199,19 @@ impl<'a> Iterator for Records<'a> {
         }
         Some(record)
     }
+}
+
+/// One bit for each subitem that the FSPEC of a compound item announces, the first lowest, and the octets behind it.
+#[inline]
+fn split_fspec(item: &[u8]) -> (u64, &[u8]) {
+    let mut present = 0;
+    for (i, &octet) in item.iter().enumerate() {
+        present |= u64::from(fspec_bits(octet)) << (7 * i);
+        if !goes_on(octet) {
+            return (present, &item[i + 1..]);
+        }
+    }
+    (0, &[])
 }
 
 fn frns(present: u64) -> impl Iterator<Item = Frn> + use<> {

@@ -2,6 +2,8 @@
 
 use super::categories::*;
 use super::expansion::Expansion;
+use super::field::elements;
+use super::record::SENDER;
 use super::table::{Category, Edition};
 
 /// Every table, by category. The first of a category is its default edition.
@@ -29,6 +31,20 @@ pub static EXPANSIONS: &[&Expansion] = &[
     &CAT048_RE_V1_11, &CAT048_RE_V1_12, &CAT048_RE_V1_13,
     &CAT062_RE_V1_2, &CAT062_RE_V1_3,
 ];
+
+const _: () = {
+    let mut i = 0;
+    while i < REGISTRY.len() {
+        let sender = elements(&[REGISTRY[i]], "010", ["SAC", "SIC"]);
+        assert!(sender.item.0 == SENDER.0, "the sender is not the first item");
+        let [sac, sic] = sender.fields;
+        assert!(
+            sac.byte == 0 && sac.bits == 8 && sic.byte == 1 && sic.bits == 8,
+            "the sender is not two octets"
+        );
+        i += 1;
+    }
+};
 
 /// The table of one edition.
 pub fn find(number: u8, edition: Edition) -> Option<&'static Category> {

@@ -47,6 +47,22 @@ impl Category {
         }
     }
 
+    /// The profile for a value of the element that decides, or the only one.
+    ///
+    /// # Panics
+    /// If there are several, and none for this value.
+    pub const fn uap_of(&self, value: u64) -> &Uap {
+        let cases = match &self.profile {
+            Profile::Single(uap) => return uap,
+            Profile::Depends { cases, .. } => cases,
+        };
+        let mut i = 0;
+        while cases[i].0 != value {
+            i += 1;
+        }
+        &cases[i].1
+    }
+
     /// The profiles, one or several.
     pub fn uaps(&'static self) -> impl Iterator<Item = &'static Uap> {
         let (single, cases): (Option<&Uap>, &[(u64, Uap)]) = match &self.profile {
@@ -164,14 +180,22 @@ impl Uap {
     /// # Panics
     /// If the profile has no item of this name.
     pub const fn frn(&self, name: &str) -> Frn {
+        match self.find(name) {
+            Some(frn) => frn,
+            None => panic!("the profile has no item of this name"),
+        }
+    }
+
+    /// The field reference number of a named item, if it has one.
+    pub(crate) const fn find(&self, name: &str) -> Option<Frn> {
         let mut i = 0;
         while i < self.order.len() {
             if same(self.order[i], name) {
-                return Frn(i as u8 + 1);
+                return Some(Frn(i as u8 + 1));
             }
             i += 1;
         }
-        panic!("the profile has no item of this name")
+        None
     }
 
     /// The item at a field reference number.
@@ -445,7 +469,7 @@ pub(super) fn first_element(layout: &Layout, name: &str) -> Option<(usize, usize
     None
 }
 
-const fn bit_count(parts: &[Part]) -> u32 {
+pub(crate) const fn bit_count(parts: &[Part]) -> u32 {
     let mut bits = 0;
     let mut i = 0;
     while i < parts.len() {
@@ -466,7 +490,7 @@ const fn whole_octets(bits: u32) -> u16 {
     (bits / 8) as u16
 }
 
-const fn same(a: &str, b: &str) -> bool {
+pub(crate) const fn same(a: &str, b: &str) -> bool {
     let (a, b) = (a.as_bytes(), b.as_bytes());
     if a.len() != b.len() {
         return false;

@@ -6,9 +6,9 @@ use messages::{Identity, alert_bits, identity_bits};
 use super::quantity;
 use asterix::table::{Category, Content, Frn, Layout, Part};
 use asterix::text::icao_code;
-use asterix::{RecordWriter, typed::fields::FOOT_M};
+use asterix::{RecordWriter, field::FOOT_M};
 
-pub(super) use asterix::typed::fields::{FLIGHT_LEVEL_M, NAUTICAL_MILE_M};
+pub(super) use asterix::field::{FLIGHT_LEVEL_M, NAUTICAL_MILE_M};
 
 /// LSB of geometric heights: 6.25 ft, in metres.
 pub(super) const HEIGHT_LSB_M: f64 = 6.25 * FOOT_M;

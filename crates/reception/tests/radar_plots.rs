@@ -6,8 +6,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use asterix::typed::cat048;
-use asterix::{Decoder, Mode};
+use asterix::{Decoder, Mode, NamedRecord, Record, Value};
 use formats::containers::datagrams;
 use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
 use messages::{Counter, Counters, SensorTrack, sensor_track_bits as bits};
@@ -76,9 +75,7 @@ fn convert(bytes: &[u8]) -> (Vec<Seen>, Counters) {
     let mut seen: Vec<Seen> = Vec::new();
     for record in decoder.records(bytes) {
         let record = record.unwrap();
-        let sent = cat048::registers(&record)
-            .find(|register| register.number == 0x50)
-            .and_then(|register| track_and_turn(register.content));
+        let sent = register_5_0(&record).and_then(track_and_turn);
         match observation::read(&record) {
             Reading::Target(plot) => {
                 if plot.time_of_day_ns.unwrap() < converters[converters.len() - 1].running_ns().unwrap_or(0) - 60 * S {
@@ -101,9 +98,21 @@ fn convert(bytes: &[u8]) -> (Vec<Seen>, Counters) {
     (seen, counted)
 }
 
+/// The 56 bits of register 5,0 of the aircraft's transponder, if I048/250 has it.
+fn register_5_0(record: &Record<'_>) -> Option<u64> {
+    let named = NamedRecord::new(record);
+    let Some(Value::List(registers)) = named.get(&["250"]) else {
+        return None;
+    };
+    registers.iter().find_map(|register| {
+        let Value::Group(parts) = register else { return None };
+        let number = |name| parts.iter().find(|(part, _)| *part == name)?.1.as_u64();
+        (number("BDS1") == Some(5) && number("BDS2") == Some(0)).then(|| number("MBDATA"))?
+    })
+}
+
 /// Ground speed and true track of register 5,0: ICAO Doc 9871, table A-2-80.
-fn track_and_turn(content: [u8; 7]) -> Option<[f64; 2]> {
-    let bits = content.iter().fold(0u64, |bits, octet| bits << 8 | u64::from(*octet));
+fn track_and_turn(bits: u64) -> Option<[f64; 2]> {
     let field = |first: u32, last: u32| bits >> (56 - last) & ((1 << (last - first + 1)) - 1);
     let (has_track, has_speed) = (field(12, 12) == 1, field(24, 24) == 1);
     let track_rad = field(14, 23) as f64 * (PI / 1024.0) - if field(13, 13) == 1 { PI } else { 0.0 };

@@ -260,3 +260,6 @@ pub static CAT010_V1_1: Category = Category {
     items: ITEMS,
     profile: Profile::Single(Uap::new(ITEMS, ORDER)),
 };
+
+/// Every edition of the category.
+pub static CAT010: &[&Category] = &[&CAT010_V1_1];

@@ -115,3 +115,6 @@ pub static CAT019_V1_3: Category = Category {
     items: ITEMS,
     profile: Profile::Single(Uap::new(ITEMS, ORDER)),
 };
+
+/// Every edition of the category.
+pub static CAT019: &[&Category] = &[&CAT019_V1_3];

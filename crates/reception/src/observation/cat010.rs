@@ -1,46 +1,73 @@
 //! CAT010: surface movement radar and multilateration of an airport.
 
+use asterix::categories::CAT010;
+
 use super::*;
-use asterix::typed::cat010::{MessageType, ServiceMessage, TargetReport};
+
+const MESSAGE_TYPE: Elements<1> = whole(CAT010, "000");
+const TIME: Elements<1> = whole(CAT010, "140");
+const POLAR: Elements<2> = elements(CAT010, "040", ["RHO", "TH"]);
+const GEODETIC: Elements<2> = elements(CAT010, "041", ["LAT", "LON"]);
+const CARTESIAN: Elements<2> = elements(CAT010, "042", ["X", "Y"]);
+const POLAR_VELOCITY: Elements<2> = elements(CAT010, "200", ["GSP", "TRA"]);
+const CARTESIAN_VELOCITY: Elements<2> = elements(CAT010, "202", ["VX", "VY"]);
+const TRACK_NUMBER: Elements<1> = elements(CAT010, "161", ["TRK"]);
+const MODE_3A: Reply = Reply::of(CAT010, "060", "MODE3A");
+const ADDRESS: Elements<1> = whole(CAT010, "220");
+const CALLSIGN: Elements<1> = elements(CAT010, "245", ["CHR"]);
+const FLIGHT_LEVEL: Reply = Reply::of(CAT010, "090", "FL");
+/// Above the local plane.
+const MEASURED_HEIGHT: Elements<1> = whole(CAT010, "091");
+const DEVIATION: Elements<3> = elements(CAT010, "500", ["DEVX", "DEVY", "COVXY"]);
+
+const DESCRIPTOR: Frn = item(CAT010, "020");
+const GBS: Field = field(CAT010, &["020", "GBS"]);
+const SIM: Field = field(CAT010, &["020", "SIM"]);
+const TST: Field = field(CAT010, &["020", "TST"]);
+const RAB: Field = field(CAT010, &["020", "RAB"]);
+const SPI: Field = field(CAT010, &["020", "SPI"]);
+
+const STATUS: Frn = item(CAT010, "170");
+const CNF: Field = field(CAT010, &["170", "CNF"]);
+const TRE: Field = field(CAT010, &["170", "TRE"]);
+const CST: Field = field(CAT010, &["170", "CST"]);
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
-    if let Some(report) = TargetReport::read(record) {
-        return Some(Reading::Target(of(&report)));
+    record.table().is_one_of(CAT010).then_some(())?;
+    match MESSAGE_TYPE.number(record)? {
+        1 => Some(Reading::Target(observation(record))),
+        2 => Some(service(record, &TIME, true)), // a new update cycle begins
+        3 | 4 => Some(service(record, &TIME, false)),
+        _ => None,
     }
-    ServiceMessage::read(record).map(|message| {
-        let cycle = message.message_type == MessageType::StartOfUpdateCycle;
-        turn(message.time_of_day, cycle)
-    })
 }
 
-fn of(report: &TargetReport) -> Observation {
-    let callsign = report.identification.and_then(|identification| identification.callsign);
-    let descriptor = report.descriptor;
-    let identified = descriptor.is_some_and(|descriptor| descriptor.special_identification);
+fn observation(record: &Record<'_>) -> Observation {
+    let (descriptor, status) = (record.octets(DESCRIPTOR), record.octets(STATUS));
+    let (address, track_number) = (ADDRESS.number(record), TRACK_NUMBER.number(record));
     Observation {
-        sac_sic: sac_sic(report.source),
-        time_of_day_ns: report.time_of_day.map(nanoseconds),
-        field_monitor: descriptor.is_some_and(|descriptor| descriptor.field_monitor),
-        test: descriptor.is_some_and(|descriptor| descriptor.simulated || descriptor.test),
-        track_number: report.track_number.map(u32::from).or(report.address),
-        plot: report.track_number.is_none(),
-        identity: identity(code(report.mode_3a), report.address, callsign),
-        cartesian: report.cartesian_position.map(cartesian),
+        sac_sic: record.sender(),
+        time_of_day_ns: time_of_day_ns(record, &TIME),
+        field_monitor: RAB.is_set(descriptor),
+        test: SIM.is_set(descriptor) || TST.is_set(descriptor),
+        track_number: track_number.or(address).map(|number| number as u32),
+        plot: track_number.is_none(),
+        identity: identity(MODE_3A.code(record), address, CALLSIGN.number(record)),
+        cartesian: CARTESIAN.quantities(record),
         // At an airport the range along the ground is that to the target.
-        polar: report.polar_position.map(polar),
-        geodetic: report.geodetic_position.map(geodetic),
-        velocity: report
-            .cartesian_velocity
-            .map(components)
-            .or(report.polar_velocity.map(from_polar)),
-        pressure_altitude_m: altitude(report.flight_level),
-        geometric_height_m: report.measured_height_m,
-        on_ground: descriptor.is_some_and(|descriptor| descriptor.ground_bit),
-        alerts: when(identified, alert_bits::SPECIAL_IDENTIFICATION),
-        state: state(report.track_status),
-        quality: report.position_deviation.map_or(Quality::Unstated, |deviation| {
-            covariance([deviation.sigma_x_m, deviation.sigma_y_m], deviation.covariance_xy_m2)
-        }),
+        polar: POLAR.quantities(record),
+        geodetic: GEODETIC.quantities(record),
+        velocity: CARTESIAN_VELOCITY
+            .quantities(record)
+            .or_else(|| POLAR_VELOCITY.quantities(record).map(components)),
+        pressure_altitude_m: FLIGHT_LEVEL.level(record),
+        geometric_height_m: MEASURED_HEIGHT.quantity(record),
+        on_ground: GBS.is_set(descriptor),
+        alerts: when(SPI.is_set(descriptor), alert_bits::SPECIAL_IDENTIFICATION),
+        state: state(TRE.is_set(status), CNF.is_set(status), CST.is_set(status)),
+        quality: DEVIATION
+            .quantities(record)
+            .map_or(Quality::Unstated, |[x, y, xy]| covariance([x, y], xy)),
         ..Observation::default()
     }
 }

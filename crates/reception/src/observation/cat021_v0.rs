@@ -1,37 +1,72 @@
 //! CAT021 before ed 1: ADS-B.
 
+use asterix::categories::{CAT021_V0, CAT021_V0_23, CAT021_V0_24, CAT021_V0_25, CAT021_V0_26};
+
 use super::navigation::{covariance_of_velocity_category, radius_of_nucp};
 use super::*;
-use asterix::typed::cat021_v0::TargetReport;
+
+const TIME: Elements<1> = whole(CAT021_V0, "030");
+/// Of 24 bits each in the first edition, of 32 later.
+const GEODETIC_V0_23: Elements<2> = elements(&[&CAT021_V0_23], "130", ["LAT", "LON"]);
+const GEODETIC: Elements<2> = elements(&[&CAT021_V0_24, &CAT021_V0_25, &CAT021_V0_26], "130", ["LAT", "LON"]);
+const GROUND_VECTOR: Elements<2> = elements(CAT021_V0, "160", ["GS", "TA"]);
+const ADDRESS: Elements<1> = whole(CAT021_V0, "080");
+const CALLSIGN: Elements<1> = whole(CAT021_V0, "170");
+const POSITION_CATEGORY: Elements<1> = elements(CAT021_V0, "090", ["PA"]);
+const VELOCITY_CATEGORY: Elements<1> = whole(CAT021_V0, "095");
+const PRESSURE_ALTITUDE: Elements<1> = whole(CAT021_V0, "145");
+const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT021_V0, "140");
+const BAROMETRIC_RATE: Elements<1> = whole(CAT021_V0, "155");
+const GEOMETRIC_RATE: Elements<1> = whole(CAT021_V0, "157");
+const EMERGENCY: Elements<1> = whole(CAT021_V0, "200");
+const MODE_3A: Reply = Reply::of(&[&CAT021_V0_26], "070", "MODE3A");
+
+const DESCRIPTOR: Frn = item(CAT021_V0, "040");
+const GBS: Field = field(CAT021_V0, &["040", "GBS"]);
+const SIM: Field = field(CAT021_V0, &["040", "SIM"]);
+const TST: Field = field(CAT021_V0, &["040", "TST"]);
+const RAB: Field = field(CAT021_V0, &["040", "RAB"]);
+const SPI: Field = field(CAT021_V0, &["040", "SPI"]);
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
-    TargetReport::read(record).map(|report| Reading::Target(of(&report)))
+    record
+        .table()
+        .is_one_of(CAT021_V0)
+        .then(|| Reading::Target(observation(record)))
 }
 
-fn of(report: &TargetReport) -> Observation {
-    let descriptor = report.descriptor;
-    let identified = descriptor.is_some_and(|descriptor| descriptor.special_identification);
+fn observation(record: &Record<'_>) -> Observation {
+    let descriptor = record.octets(DESCRIPTOR);
+    let address = ADDRESS.number(record);
+    let is_coarse = record.table().is_one_of(&[&CAT021_V0_23]);
     Observation {
-        sac_sic: sac_sic(report.source),
-        time_of_day_ns: report.time_of_day.map(nanoseconds),
-        field_monitor: descriptor.is_some_and(|descriptor| descriptor.field_monitor),
-        test: descriptor.is_some_and(|descriptor| descriptor.simulated || descriptor.test),
+        sac_sic: record.sender(),
+        time_of_day_ns: time_of_day_ns(record, &TIME),
+        field_monitor: RAB.is_set(descriptor),
+        test: SIM.is_set(descriptor) || TST.is_set(descriptor),
         // These editions have no track number: a transmitter is its own track.
-        track_number: report.address,
-        identity: identity(code(report.mode_3a), report.address, report.callsign),
-        geodetic: report.geodetic_position.map(geodetic),
-        velocity: report.ground_vector.map(from_polar),
+        track_number: address.map(|address| address as u32),
+        identity: identity(MODE_3A.code(record), address, CALLSIGN.number(record)),
+        geodetic: if is_coarse { &GEODETIC_V0_23 } else { &GEODETIC }.quantities(record),
+        velocity: GROUND_VECTOR.quantities(record).map(components),
         axes: Axes::Target,
-        velocity_covariance: report.velocity_category.and_then(covariance_of_velocity_category),
-        pressure_altitude_m: report.pressure_altitude_m,
-        geometric_height_m: report.geometric_altitude_m,
-        vertical_rate_mps: report.barometric_rate_m_s.or(report.geometric_rate_m_s),
-        on_ground: descriptor.is_some_and(|descriptor| descriptor.ground_bit),
-        alerts: when(identified, alert_bits::SPECIAL_IDENTIFICATION) | report.emergency.map_or(0, alerts_of_emergency),
+        velocity_covariance: VELOCITY_CATEGORY
+            .number(record)
+            .and_then(|category| covariance_of_velocity_category(category as u8)),
+        pressure_altitude_m: PRESSURE_ALTITUDE.quantity(record),
+        geometric_height_m: GEOMETRIC_ALTITUDE.quantity(record),
+        vertical_rate_mps: BAROMETRIC_RATE
+            .quantity(record)
+            .or_else(|| GEOMETRIC_RATE.quantity(record)),
+        on_ground: GBS.is_set(descriptor),
+        alerts: when(SPI.is_set(descriptor), alert_bits::SPECIAL_IDENTIFICATION)
+            | EMERGENCY
+                .number(record)
+                .map_or(0, |number| alerts_of_emergency(number as u8)),
         state: TrackState::Confirmed,
-        quality: report
-            .figure_of_merit
-            .map_or(Quality::Unstated, |merit| radius_of_nucp(merit.position_category)),
+        quality: POSITION_CATEGORY
+            .number(record)
+            .map_or(Quality::Unstated, |category| radius_of_nucp(category as u8)),
         ..Observation::default()
     }
 }

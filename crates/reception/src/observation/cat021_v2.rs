@@ -5,95 +5,166 @@
 //! radius is one that the error exceeds once in ten million flight hours; as an error with 95 % probability it is far
 //! too large, and used only where there is nothing else.
 
+use asterix::categories::CAT021_V2;
+use asterix::field::added;
+use frames::time::NS_PER_S;
+
 use super::navigation::{covariance_of_velocity_category, radius_of_nacp, radius_of_nic, radius_of_nucp};
 use super::*;
-use asterix::typed::cat021_v2::{FineTime, QualityIndicators, SurveillanceStatus, TargetReport, TargetStatus};
-use frames::time::NS_PER_S;
+
+const POSITION_TIME: Elements<1> = whole(CAT021_V2, "071");
+const POSITION_RECEPTION: Elements<1> = whole(CAT021_V2, "073");
+const POSITION_RECEPTION_FRACTION: Elements<2> = elements(CAT021_V2, "074", ["FSI", "TOMRP"]);
+const VELOCITY_TIME: Elements<1> = whole(CAT021_V2, "072");
+const VELOCITY_RECEPTION: Elements<1> = whole(CAT021_V2, "075");
+const VELOCITY_RECEPTION_FRACTION: Elements<2> = elements(CAT021_V2, "076", ["FSI", "TOMRP"]);
+const TRANSMISSION: Elements<1> = whole(CAT021_V2, "077");
+const POSITION: Elements<2> = elements(CAT021_V2, "130", ["LAT", "LON"]);
+const FINE_POSITION: Elements<2> = elements(CAT021_V2, "131", ["LAT", "LON"]);
+const GROUND_VECTOR: Elements<3> = elements(CAT021_V2, "160", ["RE", "GS", "TA"]);
+const TRACK_NUMBER: Elements<1> = elements(CAT021_V2, "161", ["TRNUM"]);
+const ADDRESS: Elements<1> = whole(CAT021_V2, "080");
+const CALLSIGN: Elements<1> = whole(CAT021_V2, "170");
+const MODE_3A: Elements<1> = elements(CAT021_V2, "070", ["MODE3A"]);
+const PRESSURE_ALTITUDE: Elements<1> = whole(CAT021_V2, "145");
+const GEOMETRIC_HEIGHT: Elements<1> = whole(CAT021_V2, "140");
+const BAROMETRIC_RATE: Elements<2> = elements(CAT021_V2, "155", ["RE", "BVR"]);
+const GEOMETRIC_RATE: Elements<2> = elements(CAT021_V2, "157", ["RE", "GVR"]);
+const VERSION: Elements<1> = elements(CAT021_V2, "210", ["VN"]);
+const ADVISED: Elements<1> = elements(CAT021_V2, "008", ["RA"]);
+const ADVISORY: Frn = item(CAT021_V2, "260");
+
+const DESCRIPTOR: Frn = item(CAT021_V2, "040");
+const RAB: Field = field(CAT021_V2, &["040", "RAB"]);
+const GBS: Field = field(CAT021_V2, &["040", "GBS"]);
+const SIM: Field = field(CAT021_V2, &["040", "SIM"]);
+const TST: Field = field(CAT021_V2, &["040", "TST"]);
+/// The position is not where other means see the target.
+const IPC: Field = field(CAT021_V2, &["040", "IPC"]);
+/// The two ways to decode the position disagree.
+const CPR: Field = field(CAT021_V2, &["040", "CPR"]);
+/// The position jumped.
+const LDPJ: Field = field(CAT021_V2, &["040", "LDPJ"]);
+/// The position is beyond the station's range.
+const RCF: Field = field(CAT021_V2, &["040", "RCF"]);
+
+const QUALITY: Frn = item(CAT021_V2, "090");
+const NUCR_OR_NACV: Field = field(CAT021_V2, &["090", "NUCRNACV"]);
+const NUCP_OR_NIC: Field = field(CAT021_V2, &["090", "NUCPNIC"]);
+const NACP: Field = field(CAT021_V2, &["090", "NACP"]);
+
+const STATUS: Frn = item(CAT021_V2, "200");
+const ME: Field = added(CAT021_V2, &["200", "ME"]);
+const PS: Field = field(CAT021_V2, &["200", "PS"]);
+const SS: Field = field(CAT021_V2, &["200", "SS"]);
 
 /// Seconds in a day.
 const DAY_S: i64 = 86_400;
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
-    TargetReport::read(record).map(|report| Reading::Target(of(&report)))
+    record
+        .table()
+        .is_one_of(CAT021_V2)
+        .then(|| Reading::Target(observation(record)))
 }
 
-fn of(report: &TargetReport) -> Observation {
-    let descriptor = report.descriptor;
+fn observation(record: &Record<'_>) -> Observation {
+    let (descriptor, quality) = (record.octets(DESCRIPTOR), record.octets(QUALITY));
+    let address = ADDRESS.number(record);
     Observation {
-        sac_sic: sac_sic(report.source),
-        time_of_day_ns: time_of_day_ns(report),
-        field_monitor: descriptor.is_some_and(|descriptor| descriptor.field_monitor),
-        test: descriptor.is_some_and(|descriptor| descriptor.simulated || descriptor.test),
-        suspect: descriptor.is_some_and(|descriptor| {
-            descriptor.position_check_failed
-                || descriptor.decoding_failed
-                || descriptor.jumped
-                || descriptor.range_check_failed
-        }),
-        track_number: report.track_number.map(u32::from).or(report.address),
-        identity: identity(report.mode_3a, report.address, report.callsign),
-        geodetic: report.geodetic_position.map(geodetic),
-        velocity: report.ground_vector.map(from_polar),
+        sac_sic: record.sender(),
+        time_of_day_ns: time(record),
+        field_monitor: RAB.is_set(descriptor),
+        test: SIM.is_set(descriptor) || TST.is_set(descriptor),
+        suspect: [IPC, CPR, LDPJ, RCF].iter().any(|check| check.is_set(descriptor)),
+        track_number: TRACK_NUMBER.number(record).or(address).map(|number| number as u32),
+        identity: identity(
+            MODE_3A.number(record).map(|code| code as u16),
+            address,
+            CALLSIGN.number(record),
+        ),
+        geodetic: FINE_POSITION.quantities(record).or_else(|| POSITION.quantities(record)),
+        velocity: GROUND_VECTOR
+            .quantities(record)
+            .and_then(|[beyond, speed, track]| (beyond == 0.0).then(|| components([speed, track]))),
         axes: Axes::Target,
-        velocity_covariance: report
-            .quality
-            .and_then(|quality| covariance_of_velocity_category(quality.velocity_category)),
-        pressure_altitude_m: report.pressure_altitude_m,
-        geometric_height_m: report.geometric_height_m,
-        vertical_rate_mps: report.barometric_rate_m_s.or(report.geometric_rate_m_s),
-        on_ground: descriptor.is_some_and(|descriptor| descriptor.ground_bit),
-        alerts: report.target_status.map_or(0, alerts_of_status)
-            | when(report.advised == Some(true), alert_bits::RESOLUTION_ADVISORY)
-            | alerts_of_advisory(report.resolution_advisory),
+        velocity_covariance: NUCR_OR_NACV.code(quality).and_then(covariance_of_velocity_category),
+        pressure_altitude_m: PRESSURE_ALTITUDE.quantity(record),
+        geometric_height_m: geometric_height_m(record),
+        vertical_rate_mps: rate_mps(record, &BAROMETRIC_RATE).or_else(|| rate_mps(record, &GEOMETRIC_RATE)),
+        on_ground: GBS.is_set(descriptor),
+        alerts: alerts_of_status(record)
+            | when(ADVISED.number(record) == Some(1), alert_bits::RESOLUTION_ADVISORY)
+            | alerts_of_advisory(record.octets(ADVISORY)),
         state: TrackState::Confirmed,
-        quality: report
-            .quality
-            .map_or(Quality::Unstated, |quality| position_quality(report.version, quality)),
+        quality: NUCP_OR_NIC.code(quality).map_or(Quality::Unstated, |category| {
+            position_quality(VERSION.number(record), category, NACP.code(quality))
+        }),
         ..Observation::default()
     }
 }
 
 /// When the position applied, else when it was received, else the same of the velocity, which is as new within a
 /// second, else when the report was sent.
-fn time_of_day_ns(report: &TargetReport) -> Option<i64> {
-    let position = (report.position_reception, report.position_reception_fraction);
-    let velocity = (report.velocity_reception, report.velocity_reception_fraction);
-    report
-        .position_time
-        .map(nanoseconds)
-        .or_else(|| Some(reception_ns(position.0?, position.1)))
-        .or(report.velocity_time.map(nanoseconds))
-        .or_else(|| Some(reception_ns(velocity.0?, velocity.1)))
-        .or(report.transmission.map(nanoseconds))
+fn time(record: &Record<'_>) -> Option<i64> {
+    time_of_day_ns(record, &POSITION_TIME)
+        .or_else(|| reception_ns(record, &POSITION_RECEPTION, &POSITION_RECEPTION_FRACTION))
+        .or_else(|| time_of_day_ns(record, &VELOCITY_TIME))
+        .or_else(|| reception_ns(record, &VELOCITY_RECEPTION, &VELOCITY_RECEPTION_FRACTION))
+        .or_else(|| time_of_day_ns(record, &TRANSMISSION))
 }
 
 /// The time of a reception, with the fraction of its second where that was sent.
-fn reception_ns(coarse: TimeOfDay, fine: Option<FineTime>) -> i64 {
-    let second = i64::from(coarse.ticks / TimeOfDay::TICKS_PER_S);
-    match fine.and_then(|fine| Some((i64::from(fine.second?), fine.fraction))) {
+fn reception_ns(record: &Record<'_>, coarse: &Elements<1>, fine: &Elements<2>) -> Option<i64> {
+    let ticks = coarse.number(record)?;
+    let second = ticks as i64 / 128;
+    // FSI: by how much the whole second is another one than that of the coarse time.
+    let step = fine.numbers(record).and_then(|[step, fraction]| match step {
+        0 => Some((0, fraction)),
+        1 => Some((1, fraction)),
+        2 => Some((-1, fraction)),
+        _ => None,
+    });
+    Some(match step {
         Some((step, fraction)) if second < DAY_S => {
-            let second = (second + step).rem_euclid(DAY_S);
-            second * NS_PER_S + ((i64::from(fraction) * NS_PER_S) >> 30)
+            (second + step).rem_euclid(DAY_S) * NS_PER_S + ((fraction as i64 * NS_PER_S) >> 30)
         }
-        _ => nanoseconds(coarse),
-    }
+        _ => nanoseconds(ticks),
+    })
 }
 
-fn alerts_of_status(status: TargetStatus) -> u8 {
-    alerts_of_emergency(status.emergency)
-        | when(status.military_emergency, alert_bits::EMERGENCY)
-        | match status.surveillance {
-            SurveillanceStatus::None => 0,
-            SurveillanceStatus::PermanentAlert | SurveillanceStatus::TemporaryAlert => alert_bits::TRANSPONDER_ALERT,
-            SurveillanceStatus::SpecialIdentification => alert_bits::SPECIAL_IDENTIFICATION,
+/// The greatest number means "greater than that".
+fn geometric_height_m(record: &Record<'_>) -> Option<f64> {
+    const GREATEST: u64 = (1 << (GEOMETRIC_HEIGHT.fields[0].bits - 1)) - 1;
+    GEOMETRIC_HEIGHT
+        .number(record)
+        .filter(|number| *number != GREATEST)
+        .and(GEOMETRIC_HEIGHT.quantity(record))
+}
+
+/// A rate of climb, behind the bit that says that it is beyond what can be sent.
+fn rate_mps(record: &Record<'_>, rate: &Elements<2>) -> Option<f64> {
+    rate.quantities(record)
+        .and_then(|[beyond, rate]| (beyond == 0.0).then_some(rate))
+}
+
+fn alerts_of_status(record: &Record<'_>) -> u8 {
+    let status = record.octets(STATUS);
+    let military = record.table().edition >= ME.since && ME.is_set(status);
+    PS.code(status).map_or(0, alerts_of_emergency)
+        | when(military, alert_bits::EMERGENCY)
+        | match SS.code(status) {
+            Some(1 | 2) => alert_bits::TRANSPONDER_ALERT, // permanent, or temporary
+            Some(3) => alert_bits::SPECIAL_IDENTIFICATION,
+            _ => 0,
         }
 }
 
 /// An aircraft that sends no version is of version 0.
-fn position_quality(version: Option<u8>, quality: QualityIndicators) -> Quality {
-    match (version.unwrap_or(0), quality.accuracy_category) {
-        (0, _) => radius_of_nucp(quality.integrity_category),
+fn position_quality(version: Option<u64>, integrity: u8, accuracy: Option<u8>) -> Quality {
+    match (version.unwrap_or(0), accuracy) {
+        (0, _) => radius_of_nucp(integrity),
         (_, Some(category)) => radius_of_nacp(category),
-        (_, None) => radius_of_nic(quality.integrity_category),
+        (_, None) => radius_of_nic(integrity),
     }
 }

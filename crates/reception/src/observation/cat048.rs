@@ -4,78 +4,115 @@
 //! the radar's tracker calculated them. A plot without track number is numbered by its address, if it has one; the
 //! number is then the same from turn to turn, and the plots of one aircraft are a track.
 
+use asterix::categories::{CAT048, CAT048_V1_32};
+
 use super::*;
-use asterix::typed::cat048::{Detection, TargetReport, Warnings};
+
+const TIME: Elements<1> = whole(CAT048, "140");
+const PLOT: Elements<2> = elements(CAT048, "040", ["RHO", "THETA"]);
+const TRACK: Elements<2> = elements(CAT048, "042", ["X", "Y"]);
+const VELOCITY: Elements<2> = elements(CAT048, "200", ["GSP", "HDG"]);
+const SIGMA: Elements<4> = elements(CAT048, "210", ["SIGX", "SIGY", "SIGV", "SIGH"]);
+const TRACK_NUMBER: Elements<1> = elements(CAT048, "161", ["TRN"]);
+const MODE_3A: Reply = Reply::of(CAT048, "070", "MODE3A");
+/// In two's complement in every edition, though only the last says so: without the sign, an aircraft a little below sea
+/// level pressure would fly in space.
+const FLIGHT_LEVEL: Reply = Reply::of(&[&CAT048_V1_32], "090", "FL");
+/// Of a radar that measures elevation.
+const MEASURED_HEIGHT: Elements<1> = elements(CAT048, "110", ["3DH"]);
+const ADDRESS: Elements<1> = whole(CAT048, "220");
+const CALLSIGN: Elements<1> = whole(CAT048, "240");
+const FLIGHT_STATUS: Elements<1> = elements(CAT048, "230", ["STAT"]);
+const ADVISORY: Frn = item(CAT048, "260");
+
+const DESCRIPTOR: Frn = item(CAT048, "020");
+const TYP: Field = field(CAT048, &["020", "TYP"]);
+const SIM: Field = field(CAT048, &["020", "SIM"]);
+const SPI: Field = field(CAT048, &["020", "SPI"]);
+const RAB: Field = field(CAT048, &["020", "RAB"]);
+const TST: Field = field(CAT048, &["020", "TST"]);
+const ERR: Field = field(CAT048, &["020", "ERR"]);
+const ME: Field = field(CAT048, &["020", "ME"]);
+
+const STATUS: Frn = item(CAT048, "170");
+const CNF: Field = field(CAT048, &["170", "CNF"]);
+const TRE: Field = field(CAT048, &["170", "TRE"]);
+const TCC: Field = field(CAT048, &["170", "TCC"]);
+
+const WARNINGS: Frn = item(CAT048, "030");
+const WARNING: Field = field(CAT048, &["030"]);
+/// The height code differs too much from the track's.
+const ABNORMAL_HEIGHT: u8 = 12;
+/// The height code has no meaning.
+const UNDECODABLE_HEIGHT: u8 = 18;
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
-    TargetReport::read(record).map(|report| Reading::Target(of(&report)))
+    record
+        .table()
+        .is_one_of(CAT048)
+        .then(|| Reading::Target(observation(record)))
 }
 
-fn of(report: &TargetReport) -> Observation {
-    let descriptor = report.descriptor;
-    let status = report.transponder.map(|transponder| transponder.flight_status);
-    let corrected = report.track_status.is_some_and(|status| status.slant_corrected);
+fn observation(record: &Record<'_>) -> Observation {
+    let (descriptor, status) = (record.octets(DESCRIPTOR), record.octets(STATUS));
+    let (address, track_number) = (ADDRESS.number(record), TRACK_NUMBER.number(record));
+    let (velocity, sigma) = (VELOCITY.quantities(record), SIGMA.quantities(record));
+    let (flight_alerts, on_ground) = flight_status(FLIGHT_STATUS.number(record).map(|status| status as u8));
+    let cartesian = TRACK.quantities(record);
     Observation {
-        sac_sic: sac_sic(report.source),
-        time_of_day_ns: report.time_of_day.map(nanoseconds),
-        field_monitor: descriptor.is_some_and(|descriptor| descriptor.field_monitor),
-        test: descriptor.is_some_and(|descriptor| descriptor.simulated || descriptor.test),
-        track_number: report.track_number.map(u32::from).or(report.address),
-        plot: report.track_number.is_none(),
-        identity: identity(code(report.mode_3a), report.address, report.callsign),
-        cartesian: report.cartesian_position.map(cartesian),
-        plane: if corrected { Plane::Stereographic } else { Plane::Slant },
+        sac_sic: record.sender(),
+        time_of_day_ns: time_of_day_ns(record, &TIME),
+        field_monitor: RAB.is_set(descriptor),
+        test: SIM.is_set(descriptor) || TST.is_set(descriptor),
+        track_number: track_number.or(address).map(|number| number as u32),
+        plot: track_number.is_none(),
+        identity: identity(MODE_3A.code(record), address, CALLSIGN.number(record)),
+        cartesian,
+        plane: if TCC.is_set(status) {
+            Plane::Stereographic
+        } else {
+            Plane::Slant
+        },
         // Beyond the range that the item can hold, it holds the largest.
-        slant_polar: report
-            .slant_position
-            .filter(|_| !descriptor.is_some_and(|descriptor| descriptor.beyond_range))
-            .map(polar),
-        velocity: report.polar_velocity.map(from_polar),
+        slant_polar: PLOT.quantities(record).filter(|_| !ERR.is_set(descriptor)),
+        velocity: velocity.map(components),
         axes: Axes::Target,
-        velocity_covariance: velocity_covariance(report),
-        pressure_altitude_m: altitude(report.flight_level).filter(|_| !height_doubted(report.warnings)),
-        geometric_height_m: report.measured_height_m,
-        on_ground: status.is_some_and(|status| status.on_ground == Some(true)),
-        alerts: descriptor.map_or(0, |descriptor| {
-            when(descriptor.special_identification, alert_bits::SPECIAL_IDENTIFICATION)
-                | when(descriptor.military_emergency, alert_bits::EMERGENCY)
-        }) | status.map_or(0, alerts_of_flight_status)
-            | alerts_of_advisory(report.resolution_advisory),
-        state: state(report),
-        quality: match report.track_quality {
-            Some(quality) if report.cartesian_position.is_some() => {
-                covariance([quality.sigma_x_m, quality.sigma_y_m], 0.0)
-            }
+        velocity_covariance: velocity.zip(sigma).and_then(velocity_covariance),
+        pressure_altitude_m: FLIGHT_LEVEL.level(record).filter(|_| !height_doubted(record)),
+        geometric_height_m: MEASURED_HEIGHT.quantity(record),
+        on_ground,
+        alerts: when(SPI.is_set(descriptor), alert_bits::SPECIAL_IDENTIFICATION)
+            | when(ME.is_set(descriptor), alert_bits::EMERGENCY)
+            | flight_alerts
+            | alerts_of_advisory(record.octets(ADVISORY)),
+        state: state(TRE.is_set(status), CNF.is_set(status), TYP.code(descriptor) == Some(0)),
+        quality: match sigma {
+            Some([x, y, ..]) if cartesian.is_some() => covariance([x, y], 0.0),
             _ => Quality::Unstated,
         },
         ..Observation::default()
     }
 }
 
-fn state(report: &TargetReport) -> TrackState {
-    let detected = report
-        .descriptor
-        .is_none_or(|descriptor| descriptor.detection != Detection::None);
-    match report.track_status {
-        Some(status) if status.ended => TrackState::Terminated,
-        Some(status) if status.tentative => TrackState::Tentative,
-        _ if !detected => TrackState::Coasted,
-        _ => TrackState::Confirmed,
-    }
+fn height_doubted(record: &Record<'_>) -> bool {
+    let mut warnings = record
+        .octets(WARNINGS)
+        .chunks_exact(1)
+        .filter_map(|octet| WARNING.code(octet));
+    warnings.any(|warning| warning == ABNORMAL_HEIGHT || warning == UNDECODABLE_HEIGHT)
 }
 
-fn height_doubted(warnings: Option<Warnings>) -> bool {
-    warnings.is_some_and(|warnings| {
-        warnings.contains(Warnings::ABNORMAL_HEIGHT) || warnings.contains(Warnings::UNDECODABLE_HEIGHT)
-    })
+/// A standard deviation of heading as it is rounded from degrees, radians.
+fn exact_rad(sigma: f64) -> f64 {
+    let steps = (sigma / SIGMA.fields[3].lsb).round();
+    (steps * (360.0 / 4096.0)).to_radians()
 }
 
 /// Of speed along the track and heading across it; `None` where either is zero, which says nothing.
-fn velocity_covariance(report: &TargetReport) -> Option<[f64; 3]> {
-    let (velocity, quality) = (report.polar_velocity?, report.track_quality?);
-    let along = quality.sigma_speed_m_s.powi(2);
-    let across = (velocity.speed_m_s * quality.sigma_track_rad).powi(2);
-    let (sine, cosine) = velocity.track_rad.sin_cos();
+fn velocity_covariance(([speed, track], [_, _, sigma_speed, sigma_track]): ([f64; 2], [f64; 4])) -> Option<[f64; 3]> {
+    let along = sigma_speed.powi(2);
+    let across = (speed * exact_rad(sigma_track)).powi(2);
+    let (sine, cosine) = track.sin_cos();
     (along > 0.0 && across > 0.0).then_some([
         along * sine * sine + across * cosine * cosine,
         (along - across) * sine * cosine,

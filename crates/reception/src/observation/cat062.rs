@@ -4,96 +4,212 @@
 //! system keeps to itself, and whoever wants them must configure that place as the source's. A state made with the
 //! flight plan alone, or coasting, is the system's extrapolation and no observation.
 
+use asterix::categories::CAT062;
+use asterix::field::{added, subitem};
+
 use super::*;
-use asterix::typed::cat062::{Accuracy, SystemTrackStatus, TrackMessage};
+
+const TIME: Elements<1> = whole(CAT062, "070");
+const GEODETIC: Elements<2> = elements(CAT062, "105", ["LAT", "LON"]);
+const CARTESIAN: Elements<2> = elements(CAT062, "100", ["X", "Y"]);
+const VELOCITY: Elements<2> = elements(CAT062, "185", ["VX", "VY"]);
+const TRACK_NUMBER: Elements<1> = whole(CAT062, "040");
+const CALLSIGN: Elements<1> = elements(CAT062, "245", ["CHR"]);
+const MEASURED_ALTITUDE: Elements<1> = whole(CAT062, "136");
+const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT062, "130");
+/// QNH: above mean sea level, by the local pressure; otherwise in the standard atmosphere.
+const BAROMETRIC_ALTITUDE: Elements<2> = elements(CAT062, "135", ["QNH", "CTB"]);
+const VERTICAL_RATE: Elements<1> = whole(CAT062, "220");
+
+const MODE_3A: Frn = item(CAT062, "060");
+const V: Field = added(CAT062, &["060", "V"]);
+const G: Field = added(CAT062, &["060", "G"]);
+const CODE: Field = field(CAT062, &["060", "MODE3A"]);
+
+const STATUS: Frn = item(CAT062, "080");
+const SPI: Field = field(CAT062, &["080", "SPI"]);
+const CNF: Field = field(CAT062, &["080", "CNF"]);
+const SIM: Field = field(CAT062, &["080", "SIM"]);
+const TSE: Field = field(CAT062, &["080", "TSE"]);
+const ME: Field = field(CAT062, &["080", "ME"]);
+const CST: Field = field(CAT062, &["080", "CST"]);
+const EMS: Field = field(CAT062, &["080", "EMS"]);
+const FPLT: Field = field(CAT062, &["080", "FPLT"]);
+const SFC: Field = added(CAT062, &["080", "SFC"]);
+
+const AIRCRAFT: Frn = item(CAT062, "380");
+const ADR: usize = subitem(CAT062, "380", "ADR");
+const ADDRESS: Field = field(CAT062, &["380", "ADR"]);
+const ID: usize = subitem(CAT062, "380", "ID");
+const CHARACTERS: Field = field(CAT062, &["380", "ID"]);
+const COM: usize = subitem(CAT062, "380", "COM");
+const FLIGHT_STATUS: Field = field(CAT062, &["380", "COM", "STAT"]);
+const SAB: usize = subitem(CAT062, "380", "SAB");
+const GBS: Field = field(CAT062, &["380", "SAB", "GBS"]);
+const EMERGENCY: Field = field(CAT062, &["380", "SAB", "STAT"]);
+const ACS: usize = subitem(CAT062, "380", "ACS");
+const BVR: usize = subitem(CAT062, "380", "BVR");
+const BAROMETRIC_RATE: Field = field(CAT062, &["380", "BVR"]);
+const GVR: usize = subitem(CAT062, "380", "GVR");
+const GEOMETRIC_RATE: Field = field(CAT062, &["380", "GVR"]);
+
+/// Standard deviations.
+const ACCURACY: Frn = item(CAT062, "500");
+const APC: usize = subitem(CAT062, "500", "APC");
+const SIGMA_X: Field = field(CAT062, &["500", "APC", "X"]);
+const SIGMA_Y: Field = field(CAT062, &["500", "APC", "Y"]);
+const COV: usize = subitem(CAT062, "500", "COV");
+const ROOT_OF_COVARIANCE: Field = field(CAT062, &["500", "COV"]);
+const APW: usize = subitem(CAT062, "500", "APW");
+const SIGMA_LATITUDE: Field = field(CAT062, &["500", "APW", "LAT"]);
+const SIGMA_LONGITUDE: Field = field(CAT062, &["500", "APW", "LON"]);
+const ATV: usize = subitem(CAT062, "500", "ATV");
+const SIGMA_VX: Field = field(CAT062, &["500", "ATV", "X"]);
+const SIGMA_VY: Field = field(CAT062, &["500", "ATV", "Y"]);
 
 /// Mean radius of the earth, metres.
 const EARTH_RADIUS_M: f64 = 6_371_000.0;
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
-    TrackMessage::read(record).map(|track| Reading::Target(of(&track)))
+    record
+        .table()
+        .is_one_of(CAT062)
+        .then(|| Reading::Target(observation(record)))
 }
 
-fn of(track: &TrackMessage) -> Observation {
-    let (status, aircraft) = (track.track_status, &track.aircraft);
-    let code = track.mode_3a.filter(|code| !code.not_validated && !code.garbled);
-    let callsign = || track.identification.and_then(|identification| identification.callsign);
-    let flight = aircraft.transponder.map(|transponder| transponder.flight_status);
-    let (in_standard, above_sea) = match track.barometric_altitude {
-        Some(altitude) if altitude.corrected => (None, Some(altitude.altitude_m)),
-        Some(altitude) => (Some(altitude.altitude_m), None),
+fn observation(record: &Record<'_>) -> Observation {
+    let edition = record.table().edition;
+    let (status, code) = (record.octets(STATUS), record.octets(MODE_3A));
+    let (aircraft, accuracy) = (Aircraft::of(record), Accuracy::of(record));
+    let geodetic = GEODETIC.quantities(record);
+    let is_refuted = edition >= V.since && (V.is_set(code) || G.is_set(code));
+    let (in_standard, above_sea) = match BAROMETRIC_ALTITUDE.quantities(record) {
+        Some([corrected, altitude]) if corrected != 0.0 => (None, Some(altitude)),
+        Some([_, altitude]) => (Some(altitude), None),
         None => (None, None),
     };
     Observation {
-        sac_sic: sac_sic(track.source),
-        time_of_day_ns: track.time_of_day.map(nanoseconds),
-        test: status.is_some_and(|status| status.simulated),
-        track_number: track.track_number.map(u32::from),
+        sac_sic: record.sender(),
+        time_of_day_ns: time_of_day_ns(record, &TIME),
+        test: SIM.is_set(status),
+        track_number: TRACK_NUMBER.number(record).map(|number| number as u32),
         identity: identity(
-            code.map(|code| code.code),
+            CODE.number(code).filter(|_| !is_refuted).map(|code| code as u16),
             aircraft.address,
-            aircraft.callsign.or_else(callsign),
+            aircraft
+                .characters
+                .filter(|characters| callsign(*characters).is_some())
+                .or_else(|| CALLSIGN.number(record)),
         ),
-        cartesian: track
-            .cartesian_position
-            .filter(|_| track.geodetic_position.is_none())
-            .map(cartesian),
+        cartesian: CARTESIAN.quantities(record).filter(|_| geodetic.is_none()),
         plane: Plane::Stereographic,
-        geodetic: track.geodetic_position.map(geodetic),
-        velocity: track.cartesian_velocity.map(components),
+        geodetic,
+        velocity: VELOCITY.quantities(record),
         axes: Axes::Target,
-        velocity_covariance: track.accuracy.sigma_velocity_m_s.and_then(variances),
-        pressure_altitude_m: in_standard.or(track.measured_altitude_m),
-        geometric_height_m: track.geometric_altitude_m.or(above_sea),
-        vertical_rate_mps: track
-            .vertical_rate_m_s
-            .or(aircraft.barometric_rate_m_s)
-            .or(aircraft.geometric_rate_m_s),
-        on_ground: status.is_some_and(|status| status.on_surface)
-            || aircraft.ads_b.is_some_and(|said| said.ground_bit)
-            || flight.is_some_and(|flight| flight.on_ground == Some(true)),
-        alerts: status.map_or(0, alerts_of_status)
-            | aircraft.ads_b.map_or(0, |said| alerts_of_emergency(said.emergency))
-            | flight.map_or(0, alerts_of_flight_status)
-            | alerts_of_advisory(aircraft.resolution_advisory),
-        state: status.map_or(TrackState::Confirmed, state),
-        quality: quality(track),
+        velocity_covariance: accuracy.velocity.and_then(variances),
+        pressure_altitude_m: in_standard.or_else(|| MEASURED_ALTITUDE.quantity(record)),
+        geometric_height_m: GEOMETRIC_ALTITUDE.quantity(record).or(above_sea),
+        vertical_rate_mps: VERTICAL_RATE
+            .quantity(record)
+            .or(aircraft.barometric_rate_mps)
+            .or(aircraft.geometric_rate_mps),
+        on_ground: (edition >= SFC.since && SFC.is_set(status)) || aircraft.on_ground,
+        alerts: when(SPI.is_set(status), alert_bits::SPECIAL_IDENTIFICATION)
+            | when(ME.is_set(status), alert_bits::EMERGENCY)
+            | EMS.code(status).map_or(0, alerts_of_emergency)
+            | aircraft.alerts,
+        state: state(
+            TSE.is_set(status),
+            CNF.is_set(status),
+            CST.is_set(status) || FPLT.is_set(status),
+        ),
+        quality: accuracy.quality(geodetic),
         ..Observation::default()
     }
 }
 
-fn state(status: SystemTrackStatus) -> TrackState {
-    match status {
-        status if status.ended => TrackState::Terminated,
-        status if status.tentative => TrackState::Tentative,
-        status if status.coasting || status.from_flight_plan => TrackState::Coasted,
-        _ => TrackState::Confirmed,
-    }
+/// I062/380: what the aircraft said.
+#[derive(Default)]
+struct Aircraft {
+    address: Option<u64>,
+    characters: Option<u64>,
+    on_ground: bool,
+    alerts: u8,
+    barometric_rate_mps: Option<f64>,
+    geometric_rate_mps: Option<f64>,
 }
 
-fn alerts_of_status(status: SystemTrackStatus) -> u8 {
-    when(status.special_identification, alert_bits::SPECIAL_IDENTIFICATION)
-        | when(status.military_emergency, alert_bits::EMERGENCY)
-        | alerts_of_emergency(status.emergency)
-}
-
-/// Of x and y with their covariance; else of latitude and longitude, as distances.
-fn quality(track: &TrackMessage) -> Quality {
-    let Accuracy {
-        sigma_position_m,
-        covariance_xy_m2,
-        sigma_geodetic_rad,
-        ..
-    } = track.accuracy;
-    if let Some(sigma) = sigma_position_m {
-        return covariance(sigma, covariance_xy_m2.unwrap_or(0.0));
-    }
-    match (sigma_geodetic_rad, track.geodetic_position) {
-        (Some([latitude, longitude]), Some(position)) => {
-            let east_m = longitude * EARTH_RADIUS_M * position.latitude_rad.cos();
-            covariance([east_m, latitude * EARTH_RADIUS_M], 0.0)
+impl Aircraft {
+    fn of(record: &Record<'_>) -> Self {
+        let mut aircraft = Self::default();
+        for (position, octets) in record.subitems(AIRCRAFT) {
+            match position {
+                ADR => aircraft.address = ADDRESS.number(octets),
+                ID => aircraft.characters = CHARACTERS.number(octets),
+                COM => {
+                    let (alerts, on_ground) = flight_status(FLIGHT_STATUS.code(octets));
+                    aircraft.alerts |= alerts;
+                    aircraft.on_ground |= on_ground;
+                }
+                SAB => {
+                    aircraft.alerts |= EMERGENCY.code(octets).map_or(0, alerts_of_emergency);
+                    aircraft.on_ground |= GBS.is_set(octets);
+                }
+                ACS => aircraft.alerts |= alerts_of_advisory(octets),
+                BVR => aircraft.barometric_rate_mps = BAROMETRIC_RATE.quantity(octets),
+                GVR => aircraft.geometric_rate_mps = GEOMETRIC_RATE.quantity(octets),
+                _ => {}
+            }
         }
-        _ => Quality::Unstated,
+        aircraft
+    }
+}
+
+/// I062/500: the system's estimate of its errors.
+#[derive(Default)]
+struct Accuracy {
+    /// Standard deviations of x and y, metres.
+    position: Option<[f64; 2]>,
+    /// Covariance of x and y, m².
+    covariance: f64,
+    /// Standard deviations of latitude and longitude, radians.
+    geodetic: Option<[f64; 2]>,
+    /// Standard deviations of the velocity along x and y, metres per second.
+    velocity: Option<[f64; 2]>,
+}
+
+impl Accuracy {
+    fn of(record: &Record<'_>) -> Self {
+        let mut accuracy = Self::default();
+        for (position, octets) in record.subitems(ACCURACY) {
+            let pair = |x: Field, y: Field| Some([x.quantity(octets)?, y.quantity(octets)?]);
+            match position {
+                APC => accuracy.position = pair(SIGMA_X, SIGMA_Y),
+                COV => {
+                    // The root of the covariance's size is sent, and its sign.
+                    let root_m = ROOT_OF_COVARIANCE.quantity(octets).unwrap_or(0.0);
+                    accuracy.covariance = root_m * root_m.abs();
+                }
+                APW => accuracy.geodetic = pair(SIGMA_LATITUDE, SIGMA_LONGITUDE),
+                ATV => accuracy.velocity = pair(SIGMA_VX, SIGMA_VY),
+                _ => {}
+            }
+        }
+        accuracy
+    }
+
+    /// Of x and y with their covariance; else of latitude and longitude, as distances.
+    fn quality(&self, geodetic: Option<[f64; 2]>) -> Quality {
+        if let Some(sigma) = self.position {
+            return covariance(sigma, self.covariance);
+        }
+        match (self.geodetic, geodetic) {
+            (Some([sigma_latitude, sigma_longitude]), Some([latitude, _])) => {
+                let east_m = sigma_longitude * EARTH_RADIUS_M * latitude.cos();
+                covariance([east_m, sigma_latitude * EARTH_RADIUS_M], 0.0)
+            }
+            _ => Quality::Unstated,
+        }
     }
 }
 

@@ -4,9 +4,8 @@
 //! (NACp), the radius that holds 95 % of the errors, beside an integrity category (NIC), the radius that an error leaves
 //! unnoticed hardly ever. All of them send a category for velocity (NUCr, later NACv).
 
-use asterix::typed::fields::NAUTICAL_MILE_M;
-use observations::Quality;
-use observations::RADIUS95_SIGMAS;
+use asterix::field::NAUTICAL_MILE_M;
+use observations::{Quality, RADIUS95_SIGMAS};
 
 /// Radius of 95 % containment for a navigation uncertainty category (NUCp): RTCA DO-260, table of horizontal position
 /// error.

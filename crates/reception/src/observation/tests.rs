@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use frames::time::NS_PER_S;
+use messages::Identity;
 
 use super::navigation::*;
 use super::*;

@@ -5,7 +5,7 @@
 //! again. `KOSEKI_MUTATIONS` sets how many there are:
 //!
 //! ```text
-//! KOSEKI_MUTATIONS=3000000 cargo test --release -p formats --test mutated
+//! KOSEKI_MUTATIONS=3000000 cargo test --release -p asterix --test mutated
 //! ```
 
 mod any_bytes;

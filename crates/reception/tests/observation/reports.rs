@@ -10,8 +10,8 @@ use reception::{
     Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,
 };
 
+use crate::block;
 use crate::generator::Entropy;
-use crate::sample::block;
 
 /// A source that takes almost anything.
 fn model(polar: bool, form: PositionForm) -> SourceModel {

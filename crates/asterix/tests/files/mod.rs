@@ -1,4 +1,4 @@
-//! Recordings of real sensors, where they are (see `test_support::recordings`).
+//! The data blocks of real sensors' recordings, where these are.
 
 use formats::containers::datagrams;
 

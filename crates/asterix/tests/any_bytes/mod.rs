@@ -5,7 +5,6 @@
 use asterix::encode_error::EncodeFault;
 use asterix::text::UNDEFINED;
 use asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value, registry};
-use reception::observation;
 
 /// No octet makes more values than this: eight flags, and the groups around them.
 const VALUES_PER_OCTET_MAX: usize = 16;
@@ -78,7 +77,6 @@ fn check_record(record: &Record<'_>, named: &NamedRecord, mode: Mode, bytes: &[u
     let mut line = Vec::new();
     named.write_json(&mut line);
     assert!(!line.contains(&b'\n'), "one line");
-    assert_eq!(observation::read(record), observation::read(record), "typed, again");
     for expansion in registry::EXPANSIONS {
         if let Ok(Some(content)) = expansion.read(record) {
             assert!(count(&content) <= VALUES_PER_OCTET_MAX * octets.len(), "{content:?}");

@@ -74,16 +74,6 @@ impl Entropy<'_> {
         }
     }
 
-    /// An item that can be in a random field sequence, and its field reference number.
-    pub(crate) fn item_of_sequence(&mut self, table: &'static Category, uap: &Uap) -> (u8, &'static Item) {
-        let items: Vec<_> = (1..)
-            .zip(uap.order)
-            .filter_map(|(frn, name)| Some((frn, table.item(name)?)))
-            .filter(|(_, item)| !matches!(item.layout, Layout::RandomSequence))
-            .collect();
-        items[usize::from(self.octet()) % items.len()]
-    }
-
     /// A few, now and then the most there can be.
     fn count(&mut self, most: usize) -> usize {
         match self.octet() {

@@ -1,6 +1,6 @@
 //! Well-formed records of any table, with any content.
 
-use asterix::table::{Category, Layout, Part, Profile, Uap};
+use asterix::table::{Category, Item, Layout, Part, Profile, Uap};
 
 /// The item that says whether there is a target report. Made of anything, it would hardly ever say so.
 const MESSAGE_TYPE: &str = "000";
@@ -20,6 +20,16 @@ impl<'a> Entropy<'a> {
     pub(crate) fn octet(&mut self) -> u8 {
         self.at += 1;
         self.octets[(self.at - 1) % self.octets.len()]
+    }
+
+    /// An item that can be in a random field sequence, and its field reference number.
+    pub(crate) fn item_of_sequence(&mut self, table: &'static Category, uap: &Uap) -> (u8, &'static Item) {
+        let items: Vec<_> = (1..)
+            .zip(uap.order)
+            .filter_map(|(frn, name)| Some((frn, table.item(name)?)))
+            .filter(|(_, item)| !matches!(item.layout, Layout::RandomSequence))
+            .collect();
+        items[usize::from(self.octet()) % items.len()]
     }
 
     fn octets(&mut self, count: usize, out: &mut Vec<u8>) {

@@ -1,0 +1,49 @@
+//! Messages of sensors about themselves: their times, and when their next look all around begins.
+
+use asterix::Category;
+use asterix::categories::*;
+
+use super::*;
+
+/// A category of such messages.
+struct Messages {
+    editions: &'static [&'static Category],
+    time: Elements<1>,
+    /// The message's type, and which of them says that a turn or an update cycle begins.
+    turn: Option<(Elements<1>, u64)>,
+}
+
+const fn messages(editions: &'static [&'static Category], time: &str) -> Messages {
+    Messages {
+        editions,
+        time: whole(editions, time),
+        turn: None,
+    }
+}
+
+const fn with_turns(editions: &'static [&'static Category], time: &str, turn_begins: u64) -> Messages {
+    Messages {
+        turn: Some((whole(editions, "000"), turn_begins)),
+        ..messages(editions, time)
+    }
+}
+
+/// The messages of radars begin a turn when the antenna points north.
+const MESSAGES: &[Messages] = &[
+    with_turns(CAT002, "030", 1),
+    with_turns(CAT019, "140", 1),
+    messages(CAT023, "070"),
+    with_turns(CAT034, "030", 1),
+    messages(CAT063, "030"),
+    messages(CAT065, "030"),
+];
+
+pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
+    let messages = MESSAGES
+        .iter()
+        .find(|messages| record.table().is_one_of(messages.editions))?;
+    let turn_begins = messages
+        .turn
+        .is_some_and(|(kind, begins)| kind.number(record) == Some(begins));
+    Some(service(record, &messages.time, turn_begins))
+}

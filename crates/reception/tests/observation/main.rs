@@ -1,0 +1,15 @@
+//! Tests of ASTERIX records as observations.
+
+mod allocation;
+#[path = "../../../asterix/tests/files/mod.rs"]
+mod files;
+#[path = "../../../asterix/tests/asterix/generator.rs"]
+mod generator;
+mod recordings;
+mod reports;
+
+/// A block with this body.
+fn block(category: u8, body: &[u8]) -> Vec<u8> {
+    let [high, low] = (body.len() as u16 + 3).to_be_bytes();
+    [&[category, high, low], body].concat()
+}
