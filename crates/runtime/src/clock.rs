@@ -4,6 +4,8 @@
 //! machine); times that are compared with sensors' times are UTC. Nobody else reads a clock: algorithms are told the
 //! time, and a duty cycle reads it once.
 
+use std::time::Instant;
+
 use rustix::time::{ClockId, clock_gettime};
 
 /// Both clocks at one moment, nanoseconds.
@@ -28,6 +30,11 @@ impl Now {
 /// Reads the monotonic clock, nanoseconds.
 pub fn mono_ns() -> i64 {
     read(ClockId::Monotonic)
+}
+
+/// Reads the monotonic clock as a point in time from which waiting is measured.
+pub fn instant() -> Instant {
+    Instant::now()
 }
 
 fn read(clock: ClockId) -> i64 {

@@ -9,13 +9,13 @@ use std::fmt::Write as _;
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use bus::{Bus, Root, SharedMemory, Subscriber};
 use configuration::Config;
 use messages::{Health, LifeState, NO_SOURCE, ProcessKind};
-use runtime::clock::mono_ns;
+use runtime::clock::{instant, mono_ns};
 use runtime::ground::Ground;
 use runtime::signals::Stop;
 use rustix::process::{Pid, Signal, kill_process};
@@ -162,9 +162,9 @@ impl Running<'_> {
 impl Drop for Running<'_> {
     fn drop(&mut self) {
         self.signal(Signal::TERM);
-        let start = Instant::now();
+        let start = instant();
         while matches!(self.child.try_wait(), Ok(None)) {
-            if start.elapsed() > STOP_PATIENCE {
+            if instant() - start > STOP_PATIENCE {
                 self.signal(Signal::KILL);
                 let _ = self.child.wait();
                 break;
@@ -220,13 +220,13 @@ impl Fusion<'_> {
     }
 
     fn until(&mut self, patience: Duration, what: &str, condition: impl Fn(&Health) -> bool) -> anyhow::Result<Health> {
-        let start = Instant::now();
+        let start = instant();
         loop {
             self.check()?;
             if let Some(whole) = self.latest.filter(|whole| condition(whole)) {
                 return Ok(whole);
             }
-            if start.elapsed() > patience {
+            if instant() - start > patience {
                 bail!("fusion has not {what} within {} s", patience.as_secs());
             }
             std::thread::sleep(PAUSE);

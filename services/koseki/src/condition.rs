@@ -3,12 +3,12 @@
 //! Sensor accuracies may depend on a named condition. The order goes to fusion on the control topic, again and again
 //! until fusion's health messages show that it was obeyed or refused: repeating it changes nothing.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::bail;
 use bus::{Bus, Mark, Root, SharedMemory, Subscriber};
 use messages::{Control, Counter, Health, NO_SOURCE, ProcessKind};
-use runtime::clock::mono_ns;
+use runtime::clock::{instant, mono_ns};
 
 use crate::args::{Condition, Usage};
 
@@ -33,8 +33,8 @@ pub(crate) fn run(condition: &Condition) -> anyhow::Result<()> {
     let bus = Bus::<SharedMemory>::open(&root, "condition")?;
     let mut health = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
     let mut control = bus.publisher(&messages::control(), mono_ns() as u64)?;
-    let (start, mut before) = (Instant::now(), None);
-    while start.elapsed() < PATIENCE {
+    let (start, mut before) = (instant(), None);
+    while instant() - start < PATIENCE {
         if let Some(now) = answer(&mut health)? {
             let (obeyed, refused) = before.get_or_insert(now);
             if now.0 > *obeyed {

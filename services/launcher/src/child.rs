@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use messages::{LifeState, ProcessKind};
+use runtime::clock::instant;
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::backoff::{Backoff, Verdict};
@@ -133,7 +134,7 @@ impl Child {
             ProcessKind::Monitor => Stdio::inherit(),
             _ => Stdio::null(),
         };
-        let since = Instant::now();
+        let since = instant();
         match command.stdin(Stdio::null()).stdout(output).process_group(0).spawn() {
             Ok(process) => {
                 self.state = State::Alive {

@@ -8,6 +8,7 @@ use anyhow::Context as _;
 use configuration::Config;
 use messages::ProcessKind;
 use runtime::Now;
+use runtime::clock::instant;
 use runtime::ground::Ground;
 use runtime::signals::Stop;
 
@@ -86,12 +87,12 @@ impl<'a> Supervisor<'a> {
 
     /// Starts all children and watches them, until there is a reason to stop.
     fn watch(&mut self) -> anyhow::Result<()> {
-        let begun = Instant::now();
+        let begun = instant();
         let mut stages = START_ORDER.iter();
         let mut stage_began = begun;
         let mut complete: Option<Instant> = None;
         loop {
-            let now = Instant::now();
+            let now = instant();
             self.tick(now)?;
             if self.stop.requested() {
                 say("asked to stop");
@@ -289,7 +290,7 @@ impl<'a> Supervisor<'a> {
             .filter(|child| child.part().kind == kind)
             .collect();
         waited_for.retain_mut(|child| child.ask_to_stop());
-        let start = Instant::now();
+        let start = instant();
         while !waited_for.is_empty() {
             waited_for.retain_mut(|child| match child.has_stopped() {
                 Ok(stopped) => !stopped,
@@ -298,7 +299,7 @@ impl<'a> Supervisor<'a> {
                     false
                 }
             });
-            if start.elapsed() >= STOP_PATIENCE {
+            if instant() - start >= STOP_PATIENCE {
                 break;
             }
             if !waited_for.is_empty() {

@@ -1,7 +1,12 @@
 //! The rules of ARCHITECTURE.md that a program can check.
 
-use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
+mod modules;
+mod source;
+
 use std::collections::{BTreeMap, BTreeSet};
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
+use source::sources;
 
 use crate::common::repository;
 
@@ -69,6 +74,49 @@ const OUTSIDE: &[&str] = &[
     "koseki",
 ];
 
+/// Ways to read a clock.
+const CLOCKS: &[&str] = &[
+    "Instant::now",
+    "SystemTime::now",
+    ".elapsed()",
+    "clock_gettime",
+    "Timestamp::now",
+    "Zoned::now",
+];
+
+/// Files outside of `runtime` that may read one, and why.
+const MAY_READ_CLOCKS: &[(&str, &str, &str)] = &[
+    (
+        "bus",
+        "bus.rs",
+        "limits how long a clean-up waits; `runtime` stands on the bus",
+    ),
+    (
+        "bus",
+        "root.rs",
+        "limits how long a claim waits; `runtime` stands on the bus",
+    ),
+    (
+        "bus",
+        "waiter.rs",
+        "spins and sleeps for the time asked for; `runtime` stands on the bus",
+    ),
+];
+
+/// Crates in which modules use each other in circles. None may be added.
+const MAY_HAVE_CYCLES: &[&str] = &[
+    "adapter",
+    "bench-service",
+    "bus",
+    "fusion",
+    "locating",
+    "messages",
+    "monitor",
+    "net",
+    "runtime",
+    "scenario",
+];
+
 /// Crates that may hold `unsafe`, each use with its reason.
 const MAY_BE_UNSAFE: &[&str] = &["bus", "frames", "messages", "net"];
 
@@ -95,23 +143,6 @@ fn packages(metadata: &Metadata) -> BTreeMap<String, &Package> {
         .iter()
         .map(|package| (package.name.to_string(), package))
         .collect()
-}
-
-/// Every Rust source file of a package, with its text.
-fn sources(package: &Package) -> Vec<(String, String)> {
-    let mut folders = vec![package.manifest_path.parent().unwrap().join("src").into_std_path_buf()];
-    let mut found = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                found.push((path.display().to_string(), std::fs::read_to_string(&path).unwrap()));
-            }
-        }
-    }
-    found
 }
 
 #[test]
@@ -149,22 +180,15 @@ fn only_the_bus_knows_iceoryx2() {
 #[test]
 fn pure_crates_have_no_clock_thread_file_or_socket() {
     let metadata = workspace();
-    let forbidden = [
-        "std::fs",
-        "std::net",
-        "std::thread",
-        "Instant::now",
-        "SystemTime",
-        "rustix::",
-    ];
+    let outside = ["std::fs", "std::net", "std::thread", "SystemTime", "rustix::"];
+    let forbidden = [CLOCKS, &outside].concat();
     for (name, package) in packages(&metadata)
         .into_iter()
         .filter(|(name, _)| !OUTSIDE.contains(&name.as_str()))
     {
-        for (path, text) in sources(package) {
-            let text = text.split("#[cfg(test)]").next().unwrap_or_default();
-            for word in forbidden {
-                assert!(!text.contains(word), "{path} ({name}) uses {word}");
+        for source in sources(package) {
+            for word in &forbidden {
+                assert!(!source.text.contains(word), "{name}: {} uses {word}", source.path);
             }
         }
     }
@@ -174,14 +198,13 @@ fn pure_crates_have_no_clock_thread_file_or_socket() {
 fn unsafe_code_stays_where_it_may_be() {
     let metadata = workspace();
     for (name, package) in packages(&metadata) {
-        let roots = sources(package)
-            .into_iter()
-            .filter(|(path, _)| path.ends_with("lib.rs") || path.ends_with("main.rs"));
-        for (path, text) in roots {
-            let forbids = text.contains("#![forbid(unsafe_code)]");
+        for source in sources(package) {
+            let is_root = ["lib.rs", "main.rs"].contains(&source.path.as_str());
+            let forbids = source.text.contains("#![forbid(unsafe_code)]");
             assert!(
-                forbids || MAY_BE_UNSAFE.contains(&name.as_str()),
-                "{path} does not forbid unsafe code"
+                !is_root || forbids || MAY_BE_UNSAFE.contains(&name.as_str()),
+                "{name}: {} does not forbid unsafe code",
+                source.path
             );
         }
     }
@@ -190,14 +213,38 @@ fn unsafe_code_stays_where_it_may_be() {
 #[test]
 fn only_the_runtime_reads_clocks() {
     let metadata = workspace();
+    let mut allowed: BTreeSet<&(&str, &str, &str)> = BTreeSet::new();
     for (name, package) in packages(&metadata).into_iter().filter(|(name, _)| name != "runtime") {
-        for (path, text) in sources(package) {
-            let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for source in sources(package) {
+            let Some(word) = CLOCKS.iter().find(|word| source.text.contains(**word)) else {
+                continue;
+            };
+            let place = MAY_READ_CLOCKS
+                .iter()
+                .find(|(of, path, _)| *of == name && *path == source.path);
             assert!(
-                !text.contains("SystemTime::now") && !text.contains("clock_gettime"),
-                "{path} ({name}) reads a clock"
+                place.is_some(),
+                "{name}: {} reads a clock ({word}); `runtime::clock` does that",
+                source.path
             );
+            allowed.extend(place);
         }
+    }
+    assert_eq!(
+        allowed.len(),
+        MAY_READ_CLOCKS.len(),
+        "not needed any more: {MAY_READ_CLOCKS:?} without {allowed:?}"
+    );
+}
+
+#[test]
+fn modules_do_not_use_each_other_in_circles() {
+    let metadata = workspace();
+    for (name, package) in packages(&metadata) {
+        let cycles = modules::cycles(&sources(package));
+        let may = MAY_HAVE_CYCLES.contains(&name.as_str());
+        assert!(may || cycles.is_empty(), "{name}: {cycles:?}");
+        println!("{name}: {cycles:?}");
     }
 }
 

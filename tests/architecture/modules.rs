@@ -1,0 +1,144 @@
+//! Cycles of modules inside a crate, as far as their `use crate::…` lines tell.
+//!
+//! A cycle means that none of its modules can be understood, tested or moved alone. Each file is a module here; what
+//! the crate's root gives on under a shorter path (`crate::Engine`) counts for the module that it comes from. `super::`
+//! and `self::` are not looked at: a parent and its children may know each other.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::source::Source;
+
+/// Groups of modules each of which uses, over others of the group, itself.
+pub(crate) fn cycles(sources: &[Source]) -> Vec<Vec<String>> {
+    let modules: BTreeMap<String, &Source> = sources.iter().map(|source| (module(&source.path), source)).collect();
+    let root = modules.get("").map(|source| uses(&source.text)).unwrap_or_default();
+    let given_on: BTreeMap<&str, &str> = root
+        .iter()
+        .filter_map(|path| path.rsplit_once("::").map(|(of, name)| (name, of)))
+        .collect();
+    let find = |path: &str| {
+        let first = path.split("::").next().unwrap_or_default();
+        let is_module = modules
+            .keys()
+            .any(|module| module == first || module.starts_with(&format!("{first}::")));
+        let mut path = match given_on.get(first) {
+            Some(of) if !is_module => of.trim_start_matches("crate::"),
+            _ => path,
+        };
+        while !modules.contains_key(path) {
+            path = path.rsplit_once("::").map_or("", |(of, _)| of);
+        }
+        path.to_owned()
+    };
+    let mut edges: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (name, source) in modules.iter().filter(|(name, _)| !name.is_empty()) {
+        let used = uses(&source.text);
+        let used = used.iter().filter_map(|path| path.strip_prefix("crate::")).map(find);
+        edges.insert(name.clone(), used.filter(|of| of != name && !of.is_empty()).collect());
+    }
+    let reach: BTreeMap<&String, BTreeSet<&String>> =
+        edges.keys().map(|from| (from, reachable(from, &edges))).collect();
+    let mut groups = BTreeSet::new();
+    for (name, reached) in &reach {
+        let group: Vec<String> = reached
+            .iter()
+            .filter(|other| reach[**other].contains(name))
+            .map(|other| (*other).clone())
+            .collect();
+        if group.len() > 1 {
+            groups.insert(group);
+        }
+    }
+    groups.into_iter().collect()
+}
+
+/// All modules that one uses, over others, too.
+fn reachable<'a>(from: &str, edges: &'a BTreeMap<String, BTreeSet<String>>) -> BTreeSet<&'a String> {
+    let mut found = BTreeSet::new();
+    let mut next: Vec<&String> = edges[from].iter().collect();
+    while let Some(name) = next.pop() {
+        if found.insert(name) {
+            next.extend(&edges[name]);
+        }
+    }
+    found
+}
+
+/// The module in a file: `rules::auto` in `rules/auto.rs`, `rules` in `rules/mod.rs`, nothing in `lib.rs`.
+fn module(path: &str) -> String {
+    let path = path.trim_end_matches(".rs").trim_end_matches("/mod");
+    match path {
+        "lib" | "main" => String::new(),
+        _ => path.replace('/', "::"),
+    }
+}
+
+/// Every path that a text uses, each with all its parts.
+fn uses(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut lines = text.lines().map(str::trim);
+    while let Some(line) = lines.next() {
+        let statement = line.trim_start_matches("pub(crate) ").trim_start_matches("pub ");
+        let Some(first) = statement.strip_prefix("use ") else {
+            continue;
+        };
+        let mut tree = first.to_owned();
+        while !tree.ends_with(';') {
+            tree += lines.next().expect("a statement ends");
+        }
+        expand("", tree.trim_end_matches(';'), &mut found);
+    }
+    found
+}
+
+/// The paths of a tree like `crate::{a::B, c}`.
+fn expand(before: &str, tree: &str, found: &mut Vec<String>) {
+    let tree = tree.trim();
+    let Some((head, rest)) = tree.split_once('{') else {
+        let path = tree.split(" as ").next().unwrap_or_default().trim();
+        if !path.is_empty() {
+            found.push(format!("{before}{path}"));
+        }
+        return;
+    };
+    let before = format!("{before}{head}");
+    let inside = rest.strip_suffix('}').expect("its brace is closed");
+    let (mut depth, mut begin) = (0, 0);
+    for (at, character) in inside.char_indices() {
+        match character {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                expand(&before, &inside[begin..at], found);
+                begin = at + 1;
+            }
+            _ => {}
+        }
+    }
+    expand(&before, &inside[begin..], found);
+}
+
+#[test]
+fn cycles_are_found_over_several_modules_and_shorter_paths() {
+    let source = |path: &str, text: &str| Source {
+        path: path.to_owned(),
+        text: text.to_owned(),
+    };
+    let mut sources = vec![
+        source(
+            "lib.rs",
+            "mod a;\nmod b;\nmod c;\npub use b::{Bee, inner::Deep as D};\n",
+        ),
+        source(
+            "a.rs",
+            "use std::fmt;\nuse crate::Bee;\n\nfn a() {\n    let x = 1;\n    use crate::c::C;\n}\n",
+        ),
+        source("b/mod.rs", "use crate::{\n    c::{C, Other},\n    d,\n};\n"),
+        source("c.rs", "pub(crate) use crate::e::E;\n"),
+        source("d.rs", ""),
+        source("e.rs", "// use crate::a::A;\n"),
+    ];
+    assert_eq!(cycles(&sources), [[""; 0]; 0]);
+    sources[5].text += "use crate::a::A;\n";
+    assert_eq!(cycles(&sources), [["a", "b", "c", "e"]]);
+}
