@@ -102,16 +102,10 @@ fn height_doubted(record: &Record<'_>) -> bool {
     warnings.any(|warning| warning == ABNORMAL_HEIGHT || warning == UNDECODABLE_HEIGHT)
 }
 
-/// A standard deviation of heading as it is rounded from degrees, radians.
-fn exact_rad(sigma: f64) -> f64 {
-    let steps = (sigma / SIGMA.fields[3].lsb).round();
-    (steps * (360.0 / 4096.0)).to_radians()
-}
-
 /// Of speed along the track and heading across it; `None` where either is zero, which says nothing.
 fn velocity_covariance(([speed, track], [_, _, sigma_speed, sigma_track]): ([f64; 2], [f64; 4])) -> Option<[f64; 3]> {
     let along = sigma_speed.powi(2);
-    let across = (speed * exact_rad(sigma_track)).powi(2);
+    let across = (speed * sigma_track).powi(2);
     let (sine, cosine) = track.sin_cos();
     (along > 0.0 && across > 0.0).then_some([
         along * sine * sine + across * cosine * cosine,
