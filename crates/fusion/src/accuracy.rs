@@ -95,7 +95,7 @@ impl Accuracies {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::test_settings;
+    use crate::testing::test_settings;
 
     /// A target at `position_m` that flies east.
     fn target(position_m: [f64; 3], speed_mps: f64) -> State {

@@ -1,72 +1,47 @@
 //! The engine: one report in, the states of the system tracks it changes out.
 //!
-//! What happens to a report is spread over the files that implement [`Engine`]:
-//! `linking` decides to which system track a sensor track belongs, `scan` assigns what is new in a scan as a whole,
-//! `feeding` feeds the system filter and learns from it, `life` confirms, coasts and ends, `publishing` weighs and tells.
+//! A report goes through the parts in this order: [`inlet`] checks it, [`Sources`] takes its source's known errors off and
+//! finds the measurement behind it, [`Linking`] and [`Scans`] associate its sensor track with a system track, whose filter
+//! is updated here, [`Life`] confirms it, and [`Publisher`] weighs it and says so. The parts own what they learn;
+//! [`Tracks`] are what they share.
 
-use estimation::{Gaussian, NearlyConstantVelocity};
-use messages::{Counter, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Counter, NS_PER_S, SensorTrack, TrackState};
 
-use crate::accuracy::Accuracies;
 use crate::association_step::Search;
 use crate::counts::Counts;
-use crate::existence::Coverage;
-use crate::explanation::Sink;
-use crate::measurement::{Correction, Measurement, as_reported, recovered_measurement, whole_report};
-use crate::registration::{Registration, SourceErrors};
-use crate::scan::Scans;
+use crate::explanation::{DecisionKind, Sink};
+use crate::inlet;
+use crate::life::{self, Life};
+use crate::linking::{Linking, Next};
+use crate::measurement::{Measurement, whole_report};
+use crate::outlet::Outlet;
+use crate::publishing::Publisher;
+use crate::reference_point::ReferencePoints;
+use crate::registration::SourceErrors;
+use crate::scan::{Assigned, Scans};
+use crate::schedule::Schedule;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
-use crate::settings::{AccuracyBase, Settings, SettingsError};
+use crate::settings::{Settings, SettingsError};
 use crate::source_model::SourceModel;
-use crate::system_tracks::SystemTracks;
-use crate::weighing::Weighed;
+use crate::sources::Sources;
+use crate::system_tracks::{SystemSlot, SystemTracks};
+use crate::tracks::Tracks;
 
-/// Time between two looks at what was learned of the sources, nanoseconds.
-const TICK_NS: i64 = 1_000_000_000;
-/// Cells of the table in which it is learned where sources see, and their width.
-const COVERAGE_CELLS: usize = 4096;
-const COVERAGE_CELL_M: f64 = 5000.0;
-
-/// What no sensor on this planet can report: metres, metres per second, and the squares of what it can be unsure of.
-const POSITION_MAX_M: f64 = 1e8;
-const SPEED_MAX_MPS: f64 = 1e5;
-const COVARIANCE_MAX: f64 = 1e14;
-/// Farther apart than this, two reports of one address are not of one target, metres.
-const ADDRESS_REACH_M: f64 = 10e3;
+/// Below this speed a course says nothing, m/s.
+const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 
 /// Fusion of sensor tracks into system tracks.
 #[derive(Debug)]
 pub struct Engine {
-    pub(crate) settings: Settings,
-    pub(crate) sensors: SensorTracks,
-    pub(crate) systems: SystemTracks,
-    pub(crate) accuracies: Accuracies,
-    pub(crate) counts: Counts,
-    /// What was learned of each source.
-    pub(crate) models: Vec<SourceModel>,
-    pub(crate) registration: Registration,
-    pub(crate) coverage: Coverage,
-    /// Sensor tracks that wait until their scan is complete.
-    pub(crate) scans: Scans,
-    /// How targets move, as far as is known.
-    pub(crate) motion: NearlyConstantVelocity,
-    /// Whether the sources see different points of the targets.
-    sees_points: bool,
-    /// Whether they do and the rule keeps one per target.
-    pub(crate) keeps_points: bool,
-    /// How far such points lie from the target's middle, as a variance per axis, m²; 0 where none is kept.
-    pub(crate) point_spread_m2: f64,
-    /// Counts the changes of `keeps_points`: what was estimated before the last one is void.
-    pub(crate) points_epoch: u32,
-    /// The latest time that has been said to have passed, nanoseconds.
-    now_ns: i64,
-    next_tick_ns: Option<i64>,
-    /// Room to weigh one system track; taken out meanwhile.
-    pub(crate) weighed: Option<Box<Weighed>>,
-    /// No entry is left unlooked-at for longer than this, so that its deadline can be put off but never missed.
-    pub(crate) shortest_fresh_ns: i64,
-    /// The next whole multiple of the refresh time; `None` while nothing lives, and where reports refresh.
-    next_refresh_ns: Option<i64>,
+    settings: Settings,
+    tracks: Tracks,
+    sources: Sources,
+    points: ReferencePoints,
+    scans: Scans,
+    life: Life,
+    publisher: Publisher,
+    schedule: Schedule,
+    counts: Counts,
 }
 
 impl Engine {
@@ -78,51 +53,36 @@ impl Engine {
         settings.check()?;
         let capacity = settings.capacity;
         let sources = settings.sources.len();
-        let areas = settings.sources.iter().map(|source| source.coverage.clone()).collect();
-        let registration = &settings.registration;
-        let tick_s = TICK_NS as f64 / NS_PER_S;
+        // Rules that take their state from the filter do not look back.
+        let looks_back = !settings.rule.rule.is_from_filter();
         Ok(Self {
-            sensors: SensorTracks::new(
-                capacity.sensor_tracks,
-                // Rules that take their state from the filter do not look back.
-                (!settings.rule.rule.is_from_filter()).then_some(capacity.stored_reports),
+            tracks: Tracks::new(
+                SensorTracks::new(capacity.sensor_tracks, looks_back.then_some(capacity.stored_reports)),
+                SystemTracks::new(capacity.system_tracks, settings.association.cell_m, looks_back),
+                settings.sources.iter().map(|source| source.fresh_ns).collect(),
             ),
-            systems: SystemTracks::new(
-                capacity.system_tracks,
-                settings.association.cell_m,
-                !settings.rule.rule.is_from_filter(),
-            ),
-            accuracies: Accuracies::new(sources),
+            sources: Sources::new(&settings),
+            points: ReferencePoints::default(),
+            scans: Scans::new(&settings),
+            life: Life::new(&settings),
+            publisher: Publisher::new(sources),
+            schedule: Schedule::new(settings.refresh_ns, settings.refresh_delay_ns),
             counts: Counts::new(sources),
-            models: vec![SourceModel::default(); sources],
-            registration: Registration::new(sources, registration.reference_source, registration.memory_s, tick_s),
-            coverage: Coverage::new(areas, COVERAGE_CELLS, COVERAGE_CELL_M),
-            scans: Scans::new(sources),
-            motion: NearlyConstantVelocity::new(settings.process_noise_m2ps3, settings.process_noise_m2ps3),
-            sees_points: false,
-            keeps_points: false,
-            point_spread_m2: 0.0,
-            points_epoch: 0,
-            now_ns: i64::MIN,
-            next_tick_ns: None,
-            weighed: Some(Box::default()),
-            shortest_fresh_ns: settings.sources.iter().map(|source| source.fresh_ns).min().unwrap_or(1),
-            next_refresh_ns: None,
             settings,
         })
     }
 
-    /// What has been counted so far.
+    /// The counters so far.
     pub fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// How many system tracks are in `state` now.
+    /// The number of system tracks that are in `state` now.
     pub fn count_in_state(&self, state: TrackState) -> usize {
-        self.systems.count_in_state(state)
+        self.tracks.systems.count_in_state(state)
     }
 
-    /// For what the caller counts on the engine's behalf: losses and queues lie before it.
+    /// The counters, for what the caller counts on the engine's behalf: losses and queues lie before it.
     pub fn counts_mut(&mut self) -> &mut Counts {
         &mut self.counts
     }
@@ -132,20 +92,21 @@ impl Engine {
         &self.settings
     }
 
-    /// What is known of the systematic errors of `source` (BF-3); `None` if there is no such source.
+    /// The systematic errors of `source`, as far as they are known (BF-3); `None` if there is no such source.
     pub fn source_errors(&self, source: u16) -> Option<&SourceErrors> {
-        (usize::from(source) < self.settings.sources.len()).then(|| self.registration.of(source))
+        (usize::from(source) < self.settings.sources.len()).then(|| self.sources.registration.of(source))
     }
 
-    /// Factor by which the covariances of `source` are being inflated, since they claim too much (BF-5); 1 if they do not.
+    /// Factor by which the covariances of `source` are being inflated, since they claim too much (BF-5): 1 if they do not,
+    /// `None` if there is no such source.
     pub fn inflation(&self, source: u16) -> Option<f64> {
-        self.models.get(usize::from(source)).map(SourceModel::inflation)
+        self.sources.models.get(usize::from(source)).map(SourceModel::inflation)
     }
 
-    /// From now on the named condition (weather) holds (TI-7); "normal" at the start. `false` if no source names it: then
-    /// nothing changes.
+    /// Lets the named condition (weather) hold from now on (TI-7); "normal" does at the start. `false`, and no change, if no
+    /// source names it.
     pub fn set_condition(&mut self, name: &str) -> bool {
-        self.accuracies.set_condition(&self.settings, name)
+        self.publisher.accuracies.set_condition(&self.settings, name)
     }
 
     /// Lets time pass up to `now_ns` (UTC): no report measured before that will follow. System tracks whose
@@ -156,68 +117,63 @@ impl Engine {
     /// steps time passes changes nothing.
     pub fn advance(&mut self, now_ns: i64, sink: &mut impl Sink) {
         loop {
-            let (scan_ns, refresh_ns) = (self.scans.due_ns(), self.next_refresh());
+            let nothing_lives = self.tracks.systems.is_empty();
+            let (scan_ns, refresh_ns) = (self.scans.due_ns(), self.schedule.next_refresh(nothing_lives));
             let other_ns = scan_ns.min(refresh_ns);
-            if self.meet_deadline_before(now_ns.min(other_ns), sink) {
+            if self.run_timer_before(now_ns.min(other_ns), sink) {
                 continue;
             }
             if other_ns >= now_ns {
                 break;
             }
-            self.now_ns = self.now_ns.max(other_ns);
+            self.schedule.pass(other_ns);
             if scan_ns == other_ns {
                 self.finish_scans(scan_ns, sink);
             } else {
                 self.refresh_all(refresh_ns, sink);
             }
         }
-        self.now_ns = self.now_ns.max(now_ns);
-    }
-
-    /// When the next refresh is due, as nothing measured up to its time follows then: nanoseconds; never (`i64::MAX`)
-    /// where there is nothing to show.
-    fn next_refresh(&mut self) -> i64 {
-        let Some(period_ns) = self.settings.refresh_ns else {
-            return i64::MAX;
-        };
-        if self.systems.is_empty() {
-            self.next_refresh_ns = None;
-            return i64::MAX;
-        }
-        let delay_ns = self.settings.refresh_delay_ns;
-        let next_ns = *self.next_refresh_ns.get_or_insert_with(|| {
-            let past_ns = self.now_ns.saturating_sub(delay_ns).saturating_sub(1);
-            past_ns
-                .div_euclid(period_ns)
-                .saturating_add(1)
-                .saturating_mul(period_ns)
-        });
-        next_ns.saturating_add(delay_ns)
+        self.schedule.pass(now_ns);
     }
 
     /// Hands out the state of every system track at the refresh time that is due at `due_ns`. What was reported up to
     /// that time shall be in it.
     fn refresh_all(&mut self, due_ns: i64, sink: &mut impl Sink) {
         self.finish_scans(i64::MAX, sink);
-        while self.meet_deadline_before(due_ns, sink) {}
-        let time_ns = due_ns - self.settings.refresh_delay_ns;
-        self.weigh_all(time_ns, sink);
-        self.next_refresh_ns = self
-            .settings
-            .refresh_ns
-            .map(|period_ns| time_ns.saturating_add(period_ns));
+        while self.run_timer_before(due_ns, sink) {}
+        if let Some(time_ns) = self.schedule.take_refresh() {
+            self.publisher.weigh_all(
+                &self.settings,
+                &mut self.tracks,
+                &self.sources,
+                time_ns,
+                &mut Outlet {
+                    counts: &mut self.counts,
+                    sink,
+                },
+            );
+        }
+    }
+
+    fn run_timer_before(&mut self, time_ns: i64, sink: &mut impl Sink) -> bool {
+        let out = &mut Outlet {
+            counts: &mut self.counts,
+            sink,
+        };
+        self.life
+            .run_timer_before(&self.settings, &mut self.tracks, time_ns, out)
     }
 
     /// Takes one report. Every system-track state that it changes is handed to `sink`.
     ///
-    /// Reports should come in the order of their times; one older than its own sensor track's latest is refused.
+    /// Reports should come in the order of their times; one older than its own sensor track's latest is rejected.
     pub fn take(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
-        if !self.is_valid(report) {
+        if !inlet::is_valid(report, self.settings.sources.len()) {
             self.counts.add(report.source, Counter::RejectedInvalid);
             return;
         }
         self.advance(report.time_of_measurement_ns, sink);
-        self.tick();
+        self.learn_of_sources();
         if report.state == TrackState::Coasted as u8 {
             // The source has seen nothing. Its extrapolation agrees with itself perfectly, which says nothing about the
             // target: scored like an observation, it would win. So it is a missing report (TI-4).
@@ -225,125 +181,60 @@ impl Engine {
             self.miss(report, sink);
             return;
         }
-        // Asked for early: the answer comes from afar, and until it is needed there is other work.
-        let known = self.sensors.find(report.source, report.track_number);
-        let repaired = if estimation::is_usable(&report.covariance) {
-            None
-        } else if let Some(repaired) = self.repaired(report) {
-            Some(repaired)
-        } else {
-            self.counts.add(report.source, Counter::RejectedInvalid);
-            return;
-        };
-        let report = repaired.as_ref().unwrap_or(report);
-        let identity = self.believed_identity(report);
-        let Some(earlier) = self.earlier(report, known) else {
-            return;
-        };
-        let mut measurement = self.measurement_behind(report, earlier, repaired.is_some());
-        let correction = self.correction_of(report);
-        if let Some(measurement) = &mut measurement {
-            measurement.correct(&correction);
-        }
-        let Some(sensor) = self.place_of_sensor_track(report, earlier) else {
-            return;
-        };
-        let entry = self.sensors.get_mut(sensor);
-        entry.take(report, identity, &correction);
-        entry.repaired = repaired.is_some();
-        let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
-        self.sensors.note(sensor, period_ns);
-        if report.state == TrackState::Terminated as u8 {
-            self.counts.add(report.source, Counter::TracksEnded);
-            self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
-            return;
-        }
-        let before = self.sensors.get(sensor).system;
-        self.relate(sensor, report, sink);
-        if self.settings.association.scan_wait == 0.0 && self.sensors.get(sensor).waits {
-            self.finish_scans(i64::MAX, sink);
-            if before == NO_SYSTEM {
+        // Looked up early, so that the cache miss overlaps with the checks that follow.
+        let known = self.tracks.sensors.find(report.source, report.track_number);
+        let is_usable = estimation::is_usable(&report.covariance);
+        let repaired = if is_usable { None } else { inlet::repaired(report) };
+        if !is_usable {
+            let counter = match &repaired {
+                Some(_) => Counter::CovariancesRepaired,
+                None => Counter::RejectedInvalid,
+            };
+            self.counts.add(report.source, counter);
+            if repaired.is_none() {
                 return;
             }
         }
-        let system = self.sensors.get(sensor).system;
-        if system == NO_SYSTEM {
-            return;
-        }
-        self.assign_role(sensor);
-        if self.sensors.get(sensor).role != Role::Primary {
-            self.counts.add(report.source, Counter::RejectedDuplicate);
-        } else if system == before {
-            self.contribute(sensor, report, measurement.as_ref(), sink);
-        } else {
-            let whole = whole_report(&self.sensors.get(sensor).latest);
-            self.contribute(sensor, report, Some(&whole), sink);
+        let report = repaired.as_ref().unwrap_or(report);
+        if let Some((sensor, measurement)) = self.store(report, known, !is_usable) {
+            self.work_off(sensor, report, measurement.as_ref(), sink);
         }
     }
 
-    fn is_valid(&self, report: &SensorTrack) -> bool {
-        // Not a number is within no limit. All are looked at, without a branch for each.
-        let within = |values: &[f64], limit: f64| values.iter().fold(true, |all, value| all & (value.abs() <= limit));
-        usize::from(report.source) < self.settings.sources.len()
-            && TrackState::from_code(report.state).is_some()
-            && within(&report.position_m, POSITION_MAX_M)
-            && within(&report.velocity_mps, SPEED_MAX_MPS)
-            && within(&report.covariance.upper, COVARIANCE_MAX)
-            && (0..STATE_LEN).all(|index| report.covariance.get(index, index) >= 0.0)
-            && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
-    }
-
-    /// The report with its covariance, which is not positive definite, made usable. `None` if there is nothing to keep of it.
-    #[cold]
-    fn repaired(&mut self, report: &SensorTrack) -> Option<SensorTrack> {
-        let mut full = estimation::unpacked(&report.covariance);
-        for component in 0..STATE_LEN {
-            if full[(component, component)] == 0.0 {
-                full.row_mut(component).fill(0.0);
-                full.column_mut(component).fill(0.0);
-                full[(component, component)] = 1.0;
-            }
-        }
-        let covariance = estimation::packed(&estimation::repaired(&full)?);
-        self.counts.add(report.source, Counter::CovariancesRepaired);
-        Some(SensorTrack { covariance, ..*report })
-    }
-
-    /// An address that belongs to a target far away is not believed: transponders are misread, and two can have the same.
-    fn believed_identity(&mut self, report: &SensorTrack) -> Identity {
-        let identity = report.identity;
-        let Some(address) = identity
-            .unique_number()
-            .filter(|_| self.settings.association.use_identity)
-        else {
-            return identity;
-        };
-        let Some(system) = self.systems.with_address(address) else {
-            return identity;
-        };
-        let carried_m = self.systems.get(system).filter.place_at(report.time_of_measurement_ns);
-        let apart = |axis: usize| report.position_m[axis] - carried_m[axis];
-        if apart(0) * apart(0) + apart(1) * apart(1) <= ADDRESS_REACH_M * ADDRESS_REACH_M {
-            return identity;
-        }
-        self.counts.add(report.source, Counter::IdentityConflicts);
-        identity.without_unique_number()
-    }
-
-    /// The entry of the report's sensor track: the one it has, or a new one, then not linked yet. `None` if the table is full.
-    fn place_of_sensor_track(
+    /// Stores a report as the latest of its sensor track, without its source's known errors: the sensor track, and the
+    /// measurement that is new in the report. `None` if it is out of order or the table is full.
+    fn store(
         &mut self,
         report: &SensorTrack,
-        earlier: Option<(SensorSlot, f64)>,
-    ) -> Option<SensorSlot> {
-        if let Some((sensor, _)) = earlier {
-            return Some(sensor);
+        known: Option<SensorSlot>,
+        repaired: bool,
+    ) -> Option<(SensorSlot, Option<Measurement>)> {
+        let (identity, conflict) = if self.settings.association.use_identity {
+            inlet::believed_identity(report, &self.tracks.systems)
+        } else {
+            (report.identity, None)
+        };
+        if let Some(counter) = conflict {
+            self.counts.add(report.source, counter);
         }
-        let inserted = self.sensors.insert(report);
-        if inserted.is_none() {
+        let earlier = self.earlier(report, known)?;
+        let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor), seconds));
+        let mut measurement = self.sources.measurement_behind(report, before, repaired);
+        let correction = self.sources.correction_of(&self.settings, report);
+        if let Some(measurement) = &mut measurement {
+            measurement.correct(&correction);
+        }
+        let sensors = &mut self.tracks.sensors;
+        let place = earlier.map(|(sensor, _)| sensor).or_else(|| sensors.insert(report));
+        let Some(sensor) = place else {
             self.counts.add(report.source, Counter::DroppedTable);
-        }
-        inserted
+            return None;
+        };
+        let entry = sensors.get_mut(sensor);
+        entry.take(report, identity, &correction);
+        entry.repaired = repaired;
+        sensors.note(sensor, self.settings.sources[usize::from(report.source)].period_ns);
+        Some((sensor, measurement))
     }
 
     /// The entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there is no entry
@@ -352,7 +243,7 @@ impl Engine {
         let Some(sensor) = known else {
             return Some(None);
         };
-        let age_ns = report.time_of_measurement_ns - self.sensors.get(sensor).time_ns;
+        let age_ns = report.time_of_measurement_ns - self.tracks.sensors.get(sensor).time_ns;
         let ends = report.state == TrackState::Terminated as u8;
         if age_ns < 0 || (age_ns == 0 && !ends) {
             self.counts.add(report.source, Counter::RejectedOutOfOrder);
@@ -360,190 +251,312 @@ impl Engine {
         }
         if age_ns > self.settings.life.terminate_ns {
             // The source has used the number again for something else.
-            self.drop_sensor_track(sensor);
+            self.tracks.drop_sensor_track(sensor);
             return Some(None);
         }
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
 
-    /// The measurement that led from the sensor track's latest report, `earlier`, to this one.
-    fn measurement_behind(
+    /// Lets the report that was stored for a sensor track have its effect.
+    fn work_off(
         &mut self,
+        sensor: SensorSlot,
         report: &SensorTrack,
-        earlier: Option<(SensorSlot, f64)>,
-        repaired: bool,
-    ) -> Option<Measurement> {
-        let model = &mut self.models[usize::from(report.source)];
-        let Some((sensor, seconds)) = earlier.filter(|(_, seconds)| *seconds > 0.0) else {
-            return Some(as_reported(report));
+        measurement: Option<&Measurement>,
+        sink: &mut impl Sink,
+    ) {
+        if report.state == TrackState::Terminated as u8 {
+            self.counts.add(report.source, Counter::TracksEnded);
+            self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
+            return;
+        }
+        let before = self.tracks.sensors.get(sensor).system;
+        self.associate(sensor, report, sink);
+        if self.settings.association.scan_wait == 0.0 && self.tracks.sensors.get(sensor).waits {
+            self.finish_scans(i64::MAX, sink);
+            if before == NO_SYSTEM {
+                return;
+            }
+        }
+        let system = self.tracks.sensors.get(sensor).system;
+        if system == NO_SYSTEM {
+            return;
+        }
+        self.tracks.assign_role(sensor);
+        let entry = self.tracks.sensors.get(sensor);
+        if entry.role != Role::Primary {
+            self.counts.add(report.source, Counter::RejectedDuplicate);
+        } else if system == before {
+            self.update(sensor, report, measurement, sink);
+        } else {
+            let whole = whole_report(&entry.latest);
+            self.update(sensor, report, Some(&whole), sink);
+        }
+    }
+
+    /// Associates a sensor track, of which `report` has just been stored, with a system track.
+    fn associate(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
+        let out = &mut Outlet {
+            counts: &mut self.counts,
+            sink,
         };
-        let (looks, knows) = (!repaired && model.looks_at_noise(), model.process_noise().is_some());
-        if !looks && !knows {
-            return Some(as_reported(report));
-        }
-        let has_height = report.has(sensor_track_bits::HEIGHT);
-        let (before, after) = (self.sensors.get(sensor).as_reported().unpacked(), gaussian_of(report));
-        if looks {
-            model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
-        }
-        match model.process_noise() {
-            Some(noise) => recovered_measurement(&noise.predicted(&before, seconds), &after, report),
-            None => Some(as_reported(report)),
-        }
-    }
-
-    /// What is known to be wrong with a report.
-    fn correction_of(&self, report: &SensorTrack) -> Correction {
-        Correction {
-            shift_m: self.registration.shift(
-                report.source,
-                report.position_m,
-                report.velocity_mps,
-                self.place_of(report.source),
-            ),
-            inflation: self.models[usize::from(report.source)].inflation(),
-        }
-    }
-
-    /// Where a source that measures range and azimuth stands.
-    pub(crate) fn place_of(&self, source: u16) -> Option<[f64; 2]> {
-        match self.settings.sources[usize::from(source)].accuracy.base {
-            AccuracyBase::Polar { place_m, .. } => Some(place_m),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn search(&self) -> Search<'_> {
-        Search {
+        let mut linking = Linking {
             settings: &self.settings,
-            sensors: &self.sensors,
-            systems: &self.systems,
-            models: &self.models,
-            motion: &self.motion,
+            tracks: &mut self.tracks,
+            sources: &self.sources,
+        };
+        let next = linking.associate(sensor, report, out);
+        self.follow_up(sensor, next, sink);
+    }
+
+    /// Does what linking has left to be done for a sensor track.
+    fn follow_up(&mut self, sensor: SensorSlot, next: Next, sink: &mut impl Sink) {
+        match next {
+            Next::Done => {}
+            Next::Wait => self.wait_for_scan(sensor, sink),
+            Next::End(merged) => {
+                let out = &mut Outlet {
+                    counts: &mut self.counts,
+                    sink,
+                };
+                let (ended, into) = (merged.ended, merged.into);
+                life::end(&self.settings, &mut self.tracks, ended, merged.time_ns, into, out);
+            }
+        }
+    }
+
+    /// Lets a sensor track wait for the end of its scan.
+    fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
+        let entry = self.tracks.sensors.get_mut(sensor);
+        let (source, time_ns) = (entry.source, entry.time_ns);
+        if std::mem::replace(&mut entry.waits, true) {
+            return;
+        }
+        if self.scans.is_full(source) {
+            self.assign_scan(source, sink);
+        }
+        self.scans.wait(sensor, source, time_ns);
+    }
+
+    /// Assigns the scans that are complete at `time_ns`.
+    fn finish_scans(&mut self, time_ns: i64, sink: &mut impl Sink) {
+        while let Some(source) = self.scans.complete_at(time_ns) {
+            self.assign_scan(source, sink);
+        }
+    }
+
+    fn assign_scan(&mut self, source: u16, sink: &mut impl Sink) {
+        let rows = self
+            .scans
+            .assign(source, &self.settings, &mut self.tracks, &self.sources);
+        for row in 0..rows {
+            let assigned = self.scans.assigned(row);
+            // It may have ended meanwhile.
+            if std::mem::take(&mut self.tracks.sensors.get_mut(assigned.sensor).waits) {
+                self.place_assigned(assigned, sink);
+            }
+        }
+    }
+
+    /// Puts a sensor track where the assignment of its scan says.
+    fn place_assigned(&mut self, Assigned { sensor, best }: Assigned, sink: &mut impl Sink) {
+        let is_unlinked = self.tracks.sensors.get(sensor).system == NO_SYSTEM;
+        // It may have ended meanwhile, merged by another sensor track of this scan.
+        let lives = |system: SystemSlot| self.tracks.systems.get(system).life != TrackState::Terminated;
+        match best.filter(|(system, _)| lives(*system)) {
+            Some((system, d2)) if is_unlinked => self.join_assigned(sensor, system, d2, sink),
+            Some((system, d2)) => self.vote_to_merge(sensor, system, d2, sink),
+            None if is_unlinked => self.place_alone(sensor, sink),
+            None => self.tracks.sensors.get_mut(sensor).competing = None,
+        }
+    }
+
+    fn join_assigned(&mut self, sensor: SensorSlot, system: SystemSlot, d2: f64, sink: &mut impl Sink) {
+        self.tracks.join(sensor, system);
+        let gate = self.settings.association.scan_gate();
+        sink.decision(&self.tracks.decision(sensor, DecisionKind::Joined, d2, gate));
+        self.tracks.assign_role(sensor);
+        let entry = self.tracks.sensors.get(sensor);
+        if entry.role == Role::Primary {
+            let report = entry.latest;
+            self.update(sensor, &report, Some(&whole_report(&report)), sink);
+        }
+    }
+
+    fn vote_to_merge(&mut self, sensor: SensorSlot, system: SystemSlot, d2: f64, sink: &mut impl Sink) {
+        let out = &mut Outlet {
+            counts: &mut self.counts,
+            sink,
+        };
+        let mut linking = Linking {
+            settings: &self.settings,
+            tracks: &mut self.tracks,
+            sources: &self.sources,
+        };
+        if let Some(next) = linking.vote_to_merge(sensor, system, d2, out) {
+            self.follow_up(sensor, next, sink);
+            self.tracks.assign_role(sensor);
+        }
+    }
+
+    /// Places a sensor track that fits no system track that could take it: another part of a target that its source already
+    /// follows, or the first sight of a new one.
+    fn place_alone(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
+        let search = Search {
+            settings: &self.settings,
+            tracks: &self.tracks,
+            sources: &self.sources,
+        };
+        if let Some((system, metres)) = search.other_part(sensor) {
+            self.tracks.join(sensor, system);
+            let limit = self.settings.association.target_extent_m;
+            sink.decision(&self.tracks.decision(sensor, DecisionKind::Duplicate, metres, limit));
+            let source = self.tracks.sensors.get(sensor).source;
+            self.counts.add(source, Counter::RejectedDuplicate);
+            return;
+        }
+        let report = self.tracks.sensors.get(sensor).latest;
+        let out = &mut Outlet {
+            counts: &mut self.counts,
+            sink,
+        };
+        let mut linking = Linking {
+            settings: &self.settings,
+            tracks: &mut self.tracks,
+            sources: &self.sources,
+        };
+        let deadline_ns = self.life.first_deadline_ns(report.time_of_measurement_ns);
+        if linking.start(sensor, deadline_ns, out) {
+            self.update(sensor, &report, None, sink);
+        }
+    }
+
+    /// Updates the system track of a primary sensor track whose `report` has just been stored; `measurement` is what is new
+    /// in it.
+    fn update(
+        &mut self,
+        sensor: SensorSlot,
+        report: &SensorTrack,
+        measurement: Option<&Measurement>,
+        sink: &mut impl Sink,
+    ) {
+        let system = self.tracks.sensors.get(sensor).system;
+        if let Some(measurement) = measurement {
+            self.update_filter(sensor, measurement, sink);
+        }
+        self.keep_alive(sensor, system, report);
+        self.sources.compare(&self.settings, &self.tracks, sensor);
+        let out = &mut Outlet {
+            counts: &mut self.counts,
+            sink,
+        };
+        let cause = (system, report);
+        self.life.update_existence(&self.settings, &mut self.tracks, cause, out);
+        self.publisher
+            .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
+    }
+
+    /// Updates the system filter with a measurement, and learns from what was not expected of it.
+    fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
+        let out = &mut Outlet {
+            counts: &mut self.counts,
+            sink,
+        };
+        let referred = self.points.refer(&mut self.tracks, sensor, measurement, out);
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, time_ns) = (entry.system, entry.time_ns);
+        let mut relative = *measurement;
+        for (position, point) in relative.position_m.iter_mut().zip(referred.point_m) {
+            *position -= point;
+        }
+        relative.covariance_m2[0] += referred.variance_m2;
+        relative.covariance_m2[3] += referred.variance_m2;
+        let filter = &mut self.tracks.systems.get_mut(system).filter;
+        let Some(mut innovation) = filter.take(&relative, time_ns, &self.sources.motion, referred.is_usable) else {
+            return;
+        };
+        let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
+        let speed = velocity[0].hypot(velocity[1]);
+        if speed > COURSE_SPEED_MIN_MPS {
+            self.tracks.systems.get_mut(system).course = velocity.map(|part| part / speed);
+        }
+        for (residual, point) in innovation.residual_m.iter_mut().zip(referred.point_m) {
+            *residual += point;
+        }
+        // Every source's share of the estimate decays as this one contributes.
+        self.tracks
+            .for_members(system, |member| member.share *= 1.0 - innovation.gain);
+        self.tracks.sensors.get_mut(sensor).share += innovation.gain;
+        self.points.learn(&mut self.tracks, sensor, &innovation);
+        self.sources
+            .learn_of_innovation(&self.settings, &mut self.tracks, sensor, &innovation, measurement);
+    }
+
+    /// Notes that the system track has a fresh report.
+    fn keep_alive(&mut self, sensor: SensorSlot, system: SystemSlot, report: &SensorTrack) {
+        let fresh_until_ns = self.tracks.fresh_until(system);
+        let systems = &mut self.tracks.systems;
+        let entry = systems.get_mut(system);
+        if entry.life == TrackState::Confirmed {
+            self.sources.models[usize::from(report.source)].learn_detection(true);
+        }
+        entry.last_report_ns = entry.last_report_ns.max(report.time_of_measurement_ns);
+        entry.fresh_until_ns = fresh_until_ns;
+        entry.reports = entry.reports.saturating_add(1);
+        entry.absence = 0.0;
+        let [x, y] = [entry.filter.estimate.mean[0], entry.filter.estimate.mean[1]];
+        systems.grid.place(system, x, y);
+        systems.identify(system, &self.tracks.sensors.get(sensor).latest.identity);
+    }
+
+    /// Notes that the source has seen nothing where it expected a target.
+    fn miss(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
+        let Some(sensor) = self.tracks.sensors.find(report.source, report.track_number) else {
+            return;
+        };
+        let entry = self.tracks.sensors.get_mut(sensor);
+        entry.misses = entry.misses.saturating_add(1);
+        let (system, role, misses) = (entry.system, entry.role, entry.misses);
+        if system != NO_SYSTEM && role == Role::Primary {
+            let out = &mut Outlet {
+                counts: &mut self.counts,
+                sink,
+            };
+            let miss = (system, report, misses);
+            life::count_miss(&self.settings, &mut self.tracks, &mut self.sources, miss, out);
+        }
+    }
+
+    /// Drops a sensor track that has ended, as its source says.
+    fn end_sensor_track(&mut self, sensor: SensorSlot, now_ns: i64, sink: &mut impl Sink) {
+        let system = self.tracks.sensors.get(sensor).system;
+        self.tracks.drop_sensor_track(sensor);
+        if system != NO_SYSTEM && self.tracks.systems.get(system).members.is_none() {
+            let out = &mut Outlet {
+                counts: &mut self.counts,
+                sink,
+            };
+            life::suppress(&self.settings, &mut self.tracks, system, now_ns, out);
         }
     }
 
     /// Looks, once a second, at what was learned of the sources as a whole. What takes long is spread over the reports
     /// that follow: a report at a time, so that the result depends on reports alone.
-    fn tick(&mut self) {
-        let now_ns = self.now_ns;
-        let due_ns = *self.next_tick_ns.get_or_insert(now_ns.saturating_add(TICK_NS));
-        let due = now_ns >= due_ns;
+    fn learn_of_sources(&mut self) {
+        let due = self.schedule.tick();
         if due {
-            self.next_tick_ns = Some(now_ns.saturating_add(TICK_NS));
-            self.sensors.begin_part();
-            if self.settings.registration.enabled {
-                self.registration.begin();
-            }
+            self.tracks.sensors.begin_part();
         }
-        if self.registration.is_solving() && self.registration.step() {
-            self.decide_on_errors();
-        }
+        let confirmed = self.tracks.systems.count_in_state(TrackState::Confirmed);
+        let enabled = self.settings.registration.enabled;
+        self.sources
+            .register(due && enabled, confirmed, self.points.sees_points());
         if due {
-            self.look_at_points();
-            self.look_at_motion();
+            self.points.look(&self.sources, self.settings.rule.rule.keeps_points);
+            self.publisher.set_point_spread(self.points.spread_m2());
+            self.sources.look_at_motion();
         }
-        self.drop_silent(now_ns.saturating_sub(self.settings.life.terminate_ns));
-    }
-
-    /// The errors of all sources have been estimated anew: which of them are significant?
-    fn decide_on_errors(&mut self) {
-        let targets = self.systems.count_in_state(TrackState::Confirmed);
-        // What one source's points are away from the others', the others' are from its.
-        let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
-        let known = |source: usize| self.models[source].knows_spread();
-        self.registration.decide(known, spread_m2, targets, self.sees_points);
-    }
-
-    /// Frees sensor tracks without report since `since_ns`, a few places of the table at a time.
-    fn drop_silent(&mut self, since_ns: i64) {
-        for sensor in self.sensors.next_places() {
-            if self.sensors.is_silent(sensor, since_ns) {
-                self.drop_sensor_track(sensor);
-            }
-        }
-    }
-
-    /// Whether some source's detection points lie well apart from the others'.
-    fn look_at_points(&mut self) {
-        const BEGIN: f64 = 2.0;
-        const END: f64 = 1.0;
-        let ratio = if self.sees_points { END } else { BEGIN };
-        self.sees_points = self.models.iter().any(|model| model.sees_points(ratio));
-        let keep = self.sees_points && self.settings.rule.rule.keeps_points;
-        // One of several points, taken for the target's middle, is as far off as they are from each other.
-        let spread_m2 = self.models.iter().map(SourceModel::spread_m2).fold(0.0, f64::max);
-        self.point_spread_m2 = if keep { spread_m2 } else { 0.0 };
-        if keep != self.keeps_points {
-            self.keeps_points = keep;
-            self.points_epoch = self.points_epoch.wrapping_add(1);
-        }
-    }
-
-    /// The sources' own trackers know how their targets move: the median of what they assume is taken over.
-    fn look_at_motion(&mut self) {
-        let mut known = [NearlyConstantVelocity::new(0.0, 0.0); crate::settings::SOURCES_MAX];
-        let mut count = 0;
-        for motion in self.models.iter().filter_map(SourceModel::process_noise) {
-            known[count] = motion;
-            count += 1;
-        }
-        if count == 0 {
-            return;
-        }
-        let known = &mut known[..count];
-        known.sort_unstable_by(|a, b| a.density_m2ps3[0].total_cmp(&b.density_m2ps3[0]));
-        self.motion = known[count / 2];
-    }
-}
-
-/// A report's state as a Gaussian.
-pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
-    Gaussian::from_message(report.position_m, report.velocity_mps, &report.covariance)
-}
-
-#[cfg(test)]
-pub(crate) fn test_settings(sources: usize) -> Settings {
-    use crate::settings::{
-        Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleSettings,
-        SourceSettings,
-    };
-    let source = |index: usize| SourceSettings {
-        name: format!("source{index}"),
-        sensor_uid: 0,
-        period_ns: 1_000_000_000,
-        fresh_ns: 2_500_000_000,
-        accuracy: Accuracy {
-            base: AccuracyBase::Constant { sigma_m: 10.0 },
-            per_speed_s: 0.0,
-            conditions: Vec::new(),
-        },
-        adjustment: 1.0,
-        priority: index as u32,
-        ceiling_m: f64::INFINITY,
-        coverage: None,
-    };
-    Settings {
-        sources: (0..sources).map(source).collect(),
-        capacity: Capacity {
-            system_tracks: 50,
-            sensor_tracks: 200,
-            stored_reports: 3,
-        },
-        association: AssociationSettings {
-            target_extent_m: 40.0,
-            scan_wait: 0.0,
-            ..AssociationSettings::default()
-        },
-        life: LifeSettings::default(),
-        rule: RuleSettings {
-            rule: crate::rules::find("best-source").expect("it is in the registry"),
-            ..RuleSettings::default()
-        },
-        registration: RegistrationSettings::default(),
-        consistency: true,
-        process_noise_m2ps3: 1.0,
-        refresh_ns: None,
-        refresh_delay_ns: 0,
+        let silent_ns = self.schedule.now_ns().saturating_sub(self.settings.life.terminate_ns);
+        self.tracks.drop_silent(silent_ns);
     }
 }

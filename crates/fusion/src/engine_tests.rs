@@ -9,8 +9,8 @@ use messages::{
 };
 use proptest::prelude::*;
 
-use crate::engine::test_settings;
 use crate::settings::DropOut;
+use crate::testing::test_settings;
 use crate::{Engine, Settings};
 
 const S: i64 = 1_000_000_000;

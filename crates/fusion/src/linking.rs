@@ -2,217 +2,238 @@
 //!
 //! A sensor track stays with its system track, and leaves it only when
 //! - its identity says so: an address belongs to exactly one system track, and the other way round;
-//! - its innovations keep missing the others' to one side (a wrong join, or the sensor has swapped targets);
+//! - its innovations keep missing the others' to one side (a wrong association, or the sensor has swapped targets);
 //! - it, or the whole system track it is in, keeps agreeing with another one that has none of its sources (one target
 //!   that was started twice).
 
-use estimation::PackedGaussian;
-use messages::{Counter, SensorTrack, TrackState};
+use messages::{Counter, NO_SOURCE, SensorTrack, TrackState, sensor_track_bits};
 
-use crate::engine::Engine;
+use crate::association_step::Search;
 use crate::explanation::{Decision, DecisionKind, Sink};
 use crate::filter::Filter;
-use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
+use crate::measurement::packed_gaussian_of;
+use crate::outlet::Outlet;
+use crate::sensor_tracks::{DetectionPoint, NO_SYSTEM, Role, SensorSlot};
+use crate::settings::Settings;
+use crate::sources::Sources;
 use crate::system_tracks::{SystemEntry, SystemSlot};
+use crate::tracks::Tracks;
 
-/// Time between two looks for a twin of one system track, nanoseconds.
-const TWIN_EVERY_NS: i64 = 1_000_000_000;
+/// Time between two looks for a duplicate of one system track, nanoseconds.
+const DUPLICATE_EVERY_NS: i64 = 1_000_000_000;
 
-impl Engine {
-    /// Finds out to which system track the sensor track belongs now.
-    pub(crate) fn relate(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
-        if self.sensors.get(sensor).system == NO_SYSTEM {
-            self.place_new(sensor, sink);
+/// What is left to be done for a sensor track.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[must_use]
+pub(crate) enum Next {
+    /// Nothing.
+    Done,
+    /// It waits until its scan is complete.
+    Wait,
+    /// A system track has lost all its sensor tracks to another one, and ends.
+    End(Merged),
+}
+
+/// A system track that another one has taken over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Merged {
+    pub(crate) ended: SystemSlot,
+    /// Number of the other one.
+    pub(crate) into: u32,
+    pub(crate) time_ns: i64,
+}
+
+/// The links between sensor tracks and system tracks, about to change.
+pub(crate) struct Linking<'a> {
+    pub(crate) settings: &'a Settings,
+    pub(crate) tracks: &'a mut Tracks,
+    pub(crate) sources: &'a Sources,
+}
+
+impl Linking<'_> {
+    /// Associates a sensor track, of which `report` has just been taken, with a system track.
+    pub(crate) fn associate<S: Sink>(
+        &mut self,
+        sensor: SensorSlot,
+        report: &SensorTrack,
+        out: &mut Outlet<'_, S>,
+    ) -> Next {
+        if self.tracks.sensors.get(sensor).system == NO_SYSTEM {
+            self.place(sensor, out)
         } else {
-            self.reconsider(sensor, report, sink);
+            self.reassociate(sensor, report, out)
         }
     }
 
-    /// An address says at once where a sensor track belongs; the others wait until their scan is complete.
-    fn place_new(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        let address = self.sensors.get(sensor).latest.identity.unique_number();
+    fn search(&self) -> Search<'_> {
+        Search {
+            settings: self.settings,
+            tracks: self.tracks,
+            sources: self.sources,
+        }
+    }
+
+    /// Associates a sensor track that belongs nowhere: an address says at once where; the others wait until their scan is
+    /// complete.
+    fn place<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
+        let address = self.tracks.sensors.get(sensor).latest.identity.unique_number();
         let known = address
             .filter(|_| self.settings.association.use_identity)
-            .and_then(|address| self.systems.with_address(address));
+            .and_then(|address| self.tracks.systems.with_address(address));
         if let Some(system) = known {
-            self.join(sensor, system);
-            self.decide(sensor, DecisionKind::JoinedByAddress, f64::NAN, f64::NAN, sink);
-        } else if self.search().is_established(sensor) {
-            self.wait_for_scan(sensor, sink);
+            self.tracks.join(sensor, system);
+            let kind = DecisionKind::JoinedByAddress;
+            out.decision(&self.tracks.decision(sensor, kind, f64::NAN, f64::NAN));
+        } else if self.tracks.is_established(sensor) {
+            return Next::Wait;
         }
+        Next::Done
     }
 
-    /// Starts a system track from a sensor track.
-    pub(crate) fn start_system_track(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        let report = self.sensors.get(sensor).latest;
-        let has_height = report.has(messages::sensor_track_bits::HEIGHT);
-        let state = PackedGaussian::new(report.position_m, report.velocity_mps, &report.covariance);
-        let filter = Filter::new(report.time_of_measurement_ns, state, has_height);
-        let deadline_ns = report.time_of_measurement_ns + self.shortest_fresh_ns;
-        let Some(system) = self.systems.insert(filter, deadline_ns) else {
-            self.counts.add(report.source, Counter::DroppedTable);
-            return;
+    /// Starts a system track from a sensor track, to be looked at first at `deadline_ns`; `false` if the table is full.
+    pub(crate) fn start<S: Sink>(&mut self, sensor: SensorSlot, deadline_ns: i64, out: &mut Outlet<'_, S>) -> bool {
+        let report = &self.tracks.sensors.get(sensor).latest;
+        let (source, has_height) = (report.source, report.has(sensor_track_bits::HEIGHT));
+        let filter = Filter::new(report.time_of_measurement_ns, packed_gaussian_of(report), has_height);
+        let Some(system) = self.tracks.systems.insert(filter, deadline_ns) else {
+            out.count(source, Counter::DroppedTable);
+            return false;
         };
-        self.counts.add(report.source, Counter::TracksStarted);
-        self.join(sensor, system);
-        self.sensors.get_mut(sensor).share = 1.0;
-        self.decide(sensor, DecisionKind::Started, f64::NAN, f64::NAN, sink);
-        self.assign_role(sensor);
-        self.contribute(sensor, &report, None, sink);
+        out.count(source, Counter::TracksStarted);
+        self.tracks.join(sensor, system);
+        self.tracks.sensors.get_mut(sensor).share = 1.0;
+        out.decision(&self.tracks.decision(sensor, DecisionKind::Started, f64::NAN, f64::NAN));
+        self.tracks.assign_role(sensor);
+        true
     }
 
-    /// Links an unlinked sensor track to `system`.
-    pub(crate) fn join(&mut self, sensor: SensorSlot, system: SystemSlot) {
-        self.systems.link(&mut self.sensors, sensor, system);
-        let entry = self.sensors.get_mut(sensor);
-        entry.role = Role::Duplicate;
-        entry.forget_target();
-        let (identity, seen) = (entry.latest.identity, (entry.started_ns, entry.source));
-        self.systems.identify(system, &identity);
-        let first_seen = &mut self.systems.get_mut(system).first_seen;
-        *first_seen = seen.min(*first_seen);
-    }
-
-    /// Whether the sensor track may stay where it is, and if not, where it goes.
-    fn reconsider(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
-        let system = self.sensors.get(sensor).system;
-        let identity = self.sensors.get(sensor).latest.identity;
+    /// Decides whether the sensor track may stay where it is, and if not, where it goes.
+    fn reassociate<S: Sink>(&mut self, sensor: SensorSlot, report: &SensorTrack, out: &mut Outlet<'_, S>) -> Next {
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, identity) = (entry.system, entry.latest.identity);
         let mine = identity
             .unique_number()
             .filter(|_| self.settings.association.use_identity);
         if let Some(mine) = mine {
-            let theirs = self.systems.get(system).identity.unique_number();
+            let theirs = self.tracks.systems.get(system).identity.unique_number();
             if theirs.is_some_and(|theirs| theirs != mine) {
-                self.counts.add(report.source, Counter::IdentityConflicts);
-                self.decide(sensor, DecisionKind::IdentityConflict, f64::NAN, f64::NAN, sink);
-                self.leave(sensor, sink);
-                return;
+                out.count(report.source, Counter::IdentityConflicts);
+                let kind = DecisionKind::IdentityConflict;
+                out.decision(&self.tracks.decision(sensor, kind, f64::NAN, f64::NAN));
+                return self.leave(sensor, out);
             }
-            if let Some(other) = self.systems.with_address(mine).filter(|other| *other != system) {
-                self.move_to(sensor, other, f64::NAN, sink);
-                return;
+            let known = self.tracks.systems.with_address(mine);
+            if let Some(other) = known.filter(|other| *other != system) {
+                return self.move_to(sensor, other, f64::NAN, out);
             }
-            self.systems.identify(system, &identity);
+            self.tracks.systems.identify(system, &identity);
         }
         let now_ns = report.time_of_measurement_ns;
-        if self.search().is_alone(sensor, now_ns) {
-            self.wait_for_scan(sensor, sink);
-            return;
+        if self.tracks.is_alone(sensor, now_ns) {
+            return Next::Wait;
         }
-        if mine.is_none() && self.keeps_missing(sensor, sink) {
-            self.counts.add(report.source, Counter::ContributionsSplit);
-            self.leave(sensor, sink);
-            return;
+        if mine.is_none() && self.has_split(sensor, out) {
+            out.count(report.source, Counter::ContributionsSplit);
+            return self.leave(sensor, out);
         }
-        self.look_for_twin(system, now_ns, sink);
+        self.look_for_duplicate(system, now_ns, out)
     }
 
     /// Takes a sensor track out of its system track; it goes where its scan, or its address, says.
-    fn leave(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        self.systems.unlink(&mut self.sensors, sensor);
-        self.place_new(sensor, sink);
+    fn leave<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
+        self.tracks.unlink(sensor);
+        self.place(sensor, out)
     }
 
     /// Whether the mean innovation of the sensor track differs from that of the others by more than noise explains,
     /// several reports in a row.
-    fn keeps_missing(&mut self, sensor: SensorSlot, sink: &mut impl Sink) -> bool {
+    fn has_split<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> bool {
         let gate = self.settings.association.keep_gate;
-        let entry = self.sensors.get(sensor);
-        if entry.role == Role::Duplicate {
-            return self.part_has_left(sensor);
+        if self.tracks.sensors.get(sensor).role == Role::Duplicate {
+            return self.part_has_split(sensor);
         }
-        let Some(d2) = self.offset_from_others(sensor) else {
+        let Some(d2) = self.sources.offset_from_others(self.settings, self.tracks, sensor) else {
             return false;
         };
-        let misfits = if d2 > gate { entry.misfits + 1 } else { 0 };
-        self.sensors.get_mut(sensor).misfits = misfits;
-        let split = misfits >= self.settings.association.split_reports;
+        let split = self.misfits(sensor, d2 > gate);
         if split {
-            self.decide(sensor, DecisionKind::Split, d2, gate, sink);
+            out.decision(&self.tracks.decision(sensor, DecisionKind::Split, d2, gate));
         }
         split
     }
 
     /// Whether a second track of one source has left the target's extent, several reports in a row.
-    fn part_has_left(&mut self, sensor: SensorSlot) -> bool {
-        let entry = self.sensors.get(sensor);
-        let filter = self
-            .systems
-            .get(entry.system)
-            .filter
-            .at(entry.latest.time_of_measurement_ns, &self.motion);
-        let apart = |axis: usize| entry.latest.position_m[axis] - filter.mean[axis];
+    fn part_has_split(&mut self, sensor: SensorSlot) -> bool {
+        let entry = self.tracks.sensors.get(sensor);
+        let filter = &self.tracks.systems.get(entry.system).filter;
+        let estimate = filter.at(entry.latest.time_of_measurement_ns, &self.sources.motion);
+        let apart = |axis: usize| entry.latest.position_m[axis] - estimate.mean[axis];
         let outside = apart(0).hypot(apart(1)) > 2.0 * self.settings.association.target_extent_m;
-        let misfits = if outside { entry.misfits + 1 } else { 0 };
-        self.sensors.get_mut(sensor).misfits = misfits;
-        misfits >= self.settings.association.split_reports
+        self.misfits(sensor, outside)
+    }
+
+    /// Whether so many reports in a row did not fit, this one included if it is a `misfit`, that the sensor track leaves.
+    fn misfits(&mut self, sensor: SensorSlot, misfit: bool) -> bool {
+        let entry = self.tracks.sensors.get_mut(sensor);
+        entry.misfits = if misfit { entry.misfits + 1 } else { 0 };
+        entry.misfits >= self.settings.association.split_reports
     }
 
     /// Counts how often in a row a sensor track that stands alone was assigned to the same system track, and moves it
-    /// there when that is often enough.
-    pub(crate) fn vote_to_merge(&mut self, sensor: SensorSlot, system: SystemSlot, d2: f64, sink: &mut impl Sink) {
-        let number = self.systems.get(system).number;
-        let entry = self.sensors.get_mut(sensor);
-        let hits = match entry.rival {
-            Some((rival, hits)) if rival == number => hits + 1,
-            _ => 1,
-        };
-        entry.rival = Some((number, hits));
-        if hits >= self.settings.association.merge_reports {
-            self.move_to(sensor, system, d2, sink);
-            self.assign_role(sensor);
-        }
+    /// there when that is often enough; whether it is.
+    pub(crate) fn vote_to_merge<S: Sink>(
+        &mut self,
+        sensor: SensorSlot,
+        system: SystemSlot,
+        d2: f64,
+        out: &mut Outlet<'_, S>,
+    ) -> Option<Next> {
+        let number = self.tracks.systems.get(system).number;
+        let entry = self.tracks.sensors.get_mut(sensor);
+        let hits = hits_in_a_row(entry.competing, number);
+        entry.competing = Some((number, hits));
+        (hits >= self.settings.association.merge_reports).then(|| self.move_to(sensor, system, d2, out))
     }
 
     /// Looks, once a second, whether the target has a second system track; merges into the older one if it keeps finding
     /// it.
-    fn look_for_twin(&mut self, system: SystemSlot, now_ns: i64, sink: &mut impl Sink) {
-        let entry = self.systems.get(system);
+    fn look_for_duplicate<S: Sink>(&mut self, system: SystemSlot, now_ns: i64, out: &mut Outlet<'_, S>) -> Next {
+        let entry = self.tracks.systems.get(system);
         let complete = self.settings.sources.len() as u32;
-        if now_ns < entry.twin_due_ns || self.search().sources_of(system, now_ns).count_ones() >= complete {
-            return;
+        if now_ns < entry.duplicate_due_ns || self.tracks.sources_of(system, now_ns).count_ones() >= complete {
+            return Next::Done;
         }
-        let last = entry.twin;
-        let found = self.search().twin(system, now_ns);
-        let twin = found.map(|(twin, _)| {
-            let number = self.systems.get(twin).number;
-            match last {
-                Some((last, hits)) if last == number => (number, hits + 1),
-                _ => (number, 1),
-            }
+        let found = self.search().duplicate(system, now_ns).map(|(duplicate, d2)| {
+            let number = self.tracks.systems.get(duplicate).number;
+            (duplicate, d2, number, hits_in_a_row(entry.duplicate, number))
         });
-        let entry = self.systems.get_mut(system);
-        entry.twin = twin;
-        entry.twin_due_ns = now_ns.saturating_add(TWIN_EVERY_NS);
-        let (Some((twin, d2)), Some((_, hits))) = (found, twin) else {
-            return;
-        };
-        if hits < self.settings.association.merge_reports {
-            return;
+        let entry = self.tracks.systems.get_mut(system);
+        entry.duplicate = found.map(|(_, _, number, hits)| (number, hits));
+        entry.duplicate_due_ns = now_ns.saturating_add(DUPLICATE_EVERY_NS);
+        match found {
+            Some((duplicate, d2, _, hits)) if hits >= self.settings.association.merge_reports => {
+                self.merge(system, duplicate, now_ns, d2, out)
+            }
+            _ => Next::Done,
         }
-        self.merge(system, twin, now_ns, d2, sink);
     }
 
     /// Moves a sensor track to another system track. If nothing fresh stays behind, the two are merged.
-    fn move_to(&mut self, sensor: SensorSlot, target: SystemSlot, d2: f64, sink: &mut impl Sink) {
-        let entry = self.sensors.get(sensor);
+    fn move_to<S: Sink>(&mut self, sensor: SensorSlot, target: SystemSlot, d2: f64, out: &mut Outlet<'_, S>) -> Next {
+        let entry = self.tracks.sensors.get(sensor);
         let (old, now_ns) = (entry.system, entry.latest.time_of_measurement_ns);
-        if self
-            .search()
-            .fresh_primaries(old, now_ns)
-            .all(|member| member == sensor)
-        {
-            self.merge(old, target, now_ns, d2, sink);
-        } else {
-            self.systems.unlink(&mut self.sensors, sensor);
-            self.join(sensor, target);
+        if self.tracks.is_alone(sensor, now_ns) {
+            return self.merge(old, target, now_ns, d2, out);
         }
+        self.tracks.unlink(sensor);
+        self.tracks.join(sensor, target);
+        Next::Done
     }
 
     /// Makes one system track of two. The one that is shown lives on, of two that are the older one.
-    fn merge(&mut self, a: SystemSlot, b: SystemSlot, now_ns: i64, d2: f64, sink: &mut impl Sink) {
+    fn merge<S: Sink>(&mut self, a: SystemSlot, b: SystemSlot, now_ns: i64, d2: f64, out: &mut Outlet<'_, S>) -> Next {
         let rank = |slot: SystemSlot| {
-            let entry = self.systems.get(slot);
+            let entry = self.tracks.systems.get(slot);
             (entry.life == TrackState::Tentative, entry.number)
         };
         let (into, from) = if rank(a) < rank(b) { (a, b) } else { (b, a) };
@@ -222,73 +243,53 @@ impl Engine {
             filter,
             number: ended,
             ..
-        } = *self.systems.get(from);
-        let reanchor = first_seen < self.systems.get(into).first_seen;
-        while let Some(member) = self.systems.get(from).members {
-            let role = self.sensors.get(member).role;
-            self.systems.unlink(&mut self.sensors, member);
-            self.join(member, into);
-            let source = self.sensors.get(member).source;
-            if role == Role::Primary && self.search().speaker(into, source, member, now_ns).is_none() {
-                self.sensors.get_mut(member).role = Role::Primary;
+        } = *self.tracks.systems.get(from);
+        let reanchor = first_seen < self.tracks.systems.get(into).first_seen;
+        while let Some(member) = self.tracks.systems.get(from).members {
+            let role = self.tracks.sensors.get(member).role;
+            self.tracks.unlink(member);
+            self.tracks.join(member, into);
+            let source = self.tracks.sensors.get(member).source;
+            if role == Role::Primary && self.tracks.primary_of(into, source, member, now_ns).is_none() {
+                self.tracks.sensors.get_mut(member).role = Role::Primary;
             }
         }
         if reanchor {
-            self.forget_points(into);
+            // The sources that have followed the target longest have only now come together: the reference point is
+            // chosen anew.
+            self.tracks
+                .for_members(into, |member| member.point = DetectionPoint::default());
         }
-        let entry = self.systems.get_mut(into);
+        let entry = self.tracks.systems.get_mut(into);
         entry.reports = entry.reports.saturating_add(reports);
         if filter.is_surer_than(&entry.filter) {
             entry.filter = filter;
         }
-        let number = entry.number;
-        sink.decision(&Decision {
+        let into = entry.number;
+        out.decision(&Decision {
             time_ns: now_ns,
             kind: DecisionKind::Merged,
             system_track: ended,
-            other_system_track: number,
-            source: messages::NO_SOURCE,
-            other_source: messages::NO_SOURCE,
+            other_system_track: into,
+            source: NO_SOURCE,
+            other_source: NO_SOURCE,
             sensor_track: 0,
             value: d2,
             limit: self.settings.association.scan_gate(),
         });
-        self.counts.add(messages::NO_SOURCE, Counter::TracksMerged);
-        self.end(from, now_ns, number, sink);
+        out.count(NO_SOURCE, Counter::TracksMerged);
+        Next::End(Merged {
+            ended: from,
+            into,
+            time_ns: now_ns,
+        })
     }
+}
 
-    /// The sources that have followed the target longest have only now come together: the reference point is chosen anew.
-    fn forget_points(&mut self, system: SystemSlot) {
-        let mut at = self.systems.get(system).members;
-        while let Some(member) = at {
-            let entry = self.sensors.get_mut(member);
-            entry.point = Default::default();
-            at = entry.next.get();
-        }
-    }
-
-    /// One sensor track of a source speaks for it; it goes on doing so while it is fresh.
-    pub(crate) fn assign_role(&mut self, sensor: SensorSlot) {
-        let entry = self.sensors.get(sensor);
-        let (system, source, now_ns) = (entry.system, entry.source, entry.time_ns);
-        if entry.role == Role::Primary || self.search().speaker(system, source, sensor, now_ns).is_some() {
-            return;
-        }
-        let mut at = self.systems.get(system).members;
-        while let Some(member) = at {
-            let entry = self.sensors.get_mut(member);
-            if entry.source == source {
-                entry.role = Role::Duplicate;
-            }
-            at = entry.next.get();
-        }
-        self.sensors.get_mut(sensor).role = Role::Primary;
-    }
-
-    pub(crate) fn drop_sensor_track(&mut self, sensor: SensorSlot) {
-        if self.sensors.get(sensor).system != NO_SYSTEM {
-            self.systems.unlink(&mut self.sensors, sensor);
-        }
-        self.sensors.remove(sensor);
+/// How often in a row `number` was found, now included, if `last` was found, and how often in a row, before.
+fn hits_in_a_row(last: Option<(u32, u32)>, number: u32) -> u32 {
+    match last {
+        Some((last, hits)) if last == number => hits + 1,
+        _ => 1,
     }
 }

@@ -5,7 +5,7 @@
 //! reports. Such a one stands for a measurement with three times its covariance. A covariance without correlation of
 //! position and velocity shows no filter: then the report is taken as it is.
 
-use estimation::{Gaussian, Recovered, Symmetric3, recovered};
+use estimation::{Gaussian, PackedGaussian, Recovered, Symmetric3, recovered};
 use messages::{AXES, SensorTrack, sensor_track_bits};
 
 /// Factor on the covariance of reports from a filter that cannot be undone.
@@ -14,6 +14,16 @@ const SMOOTHED: f64 = 3.0;
 const FILTERED: f64 = 0.2;
 /// Difference of the regression of velocity on position that rounding explains.
 const SLOPE_TOLERANCE: f64 = 0.1;
+
+/// The state of a report as a Gaussian.
+pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
+    Gaussian::from_message(report.position_m, report.velocity_mps, &report.covariance)
+}
+
+/// The state of a report as a packed Gaussian.
+pub(crate) fn packed_gaussian_of(report: &SensorTrack) -> PackedGaussian {
+    PackedGaussian::new(report.position_m, report.velocity_mps, &report.covariance)
+}
 
 /// What is known to be wrong with a report.
 #[derive(Clone, Copy, Debug)]

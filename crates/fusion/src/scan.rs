@@ -7,13 +7,13 @@
 //! period, and are then assigned together so that the sum of their statistical distances is smallest.
 
 use association::assignment::{Assignment, Pair};
-use messages::{Counter, TrackState};
 
-use crate::engine::Engine;
-use crate::explanation::{Decision, DecisionKind, Sink};
-use crate::measurement::whole_report;
-use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
+use crate::association_step::Search;
+use crate::sensor_tracks::SensorSlot;
+use crate::settings::Settings;
+use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
+use crate::tracks::Tracks;
 
 /// Most sensor tracks of one source that are assigned at a time; a larger scan is assigned in parts.
 const WAITING_MAX: usize = 4096;
@@ -23,126 +23,127 @@ const PAIRS_MAX: usize = 4 * WAITING_MAX;
 /// Sensor tracks that wait for the end of their scan, per source, and room to assign them.
 #[derive(Debug)]
 pub(crate) struct Scans {
-    waiting: Vec<Waiting>,
-    /// When the first scan that waits is complete, nanoseconds; never (`i64::MAX`) if none waits.
+    scans: Vec<Scan>,
+    /// When the first scan is complete, nanoseconds; never (`i64::MAX`) if none waits.
     due_ns: i64,
-    /// Taken out while a scan is being assigned.
-    room: Option<Room>,
-}
-
-#[derive(Debug)]
-struct Room {
     pairs: Vec<Pair>,
     /// System tracks of the scan being assigned, by column.
     columns: Vec<SystemSlot>,
     assignment: Assignment,
-    /// (row, column, d²) of the pairs chosen.
-    chosen: Vec<(u32, u32, f64)>,
+    assigned: Vec<Assigned>,
 }
 
+/// What of one source's scan waits.
 #[derive(Debug)]
-struct Waiting {
-    sensors: Vec<SensorSlot>,
+struct Scan {
+    waiting: Vec<SensorSlot>,
     first_ns: i64,
+    /// How long after its first report the scan is complete, nanoseconds.
+    duration_ns: i64,
+}
+
+impl Scan {
+    /// When the scan is complete; never (`i64::MAX`) if nothing waits.
+    fn complete_ns(&self) -> i64 {
+        self.first_ns.saturating_add(self.duration_ns)
+    }
+}
+
+/// A sensor track of a scan that has been assigned.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Assigned {
+    pub(crate) sensor: SensorSlot,
+    /// The system track, and d²; `None` if it fits none.
+    pub(crate) best: Option<(SystemSlot, f64)>,
 }
 
 impl Scans {
-    pub(crate) fn new(sources: usize) -> Self {
-        let waiting = || Waiting {
-            sensors: Vec::with_capacity(WAITING_MAX),
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let scan_wait = settings.association.scan_wait;
+        let scans = settings.sources.iter().map(|source| Scan {
+            waiting: Vec::with_capacity(WAITING_MAX),
             first_ns: i64::MAX,
-        };
+            duration_ns: (source.period_ns as f64 * scan_wait) as i64,
+        });
         Self {
-            waiting: (0..sources).map(|_| waiting()).collect(),
+            scans: scans.collect(),
             due_ns: i64::MAX,
-            room: Some(Room {
-                pairs: Vec::with_capacity(PAIRS_MAX),
-                columns: Vec::with_capacity(PAIRS_MAX),
-                assignment: Assignment::new(WAITING_MAX, PAIRS_MAX, PAIRS_MAX),
-                chosen: Vec::with_capacity(WAITING_MAX),
-            }),
+            pairs: Vec::with_capacity(PAIRS_MAX),
+            columns: Vec::with_capacity(PAIRS_MAX),
+            assignment: Assignment::new(WAITING_MAX, PAIRS_MAX, PAIRS_MAX),
+            assigned: Vec::with_capacity(WAITING_MAX),
         }
     }
 
+    /// When the first scan is complete, nanoseconds; never (`i64::MAX`) if none waits.
     pub(crate) fn due_ns(&self) -> i64 {
         self.due_ns
     }
-}
 
-impl Engine {
-    /// Lets a sensor track wait for the end of its scan.
-    pub(crate) fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        let entry = self.sensors.get_mut(sensor);
-        let (source, time_ns) = (entry.source, entry.time_ns);
-        if std::mem::replace(&mut entry.waits, true) {
-            return;
-        }
-        if self.scans.waiting[usize::from(source)].sensors.len() == WAITING_MAX {
-            self.assign_scan(usize::from(source), sink);
-        }
-        let waiting = &mut self.scans.waiting[usize::from(source)];
-        waiting.sensors.push(sensor);
-        waiting.first_ns = waiting.first_ns.min(time_ns);
-        let complete_ns = self.complete_ns(usize::from(source));
-        self.scans.due_ns = self.scans.due_ns.min(complete_ns);
+    /// Whether no further sensor track of `source` can wait: then its scan has to be assigned.
+    pub(crate) fn is_full(&self, source: u16) -> bool {
+        self.scans[usize::from(source)].waiting.len() == WAITING_MAX
     }
 
-    /// When the scan of a source that waits is complete.
-    fn complete_ns(&self, source: usize) -> i64 {
-        let wait_ns = self.settings.sources[source].period_ns as f64 * self.settings.association.scan_wait;
-        self.scans.waiting[source].first_ns.saturating_add(wait_ns as i64)
+    /// Lets a sensor track of `source`, seen at `time_ns`, wait for the end of its scan, which is not full.
+    pub(crate) fn wait(&mut self, sensor: SensorSlot, source: u16, time_ns: i64) {
+        let scan = &mut self.scans[usize::from(source)];
+        scan.waiting.push(sensor);
+        scan.first_ns = scan.first_ns.min(time_ns);
+        self.due_ns = self.due_ns.min(scan.complete_ns());
     }
 
-    /// Assigns the scans that are complete at `time_ns`.
-    pub(crate) fn finish_scans(&mut self, time_ns: i64, sink: &mut impl Sink) {
-        for source in 0..self.scans.waiting.len() {
-            if !self.scans.waiting[source].sensors.is_empty() && self.complete_ns(source) <= time_ns {
-                self.assign_scan(source, sink);
-            }
+    /// A source whose scan is complete at `time_ns`, the one with the smallest number; `None` if no scan is any more.
+    pub(crate) fn complete_at(&mut self, time_ns: i64) -> Option<u16> {
+        let complete = |scan: &Scan| !scan.waiting.is_empty() && scan.complete_ns() <= time_ns;
+        let source = self.scans.iter().position(complete);
+        if source.is_none() {
+            self.due_ns = self.scans.iter().map(Scan::complete_ns).min().unwrap_or(i64::MAX);
         }
-        let due_ns = (0..self.scans.waiting.len())
-            .map(|source| self.complete_ns(source))
-            .min();
-        self.scans.due_ns = due_ns.unwrap_or(i64::MAX);
+        source.map(|source| source as u16)
     }
 
-    fn assign_scan(&mut self, source: usize, sink: &mut impl Sink) {
-        let Some(mut room) = self.scans.room.take() else {
-            return;
+    /// Assigns the scan of `source`, which is thereby over; as many sensor tracks as are given back can be asked for with
+    /// [`Self::assigned`].
+    pub(crate) fn assign(&mut self, source: u16, settings: &Settings, tracks: &mut Tracks, sources: &Sources) -> usize {
+        let scan = &mut self.scans[usize::from(source)];
+        scan.first_ns = i64::MAX;
+        self.assigned.clear();
+        let unassigned = |sensor: &SensorSlot| Assigned {
+            sensor: *sensor,
+            best: None,
         };
-        let waiting = &mut self.scans.waiting[source];
-        waiting.first_ns = i64::MAX;
-        let mut sensors = std::mem::take(&mut waiting.sensors);
-        self.find_pairs(&sensors, &mut room);
-        room.chosen.clear();
-        let (gate, chosen) = (self.settings.association.scan_gate(), &mut room.chosen);
-        room.assignment.solve(&room.pairs, gate, |row, column, d2| {
-            chosen.push((row, column, d2));
+        self.assigned.extend(scan.waiting.iter().map(unassigned));
+        scan.waiting.clear();
+        self.find_pairs(&Search {
+            settings,
+            tracks,
+            sources,
         });
-        let mut next = room.chosen.iter().copied().peekable();
-        for (row, sensor) in sensors.iter().copied().enumerate() {
-            let best = next.next_if(|(of, ..)| *of == row as u32);
-            if std::mem::take(&mut self.sensors.get_mut(sensor).waits) {
-                let best = best.map(|(_, column, d2)| (room.columns[column as usize], d2));
-                self.place_assigned(sensor, best, sink);
-            }
-        }
-        sensors.clear();
-        self.scans.waiting[source].sensors = sensors;
-        self.scans.room = Some(room);
+        self.number_columns(tracks);
+        let (assigned, columns) = (&mut self.assigned, &self.columns);
+        self.assignment
+            .solve(&self.pairs, settings.association.scan_gate(), |row, column, d2| {
+                assigned[row as usize].best = Some((columns[column as usize], d2));
+            });
+        self.assigned.len()
     }
 
-    /// All pairs of a waiting sensor track and a system track that it could join.
-    fn find_pairs(&mut self, sensors: &[SensorSlot], room: &mut Room) {
-        room.pairs.clear();
-        room.columns.clear();
-        for (row, sensor) in sensors.iter().enumerate() {
-            if !self.sensors.get(*sensor).waits {
+    /// The sensor track in one row of the scan that was assigned last.
+    pub(crate) fn assigned(&self, row: usize) -> Assigned {
+        self.assigned[row]
+    }
+
+    /// Finds all pairs of a waiting sensor track and a system track that it could join.
+    fn find_pairs(&mut self, search: &Search<'_>) {
+        self.pairs.clear();
+        for (row, assigned) in self.assigned.iter().enumerate() {
+            if !search.tracks.sensors.get(assigned.sensor).waits {
                 continue;
             }
-            self.search().admissible(*sensor, |system, d2| {
-                if room.pairs.len() < PAIRS_MAX {
-                    room.pairs.push(Pair {
+            search.admissible(assigned.sensor, |system, d2| {
+                if self.pairs.len() < PAIRS_MAX {
+                    self.pairs.push(Pair {
                         row: row as u32,
                         column: system,
                         cost: d2,
@@ -150,74 +151,18 @@ impl Engine {
                 }
             });
         }
-        // Columns are numbered in the order in which they occur.
-        for pair in &mut room.pairs {
-            let entry = self.systems.get_mut(pair.column);
-            if room.columns.get(entry.column as usize) != Some(&pair.column) {
-                entry.column = room.columns.len() as u32;
-                room.columns.push(pair.column);
+    }
+
+    /// Numbers the system tracks of all pairs in the order in which they occur.
+    fn number_columns(&mut self, tracks: &mut Tracks) {
+        self.columns.clear();
+        for pair in &mut self.pairs {
+            let entry = tracks.systems.get_mut(pair.column);
+            if self.columns.get(entry.column as usize) != Some(&pair.column) {
+                entry.column = self.columns.len() as u32;
+                self.columns.push(pair.column);
             }
             pair.column = entry.column;
         }
-    }
-
-    /// Puts a sensor track where the assignment says.
-    fn place_assigned(&mut self, sensor: SensorSlot, best: Option<(SystemSlot, f64)>, sink: &mut impl Sink) {
-        let entry = self.sensors.get(sensor);
-        let unlinked = entry.system == NO_SYSTEM;
-        // It may have ended meanwhile, merged by another sensor track of this scan.
-        match best.filter(|(system, _)| self.systems.get(*system).life != TrackState::Terminated) {
-            Some((system, d2)) if unlinked => {
-                self.join(sensor, system);
-                self.decide(
-                    sensor,
-                    DecisionKind::Joined,
-                    d2,
-                    self.settings.association.scan_gate(),
-                    sink,
-                );
-                self.assign_role(sensor);
-                if self.sensors.get(sensor).role == Role::Primary {
-                    let report = self.sensors.get(sensor).latest;
-                    self.contribute(sensor, &report, Some(&whole_report(&report)), sink);
-                }
-            }
-            Some((system, d2)) => self.vote_to_merge(sensor, system, d2, sink),
-            None if unlinked => self.place_alone(sensor, sink),
-            None => self.sensors.get_mut(sensor).rival = None,
-        }
-    }
-
-    /// A sensor track that fits no system track that could take it: another part of a target that its source already
-    /// follows, or the first sight of a new one.
-    fn place_alone(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        if let Some((system, metres)) = self.search().other_part(sensor) {
-            self.join(sensor, system);
-            let limit = self.settings.association.target_extent_m;
-            self.decide(sensor, DecisionKind::Duplicate, metres, limit, sink);
-            self.counts
-                .add(self.sensors.get(sensor).source, Counter::RejectedDuplicate);
-            return;
-        }
-        self.start_system_track(sensor, sink);
-    }
-
-    pub(crate) fn decide(&self, sensor: SensorSlot, kind: DecisionKind, value: f64, limit: f64, sink: &mut impl Sink) {
-        let entry = self.sensors.get(sensor);
-        let number = match entry.system {
-            NO_SYSTEM => 0,
-            system => self.systems.get(system).number,
-        };
-        sink.decision(&Decision {
-            time_ns: entry.time_ns,
-            kind,
-            system_track: number,
-            other_system_track: 0,
-            source: entry.source,
-            other_source: messages::NO_SOURCE,
-            sensor_track: entry.track_number,
-            value,
-            limit,
-        });
     }
 }

@@ -76,7 +76,7 @@ pub(crate) struct SensorEntry {
     /// Reports in a row that did not fit the rest of the system track.
     pub(crate) misfits: u32,
     /// Number of another system track that the last reports fitted, and how many in a row.
-    pub(crate) rival: Option<(u32, u32)>,
+    pub(crate) competing: Option<(u32, u32)>,
     /// Whether this place of the table is taken.
     live: bool,
     /// Whether it waits for the end of its scan.
@@ -121,7 +121,7 @@ impl Default for SensorEntry {
             next: Link::NONE,
             repaired: false,
             misfits: 0,
-            rival: None,
+            competing: None,
             live: false,
             waits: false,
             correction: Correction::NONE,
@@ -178,7 +178,7 @@ impl SensorEntry {
     /// It is about to belong to another system track: what it was to the last one says nothing.
     pub(crate) fn forget_target(&mut self) {
         self.misfits = 0;
-        self.rival = None;
+        self.competing = None;
         self.share = 0.0;
         self.residuals = 0;
         self.residual_mean_m = [0.0; 2];

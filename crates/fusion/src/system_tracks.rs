@@ -10,7 +10,7 @@ use messages::{Covariance, Identity, NO_SOURCE, TrackState};
 use crate::description::Description;
 use crate::filter::Filter;
 use crate::rules::Memory;
-use crate::sensor_tracks::{Link, NO_SYSTEM, SensorSlot, SensorTracks};
+use crate::sensor_tracks::SensorSlot;
 use crate::state::State;
 use crate::track_numbers::TrackNumbers;
 
@@ -36,9 +36,9 @@ pub(crate) struct SystemEntry {
     /// Whether it was ever confirmed.
     pub(crate) was_shown: bool,
     /// Number of another system track that seems to be the same target, and how many looks in a row it did.
-    pub(crate) twin: Option<(u32, u32)>,
+    pub(crate) duplicate: Option<(u32, u32)>,
     /// When to look again for such a one, nanoseconds.
-    pub(crate) twin_due_ns: i64,
+    pub(crate) duplicate_due_ns: i64,
     /// When to note again which sources follow it, nanoseconds.
     pub(crate) coverage_due_ns: i64,
     /// Its column while a scan is being assigned.
@@ -72,8 +72,8 @@ impl SystemEntry {
             absence: 0.0,
             first_seen: (i64::MAX, NO_SOURCE),
             was_shown: false,
-            twin: None,
-            twin_due_ns: i64::MIN,
+            duplicate: None,
+            duplicate_due_ns: i64::MIN,
             coverage_due_ns: i64::MIN,
             column: 0,
             members: None,
@@ -226,57 +226,5 @@ impl SystemTracks {
     pub(crate) fn free(&mut self, slot: SystemSlot) {
         self.in_state[TrackState::Terminated as usize] -= 1;
         self.free.push(slot);
-    }
-
-    /// Links a sensor track to a system track.
-    pub(crate) fn link(&mut self, sensors: &mut SensorTracks, sensor: SensorSlot, system: SystemSlot) {
-        let first = &mut self.entries[system as usize].members;
-        let entry = sensors.get_mut(sensor);
-        entry.system = system;
-        entry.next = Link::to(first.replace(sensor));
-    }
-
-    /// Takes a sensor track out of its system track.
-    pub(crate) fn unlink(&mut self, sensors: &mut SensorTracks, sensor: SensorSlot) {
-        let entry = sensors.get(sensor);
-        let (system, next) = (entry.system, entry.next);
-        sensors.get_mut(sensor).system = NO_SYSTEM;
-        let mut at = self.entries[system as usize].members;
-        if at == Some(sensor) {
-            self.entries[system as usize].members = next.get();
-            return;
-        }
-        while let Some(slot) = at {
-            let entry = sensors.get_mut(slot);
-            if entry.next == Link::to(Some(sensor)) {
-                entry.next = next;
-                return;
-            }
-            at = entry.next.get();
-        }
-    }
-
-    /// The sensor tracks of a system track.
-    pub(crate) fn members<'a>(&self, sensors: &'a SensorTracks, slot: SystemSlot) -> Members<'a> {
-        Members {
-            sensors,
-            at: self.entries[slot as usize].members,
-        }
-    }
-}
-
-/// Iterator over the sensor tracks of one system track, newest link first.
-pub(crate) struct Members<'a> {
-    sensors: &'a SensorTracks,
-    at: Option<SensorSlot>,
-}
-
-impl Iterator for Members<'_> {
-    type Item = SensorSlot;
-
-    fn next(&mut self) -> Option<SensorSlot> {
-        let slot = self.at?;
-        self.at = self.sensors.get(slot).next.get();
-        Some(slot)
     }
 }

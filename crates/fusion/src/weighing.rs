@@ -8,16 +8,17 @@
 use messages::{CONTRIBUTIONS_MAX, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
-use crate::association_step::Search;
 use crate::rules::{self, Candidate, Fuse, Memory, Method, Share, Target};
 use crate::sensor_tracks::{Role, SensorSlot};
 use crate::settings::{DropOut, Settings};
 use crate::state::State;
 use crate::system_tracks::SystemSlot;
+use crate::tracks::Tracks;
 
-/// What weighing needs to look at, borrowed from the engine.
+/// The gathering of contributions.
 pub(crate) struct Weigher<'a> {
-    pub(crate) search: Search<'a>,
+    pub(crate) settings: &'a Settings,
+    pub(crate) tracks: &'a Tracks,
     pub(crate) accuracies: &'a Accuracies,
 }
 
@@ -105,7 +106,7 @@ impl Weigher<'_> {
     /// Gathers the contributions to `system` at `reference_ns`.
     pub(crate) fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         weighed.len = 0;
-        match self.search.settings.rule.rule.method {
+        match self.settings.rule.rule.method {
             Method::Filter => self.gather_shares(system, reference_ns, weighed),
             Method::Candidates(_) => self.gather_states(system, reference_ns, weighed),
         }
@@ -113,12 +114,8 @@ impl Weigher<'_> {
 
     /// The contributions to `system` in the order of their sources, with nothing but their share in the filter.
     fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        let sensors = self.search.sensors;
-        for member in self
-            .search
-            .fresh_primaries(system, reference_ns)
-            .take(CONTRIBUTIONS_MAX)
-        {
+        let sensors = &self.tracks.sensors;
+        for member in self.tracks.contributing(system, reference_ns).take(CONTRIBUTIONS_MAX) {
             let source = sensors.get(member).source;
             let mut place = weighed.len;
             while place > 0 && sensors.get(weighed.members[place - 1]).source > source {
@@ -137,11 +134,11 @@ impl Weigher<'_> {
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
     fn gather_states(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        let fresh = self.search.fresh_primaries(system, reference_ns);
+        let fresh = self.tracks.contributing(system, reference_ns);
         for member in fresh.take(CONTRIBUTIONS_MAX) {
             weighed.push(member, self.candidate(member, reference_ns));
         }
-        if self.search.settings.rule.hand_over.drop_out == DropOut::Blend {
+        if self.settings.rule.hand_over.drop_out == DropOut::Blend {
             self.gather_stale(system, reference_ns, weighed);
         }
         let three_axes = weighed.candidates().iter().all(|candidate| candidate.state.has_height);
@@ -152,8 +149,8 @@ impl Weigher<'_> {
 
     /// The last reports of sources that are being left, though they are no longer fresh (TI-15).
     fn gather_stale(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        let (sensors, memory) = (self.search.sensors, self.search.systems.memory(system));
-        for member in self.search.systems.members(sensors, system) {
+        let (sensors, memory) = (&self.tracks.sensors, self.tracks.systems.memory(system));
+        for member in self.tracks.members(system) {
             let entry = sensors.get(member);
             let source = entry.latest.source;
             let wanted = entry.role == Role::Primary && memory.holds(source);
@@ -171,7 +168,7 @@ impl Weigher<'_> {
     /// The latest report of `member` at `reference_ns`: interpolated where later ones are there, else extrapolated (QF-6).
     fn state(&self, member: SensorSlot, reported: &State, reference_ns: i64) -> State {
         let between = || {
-            self.search
+            self.tracks
                 .sensors
                 .histories
                 .interpolated(member as usize, reference_ns)
@@ -187,11 +184,11 @@ impl Weigher<'_> {
                 ..*reported
             };
         }
-        reported.at(reference_ns, self.search.settings.process_noise_m2ps3)
+        reported.at(reference_ns, self.settings.process_noise_m2ps3)
     }
 
     fn candidate(&self, member: SensorSlot, reference_ns: i64) -> Candidate {
-        let (settings, sensors) = (self.search.settings, self.search.sensors);
+        let (settings, sensors) = (self.settings, &self.tracks.sensors);
         let entry = sensors.get(member);
         let latest = &entry.latest;
         let (source, rule) = (&settings.sources[usize::from(latest.source)], &settings.rule);

@@ -3,7 +3,7 @@
 use messages::{Counter, SystemTrack};
 
 use super::{Harness, report, with_address};
-use crate::engine::test_settings;
+use crate::testing::test_settings;
 
 #[test]
 fn bad_reports_are_counted_and_change_nothing() {

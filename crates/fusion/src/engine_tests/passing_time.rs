@@ -4,7 +4,7 @@ use messages::{Counters, SensorTrack, SystemTrack, TrackState};
 use proptest::prelude::*;
 
 use super::{S, random, report, with_address};
-use crate::engine::test_settings;
+use crate::testing::test_settings;
 use crate::{Decision, Engine, Settings, Sink};
 
 const SOURCES: u16 = 3;

@@ -1,0 +1,201 @@
+//! One point per target, where the sources see different points of large targets.
+//!
+//! Each sensor sees its own antenna, edge or echo centre, and mixing them makes the fused position creep as the mixture
+//! changes. Then one point is kept per target: that of the source which has followed it longest. The others' points are
+//! estimated relative to it, in a frame that turns with the target's course, and taken off their measurements; so all of
+//! them go on improving the position, and when the first source falls silent the point stays where it was.
+
+use messages::sensor_track_bits;
+
+use crate::explanation::{DecisionKind, Sink};
+use crate::filter::{Filter, Innovation};
+use crate::measurement::{Measurement, packed_gaussian_of};
+use crate::outlet::Outlet;
+use crate::sensor_tracks::{DetectionPoint, SensorSlot};
+use crate::source_model::SourceModel;
+use crate::sources::Sources;
+use crate::system_tracks::SystemSlot;
+use crate::tracks::Tracks;
+
+/// Innovations before a detection point is known well enough to be taken off.
+const REPORTS_MIN: u32 = 4;
+/// Smallest weight of a new innovation in the estimate of a detection point.
+const GAIN_MIN: f64 = 0.05;
+
+/// Whether the sources see different points, and whether one is kept.
+#[derive(Debug, Default)]
+pub(crate) struct ReferencePoints {
+    /// Whether the sources see different points of the targets.
+    sees_points: bool,
+    /// Whether they do and the rule keeps one per target.
+    keeps_points: bool,
+    /// How far such points lie from the target's middle, as a variance per axis, m²; 0 where none is kept.
+    spread_m2: f64,
+    /// Number of changes of `keeps_points`: what was estimated before the last one is void.
+    epoch: u32,
+}
+
+/// What of a measurement refers to the target's reference point.
+pub(crate) struct Referred {
+    /// Whether the measurement may be used.
+    pub(crate) is_usable: bool,
+    /// The detection point relative to the reference point, east and north, metres.
+    pub(crate) point_m: [f64; 2],
+    /// Variance per axis of that, m².
+    pub(crate) variance_m2: f64,
+}
+
+impl Referred {
+    /// The detection point is the reference point.
+    const ITSELF: Self = Self {
+        is_usable: true,
+        point_m: [0.0; 2],
+        variance_m2: 0.0,
+    };
+}
+
+impl ReferencePoints {
+    pub(crate) fn sees_points(&self) -> bool {
+        self.sees_points
+    }
+
+    /// Variance per axis of the kept points about the targets' middles, m²; 0 where none is kept.
+    pub(crate) fn spread_m2(&self) -> f64 {
+        self.spread_m2
+    }
+
+    /// Looks whether some source's detection points lie well apart from the others', and keeps one if the rule `may_keep`.
+    pub(crate) fn look(&mut self, sources: &Sources, may_keep: bool) {
+        const BEGIN: f64 = 2.0;
+        const END: f64 = 1.0;
+        let ratio = if self.sees_points { END } else { BEGIN };
+        self.sees_points = sources
+            .models
+            .iter()
+            .any(|model: &SourceModel| model.sees_points(ratio));
+        let keep = self.sees_points && may_keep;
+        self.spread_m2 = if keep { sources.learned_spread_m2(0.0) } else { 0.0 };
+        if keep != self.keeps_points {
+            self.keeps_points = keep;
+            self.epoch = self.epoch.wrapping_add(1);
+        }
+    }
+
+    /// Where the detection point of a sensor track lies. Chooses the target's reference point where it has none.
+    pub(crate) fn refer<S: Sink>(
+        &self,
+        tracks: &mut Tracks,
+        sensor: SensorSlot,
+        measurement: &Measurement,
+        out: &mut Outlet<'_, S>,
+    ) -> Referred {
+        if !self.keeps_points {
+            return Referred::ITSELF;
+        }
+        let entry = tracks.sensors.get_mut(sensor);
+        if entry.point.epoch != self.epoch {
+            entry.point = self.unknown();
+        }
+        let (system, now_ns) = (entry.system, entry.time_ns);
+        if !self.is_anchored(tracks, system, now_ns)
+            && let Some(senior) = senior(tracks, system, now_ns)
+        {
+            tracks.sensors.get_mut(senior).point = DetectionPoint {
+                is_reference: true,
+                ..self.unknown()
+            };
+            begin_at(tracks, senior, system);
+            out.decision(&tracks.decision(senior, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
+        }
+        let point = tracks.sensors.get(sensor).point;
+        if point.is_reference {
+            return Referred::ITSELF;
+        }
+        if point.reports < REPORTS_MIN {
+            return Referred {
+                is_usable: false,
+                ..Referred::ITSELF
+            };
+        }
+        Referred {
+            is_usable: true,
+            point_m: from_body(point.offset_m, tracks.systems.get(system).course),
+            variance_m2: measurement.variance_m2() / f64::from(point.reports),
+        }
+    }
+
+    fn unknown(&self) -> DetectionPoint {
+        DetectionPoint {
+            epoch: self.epoch,
+            ..DetectionPoint::default()
+        }
+    }
+
+    /// Whether some contributing sensor track carries the target's reference point.
+    fn is_anchored(&self, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> bool {
+        tracks.contributing(system, now_ns).any(|member| {
+            let point = &tracks.sensors.get(member).point;
+            point.epoch == self.epoch && (point.is_reference || point.reports >= REPORTS_MIN)
+        })
+    }
+
+    /// Learns where a sensor track's detection point lies on the target.
+    pub(crate) fn learn(&self, tracks: &mut Tracks, sensor: SensorSlot, innovation: &Innovation) {
+        if !self.keeps_points {
+            return;
+        }
+        let entry = tracks.sensors.get_mut(sensor);
+        let course = tracks.systems.get(entry.system).course;
+        let point = &mut entry.point;
+        if point.is_reference {
+            return;
+        }
+        let seen = to_body(innovation.residual_m, course);
+        point.reports = point.reports.saturating_add(1);
+        let gain = (1.0 / f64::from(point.reports)).max(GAIN_MIN);
+        for (offset, seen) in point.offset_m.iter_mut().zip(seen) {
+            *offset += gain * (seen - *offset);
+        }
+    }
+}
+
+/// The contributing sensor track of the source that has followed the target longest.
+fn senior(tracks: &Tracks, system: SystemSlot, now_ns: i64) -> Option<SensorSlot> {
+    let (_, first_source) = tracks.systems.get(system).first_seen;
+    tracks.contributing(system, now_ns).min_by_key(|member| {
+        let entry = tracks.sensors.get(*member);
+        (entry.source != first_source, entry.started_ns, entry.source)
+    })
+}
+
+/// Lets the system filter begin anew from a sensor track: what it was before is a mixture of points.
+fn begin_at(tracks: &mut Tracks, sensor: SensorSlot, system: SystemSlot) {
+    let report = &tracks.sensors.get(sensor).latest;
+    let has_height = report.has(sensor_track_bits::HEIGHT);
+    let filter = Filter::new(report.time_of_measurement_ns, packed_gaussian_of(report), has_height);
+    tracks.systems.get_mut(system).filter = filter;
+}
+
+/// A horizontal vector in the frame of a course: along, across to the right.
+fn to_body([east, north]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
+    [east * sin + north * cos, east * cos - north * sin]
+}
+
+/// The inverse of [`to_body`].
+fn from_body([along, across]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
+    [along * sin + across * cos, along * cos - across * sin]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn body_frame_and_back() {
+        let course = [0.6, 0.8];
+        let [along, across] = to_body([6.0, 8.0], course);
+        assert!((along - 10.0).abs() < 1e-12 && across.abs() < 1e-12);
+        let back = from_body(to_body([3.0, -7.0], course), course);
+        assert!((back[0] - 3.0).abs() < 1e-12 && (back[1] + 7.0).abs() < 1e-12);
+    }
+}

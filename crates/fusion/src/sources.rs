@@ -1,0 +1,283 @@
+//! What is known of the sources as a whole: what they were learned to be worth, their systematic errors, and how targets
+//! move.
+
+use estimation::{AxisNoise, Matrix3, NearlyConstantVelocity};
+use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+
+use crate::filter::Innovation;
+use crate::measurement::{Correction, Measurement, as_reported, gaussian_of, recovered_measurement};
+use crate::registration::{Registration, View};
+use crate::schedule::TICK_NS;
+use crate::sensor_tracks::{SensorEntry, SensorSlot};
+use crate::settings::{AccuracyBase, SOURCES_MAX, Settings};
+use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, SourceModel};
+use crate::system_tracks::SystemSlot;
+use crate::tracks::Tracks;
+
+/// Innovations of one sensor track before their mean is used.
+const MEAN_REPORTS_MIN: u32 = 4;
+/// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly changes.
+const SPREAD_EVERY: u32 = 4;
+/// Samples of a source's systematic errors after which only every few reports one is taken.
+const REGISTRATION_SETTLED: f64 = 500.0;
+const REGISTRATION_EVERY: u32 = 8;
+
+/// The sources, each by its number.
+#[derive(Debug)]
+pub(crate) struct Sources {
+    pub(crate) models: Vec<SourceModel>,
+    pub(crate) registration: Registration,
+    /// How targets move, as far as the sources' own trackers betray it.
+    pub(crate) motion: NearlyConstantVelocity,
+}
+
+impl Sources {
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let count = settings.sources.len();
+        let registration = &settings.registration;
+        let tick_s = TICK_NS as f64 / NS_PER_S;
+        Self {
+            models: vec![SourceModel::default(); count],
+            registration: Registration::new(count, registration.reference_source, registration.memory_s, tick_s),
+            motion: NearlyConstantVelocity::new(settings.process_noise_m2ps3, settings.process_noise_m2ps3),
+        }
+    }
+
+    /// Variance per axis of where detection points lie on a target, m²: configured, or learned of `source` (of all sources
+    /// if `None`) if that is more.
+    pub(crate) fn spread_m2(&self, settings: &Settings, source: Option<u16>) -> f64 {
+        let extent_m = settings.association.extent_sigma_m;
+        let configured = extent_m * extent_m;
+        match source {
+            Some(source) => configured.max(self.models[usize::from(source)].spread_m2()),
+            None => self.learned_spread_m2(configured),
+        }
+    }
+
+    /// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the target's
+    /// middle, is as far off as they are from each other.
+    pub(crate) fn learned_spread_m2(&self, least_m2: f64) -> f64 {
+        self.models.iter().map(SourceModel::spread_m2).fold(least_m2, f64::max)
+    }
+
+    /// The known errors of a report.
+    pub(crate) fn correction_of(&self, settings: &Settings, report: &SensorTrack) -> Correction {
+        let place_m = place_of(settings, report.source);
+        Correction {
+            shift_m: self
+                .registration
+                .shift(report.source, report.position_m, report.velocity_mps, place_m),
+            inflation: self.models[usize::from(report.source)].inflation(),
+        }
+    }
+
+    /// The measurement that led from a sensor track's latest report, `earlier`, that many seconds ago, to this one; `None` if
+    /// none can have. Learns how the source filters, unless the report's covariance had to be repaired.
+    pub(crate) fn measurement_behind(
+        &mut self,
+        report: &SensorTrack,
+        earlier: Option<(&SensorEntry, f64)>,
+        repaired: bool,
+    ) -> Option<Measurement> {
+        let model = &mut self.models[usize::from(report.source)];
+        let Some((earlier, seconds)) = earlier.filter(|(_, seconds)| *seconds > 0.0) else {
+            return Some(as_reported(report));
+        };
+        let (looks, knows) = (!repaired && model.looks_at_noise(), model.process_noise().is_some());
+        if !looks && !knows {
+            return Some(as_reported(report));
+        }
+        let has_height = report.has(sensor_track_bits::HEIGHT);
+        let (before, after) = (earlier.as_reported().unpacked(), gaussian_of(report));
+        if looks {
+            model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
+        }
+        match model.process_noise() {
+            Some(noise) => recovered_measurement(&noise.predicted(&before, seconds), &after, report),
+            None => Some(as_reported(report)),
+        }
+    }
+
+    /// Learns from an innovation how true its source's covariances are and where its detection points lie.
+    pub(crate) fn learn_of_innovation(
+        &mut self,
+        settings: &Settings,
+        tracks: &mut Tracks,
+        sensor: SensorSlot,
+        innovation: &Innovation,
+        measurement: &Measurement,
+    ) {
+        let entry = tracks.sensors.get_mut(sensor);
+        let (source, system) = (usize::from(entry.source), entry.system);
+        let [xx, _, yy] = innovation.covariance_m2;
+        let before = entry.residual_mean_m;
+        let known = entry.residuals >= MEAN_REPORTS_MIN;
+        entry.residuals = entry.residuals.saturating_add(1);
+        let gain = (1.0 / f64::from(entry.residuals)).max(MEAN_GAIN);
+        for (mean, residual) in entry.residual_mean_m.iter_mut().zip(innovation.residual_m) {
+            *mean += gain * (residual - *mean);
+        }
+        entry.residual_variance_m2 += gain * (0.5 * (xx + yy) - entry.residual_variance_m2);
+        if !known || entry.repaired {
+            return;
+        }
+        let about_mean = std::array::from_fn(|axis| innovation.residual_m[axis] - before[axis]);
+        let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
+        if settings.consistency && squared.is_finite() {
+            self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
+        }
+        let looks = !self.models[source].knows_spread_well() || entry.residuals.is_multiple_of(SPREAD_EVERY);
+        if looks
+            && tracks.systems.get(system).life == TrackState::Confirmed
+            && let Some((offset, noise_m2)) = self.offset(tracks, sensor)
+        {
+            let squared = offset[0] * offset[0] + offset[1] * offset[1];
+            self.models[source].learn_spread(squared, 2.0 * noise_m2, measurement.variance_m2());
+        }
+    }
+
+    /// The difference of a sensor track's mean innovation from that of the others of its system track, east and north,
+    /// metres, and the variance per axis that noise explains; `None` while too little is known. A turn moves all of them to
+    /// the same side, a wrong association does not.
+    fn offset(&self, tracks: &Tracks, sensor: SensorSlot) -> Option<([f64; 2], f64)> {
+        let entry = tracks.sensors.get(sensor);
+        let (system, now_ns) = (entry.system, entry.time_ns);
+        let (mut sum, mut count, mut variance) = ([0.0; 2], 0.0, 0.0);
+        for member in tracks.contributing(system, now_ns) {
+            let other = tracks.sensors.get(member);
+            if member != sensor && other.residuals >= MEAN_REPORTS_MIN {
+                let shift = self.registration.suspected_shift(other.source);
+                for axis in 0..2 {
+                    sum[axis] += other.residual_mean_m[axis] - shift[axis];
+                }
+                variance += other.residual_variance_m2;
+                count += 1.0;
+            }
+        }
+        if count == 0.0 || entry.residuals < MEAN_REPORTS_MIN {
+            return None;
+        }
+        let shift = self.registration.suspected_shift(entry.source);
+        let offset = std::array::from_fn(|axis| entry.residual_mean_m[axis] - shift[axis] - sum[axis] / count);
+        let variance_m2 = MEAN_VARIANCE * (entry.residual_variance_m2 + variance / (count * count));
+        Some((offset, variance_m2))
+    }
+
+    /// d² of a sensor track's offset from the others, in view of noise and of how far detection points lie apart; `None`
+    /// while too little is known.
+    pub(crate) fn offset_from_others(&self, settings: &Settings, tracks: &Tracks, sensor: SensorSlot) -> Option<f64> {
+        // Of two that differ, one is at least half as far from the filter as they are from each other.
+        let entry = tracks.sensors.get(sensor);
+        let [east, north] = entry.residual_mean_m;
+        let gate = settings.association.keep_gate;
+        if 4.0 * (east * east + north * north) < gate * MEAN_VARIANCE * entry.residual_variance_m2 {
+            return Some(0.0);
+        }
+        let (offset, noise_m2) = self.offset(tracks, sensor)?;
+        let spread_m2 = self.spread_m2(settings, None);
+        Some((offset[0] * offset[0] + offset[1] * offset[1]) / (noise_m2 + 2.0 * spread_m2))
+    }
+
+    /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the difference.
+    pub(crate) fn compare(&mut self, settings: &Settings, tracks: &Tracks, sensor: SensorSlot) {
+        let entry = tracks.sensors.get(sensor);
+        let (report, system) = (&entry.latest, entry.system);
+        let source = report.source;
+        let settled = self.registration.of(source).samples > REGISTRATION_SETTLED;
+        if !settings.registration.enabled
+            || report.state != TrackState::Confirmed as u8
+            || entry.repaired
+            || tracks.systems.get(system).life != TrackState::Confirmed
+            || (settled && !entry.reports.is_multiple_of(REGISTRATION_EVERY))
+        {
+            return;
+        }
+        let now_ns = report.time_of_measurement_ns;
+        let confirmed = |member: &SensorSlot| tracks.sensors.get(*member).latest.state == TrackState::Confirmed as u8;
+        let latest = tracks
+            .contributing(system, now_ns)
+            .filter(|member| *member != sensor && confirmed(member))
+            .max_by_key(|member| {
+                let latest = &tracks.sensors.get(*member).latest;
+                (latest.time_of_measurement_ns, latest.source)
+            });
+        let Some(other) = latest else {
+            return;
+        };
+        let view = |sensor| self.view(settings, tracks.sensors.get(sensor), now_ns);
+        let (mut own, other) = (view(sensor), view(other));
+        let points_m2 = self.target_points_m2(settings, tracks, system);
+        own.covariance_m2[(0, 0)] += points_m2;
+        own.covariance_m2[(1, 1)] += points_m2;
+        self.registration.learn(&own, &other);
+    }
+
+    /// Variance per axis that a further comparison on one target has because the sources see different points of it, m². The
+    /// points stay where they are, so that however often a target is compared, it says no more than one pair of points:
+    /// an aircraft at its stand must not outweigh all that pass.
+    fn target_points_m2(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot) -> f64 {
+        let sources = settings.sources.len() as f64;
+        let times = 1.0 + f64::from(tracks.systems.get(system).reports) / sources;
+        self.spread_m2(settings, None) * times
+    }
+
+    /// A sensor track as its source gives it, at `time_ns`.
+    fn view(&self, settings: &Settings, entry: &SensorEntry, time_ns: i64) -> View {
+        let source = entry.latest.source;
+        let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
+        let mut state = entry.as_reported();
+        let noise = self
+            .motion
+            .density_m2ps3
+            .map(|density| AxisNoise::white(density, seconds));
+        state.advance(seconds, noise);
+        let [xx, xy, xz, yy, yz, zz] = state.position_covariance();
+        View {
+            source,
+            position_m: state.position_m(),
+            covariance_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            velocity_mps: state.velocity_mps(),
+            has_height: entry.latest.has(sensor_track_bits::HEIGHT),
+            place_m: place_of(settings, source),
+        }
+    }
+
+    /// Goes on with the estimate of the systematic errors, or begins a new one if it is `due`; `confirmed` targets are
+    /// followed now. What takes long is spread over the calls.
+    pub(crate) fn register(&mut self, due: bool, confirmed: usize, sees_points: bool) {
+        if due {
+            self.registration.begin();
+        }
+        if !self.registration.is_solving() || !self.registration.step() {
+            return;
+        }
+        // What one source's points are away from the others', the others' are from its.
+        let spread_m2 = self.learned_spread_m2(0.0);
+        let known = |source: usize| self.models[source].knows_spread();
+        self.registration.decide(known, spread_m2, confirmed, sees_points);
+    }
+
+    /// Takes over how the sources' own trackers let their targets move: the median of what they assume.
+    pub(crate) fn look_at_motion(&mut self) {
+        let mut known = [NearlyConstantVelocity::new(0.0, 0.0); SOURCES_MAX];
+        let mut count = 0;
+        for motion in self.models.iter().filter_map(SourceModel::process_noise) {
+            known[count] = motion;
+            count += 1;
+        }
+        if count == 0 {
+            return;
+        }
+        let known = &mut known[..count];
+        known.sort_unstable_by(|a, b| a.density_m2ps3[0].total_cmp(&b.density_m2ps3[0]));
+        self.motion = known[count / 2];
+    }
+}
+
+/// Where a source that measures range and azimuth stands, metres; `None` for others.
+fn place_of(settings: &Settings, source: u16) -> Option<[f64; 2]> {
+    match settings.sources[usize::from(source)].accuracy.base {
+        AccuracyBase::Polar { place_m, .. } => Some(place_m),
+        _ => None,
+    }
+}

@@ -1,0 +1,48 @@
+//! Settings for tests.
+
+use crate::settings::{
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleSettings, Settings,
+    SourceSettings,
+};
+
+/// Settings for `sources` like sources, in small tables.
+pub(crate) fn test_settings(sources: usize) -> Settings {
+    let source = |index: usize| SourceSettings {
+        name: format!("source{index}"),
+        sensor_uid: 0,
+        period_ns: 1_000_000_000,
+        fresh_ns: 2_500_000_000,
+        accuracy: Accuracy {
+            base: AccuracyBase::Constant { sigma_m: 10.0 },
+            per_speed_s: 0.0,
+            conditions: Vec::new(),
+        },
+        adjustment: 1.0,
+        priority: index as u32,
+        ceiling_m: f64::INFINITY,
+        coverage: None,
+    };
+    Settings {
+        sources: (0..sources).map(source).collect(),
+        capacity: Capacity {
+            system_tracks: 50,
+            sensor_tracks: 200,
+            stored_reports: 3,
+        },
+        association: AssociationSettings {
+            target_extent_m: 40.0,
+            scan_wait: 0.0,
+            ..AssociationSettings::default()
+        },
+        life: LifeSettings::default(),
+        rule: RuleSettings {
+            rule: crate::rules::find("best-source").expect("it is in the registry"),
+            ..RuleSettings::default()
+        },
+        registration: RegistrationSettings::default(),
+        consistency: true,
+        process_noise_m2ps3: 1.0,
+        refresh_ns: None,
+        refresh_delay_ns: 0,
+    }
+}
