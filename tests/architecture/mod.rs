@@ -29,6 +29,7 @@ const ORDER: &[&str] = &[
     "outgoing",
     "formats",
     "reception",
+    "sources",
     "bus",
     "net",
     "runtime",

@@ -18,14 +18,17 @@ pub const SILENT_SCANS_MAX: u32 = 100;
 pub struct ScanOfDetections {
     /// The sensor.
     pub sensor_id: u32,
+    /// Its number at the sensor.
+    pub number: u32,
     /// Time of its latest detection, nanoseconds; of a scan without any, between its neighbours.
     pub time_ns: i64,
     /// Its detections' places in the sorted list.
     pub detections: Range<usize>,
 }
 
-/// Sorts `detections` by sensors, scans, times and numbers, so that their order does not matter, and returns the scans in order of time, then of sensors.
-pub fn scans_of(detections: &mut [Detection]) -> Vec<ScanOfDetections> {
+/// Sorts `detections` by sensors, scans, times and numbers, so that their order does not matter, and returns the scans in
+/// order of time, then of sensors. `silent` are scans known to be without detections: (sensor, number, time in nanoseconds).
+pub fn scans_of(detections: &mut [Detection], silent: &[(u32, u32, i64)]) -> Vec<ScanOfDetections> {
     detections.sort_by_key(|detection| {
         let Detection { sensor_id, scan, .. } = *detection;
         (
@@ -35,51 +38,56 @@ pub fn scans_of(detections: &mut [Detection]) -> Vec<ScanOfDetections> {
             detection.detection_id,
         )
     });
-    let mut scans: Vec<ScanOfDetections> = Vec::new();
-    let (mut begin, mut before) = (0, None);
-    for same in detections.chunk_by(|one, other| (one.sensor_id, one.scan) == (other.sensor_id, other.scan)) {
-        let (first, last) = (&same[0], &same[same.len() - 1]);
-        let (sensor_id, scan, time_ns) = (first.sensor_id, first.scan, last.time_of_measurement_ns);
-        if let Some((sensor_before, scan_before, time_before)) = before
-            && sensor_before == sensor_id
-        {
-            scans.extend(silent(sensor_id, (scan_before, time_before), (scan, time_ns), begin));
-        }
-        before = Some((sensor_id, scan, time_ns));
-        scans.push(ScanOfDetections {
-            sensor_id,
-            time_ns,
-            detections: begin..begin + same.len(),
-        });
+    let mut begin = 0;
+    let same_scan = |one: &Detection, other: &Detection| (one.sensor_id, one.scan) == (other.sensor_id, other.scan);
+    let seen = detections.chunk_by(same_scan).map(|same| {
+        let last = &same[same.len() - 1];
         begin += same.len();
-    }
-    scans.sort_by_key(|scan| (scan.time_ns, scan.sensor_id));
+        ScanOfDetections {
+            sensor_id: last.sensor_id,
+            number: last.scan,
+            time_ns: last.time_of_measurement_ns,
+            detections: begin - same.len()..begin,
+        }
+    });
+    let mut scans: Vec<ScanOfDetections> = seen.collect();
+    let without_detections = |sensor_id, (number, time_ns), place| ScanOfDetections {
+        sensor_id,
+        number,
+        time_ns,
+        detections: place..place,
+    };
+    let known = silent
+        .iter()
+        .map(|(sensor, number, time_ns)| without_detections(*sensor, (*number, *time_ns), 0));
+    scans.extend(known);
+    scans.sort_by_key(|scan| (scan.sensor_id, scan.number));
+    let gaps: Vec<ScanOfDetections> = scans
+        .windows(2)
+        .filter(|pair| pair[0].sensor_id == pair[1].sensor_id)
+        .flat_map(|pair| {
+            let [before, after] = [0, 1].map(|place: usize| (pair[place].number, pair[place].time_ns));
+            let (sensor_id, place) = (pair[1].sensor_id, pair[1].detections.start);
+            silent_scans(before, after).map(move |scan| without_detections(sensor_id, scan, place))
+        })
+        .collect();
+    scans.extend(gaps);
+    scans.sort_by_key(|scan| (scan.time_ns, scan.sensor_id, scan.number));
     scans
 }
 
-/// The scans between two of the same sensor.
-fn silent(
-    sensor_id: u32,
-    before: (u32, i64),
-    after: (u32, i64),
-    place: usize,
-) -> impl Iterator<Item = ScanOfDetections> {
-    silent_times_ns(before, after).map(move |time_ns| ScanOfDetections {
-        sensor_id,
-        time_ns,
-        detections: place..place,
-    })
-}
-
-/// Times of the scans without detections between two of a sensor that follow each other: (number, time in nanoseconds).
-pub fn silent_times_ns(
-    (scan_before, time_before): (u32, i64),
+/// Scans without detections, number and time in nanoseconds, between two of a sensor that follow each other.
+pub fn silent_scans(
+    (before, time_before): (u32, i64),
     (scan, time_ns): (u32, i64),
-) -> impl Iterator<Item = i64> {
-    let gap = scan.saturating_sub(scan_before);
+) -> impl Iterator<Item = (u32, i64)> {
+    let gap = scan.saturating_sub(before);
     let step_ns = time_ns.saturating_sub(time_before) / i64::from(gap.max(1));
     let missing = if gap <= SILENT_SCANS_MAX + 1 { 1..gap } else { 1..1 };
-    missing.map(move |number| time_before.saturating_add(step_ns.saturating_mul(i64::from(number))))
+    missing.map(move |number| {
+        let after_ns = step_ns.saturating_mul(i64::from(number));
+        (before + number, time_before.saturating_add(after_ns))
+    })
 }
 
 #[cfg(test)]
@@ -104,7 +112,7 @@ mod tests {
             detection(1, 1, 3 * S),
             detection(2, 200, 4 * S),
         ];
-        let found: Vec<_> = scans_of(&mut detections)
+        let found: Vec<_> = scans_of(&mut detections, &[])
             .into_iter()
             .map(|scan| (scan.time_ns / S, scan.sensor_id, scan.detections))
             .collect();
@@ -118,7 +126,26 @@ mod tests {
         ];
         assert_eq!(found, expected);
         assert_eq!(detections[2].scan, 4);
-        assert_eq!(scans_of(&mut []), []);
+        assert_eq!(scans_of(&mut [], &[]), []);
+    }
+
+    #[test]
+    fn scans_known_to_be_silent_are_filled_up_between_and_never_twice() {
+        let mut detections = [detection(1, 4, 9 * S), detection(1, 5, 10 * S)];
+        let found: Vec<_> = scans_of(&mut detections, &[(1, 3, 8 * S), (2, 0, 0), (1, 0, 2 * S)])
+            .into_iter()
+            .map(|scan| (scan.time_ns / S, scan.sensor_id, scan.number, scan.detections.len()))
+            .collect();
+        let expected = [
+            (0, 2, 0, 0),
+            (2, 1, 0, 0),
+            (4, 1, 1, 0),
+            (6, 1, 2, 0),
+            (8, 1, 3, 0),
+            (9, 1, 4, 1),
+            (10, 1, 5, 1),
+        ];
+        assert_eq!(found, expected);
     }
 
     #[test]
@@ -128,6 +155,6 @@ mod tests {
             detection(1, 50, i64::MIN),
             detection(1, u32::MAX, 0),
         ];
-        assert_eq!(scans_of(&mut detections).len(), 3 + 49);
+        assert_eq!(scans_of(&mut detections, &[]).len(), 3 + 49);
     }
 }

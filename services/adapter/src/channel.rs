@@ -6,22 +6,23 @@ use messages::{Counter, Counters, Cue, PlatformState, SensorBearing, SensorDetec
 use observations::{Bearing, Observation, Sampled, Service, WideAreaReport};
 use runtime::HealthEntry;
 use runtime::clock::mono_ns;
+use sources::{Pipeline, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
-use crate::stages::{Made, Stage};
+use crate::processing;
 
 /// Reports that are gathered before they are published, at most: those of one batch of datagrams.
 const GATHERED_MAX: usize = 4096;
 /// Slices taken at a time of what a tracker listens to.
 const SLICES_PER_LOOK: usize = 64;
 
-/// Hands what is observed to the source's stage, gathers what comes out, and publishes it in slices, in the order in which it
+/// Hands what is observed to the source's pipeline, gathers what comes out, and publishes it in slices, in the order in which it
 /// came.
 #[derive(Debug)]
 pub(crate) struct Channel {
     source: u16,
     name: String,
-    stage: Stage,
+    pipeline: Pipeline,
     publisher: Publisher<SharedMemory, SensorTrack>,
     /// For sources whose tracks are made of detections.
     detections: Option<Publisher<SharedMemory, SensorDetection>>,
@@ -30,11 +31,11 @@ pub(crate) struct Channel {
     platforms: Option<Publisher<SharedMemory, PlatformState>>,
     /// For sources that are told where to look next.
     cues: Option<Publisher<SharedMemory, Cue>>,
-    /// What the stage's tracker listens to: wide-area sensors.
+    /// What the tracker listens to: wide-area sensors.
     counts: Vec<Subscriber<SharedMemory, WideArea>>,
     /// And direction finders, which hear emissions.
     emissions: Vec<Subscriber<SharedMemory, SensorBearing>>,
-    gathered: Made,
+    gathered: Samples,
 }
 
 /// A publisher of what comes from the sensor of `source`.
@@ -78,57 +79,63 @@ impl Channel {
             cues: cued.map(|_| publisher(process, source, &cues)).transpose()?,
             source: source.number,
             name: source.name.clone(),
-            stage: Stage::new(source, process.first_day_ns(), Arrivals::new())?,
+            pipeline: Pipeline::new(
+                source.model,
+                &processing(source),
+                process.first_day_ns(),
+                Arrivals::new(),
+            )
+            .map_err(anyhow::Error::msg)?,
             publisher: publisher(process, source, &topic)?,
             detections: source.tracker.as_ref().map(open).transpose()?,
             bearings: source.locator.as_ref().map(open_bearings).transpose()?,
             platforms: source.locator.as_ref().map(open_platforms).transpose()?,
-            gathered: Made {
+            gathered: Samples {
                 tracks: Vec::with_capacity(GATHERED_MAX),
-                ..Made::default()
+                ..Samples::default()
             },
         })
     }
 
     /// What follows was received at `received_ns` (UTC, nanoseconds).
     pub(crate) fn received(&mut self, received_ns: i64) {
-        self.stage.received(received_ns);
+        self.pipeline.received(received_ns);
     }
 
     /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
     pub(crate) fn take(&mut self, observation: &Observation, ingested_ns: i64) -> anyhow::Result<()> {
         self.listen()?;
-        self.stage.take(observation, ingested_ns, &mut self.gathered);
+        self.pipeline.take(observation, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
     /// Takes a bearing that came in at `ingested_ns`.
     pub(crate) fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64) -> anyhow::Result<()> {
-        self.stage.bearing(bearing, ingested_ns, &mut self.gathered);
+        self.pipeline.bearing(bearing, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
     /// Takes a record that speaks of the sensor.
     pub(crate) fn service(&mut self, service: &Service, ingested_ns: i64) -> anyhow::Result<()> {
         self.listen()?;
-        self.stage.service(service, ingested_ns, &mut self.gathered);
+        self.pipeline.service(service, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
-    /// Hands the stage what wide-area sensors and direction finders have said: before each piece of data, so that nothing that has come waits for the
+    /// Hands the pipeline what wide-area sensors and direction finders have said: before each piece of data, so that nothing that has come waits for the
     /// scan after the one that it is for.
     fn listen(&mut self) -> anyhow::Result<()> {
-        let stage = &mut self.stage;
+        let pipeline = &mut self.pipeline;
         for sensor in &mut self.counts {
             sensor.take(SLICES_PER_LOOK, |_, samples| {
                 for report in samples.iter().filter_map(WideAreaReport::of_sample) {
-                    stage.wide_area(report);
+                    pipeline.wide_area(report);
                 }
             })?;
         }
         for finder in &mut self.emissions {
             finder.take(SLICES_PER_LOOK, |_, bearings| {
-                bearings.iter().for_each(|bearing| stage.emission(bearing))
+                bearings.iter().for_each(|bearing| pipeline.emission(bearing))
             })?;
         }
         Ok(())
@@ -138,11 +145,11 @@ impl Channel {
     pub(crate) fn publish(&mut self) -> anyhow::Result<()> {
         self.listen()?;
         let mark = Mark {
-            progress_ns: self.stage.progress_ns(),
+            progress_ns: self.pipeline.progress_ns(),
             sent_ns: mono_ns(),
             end: false,
         };
-        let Made {
+        let Samples {
             tracks,
             detections,
             bearings,
@@ -201,8 +208,8 @@ impl Channel {
     pub(crate) fn health(&self, decoded: &Counters) -> HealthEntry {
         let mut entry = HealthEntry {
             source: self.source,
-            progress_ns: self.stage.progress_ns(),
-            counters: self.stage.counters(),
+            progress_ns: self.pipeline.progress_ns(),
+            counters: self.pipeline.counters(),
             // Readers without the configuration, such as `koseki top`, know sources by their numbers only.
             note: self.name.clone(),
             ..HealthEntry::default()

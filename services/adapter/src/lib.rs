@@ -3,8 +3,8 @@
 //!
 //! Where the data come from is one file each: `recording` and `content` decode a recorded file, and `replay` paces it by its own
 //! times; `datagrams`, `lines` and `bearings` receive from the network. What they share is the way from there: the source's
-//! stage makes sensor tracks of what was observed (`stages`), and, for live sources, `channel` publishes them. Sensors that only
-//! count are in `wide_area`, from the network or a recording to what is published.
+//! pipeline makes samples of what was observed ([`sources`]), and, for live sources, `channel` publishes them. Sensors that
+//! only count are in `wide_area`, from the network or a recording to what is published.
 
 #![forbid(unsafe_code)]
 
@@ -15,12 +15,12 @@ mod datagrams;
 mod lines;
 pub mod recording;
 mod replay;
-mod stages;
 mod wide_area;
 
 use anyhow::Context as _;
 use configuration::{Input, Process, Source, Transport};
 use runtime::Agent;
+use sources::{Outputs, Processing, TrackerSettings};
 
 use crate::bearings::Bearings;
 use crate::datagrams::Datagrams;
@@ -57,4 +57,20 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         format!("{path}: no receiver and no recorded source is named \"{name}\"")
     })?;
     runtime::service::run(process, &mut replay::Replay::new(process, source, recorded)?)
+}
+
+/// How the tracks of `source` come about.
+fn processing(source: &Source) -> Processing {
+    match (&source.tracker, &source.locator) {
+        (Some(tracker), _) => Processing::Detections(Box::new(TrackerSettings {
+            settings: tracker.settings.clone(),
+            cutter: tracker.cutter,
+            outputs: Outputs {
+                period_ns: tracker.output_period_ns,
+                cues: tracker.cues,
+            },
+        })),
+        (None, Some(locator)) => Processing::Bearings(Box::new(*locator)),
+        (None, None) => Processing::Tracks,
+    }
 }

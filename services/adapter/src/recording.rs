@@ -9,10 +9,11 @@ use configuration::{Recorded, Source};
 use messages::{Counter, Counters, SensorDetection, SensorTrack};
 use observations::{Observation, Service};
 use reception::Reorder;
+use sources::{Pipeline, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::content::Content;
-use crate::stages::{Made, Stage};
+use crate::processing;
 
 /// Reports that are decoded ahead: more than any slice holds.
 pub(crate) const AHEAD: usize = 128;
@@ -33,8 +34,8 @@ pub struct Recording {
 #[derive(Debug)]
 pub(crate) struct Intake {
     source: u16,
-    stage: Stage,
-    made: Made,
+    pipeline: Pipeline,
+    samples: Samples,
     reorder: Reorder,
     late: u64,
     tracks: u64,
@@ -43,25 +44,25 @@ pub(crate) struct Intake {
 impl Intake {
     /// A target report.
     pub(crate) fn observe(&mut self, observed: &Observation) {
-        self.stage.take(observed, 0, &mut self.made);
+        self.pipeline.take(observed, 0, &mut self.samples);
         self.put_in_order();
     }
 
     /// A record that speaks of the sensor.
     pub(crate) fn service(&mut self, service: &Service) {
-        self.stage.service(service, 0, &mut self.made);
+        self.pipeline.service(service, 0, &mut self.samples);
         self.put_in_order();
     }
 
     /// Nothing follows.
     fn end(&mut self) {
-        self.stage.end(&mut self.made);
+        self.pipeline.end(&mut self.samples);
         self.put_in_order();
         self.reorder.finish();
     }
 
     fn put_in_order(&mut self) {
-        for track in self.made.tracks.drain(..) {
+        for track in self.samples.tracks.drain(..) {
             if !self.reorder.push(track) {
                 self.late += 1;
             }
@@ -106,8 +107,9 @@ impl Recording {
             content: Content::open(bytes, recorded, first_day_ns)?,
             intake: Intake {
                 source: source.number,
-                stage: Stage::new(source, first_day_ns, counts)?,
-                made: Made::default(),
+                pipeline: Pipeline::new(source.model, &processing(source), first_day_ns, counts)
+                    .map_err(anyhow::Error::msg)?,
+                samples: Samples::default(),
                 reorder: Reorder::new(recorded.reorder_ns),
                 late: 0,
                 tracks: 0,
@@ -144,7 +146,7 @@ impl Recording {
     /// What has been counted so far, indexed by [`Counter`].
     pub fn counters(&self) -> Counters {
         let intake = &self.intake;
-        let mut counters = intake.stage.counters();
+        let mut counters = intake.pipeline.counters();
         self.content.count(&mut counters);
         counters[Counter::RejectedLate] += intake.late;
         counters[Counter::Reports] += intake.tracks;
@@ -158,7 +160,7 @@ impl Recording {
             if self.content.is_exhausted() {
                 self.intake.end();
             }
-            for mut detection in self.intake.made.detections.drain(..) {
+            for mut detection in self.intake.samples.detections.drain(..) {
                 detection.sequence = self.next_detection;
                 self.next_detection += 1;
                 self.detections.push_back(detection);

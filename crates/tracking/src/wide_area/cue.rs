@@ -4,8 +4,8 @@
 //! search. Both are in the tracker: the state predicted to the time of the look, and the gate in which a detection would be
 //! accepted (HT-2). A cue is that, in the plane: an ellipse around the predicted position.
 
-use messages::AXES;
-use observations::Detection;
+use messages::{AXES, StageTimes};
+use observations::{Detection, Sampled, sensor_id};
 
 use crate::gate::gates;
 use crate::measurement::Measurement;
@@ -29,6 +29,36 @@ pub struct Cue {
     pub half_axes_m: [f64; 2],
     /// Direction of the longer one, clockwise from north, radians in [0, π).
     pub orientation_rad: f64,
+}
+
+impl Sampled for Cue {
+    type Sample = messages::Cue;
+
+    fn sample(&self, source: u16, stages: StageTimes) -> messages::Cue {
+        messages::Cue {
+            time_ns: self.time_ns,
+            stages,
+            position_m: self.position_m,
+            velocity_mps: self.velocity_mps,
+            half_axes_m: self.half_axes_m,
+            orientation_rad: self.orientation_rad,
+            track_number: self.track_number,
+            source,
+            ..messages::Cue::default()
+        }
+    }
+
+    fn of_sample(sample: &messages::Cue) -> Option<Self> {
+        Some(Self {
+            sensor_id: sensor_id(sample.source),
+            track_number: sample.track_number,
+            time_ns: sample.time_ns,
+            position_m: sample.position_m,
+            velocity_mps: sample.velocity_mps,
+            half_axes_m: sample.half_axes_m,
+            orientation_rad: sample.orientation_rad,
+        })
+    }
 }
 
 /// When each sensor looks next, from when it has looked: one period after the last time.

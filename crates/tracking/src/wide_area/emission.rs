@@ -1,5 +1,7 @@
 //! What an on-board receiver heard (WA-9), and those emissions that a scan may still use.
 
+use observations::Bearing;
+
 use super::report::PLACE_MAX_M;
 
 /// Most emissions kept at a time.
@@ -56,6 +58,19 @@ impl std::fmt::Display for EmissionRefusal {
 impl std::error::Error for EmissionRefusal {}
 
 impl Emission {
+    /// The emission that a direction finder's bearing is of; `None` without a frequency, by which a type could be told.
+    pub fn of(bearing: &Bearing) -> Option<Self> {
+        let [east, north, _] = bearing.platform_m;
+        Some(Self {
+            time_ns: bearing.time_of_measurement_ns,
+            bearing_rad: bearing.bearing_rad,
+            sigma_rad: bearing.sigma_rad,
+            platform_m: [east, north],
+            frequency_hz: bearing.frequency_hz?,
+            pulse_interval_s: bearing.pulse_interval_s,
+        })
+    }
+
     fn is_whole(&self) -> bool {
         let positive = |value: f64| value > 0.0 && value.is_finite();
         self.bearing_rad.is_finite()

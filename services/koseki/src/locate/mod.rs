@@ -162,16 +162,10 @@ impl<'a> Input<'a> {
 
     /// The next row that can be read, with its line.
     fn next(&mut self) -> Result<Option<(u64, Bearing)>, InputError> {
-        for row in &mut self.reader {
-            match row {
-                Ok(bearing) => {
-                    self.rows += 1;
-                    return Ok(Some((self.reader.line(), bearing)));
-                }
-                Err(error @ csv_table::CsvError::Input { .. }) => {
-                    return Err(InputError::new(self.path, error));
-                }
-                Err(error) => self.refusals.unreadable(self.path, &error),
+        while let Some(row) = self.reader.next() {
+            if let Some(bearing) = self.refusals.usable(self.path, row)? {
+                self.rows += 1;
+                return Ok(Some((self.reader.line(), bearing)));
             }
         }
         if self.rows == 0 {

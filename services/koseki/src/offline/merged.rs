@@ -8,7 +8,6 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use csv_table::CsvError;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use fusion::settings::SOURCES_MAX;
 use messages::SensorTrack;
@@ -162,19 +161,13 @@ impl Lane {
 
     /// The next row that can be read.
     fn read(&mut self, refusals: &mut Refusals) -> Result<Option<Waiting>, InputError> {
-        loop {
-            match self.reader.next() {
-                None => return Ok(None),
-                Some(Ok(track)) => {
-                    let line = self.reader.line();
-                    return Ok(Some(Waiting { track, line }));
-                }
-                Some(Err(error @ (CsvError::Value { .. } | CsvError::Length { .. }))) => {
-                    refusals.unreadable(&self.path, &error);
-                }
-                Some(Err(error)) => return Err(InputError::new(&self.path, error)),
+        while let Some(row) = self.reader.next() {
+            if let Some(track) = refusals.usable(&self.path, row)? {
+                let line = self.reader.line();
+                return Ok(Some(Waiting { track, line }));
             }
         }
+        Ok(None)
     }
 }
 

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use csv_table::CsvError;
 
+use crate::files::InputError;
+
 /// So many refused rows are shown with their place and value.
 const SHOWN_MAX: usize = 5;
 
@@ -18,8 +20,22 @@ pub(crate) struct Refusals {
 }
 
 impl Refusals {
-    /// A row that cannot be read.
-    pub(crate) fn unreadable(&mut self, file: &Path, error: &CsvError) {
+    /// The value of a row of `file`, if it can be read; else the row is left out.
+    ///
+    /// # Errors
+    /// If the whole file cannot be read.
+    pub(crate) fn usable<T>(&mut self, file: &Path, row: Result<T, CsvError>) -> Result<Option<T>, InputError> {
+        match row {
+            Ok(value) => Ok(Some(value)),
+            Err(error @ (CsvError::Value { .. } | CsvError::Length { .. })) => {
+                self.unreadable(file, &error);
+                Ok(None)
+            }
+            Err(error) => Err(InputError::new(file, error)),
+        }
+    }
+
+    fn unreadable(&mut self, file: &Path, error: &CsvError) {
         let reason = match error {
             CsvError::Value { column, .. } => format!("column {column}"),
             _ => "number of values".to_owned(),

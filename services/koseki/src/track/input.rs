@@ -5,7 +5,6 @@ use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use configuration::SeenDetections;
-use csv_table::CsvError;
 use formats::autoferry;
 use formats::detections_csv::DetectionReader;
 use frames::time::NS_PER_DAY;
@@ -23,6 +22,8 @@ const BUFFER_OCTETS: usize = 1 << 18;
 pub(super) struct Input {
     first_file: PathBuf,
     pub(super) detections: Vec<Detection>,
+    /// Scans that are known to be without detections: sensor, number, time in nanoseconds.
+    pub(super) silent: Vec<(u32, u32, i64)>,
     pub(super) refusals: Refusals,
     pub(super) octets: u64,
 }
@@ -36,6 +37,7 @@ impl Input {
         let mut input = Self {
             first_file: files[0].clone(),
             detections: Vec::new(),
+            silent: Vec::new(),
             refusals: Refusals::default(),
             octets: 0,
         };
@@ -66,13 +68,7 @@ impl Input {
         };
         let reader = DetectionReader::new(BufReader::with_capacity(BUFFER_OCTETS, file), 0);
         for row in reader.map_err(|error| InputError::new(path, error))? {
-            match row {
-                Ok(detection) => self.detections.push(detection),
-                Err(error @ (CsvError::Value { .. } | CsvError::Length { .. })) => {
-                    self.refusals.unreadable(path, &error);
-                }
-                Err(error) => return Err(InputError::new(path, error)),
-            }
+            self.detections.extend(self.refusals.usable(path, row)?);
         }
         Ok(())
     }
@@ -85,11 +81,16 @@ impl Input {
         let scans = autoferry::read_detections(&json).map_err(|error| InputError::new(path, error))?;
         let first_ns = scans.iter().map(|scan| scan.time_of_measurement_ns).min();
         let day_ns = first_ns.unwrap_or_default().div_euclid(NS_PER_DAY) * NS_PER_DAY;
-        for detection in scans.into_iter().flat_map(|scan| scan.detections) {
-            self.detections.push(Detection {
-                time_of_measurement_ns: detection.time_of_measurement_ns - day_ns,
-                ..detection
-            });
+        for scan in scans {
+            if scan.detections.is_empty() {
+                let time_ns = scan.time_of_measurement_ns - day_ns;
+                self.silent.push((scan.sensor.id(), scan.number, time_ns));
+            }
+            self.detections
+                .extend(scan.detections.into_iter().map(|detection| Detection {
+                    time_of_measurement_ns: detection.time_of_measurement_ns - day_ns,
+                    ..detection
+                }));
         }
         Ok(())
     }
@@ -100,11 +101,6 @@ impl Input {
             sensor_ids: scans.iter().map(|scan| scan.sensor_id).collect(),
             scan_max: scans.iter().map(|scan| scan.detections.len()).max().unwrap_or(0),
         }
-    }
-
-    /// Number of the first scan.
-    pub(super) fn first_scan(&self, scans: &[ScanOfDetections]) -> Option<u32> {
-        Some(self.detections[scans.first()?.detections.start].scan)
     }
 
     /// Refuses sensors of which nobody says how accurate they are.

@@ -1,35 +1,32 @@
 //! `koseki track`: files of detections into one file of tracks (FM-6).
 //!
-//! The tracker is the one that adapters run live, fed scan by scan in the order of their times: what an adapter published
-//! comes out of its recorded detections again, byte for byte. The files are read into memory whole, since a scan may be
+//! The tracker, with all that happens round it ([`ScanTracker`]), is the one that adapters run live, fed scan by scan in the
+//! order of their times: what an adapter published comes out of its recorded detections again, byte for byte. The files are read into memory whole, since a scan may be
 //! anywhere in them.
 
-mod cues;
-mod emissions;
 mod explain;
 mod input;
-mod rows;
+mod outputs;
 mod summary;
 mod support;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
 use configuration::{Config, SeenDetections, Source, Tracking};
 use observations::sensor_id;
+use sources::{Outputs, Scan, ScanTracker};
+use tracking::Settings;
 use tracking::explanation::Observer;
 use tracking::scans::scans_of;
-use tracking::{Settings, Tracker};
+use tracking::wide_area::arrivals::Arrivals;
 
 use crate::args::{Track, Usage};
 use crate::files::{InputError, is_same_file};
 use crate::offline::Progress;
-use cues::Cues;
-use emissions::Emissions;
 use explain::Explained;
 use input::Input;
-use rows::Rows;
-use summary::{Summary, Tracked};
+use outputs::Written;
+use summary::Summary;
 use support::Support;
 
 /// Tracks.
@@ -43,68 +40,77 @@ pub(crate) fn run(track: &Track) -> anyhow::Result<()> {
         None => Given::Offline(Box::default()),
     };
     let mut input = Input::read(&track.detections)?;
-    let mut support = track.wide_area.as_deref().map(Support::read).transpose()?;
-    let mut emissions = track.emissions.as_deref().map(Emissions::read).transpose()?;
-    let scans = scans_of(&mut input.detections);
+    let (support, reports) = read(track.wide_area.as_deref(), Support::reports)?;
+    let (heard, emissions) = read(track.emissions.as_deref(), Support::emissions)?;
+    let scans = scans_of(&mut input.detections, &input.silent);
     let settings = config.settings(&input.seen(&scans))?;
     input.check(&settings)?;
-    emissions.iter().try_for_each(|emissions| emissions.check(&settings))?;
-    let cues = |path: &PathBuf| Cues::begin(path, &settings);
-    let mut cues = track.cues.as_ref().map(cues).transpose()?;
-    let mut tracker = Tracker::new(settings).map_err(anyhow::Error::msg)?;
-    if let Some(first) = input.first_scan(&scans) {
-        tracker.number_from(first);
-    }
-    let unwritten = |path: &Path| format!("{} cannot be written", path.display());
-    let mut rows = Rows::begin(&track.out, track.period)?;
+    heard
+        .iter()
+        .try_for_each(|emissions| emissions.check_types(&settings))?;
+    let outputs = Outputs {
+        period_ns: track.period.map(|period| period.as_nanos() as i64),
+        cues: track.cues.is_some(),
+    };
+    let mut written = Written::begin(&track.out, track.cues.as_deref())?;
+    (written.reports, written.emissions) = (support, heard);
+    let tracker = ScanTracker::new(settings, outputs, Arrivals::of(reports), emissions);
+    let mut tracker = tracker.map_err(anyhow::Error::msg)?;
     let explained = track.explain.as_deref().map(Explained::begin).transpose()?;
     let observer = explained.as_ref().map(|explained| explained as &dyn Observer);
     let mut progress = Progress::new(input.octets);
-    let mut tracked = Tracked::default();
     for scan in &scans {
-        // A picture shows what all scans up to its time have shown.
-        rows.pictures(scan.time_ns - 1, &tracker)
-            .with_context(|| unwritten(&track.out))?;
-        let begin_ns = runtime::clock::mono_ns();
-        if let Some(support) = &mut support {
-            support.give(scan.time_ns, &mut tracker);
-        }
-        if let Some(emissions) = &mut emissions {
-            emissions.give(scan.time_ns, &mut tracker);
-        }
         let detections = &input.detections[scan.detections.clone()];
-        let taken = tracker.scan_explained(scan.sensor_id, scan.time_ns, detections, observer);
-        tracked.scan(scan, runtime::clock::mono_ns() - begin_ns, taken, &tracker);
-        if taken.is_ok() {
-            rows.after_scan(&tracker).with_context(|| unwritten(&track.out))?;
-            if let (Some(cues), Some(path)) = (&mut cues, &track.cues) {
-                cues.after_scan(scan, detections, &tracker)
-                    .with_context(|| unwritten(path))?;
-            }
-        }
+        let scan_at_hand = Scan {
+            sensor_id: scan.sensor_id,
+            number: scan.number,
+            time_ns: scan.time_ns,
+            detections,
+        };
+        tracker.scan(&scan_at_hand, observer, &mut written);
+        written.check()?;
         progress.at(input.octets_until(scan.detections.end));
     }
     drop(progress);
     if let Some(last) = scans.last() {
-        rows.pictures(last.time_ns, &tracker)
-            .with_context(|| unwritten(&track.out))?;
+        tracker.show(last.time_ns, &mut written);
+        written.check()?;
     }
-    let summary = Summary {
+    let (reports_left, emissions_left) = tracker.waiting();
+    written
+        .reports
+        .iter_mut()
+        .for_each(|support| support.left = reports_left);
+    written
+        .emissions
+        .iter_mut()
+        .for_each(|support| support.left = emissions_left);
+    let mut summary = Summary {
         out: &track.out,
-        rows: rows.written,
-        cues: cues.as_ref().map(|cues| cues.written),
+        rows: 0,
+        cues: None,
         input: &input,
-        support: support.as_ref(),
-        emissions: emissions.as_ref(),
-        tracker: &tracker,
-        tracked,
+        support: written.reports.take(),
+        emissions: written.emissions.take(),
+        tracker: tracker.tracker(),
+        tracked: std::mem::take(&mut written.tracked),
     };
-    rows.finish()?;
-    cues.map(Cues::finish).transpose()?;
+    (summary.rows, summary.cues) = written.finish()?;
     if let (Some(explained), Some(path)) = (explained, &track.explain) {
         explained.finish(path)?;
     }
     summary.show(track.json)
+}
+
+/// A file that may be given, and its rows.
+fn read<T>(
+    path: Option<&Path>,
+    read: impl Fn(&Path) -> Result<(Support, Vec<T>), InputError>,
+) -> Result<(Option<Support>, Vec<T>), InputError> {
+    match path {
+        Some(path) => read(path).map(|(support, rows)| (Some(support), rows)),
+        None => Ok((None, Vec::new())),
+    }
 }
 
 /// What `--config` names.

@@ -5,10 +5,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tracking::scans::ScanOfDetections;
+use sources::Scan;
 use tracking::{Counts, Refusal, Tracker};
 
-use super::emissions::Emissions;
 use super::input::Input;
 use super::support::Support;
 
@@ -40,13 +39,7 @@ struct OfSensor {
 
 impl Tracked {
     /// Takes account of a scan that took so long.
-    pub(super) fn scan(
-        &mut self,
-        scan: &ScanOfDetections,
-        took_ns: i64,
-        taken: Result<(), Refusal>,
-        tracker: &Tracker,
-    ) {
+    pub(super) fn scan(&mut self, scan: &Scan<'_>, took_ns: i64, taken: Result<(), Refusal>, tracker: &Tracker) {
         self.times_ns.push(took_ns);
         let of_sensor = self.by_sensor.entry(scan.sensor_id).or_default();
         of_sensor.scans += 1;
@@ -70,8 +63,8 @@ pub(super) struct Summary<'a> {
     /// Cues written, if that was asked for.
     pub(super) cues: Option<u64>,
     pub(super) input: &'a Input,
-    pub(super) support: Option<&'a Support>,
-    pub(super) emissions: Option<&'a Emissions>,
+    pub(super) support: Option<Support>,
+    pub(super) emissions: Option<Support>,
     pub(super) tracker: &'a Tracker,
     pub(super) tracked: Tracked,
 }
@@ -120,10 +113,10 @@ impl Summary<'_> {
             "live_tracks": self.tracker.tracks().len(),
             "false_share": self.false_share(),
             "branches_max": tracked.branches_max,
-            "wide_area": self.support.map(|support| json!({
+            "wide_area": self.support.as_ref().map(|support| json!({
                 "rows_refused": support.refusals.rows(),
-                "refused": support.refused,
-                "after_last_scan": support.left(),
+                "refused": support.rejected,
+                "after_last_scan": support.left,
                 "reports": counts.wide_area_reports,
                 "used": counts.wide_area_reports_used,
                 "unmatched": counts.wide_area_reports_unmatched,
@@ -131,10 +124,10 @@ impl Summary<'_> {
                 "confirmations": counts.wide_area_confirmations,
                 "deletions": counts.wide_area_deletions,
             })),
-            "emissions": self.emissions.map(|emissions| json!({
+            "emissions": self.emissions.as_ref().map(|emissions| json!({
                 "rows_refused": emissions.refusals.rows(),
-                "refused": emissions.refused,
-                "after_last_scan": emissions.left(),
+                "refused": emissions.rejected,
+                "after_last_scan": emissions.left,
                 "taken": counts.emissions,
                 "used": counts.emissions_used,
                 "unclear": counts.emissions_unclear,
@@ -163,9 +156,9 @@ impl Summary<'_> {
         for (refusal, scans) in &tracked.refused_scans {
             writeln!(text, "refused: {scans} scans: {refusal}")?;
         }
-        if let Some(support) = self.support {
+        if let Some(support) = &self.support {
             text.push_str(&support.refusals.as_text());
-            for (refusal, reports) in &support.refused {
+            for (refusal, reports) in &support.rejected {
                 writeln!(text, "refused: {reports} wide-area reports: {refusal}")?;
             }
             writeln!(
@@ -179,17 +172,17 @@ impl Summary<'_> {
                 counts.wide_area_confirmations,
                 counts.wide_area_deletions
             )?;
-            if support.left() > 0 {
+            if support.left > 0 {
                 writeln!(
                     text,
                     "wide area: {} reports came after the last scan: of no use",
-                    support.left()
+                    support.left
                 )?;
             }
         }
-        if let Some(emissions) = self.emissions {
+        if let Some(emissions) = &self.emissions {
             text.push_str(&emissions.refusals.as_text());
-            for (refusal, count) in &emissions.refused {
+            for (refusal, count) in &emissions.rejected {
                 writeln!(text, "refused: {count} emissions: {refusal}")?;
             }
             writeln!(

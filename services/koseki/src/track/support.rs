@@ -1,60 +1,87 @@
-//! Reports of a wide-area sensor (FM-6), each given to the tracker when the time of the scans has come to its arrival.
+//! What a tracker is told besides detections: reports of a wide-area sensor (FM-6), and emissions that an on-board receiver
+//! heard (FM-7).
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use csv_table::CsvError;
+use formats::bearings_csv::BearingReader;
 use formats::wide_area_csv::WideAreaReader;
-use tracking::Tracker;
-use tracking::wide_area::arrivals::Arrivals;
+use observations::WideAreaReport;
+use tracking::Settings;
+use tracking::wide_area::Emission;
 
 use crate::files::{InputError, open};
 use crate::offline::Refusals;
 
-/// Reports in the order of their arrival, and what became of them.
+/// A file, and what became of its rows.
 #[derive(Debug)]
 pub(super) struct Support {
-    arrivals: Arrivals,
+    path: PathBuf,
     pub(super) refusals: Refusals,
-    /// Reports that the tracker refused, by reason.
-    pub(super) refused: BTreeMap<String, u64>,
+    /// Rows that the tracker rejected, by reason.
+    pub(super) rejected: BTreeMap<String, u64>,
+    /// Rows that came after the last scan, and were of no use.
+    pub(super) left: usize,
 }
 
 impl Support {
-    /// Reads a file. Rows that are no reports are left out and counted.
+    fn of(path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            refusals: Refusals::default(),
+            rejected: BTreeMap::new(),
+            left: 0,
+        }
+    }
+
+    /// Reads reports of a wide-area sensor. Rows that are none are left out and counted.
     ///
     /// # Errors
-    /// If it cannot be read or lacks a column.
-    pub(super) fn read(path: &Path) -> Result<Self, InputError> {
-        let (mut reports, mut refusals) = (Vec::new(), Refusals::default());
-        let reader = WideAreaReader::new(BufReader::new(open(path)?), 0);
-        for row in reader.map_err(|error| InputError::new(path, error))? {
-            match row {
-                Ok(report) => reports.push(report),
-                Err(error @ (CsvError::Value { .. } | CsvError::Length { .. })) => {
-                    refusals.unreadable(path, &error);
+    /// If the file cannot be read or lacks a column.
+    pub(super) fn reports(path: &Path) -> Result<(Self, Vec<WideAreaReport>), InputError> {
+        let (mut support, mut reports) = (Self::of(path), Vec::new());
+        let rows = WideAreaReader::new(BufReader::new(open(path)?), 0);
+        for row in rows.map_err(|error| InputError::new(path, error))? {
+            reports.extend(support.refusals.usable(path, row)?);
+        }
+        Ok((support, reports))
+    }
+
+    /// Reads emissions. Rows that are none are left out and counted.
+    ///
+    /// # Errors
+    /// If the file cannot be read or lacks a column.
+    pub(super) fn emissions(path: &Path) -> Result<(Self, Vec<Emission>), InputError> {
+        let (mut support, mut emissions) = (Self::of(path), Vec::new());
+        let rows = BearingReader::new(BufReader::new(open(path)?), 0);
+        let mut rows = rows.map_err(|error| InputError::new(path, error))?;
+        while let Some(row) = rows.next() {
+            let Some(bearing) = support.refusals.usable(path, row)? else {
+                continue;
+            };
+            match Emission::of(&bearing) {
+                Some(emission) => emissions.push(emission),
+                None => {
+                    let why = "no frequency, by which a type could be told; write frequency_hz";
+                    support.refusals.refused("no frequency", path, rows.line(), why);
                 }
-                Err(error) => return Err(InputError::new(path, error)),
             }
         }
-        Ok(Self {
-            arrivals: Arrivals::of(reports),
-            refusals,
-            refused: BTreeMap::new(),
-        })
+        Ok((support, emissions))
     }
 
-    /// Gives the tracker what has arrived until `time_ns`.
-    pub(super) fn give(&mut self, time_ns: i64, tracker: &mut Tracker) {
-        let refused = &mut self.refused;
-        self.arrivals.give(time_ns, tracker, |refusal| {
-            *refused.entry(refusal.to_string()).or_default() += 1;
-        });
+    /// Rejects emissions where nobody says what emits the like.
+    pub(super) fn check_types(&self, settings: &Settings) -> Result<(), InputError> {
+        if !settings.wide_area.knowledge.types.is_empty() {
+            return Ok(());
+        }
+        let what = "emissions tell types of targets, and none is described; do so in --config with [[wide_area.type]], or \
+                    leave --emissions out";
+        Err(InputError::new(&self.path, what))
     }
 
-    /// How many reports came after the last scan, and were of no use.
-    pub(super) fn left(&self) -> usize {
-        self.arrivals.waiting()
+    pub(super) fn reject(&mut self, reason: impl std::fmt::Display) {
+        *self.rejected.entry(reason.to_string()).or_default() += 1;
     }
 }

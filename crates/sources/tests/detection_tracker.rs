@@ -1,12 +1,13 @@
-//! What the stage says at even times, of where to look, and of who is who.
+//! What a detection tracker says at even times, of where to look, and of who is who.
 
 use std::path::Path;
 
 use configuration::Config;
-use messages::SensorTrack;
-use observations::DetectionKind;
+use messages::{Counter, Counters, SensorBearing, SensorTrack, TrackState, sensor_bearing_bits};
+use observations::{Detection, DetectionKind};
 
-use super::*;
+use sources::{DetectionTracker, Outputs, Samples, TrackerSettings};
+use tracking::wide_area::arrivals::Arrivals;
 
 const S: i64 = 1_000_000_000;
 const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[[receiver]]\nname = \"lan\"\n\
@@ -17,10 +18,19 @@ const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 
                     circle = { centre_m = [0.0, 0.0], radius_m = 90e3 }\ntypes = { patrol = 0.6 }\n\
                     [[source]]\nname = \"finder\"\n[source.live]\nreceiver = \"ears\"\n[source.locator]\n";
 
-fn stage(keys: &str) -> Tracking {
+fn tracker(keys: &str) -> DetectionTracker {
     let config = Config::parse(Path::new("t.toml"), &SITE.replace("KEYS", keys), &[]).unwrap();
     let source = &config.sources[0];
-    Tracking::new(source, source.tracker.as_ref().unwrap(), 0, Arrivals::new()).unwrap()
+    let tracker = source.tracker.as_ref().unwrap();
+    let settings = TrackerSettings {
+        settings: tracker.settings.clone(),
+        cutter: tracker.cutter,
+        outputs: Outputs {
+            period_ns: tracker.output_period_ns,
+            cues: tracker.cues,
+        },
+    };
+    DetectionTracker::new(source.number, &settings, 0, Arrivals::new()).unwrap()
 }
 
 fn east_m(time_s: f64) -> f64 {
@@ -44,7 +54,7 @@ fn seen(time_s: f64) -> Detection {
 }
 
 /// One detection in the middle of each period, and the time in the middle of its second half.
-fn fly(tracking: &mut Tracking, scans: std::ops::Range<u32>, made: &mut Made) {
+fn fly(tracking: &mut DetectionTracker, scans: std::ops::Range<u32>, made: &mut Samples) {
     for scan in scans {
         let time_s = 4.0 * f64::from(scan) + 1.2;
         tracking.take(seen(time_s), 0, made);
@@ -54,8 +64,8 @@ fn fly(tracking: &mut Tracking, scans: std::ops::Range<u32>, made: &mut Made) {
 
 #[test]
 fn tracks_come_at_even_times_and_what_is_extrapolated_says_so() {
-    let mut tracking = stage("output_period_s = 1.5");
-    let mut made = Made::default();
+    let mut tracking = tracker("output_period_s = 1.5");
+    let mut made = Samples::default();
     fly(&mut tracking, 0..20, &mut made);
     let times: Vec<i64> = made.tracks.iter().map(|track| track.time_of_measurement_ns).collect();
     assert!(times.len() > 20 && times.is_sorted(), "{times:?}");
@@ -87,8 +97,8 @@ fn tracks_come_at_even_times_and_what_is_extrapolated_says_so() {
 
 #[test]
 fn without_a_period_tracks_come_after_scans() {
-    let mut tracking = stage("");
-    let mut made = Made::default();
+    let mut tracking = tracker("");
+    let mut made = Samples::default();
     fly(&mut tracking, 0..10, &mut made);
     let times = made.tracks.iter().map(|track| track.time_of_measurement_ns);
     assert!(times.clone().all(|time_ns| time_ns % (4 * S) == 1_200_000_000) && times.count() > 5);
@@ -97,8 +107,8 @@ fn without_a_period_tracks_come_after_scans() {
 
 #[test]
 fn the_next_detection_is_where_the_cue_says() {
-    let mut tracking = stage("cues = true");
-    let mut made = Made::default();
+    let mut tracking = tracker("cues = true");
+    let mut made = Samples::default();
     fly(&mut tracking, 0..12, &mut made);
     assert!(made.cues.len() > 6, "{:?}", made.cues);
     let mut counters = Counters::default();
@@ -117,8 +127,8 @@ fn the_next_detection_is_where_the_cue_says() {
 
 #[test]
 fn emissions_identify_a_track_and_bad_ones_are_counted() {
-    let mut tracking = stage("emissions = [\"finder\"]");
-    let mut made = Made::default();
+    let mut tracking = tracker("emissions = [\"finder\"]");
+    let mut made = Samples::default();
     fly(&mut tracking, 0..6, &mut made);
     assert!(made.tracks.iter().all(|track| track.target_type.name().is_none()));
     let heard = |time_s: f64| SensorBearing {

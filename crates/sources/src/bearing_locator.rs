@@ -1,25 +1,25 @@
-//! Tracks of a source that delivers bearings: each goes through the locator ([`::locating`], EL).
+//! Tracks of a source that delivers bearings: each goes through the locator ([`locating`], EL).
 //!
 //! A bearing brings along where its platform was, and is published with it, before the track that follows from it. Of an
 //! emitter whose geometry allows no fix yet there is no track. Nothing waits: a track is as old as the bearing that it follows
 //! from. An emitter that falls silent has no further reports, as with any sensor.
 
-use configuration::Source;
 use locating::Locator;
-use locating::settings::Settings;
-use messages::{Counter, Counters, SensorTrack, StageTimes};
+use locating::settings::{Fault, Settings};
+use messages::{Counter, Counters, SensorTrack};
 use observations::{Bearing, Sampled};
 use reception::Limits;
 
-use super::Made;
+use crate::detection_tracker::ingested;
+use crate::samples::Samples;
 
-/// See the module's documentation.
+/// See the module's header.
 #[derive(Debug)]
-pub(crate) struct Locating {
+pub struct BearingLocator {
     source: u16,
     limits: Limits,
     locator: Locator,
-    /// When the latest bearings were received, UTC.
+    /// UTC at which the latest bearings were received, nanoseconds; `None` for recordings.
     received_ns: Option<i64>,
     rejected: Rejected,
     newest_ns: i64,
@@ -27,7 +27,7 @@ pub(crate) struct Locating {
     platform_ns: i64,
 }
 
-/// Bearings, and tracks that followed from some, which cannot be.
+/// Bearings, and tracks that followed from some, which were rejected, by reason.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rejected {
     time: u64,
@@ -35,11 +35,15 @@ struct Rejected {
     speed: u64,
 }
 
-impl Locating {
-    pub(super) fn new(source: &Source, settings: &Settings) -> anyhow::Result<Self> {
+impl BearingLocator {
+    /// The locator of source number `source`, whose tracks keep to `limits`.
+    ///
+    /// # Errors
+    /// What is wrong with the settings.
+    pub fn new(source: u16, limits: Limits, settings: &Settings) -> Result<Self, Fault> {
         Ok(Self {
-            source: source.number,
-            limits: source.model.limits,
+            source,
+            limits,
             locator: Locator::new(*settings)?,
             received_ns: None,
             rejected: Rejected::default(),
@@ -49,12 +53,12 @@ impl Locating {
     }
 
     /// What follows was received at `received_ns` (UTC, nanoseconds).
-    pub(super) fn received(&mut self, received_ns: i64) {
+    pub fn received(&mut self, received_ns: i64) {
         self.received_ns = Some(received_ns);
     }
 
     /// Takes a bearing that came in at `ingested_ns` (monotonic, nanoseconds).
-    pub(super) fn take(&mut self, bearing: &Bearing, ingested_ns: i64, made: &mut Made) {
+    pub fn take(&mut self, bearing: &Bearing, ingested_ns: i64, samples: &mut Samples) {
         let apart_ns = |received_ns: i64| {
             bearing
                 .time_of_measurement_ns
@@ -68,25 +72,22 @@ impl Locating {
             self.rejected.time += 1;
             return;
         }
-        // What is refused has been counted by the locator.
+        // What is rejected has been counted by the locator.
         let Ok(report) = self.locator.bearing(bearing) else {
             return;
         };
-        let stages = StageTimes {
-            ingested_ns,
-            ..StageTimes::default()
-        };
-        made.bearings.push(bearing.sample(self.source, stages));
+        let stages = ingested(ingested_ns);
+        samples.bearings.push(bearing.sample(self.source, stages));
         if bearing.time_of_measurement_ns > self.platform_ns {
             self.platform_ns = bearing.time_of_measurement_ns;
-            made.platforms.push(bearing.platform(self.source, stages));
+            samples.platforms.push(bearing.platform(self.source, stages));
         }
         if let Some(report) = report {
             let mut track = report.sensor_track(self.source);
             track.stages = stages;
             if self.can_be(&track, bearing) {
                 self.newest_ns = self.newest_ns.max(track.time_of_measurement_ns);
-                made.tracks.push(track);
+                samples.tracks.push(track);
             }
         }
     }
@@ -101,12 +102,13 @@ impl Locating {
         is_near && is_slow
     }
 
-    /// Time of the latest track.
-    pub(super) fn progress_ns(&self) -> i64 {
+    /// Time of the latest track, nanoseconds.
+    pub fn progress_ns(&self) -> i64 {
         self.newest_ns
     }
 
-    pub(super) fn count(&self, counters: &mut Counters) {
+    /// Adds what has been counted.
+    pub fn count(&self, counters: &mut Counters) {
         let counts = self.locator.counts();
         for (counter, count) in [
             (Counter::Detections, counts.bearings),

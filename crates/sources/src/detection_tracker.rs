@@ -1,0 +1,242 @@
+//! Tracks of a sensor that delivers detections: cut into scans, and each scan through the tracker (HT, SP).
+//!
+//! Detections wait until their scan is complete ([`tracking::cutting`]), which is decided by times of the data alone. Then
+//! they are published with the scan's number, and after them every confirmed track as it is after the scan, in the order of
+//! times. Numbers of scans that are left out are scans without detections, which the tracker is told of as soon as the next
+//! scan is complete. `koseki track` does all of this with the recorded detections again and comes to the same tracks.
+//!
+//! Where tracks are wanted at even times instead (WA-11), all confirmed ones are moved to each such time as soon as the data
+//! have come to it. Those of a picture that no scan has come before since the last one are marked as coasted: they are the
+//! tracker's own extrapolation and no observation, and fusion takes them for that.
+//!
+//! Reports of wide-area sensors wait until the scans have come to their arrival. A live one that comes when that scan has
+//! been worked off is counted, and used in the next.
+//!
+//! A track's time of ingest is that of the datagram that completed its scan. How old it is by then shows in the age of the
+//! data.
+//!
+//! Numbers of scans and tracks begin with a number that depends on the time ([`tracking::cutting`]), so that an adapter that
+//! was restarted, and knows nothing of the tracks before, does not give their numbers to other targets.
+
+use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState};
+use observations::{Bearing, Detection, Sampled, WideAreaReport};
+use tracking::TrackReport;
+use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
+use tracking::scans::silent_scans;
+use tracking::wide_area::Emission;
+use tracking::wide_area::arrivals::Arrivals;
+use tracking::wide_area::cue::Cue;
+
+use crate::samples::Samples;
+use crate::scan_tracker::{Outputs, Scan, ScanTracker, TrackSink};
+
+/// How tracks are made of a source's detections.
+#[derive(Clone, Debug)]
+pub struct TrackerSettings {
+    /// The tracker's settings; its only sensor is the source, under the number that its files have.
+    pub settings: tracking::Settings,
+    /// How detections are cut into scans.
+    pub cutter: CutterSettings,
+    /// What is wanted of the tracker.
+    pub outputs: Outputs,
+}
+
+/// See the module's header.
+#[derive(Debug)]
+pub struct DetectionTracker {
+    source: u16,
+    sensor_id: u32,
+    cutter: Cutter<i64>,
+    tracker: ScanTracker,
+    /// Number and time of the latest scan.
+    latest: Option<(u32, i64)>,
+    /// Monotonic time at which the latest datagram came in, nanoseconds.
+    ingested_ns: i64,
+    detections: u64,
+    late: u64,
+    dropped: u64,
+    cues: u64,
+    reports_late: u64,
+    reports_dropped: u64,
+    /// Emissions without a frequency.
+    emissions_rejected: u64,
+}
+
+impl DetectionTracker {
+    /// The tracker of source number `source`; it uses these `reports` of wide-area sensors, and more may come. Scan numbers
+    /// count from `epoch_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// What is wrong with the settings.
+    pub fn new(source: u16, settings: &TrackerSettings, epoch_ns: i64, reports: Arrivals) -> Result<Self, String> {
+        let sensor = settings.settings.sensors.first().ok_or("a tracker needs a sensor")?;
+        Ok(Self {
+            source,
+            sensor_id: sensor.sensor_id,
+            cutter: Cutter::new(CutterSettings {
+                epoch_ns,
+                ..settings.cutter
+            }),
+            tracker: ScanTracker::new(settings.settings.clone(), settings.outputs, reports, Vec::new())?,
+            latest: None,
+            ingested_ns: 0,
+            detections: 0,
+            late: 0,
+            dropped: 0,
+            cues: 0,
+            reports_late: 0,
+            reports_dropped: 0,
+            emissions_rejected: 0,
+        })
+    }
+
+    /// Takes a detection that came in at `ingested_ns` (monotonic, nanoseconds).
+    pub fn take(&mut self, detection: Detection, ingested_ns: i64, samples: &mut Samples) {
+        self.ingested_ns = ingested_ns;
+        let time_ns = detection.time_of_measurement_ns;
+        match self.cutter.take(detection, ingested_ns) {
+            Taken::Waits => self.come_to(time_ns, samples),
+            Taken::TooLate => self.late += 1,
+            Taken::Refused => self.dropped += 1,
+        }
+    }
+
+    /// Takes a report of a wide-area sensor, for the first scan after its arrival, or for the next one if that has been worked
+    /// off.
+    pub fn wide_area(&mut self, report: WideAreaReport) {
+        let is_late = self.latest.is_some_and(|(_, time_ns)| report.arrival_ns <= time_ns);
+        self.reports_late += u64::from(is_late);
+        self.reports_dropped += u64::from(!self.tracker.report(report));
+    }
+
+    /// Takes a bearing of a direction finder. One with a frequency is an emission, and may tell who a track is (WA-9).
+    pub fn emission(&mut self, bearing: &SensorBearing) {
+        match Bearing::of_sample(bearing).and_then(|bearing| Emission::of(&bearing)) {
+            // What the tracker rejects it counts.
+            Some(emission) => drop(self.tracker.emission(&emission)),
+            None => self.emissions_rejected += 1,
+        }
+    }
+
+    /// The sensor's time has come to `time_ns` (UTC, nanoseconds), and its next turn begins there or not.
+    pub fn passed(&mut self, time_ns: i64, turn_begins: bool, ingested_ns: i64, samples: &mut Samples) {
+        self.ingested_ns = ingested_ns;
+        if turn_begins {
+            self.cutter.turn_begins(time_ns);
+        } else {
+            self.cutter.passed(time_ns);
+        }
+        self.come_to(time_ns, samples);
+    }
+
+    /// Works off what waits for more: the data have ended.
+    pub fn end(&mut self, samples: &mut Samples) {
+        while let Some(scan) = self.cutter.last_scan() {
+            self.scan(scan, samples);
+        }
+    }
+
+    /// Time of the latest scan, or of the latest picture where there are some, nanoseconds: no later track is older.
+    pub fn progress_ns(&self) -> i64 {
+        let latest_ns = || self.latest.map_or(i64::MIN, |(_, time_ns)| time_ns);
+        self.tracker.shown_ns().unwrap_or_else(latest_ns)
+    }
+
+    /// Adds what has been counted.
+    pub fn count(&self, counters: &mut Counters) {
+        let counts = self.tracker.tracker().counts();
+        counters[Counter::Detections] = self.detections;
+        counters[Counter::RejectedLate] += self.late;
+        counters[Counter::Reports] -= self.late + self.dropped;
+        counters[Counter::DetectionsRejected] =
+            self.dropped + counts.unusable_detections + counts.crowded_out_detections;
+        counters[Counter::TracksDropped] += counts.refused_tracks;
+        counters[Counter::Scans] = self.tracker.scans();
+        counters[Counter::WideAreaReports] = counts.wide_area_reports;
+        counters[Counter::WideAreaRejected] = counts.wide_area_reports_refused + self.reports_dropped;
+        counters[Counter::WideAreaLate] = self.reports_late;
+        counters[Counter::WideAreaUsed] = counts.wide_area_reports_used;
+        counters[Counter::WideAreaUnmatched] = counts.wide_area_reports_unmatched;
+        counters[Counter::Emissions] = counts.emissions;
+        counters[Counter::EmissionsRejected] = counts.emissions_refused + self.emissions_rejected;
+        counters[Counter::EmissionsUnclear] = counts.emissions_unclear;
+        counters[Counter::Cues] = self.cues;
+    }
+
+    fn come_to(&mut self, time_ns: i64, samples: &mut Samples) {
+        while let Some(scan) = self.cutter.next_scan() {
+            self.scan(scan, samples);
+        }
+        let mut sink = Publishing {
+            source: self.source,
+            ingested_ns: self.ingested_ns,
+            cues: &mut self.cues,
+            samples,
+        };
+        self.tracker.show(time_ns, &mut sink);
+    }
+
+    fn scan(&mut self, scan: CutScan, samples: &mut Samples) {
+        for (detection, ingested_ns) in self.cutter.detections().iter().zip(self.cutter.with_them()) {
+            self.detections += 1;
+            let sample = detection.sample(self.source, ingested(*ingested_ns));
+            samples.detections.push(sample);
+        }
+        let mut sink = Publishing {
+            source: self.source,
+            ingested_ns: self.ingested_ns,
+            cues: &mut self.cues,
+            samples,
+        };
+        let now = (scan.number, scan.time_ns);
+        let of_sensor = |(number, time_ns), detections| Scan {
+            sensor_id: self.sensor_id,
+            number,
+            time_ns,
+            detections,
+        };
+        for silent in self.latest.into_iter().flat_map(|before| silent_scans(before, now)) {
+            self.tracker.scan(&of_sensor(silent, &[]), None, &mut sink);
+        }
+        let scan = of_sensor(now, self.cutter.detections());
+        self.tracker.scan(&scan, None, &mut sink);
+        self.latest = Some(now);
+    }
+}
+
+/// The way of a tracker's tracks and cues into samples.
+struct Publishing<'a> {
+    source: u16,
+    ingested_ns: i64,
+    cues: &'a mut u64,
+    samples: &'a mut Samples,
+}
+
+impl TrackSink for Publishing<'_> {
+    fn tracks(&mut self, tracks: &[TrackReport], extrapolated: bool) {
+        for report in tracks {
+            let mut track = report.sensor_track(self.source);
+            track.stages.ingested_ns = self.ingested_ns;
+            if extrapolated {
+                track.state = TrackState::Coasted as u8;
+            }
+            self.samples.tracks.push(track);
+        }
+    }
+
+    fn cues(&mut self, _scan_ns: i64, cues: &[Cue]) {
+        *self.cues += cues.len() as u64;
+        let samples = cues
+            .iter()
+            .map(|cue| cue.sample(self.source, ingested(self.ingested_ns)));
+        self.samples.cues.extend(samples);
+    }
+}
+
+/// Stages of what came in at `ingested_ns` and has passed no other.
+pub(crate) fn ingested(ingested_ns: i64) -> StageTimes {
+    StageTimes {
+        ingested_ns,
+        ..StageTimes::default()
+    }
+}

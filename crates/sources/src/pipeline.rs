@@ -1,0 +1,175 @@
+//! One source's way from observations to samples.
+//!
+//! What comes as records begins with the same checks, those of [`Converter`], whatever becomes of it. A further way to make
+//! tracks is a further kind of [`Processing`]: a file here, a variant, a line in each of the methods of [`Pipeline`].
+
+use messages::{Counters, SensorBearing};
+use observations::{Bearing, Observation, Service, WideAreaReport};
+use reception::{Converter, SourceModel};
+use tracking::wide_area::arrivals::Arrivals;
+
+use crate::bearing_locator::BearingLocator;
+use crate::detection_tracker::{DetectionTracker, TrackerSettings};
+use crate::samples::Samples;
+
+/// How a source's tracks come about.
+#[derive(Clone, Debug)]
+pub enum Processing {
+    /// The sensor delivers tracks.
+    Tracks,
+    /// Tracks are made of its detections.
+    Detections(Box<TrackerSettings>),
+    /// Tracks are made of its bearings.
+    Bearings(Box<locating::Settings>),
+}
+
+/// See the module's header.
+#[derive(Debug)]
+pub struct Pipeline {
+    converter: Converter,
+    maker: Maker,
+    progress_ns: i64,
+}
+
+/// Makes the tracks.
+#[derive(Debug)]
+enum Maker {
+    None,
+    Tracker(Box<DetectionTracker>),
+    Locator(Box<BearingLocator>),
+}
+
+impl Pipeline {
+    /// The pipeline of a source whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds). A tracker
+    /// begins with these `reports` of wide-area sensors; more may come.
+    ///
+    /// # Errors
+    /// What is wrong with the settings.
+    pub fn new(
+        model: SourceModel,
+        processing: &Processing,
+        first_day_ns: i64,
+        reports: Arrivals,
+    ) -> Result<Self, String> {
+        let number = model.number;
+        let maker = match processing {
+            Processing::Tracks => Maker::None,
+            Processing::Detections(settings) => Maker::Tracker(Box::new(DetectionTracker::new(
+                number,
+                settings,
+                first_day_ns,
+                reports,
+            )?)),
+            Processing::Bearings(settings) => {
+                let locator = BearingLocator::new(number, model.limits, settings);
+                Maker::Locator(Box::new(locator.map_err(|error| error.to_string())?))
+            }
+        };
+        Ok(Self {
+            converter: Converter::new(model, first_day_ns),
+            maker,
+            progress_ns: i64::MIN,
+        })
+    }
+
+    /// What follows was received at `received_ns` (UTC, nanoseconds).
+    pub fn received(&mut self, received_ns: i64) {
+        self.converter.received(received_ns);
+        if let Maker::Locator(locator) = &mut self.maker {
+            locator.received(received_ns);
+        }
+    }
+
+    /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
+    pub fn take(&mut self, observation: &Observation, ingested_ns: i64, samples: &mut Samples) {
+        match &mut self.maker {
+            Maker::None => {
+                if let Some(track) = self.converter.convert(observation, ingested_ns) {
+                    self.progress_ns = self.progress_ns.max(track.time_of_measurement_ns);
+                    samples.tracks.push(track);
+                }
+            }
+            Maker::Tracker(tracker) => {
+                if let Some(detection) = self.converter.detect(observation) {
+                    tracker.take(detection, ingested_ns, samples);
+                }
+            }
+            // Such a source has bearings only.
+            Maker::Locator(_) => {}
+        }
+        self.follow();
+    }
+
+    /// Takes a bearing that came in at `ingested_ns`.
+    pub fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64, samples: &mut Samples) {
+        if let Maker::Locator(locator) = &mut self.maker {
+            locator.take(bearing, ingested_ns, samples);
+        }
+        self.follow();
+    }
+
+    /// Takes a record that speaks of the sensor, which came in at `ingested_ns`.
+    pub fn service(&mut self, service: &Service, ingested_ns: i64, samples: &mut Samples) {
+        let time_ns = self.converter.service(service.time_of_day_ns);
+        match &mut self.maker {
+            Maker::None => {
+                self.progress_ns = self.progress_ns.max(self.converter.running_ns().unwrap_or(i64::MIN));
+            }
+            Maker::Tracker(tracker) => {
+                if let Some(time_ns) = time_ns {
+                    tracker.passed(time_ns, service.turn_begins, ingested_ns, samples);
+                }
+            }
+            Maker::Locator(_) => {}
+        }
+        self.follow();
+    }
+
+    /// Takes a report of a wide-area sensor that its tracker listens to.
+    pub fn wide_area(&mut self, report: WideAreaReport) {
+        if let Maker::Tracker(tracker) = &mut self.maker {
+            tracker.wide_area(report);
+        }
+    }
+
+    /// Takes a bearing that a direction finder has heard to which its tracker listens.
+    pub fn emission(&mut self, bearing: &SensorBearing) {
+        if let Maker::Tracker(tracker) = &mut self.maker {
+            tracker.emission(bearing);
+        }
+    }
+
+    /// The source's data have ended: what waits for more is worked off.
+    pub fn end(&mut self, samples: &mut Samples) {
+        match &mut self.maker {
+            Maker::None | Maker::Locator(_) => {}
+            Maker::Tracker(tracker) => tracker.end(samples),
+        }
+        self.follow();
+    }
+
+    /// How far the source has got, UTC, nanoseconds.
+    pub fn progress_ns(&self) -> i64 {
+        self.progress_ns
+    }
+
+    /// What has been counted.
+    pub fn counters(&self) -> Counters {
+        let mut counters = *self.converter.counters();
+        match &self.maker {
+            Maker::None => {}
+            Maker::Tracker(tracker) => tracker.count(&mut counters),
+            Maker::Locator(locator) => locator.count(&mut counters),
+        }
+        counters
+    }
+
+    fn follow(&mut self) {
+        let progress_ns = match &self.maker {
+            Maker::None => return,
+            Maker::Tracker(tracker) => tracker.progress_ns(),
+            Maker::Locator(locator) => locator.progress_ns(),
+        };
+        self.progress_ns = self.progress_ns.max(progress_ns);
+    }
+}

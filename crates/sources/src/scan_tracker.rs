@@ -1,0 +1,257 @@
+//! A tracker, and everything that happens round it at each scan.
+//!
+//! The order of events decides what comes out: a picture of a time must have heard all scans until then and no later one, and
+//! a report of a wide-area sensor is for the first scan after its arrival. It is the same for a live source, which works off
+//! a scan as soon as it is complete, and for files:
+//!
+//! 1. the pictures before the scan are shown, where tracks are wanted at even times (WA-11);
+//! 2. the tracker is given what wide-area sensors have counted and what has been heard until the scan;
+//! 3. the scan goes through the tracker;
+//! 4. the tracks after the scan are handed out, where they are not wanted at even times;
+//! 5. each sensor is told where to look next (WA-12).
+
+use observations::{Detection, WideAreaReport};
+use tracking::explanation::Observer;
+use tracking::wide_area::arrivals::Arrivals;
+use tracking::wide_area::cue::{Cue, Looks, sigma_m};
+use tracking::wide_area::schedule::Schedule;
+use tracking::wide_area::{Emission, EmissionRefusal, ReportRefusal};
+use tracking::{Refusal, Settings, TrackReport, Tracker};
+
+/// What is wanted of a tracker.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outputs {
+    /// Time between two pictures of all confirmed tracks, nanoseconds; `None`: tracks come after each scan.
+    pub period_ns: Option<i64>,
+    /// Whether sensors are told after each scan where to look next.
+    pub cues: bool,
+}
+
+/// One sensor's scan.
+#[derive(Clone, Copy, Debug)]
+pub struct Scan<'a> {
+    /// The sensor.
+    pub sensor_id: u32,
+    /// Number of the scan; a gap is as many scans without detections.
+    pub number: u32,
+    /// Time of the latest detection, nanoseconds; of a scan without any, between its neighbours.
+    pub time_ns: i64,
+    /// Its detections; none say something, too.
+    pub detections: &'a [Detection],
+}
+
+/// Receives what comes out of a [`ScanTracker`].
+pub trait TrackSink {
+    /// A scan is about to be worked off.
+    fn begins(&mut self) {}
+
+    /// A scan has been worked off, or rejected.
+    fn done(&mut self, _scan: &Scan<'_>, _taken: Result<(), Refusal>, _tracker: &Tracker) {}
+
+    /// Confirmed tracks, in the order of their times and numbers. `extrapolated`: no scan has come since the last ones.
+    fn tracks(&mut self, tracks: &[TrackReport], extrapolated: bool);
+
+    /// Cues made after the scan at `scan_ns` (nanoseconds).
+    fn cues(&mut self, scan_ns: i64, cues: &[Cue]);
+
+    /// A report of a wide-area sensor was rejected.
+    fn report_rejected(&mut self, _reason: ReportRefusal) {}
+
+    /// An emission was rejected.
+    fn emission_rejected(&mut self, _reason: EmissionRefusal) {}
+}
+
+/// See the module's header.
+#[derive(Debug)]
+pub struct ScanTracker {
+    tracker: Tracker,
+    /// Reports of wide-area sensors that wait for the scans to come to their arrival.
+    reports: Arrivals,
+    /// Emissions that wait for the scans to come to their time, the latest first.
+    emissions: Vec<Emission>,
+    pictures: Option<Pictures>,
+    cueing: Option<Cueing>,
+    shown: Vec<TrackReport>,
+    scans: u64,
+    begun: bool,
+}
+
+#[derive(Debug)]
+struct Pictures {
+    schedule: Schedule,
+    /// Time of the latest picture.
+    shown_ns: i64,
+    /// Scans that had been worked off by then.
+    scans: u64,
+}
+
+#[derive(Debug)]
+struct Cueing {
+    looks: Looks,
+    sensors: Vec<CuedSensor>,
+    cues: Vec<Cue>,
+}
+
+#[derive(Debug)]
+struct CuedSensor {
+    sensor_id: u32,
+    /// Standard deviations of detections that state none.
+    sigmas: Option<[f64; 4]>,
+    /// Standard deviation of the detections' places when there were any last, metres; 0 before that.
+    sigma_m: f64,
+}
+
+impl ScanTracker {
+    /// A tracker that uses these `reports` of wide-area sensors and `emissions` when their times come; more may follow.
+    ///
+    /// # Errors
+    /// What is wrong with the settings.
+    pub fn new(
+        settings: Settings,
+        outputs: Outputs,
+        reports: Arrivals,
+        mut emissions: Vec<Emission>,
+    ) -> Result<Self, String> {
+        let tracks_max = settings.capacity.tracks;
+        let pictures = |period_ns| Pictures {
+            schedule: Schedule::new(period_ns),
+            shown_ns: i64::MIN,
+            scans: 0,
+        };
+        let cueing = || Cueing {
+            looks: Looks::of(settings.sensors.iter().map(|sensor| sensor.sensor_id)),
+            sensors: settings.sensors.iter().map(CuedSensor::of).collect(),
+            cues: Vec::with_capacity(tracks_max),
+        };
+        emissions.sort_by_key(|emission| emission.time_ns);
+        emissions.reverse();
+        Ok(Self {
+            pictures: outputs.period_ns.map(pictures),
+            cueing: outputs.cues.then(cueing),
+            tracker: Tracker::new(settings)?,
+            reports,
+            emissions,
+            shown: Vec::with_capacity(tracks_max),
+            scans: 0,
+            begun: false,
+        })
+    }
+
+    /// Takes a report of a wide-area sensor, for the first scan after its arrival. `false` if there is no room for it.
+    pub fn report(&mut self, report: WideAreaReport) -> bool {
+        self.reports.arrive(report)
+    }
+
+    /// Takes an emission at once.
+    ///
+    /// # Errors
+    /// [`EmissionRefusal`], counted by the tracker, if it cannot be used.
+    pub fn emission(&mut self, emission: &Emission) -> Result<(), EmissionRefusal> {
+        self.tracker.emission(emission)
+    }
+
+    /// Works off a scan; an `observer` hears what was considered and decided.
+    pub fn scan(&mut self, scan: &Scan<'_>, observer: Option<&dyn Observer>, sink: &mut impl TrackSink) {
+        if !self.begun {
+            self.begun = true;
+            self.tracker.number_from(scan.number);
+        }
+        // What is shown of a time has heard no later scan.
+        self.show(scan.time_ns - 1, sink);
+        sink.begins();
+        self.give(scan.time_ns, sink);
+        let taken = self
+            .tracker
+            .scan_explained(scan.sensor_id, scan.time_ns, scan.detections, observer);
+        sink.done(scan, taken, &self.tracker);
+        // A scan at the very time of the one before, of a sensor whose clock stands still, may be rejected: the tracker
+        // counts.
+        if taken.is_err() {
+            return;
+        }
+        self.scans += 1;
+        if self.pictures.is_none() {
+            self.shown.clear();
+            self.shown.extend_from_slice(self.tracker.tracks());
+            self.hand_out(false, sink);
+        }
+        if let Some(cueing) = &mut self.cueing {
+            cueing.after(scan, &self.tracker, sink);
+        }
+    }
+
+    /// Hands out the pictures until `time_ns`: for when no scan that is worked off later belongs there.
+    pub fn show(&mut self, time_ns: i64, sink: &mut impl TrackSink) {
+        while let Some(pictures) = &mut self.pictures
+            && let Some(time_ns) = pictures.schedule.next(time_ns)
+        {
+            // What no scan has been heard of since the picture before is the tracker's own extrapolation.
+            let extrapolated = pictures.scans == self.scans;
+            (pictures.shown_ns, pictures.scans) = (time_ns, self.scans);
+            self.tracker.picture_at(time_ns, &mut self.shown);
+            self.hand_out(extrapolated, sink);
+        }
+    }
+
+    /// The tracker.
+    pub fn tracker(&self) -> &Tracker {
+        &self.tracker
+    }
+
+    /// Time of the latest picture, nanoseconds, before the first one `i64::MIN`; `None` if there are no pictures.
+    pub fn shown_ns(&self) -> Option<i64> {
+        self.pictures.as_ref().map(|pictures| pictures.shown_ns)
+    }
+
+    /// Number of scans that the tracker has taken.
+    pub fn scans(&self) -> u64 {
+        self.scans
+    }
+
+    /// Number of reports and of emissions that wait for a scan.
+    pub fn waiting(&self) -> (usize, usize) {
+        (self.reports.waiting(), self.emissions.len())
+    }
+
+    /// Gives the tracker what has arrived and was heard until `time_ns`.
+    fn give(&mut self, time_ns: i64, sink: &mut impl TrackSink) {
+        self.reports
+            .give(time_ns, &mut self.tracker, |reason| sink.report_rejected(reason));
+        while let Some(emission) = self.emissions.pop_if(|emission| emission.time_ns <= time_ns) {
+            if let Err(reason) = self.tracker.emission(&emission) {
+                sink.emission_rejected(reason);
+            }
+        }
+    }
+
+    fn hand_out(&mut self, extrapolated: bool, sink: &mut impl TrackSink) {
+        self.shown.sort_unstable_by_key(TrackReport::order);
+        sink.tracks(&self.shown, extrapolated);
+    }
+}
+
+impl Cueing {
+    fn after(&mut self, scan: &Scan<'_>, tracker: &Tracker, sink: &mut impl TrackSink) {
+        let Self { looks, sensors, cues } = self;
+        let own = sensors.iter_mut().find(|sensor| sensor.sensor_id == scan.sensor_id);
+        if let Some(sensor) = own {
+            sensor.sigma_m = sigma_m(scan.detections, sensor.sigmas).unwrap_or(sensor.sigma_m);
+        }
+        looks.saw(scan.sensor_id, scan.time_ns);
+        for look in looks.next() {
+            let next = sensors.iter().find(|sensor| sensor.sensor_id == look.0);
+            tracker.cues_at(look, next.map_or(0.0, |sensor| sensor.sigma_m), cues);
+            sink.cues(scan.time_ns, cues);
+        }
+    }
+}
+
+impl CuedSensor {
+    fn of(sensor: &tracking::settings::SensorSettings) -> Self {
+        Self {
+            sensor_id: sensor.sensor_id,
+            sigmas: sensor.sigmas,
+            sigma_m: 0.0,
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! What comes out of the tracker, as tables and figures: the tracks after each scan or at even times (WA-11), and where each
+//! sensor should look next (WA-12). What the columns of cues mean stands in docs/wide-area.md.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use csv_table::write_time;
+use formats::rows::{Reference, Row, RowWriter};
+use formats::tracks_csv::TrackerTrack;
+use sources::{Scan, TrackSink};
+use tracking::wide_area::cue::Cue;
+use tracking::wide_area::{EmissionRefusal, ReportRefusal};
+use tracking::{Refusal, TrackReport, Tracker};
+
+use super::summary::Tracked;
+use super::support::Support;
+use crate::files::OutputFile;
+
+/// Takes what comes out of the tracker.
+#[derive(Debug)]
+pub(super) struct Written {
+    tracks: Table<TrackerTrack>,
+    cues: Option<Table<CueRow>>,
+    pub(super) tracked: Tracked,
+    pub(super) reports: Option<Support>,
+    pub(super) emissions: Option<Support>,
+    /// Monotonic time at which the present scan was begun, nanoseconds.
+    begun_ns: i64,
+    failed: anyhow::Result<()>,
+}
+
+/// A table that is written.
+#[derive(Debug)]
+struct Table<T> {
+    path: PathBuf,
+    writer: RowWriter<T, OutputFile>,
+    rows: u64,
+}
+
+/// Where a sensor should look, and after which scan that was said.
+#[derive(Debug)]
+struct CueRow {
+    made_ns: i64,
+    cue: Cue,
+}
+
+impl Row for CueRow {
+    fn columns() -> String {
+        "made_s,time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,longer_m,shorter_m,orientation_rad".to_owned()
+    }
+
+    fn write(&self, out: &mut impl io::Write, _: &Reference) -> io::Result<()> {
+        let Self { made_ns, cue } = self;
+        write_time(out, *made_ns)?;
+        write!(out, ",")?;
+        write_time(out, cue.time_ns)?;
+        write!(out, ",{},{}", cue.sensor_id, cue.track_number)?;
+        for value in cue.position_m.iter().chain(&cue.velocity_mps).chain(&cue.half_axes_m) {
+            write!(out, ",{value:.3}")?;
+        }
+        write!(out, ",{:.6}", cue.orientation_rad)
+    }
+}
+
+impl<T: Row> Table<T> {
+    fn begin(path: &Path) -> anyhow::Result<Self> {
+        let writer = RowWriter::begin(OutputFile::begin(path)?, 0);
+        Ok(Self {
+            path: path.to_owned(),
+            writer: writer.with_context(|| format!("{} cannot be written", path.display()))?,
+            rows: 0,
+        })
+    }
+
+    fn write(&mut self, row: &T) -> anyhow::Result<()> {
+        self.rows += 1;
+        let written = self.writer.write(row);
+        written.with_context(|| format!("{} cannot be written", self.path.display()))
+    }
+}
+
+impl Written {
+    /// Begins the tables.
+    ///
+    /// # Errors
+    /// If one cannot be written.
+    pub(super) fn begin(tracks: &Path, cues: Option<&Path>) -> anyhow::Result<Self> {
+        Ok(Self {
+            tracks: Table::begin(tracks)?,
+            cues: cues.map(Table::begin).transpose()?,
+            tracked: Tracked::default(),
+            reports: None,
+            emissions: None,
+            begun_ns: 0,
+            failed: Ok(()),
+        })
+    }
+
+    /// What has failed since the last call.
+    ///
+    /// # Errors
+    /// If a table could not be written.
+    pub(super) fn check(&mut self) -> anyhow::Result<()> {
+        std::mem::replace(&mut self.failed, Ok(()))
+    }
+
+    /// Puts the complete tables in their places; the number of rows of tracks and of cues.
+    ///
+    /// # Errors
+    /// If one cannot be kept.
+    pub(super) fn finish(self) -> anyhow::Result<(u64, Option<u64>)> {
+        let rows = (self.tracks.rows, self.cues.as_ref().map(|cues| cues.rows));
+        self.tracks.writer.into_inner().finish()?;
+        self.cues.map_or(Ok(()), |cues| cues.writer.into_inner().finish())?;
+        Ok(rows)
+    }
+
+    /// Does `write` unless something has failed before.
+    fn attempt(&mut self, write: impl FnOnce(&mut Self) -> anyhow::Result<()>) {
+        if self.failed.is_ok() {
+            self.failed = write(self);
+        }
+    }
+}
+
+impl TrackSink for Written {
+    fn begins(&mut self) {
+        self.begun_ns = runtime::clock::mono_ns();
+    }
+
+    fn done(&mut self, scan: &Scan<'_>, taken: Result<(), Refusal>, tracker: &Tracker) {
+        let took_ns = runtime::clock::mono_ns() - self.begun_ns;
+        self.tracked.scan(scan, took_ns, taken, tracker);
+    }
+
+    fn tracks(&mut self, tracks: &[TrackReport], _extrapolated: bool) {
+        self.attempt(|written| {
+            tracks.iter().try_for_each(|report| {
+                written.tracks.write(&TrackerTrack {
+                    track: report.sensor_track(0),
+                    hypotheses: report.hypotheses,
+                    reliability: report.reliability,
+                })
+            })
+        });
+    }
+
+    fn cues(&mut self, scan_ns: i64, cues: &[Cue]) {
+        let row = |cue: &Cue| CueRow {
+            made_ns: scan_ns,
+            cue: *cue,
+        };
+        self.attempt(|written| match &mut written.cues {
+            Some(table) => cues.iter().try_for_each(|cue| table.write(&row(cue))),
+            None => Ok(()),
+        });
+    }
+
+    fn report_rejected(&mut self, reason: ReportRefusal) {
+        self.reports.iter_mut().for_each(|support| support.reject(reason));
+    }
+
+    fn emission_rejected(&mut self, reason: EmissionRefusal) {
+        self.emissions.iter_mut().for_each(|support| support.reject(reason));
+    }
+}
