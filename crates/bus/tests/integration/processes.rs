@@ -3,16 +3,14 @@
 //! The other processes are this very test program: it starts itself with a role in its environment, and runs nothing
 //! but the test [`role`], which plays it.
 
-mod common;
-
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use crate::common::{Home, Line, PATIENCE, send, shared_memory, topic, track, until, without_hanging};
 use bus::{Bus, BusError, Mark, Root, SharedMemory, Subscriber, WaitMode};
-use common::{Home, Line, PATIENCE, send, shared_memory, topic, track, until, without_hanging};
 use messages::{BatchHeader, SensorTrack};
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -111,7 +109,7 @@ impl Other {
     /// Starts a process for `role`, and waits until it is ready.
     fn start(root: &Root, role: &str) -> Self {
         let mut child = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "role", "--nocapture", "--test-threads=1"])
+            .args(["--exact", "processes::role", "--nocapture", "--test-threads=1"])
             .env(ROLE, role)
             .env(BASE, root.base())
             .stdin(Stdio::piped())
@@ -332,7 +330,7 @@ fn what_a_killed_launcher_left_is_removed() {
     let line = line(&home);
     let (mut publisher, mut subscriber) = (line.publisher(2), line.subscriber(1));
     send(&mut publisher, 3);
-    assert_eq!(common::take_all(&mut subscriber), [0, 1, 2]);
+    assert_eq!(crate::common::take_all(&mut subscriber), [0, 1, 2]);
 }
 
 #[test]

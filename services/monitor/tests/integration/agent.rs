@@ -1,11 +1,10 @@
 //! The monitor as an agent, turn by turn, over the in-process transport and with a clock that the test sets.
 
-mod watched;
-
 use std::io::Write;
 use std::path::Path;
 use std::rc::Rc;
 
+use crate::watched::{Bench, RECORDED, S, UTC_NS};
 use bus::{Bus, InProcess, WaitMode, Waiter};
 use configuration::{BUILT_IN_DEMO, Config};
 use hdrhistogram::Histogram;
@@ -15,7 +14,6 @@ use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind};
 use monitor::{MonitorAgent, Screen};
 use runtime::{Agent, Options, Speed, Turn};
 use serde_json::Value;
-use watched::{Bench, RECORDED, S, UTC_NS};
 
 #[test]
 fn stages_are_those_of_the_messages() {

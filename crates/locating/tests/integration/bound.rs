@@ -1,8 +1,6 @@
 //! What the locator reaches, beside what nobody can exceed, in small versions of the scripted cases.
 
-mod common;
-
-use common::{Noise, bearing};
+use crate::common::{Noise, bearing};
 use locating::selection::Select;
 use locating::settings::FilterChoice;
 use locating::{EmitterReport, Locator, Motion, Settings};
@@ -195,7 +193,7 @@ fn wrong_bearings_in_a_turn_are_set_aside_and_the_output_does_not_jump() {
         for measured in turning(seed) {
             let report = locator.bearing(&measured).unwrap();
             if let (Some(before), Some(report)) = (&before, &report)
-                && report.time_ns > 500 * common::S
+                && report.time_ns > 500 * crate::common::S
             {
                 let seconds = (report.time_ns - before.time_ns) as f64 * 1e-9;
                 for axis in 0..2 {

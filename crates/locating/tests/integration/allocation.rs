@@ -1,6 +1,7 @@
-//! After its construction the locator allocates nothing, whatever it is given.
+//! After its construction the locator allocates nothing, whatever it is given; nor does measuring, once an array is prepared.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use locating::music::{AntennaArray, Music, MusicSettings, SimulatedArray, SimulatedWaves, Snapshots, SourceCount};
 use locating::selection::Select;
 use locating::{Locator, Settings};
 use observations::Bearing;
@@ -60,5 +61,30 @@ fn bearings_allocate_nothing() {
             counts.associated,
         ];
         assert!(happened.iter().all(|count| *count > 0), "{counts:?}");
+    }
+}
+
+#[test]
+fn measuring_allocates_nothing() {
+    for antennas in [2, 8, 16] {
+        let array = AntennaArray::circle(antennas, 0.4).expect("usable");
+        let settings = MusicSettings {
+            sources: SourceCount::Mdl,
+            frequency_max_hz: 3e8,
+            phase_sigma_rad: 0.01,
+        };
+        let mut music = Music::new(array, settings).expect("usable");
+        let mut samples = Vec::new();
+        for (run, frequency_hz) in [3e8, 3e8, 2e8].into_iter().enumerate() {
+            let waves = SimulatedWaves::independent(&[1.0], 15.0, frequency_hz, 50);
+            let simulated = SimulatedArray::new(music.array(), waves, 3).expect("usable");
+            simulated.run(run as u64, &mut samples);
+            let snapshots = Snapshots {
+                samples: &samples,
+                frequency_hz,
+            };
+            let bearings = assert_no_alloc(|| music.measure(&snapshots).map(|measured| measured.bearings.len()));
+            assert!(bearings.expect("measured") >= 1);
+        }
     }
 }

@@ -1,10 +1,8 @@
 //! A turn of the monitor allocates nothing for the states and the health messages that it takes.
 
-mod watched;
-
+use crate::watched::Bench;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use messages::{Counter, ProcessKind};
-use watched::Bench;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;

@@ -4,13 +4,11 @@
 //! small block, which it takes when the slice is loaned and gives back before the send returns. This test says so with
 //! exact numbers, so that a change in either direction is noticed.
 
-mod common;
-
 use std::time::Duration;
 
+use crate::common::heap::{Counting, SMALL_BYTES, heap_use};
+use crate::common::{Home, Line, PATIENCE, mark, track};
 use bus::{InProcess, SharedMemory, Transport, WaitMode, Woken};
-use common::heap::{Counting, SMALL_BYTES, heap_use};
-use common::{Home, Line, PATIENCE, mark, track};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;

@@ -1,8 +1,6 @@
 //! Geometries that allow no fix, and values that cannot be: no fix or an honest one, counted, never a panic.
 
-mod common;
-
-use common::{Noise, S, bearing};
+use crate::common::{Noise, S, bearing};
 use locating::settings::FilterChoice;
 use locating::{EmitterReport, Locator, OWN_NUMBERS, Refusal, Settings};
 use messages::TrackState;

@@ -1,17 +1,15 @@
 //! What every transport promises: one suite, run over shared memory and over its twin in the process.
 
-mod common;
-
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Barrier, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::common::{Home, Line, PATIENCE, mark, send, shared_memory, take_all, topic, track, until};
 use bus::{
     Bus, BusError, Heard, InProcess, Mark, Payload, Publisher, Role, Root, SharedMemory, Subscriber, Transport,
     WaitMode, Waiter, Woken,
 };
-use common::{Home, Line, PATIENCE, mark, send, shared_memory, take_all, topic, track, until};
 use messages::layout::Sample as _;
 use messages::{BatchHeader, SensorTrack, Topic};
 use proptest::prelude::*;

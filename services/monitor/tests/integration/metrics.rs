@@ -1,13 +1,11 @@
 //! The metrics, collected over the loopback network as Prometheus does it.
 
-mod watched;
-
 use std::collections::BTreeMap;
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 
+use crate::watched::{Bench, S};
 use messages::{Counter, ProcessKind};
-use watched::{Bench, S};
 
 /// What is collected at `url`: each sample by its name with labels.
 fn collect(url: &str) -> BTreeMap<String, f64> {

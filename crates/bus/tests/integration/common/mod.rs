@@ -1,8 +1,5 @@
 //! A private instance for each test, and bounded waiting.
 
-// Every test program uses its own part of this.
-#![allow(dead_code, reason = "each test program compiles this module, and uses a part of it")]
-
 pub(crate) mod heap;
 
 use std::fs;

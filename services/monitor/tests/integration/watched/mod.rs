@@ -1,8 +1,5 @@
 //! A monitor over the in-process transport, with a clock that the test sets, and the processes that it watches.
 
-// Each test file uses its part of it.
-#![allow(dead_code)]
-
 use std::cell::Cell;
 use std::io::Write;
 use std::path::Path;

@@ -1,0 +1,7 @@
+//! The bus as other crates use it: both transports, real processes, bare ports.
+
+mod allocation;
+mod bare;
+mod common;
+mod conformance;
+mod processes;

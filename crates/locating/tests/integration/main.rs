@@ -1,0 +1,7 @@
+//! The locator and the measurement of bearings, from outside.
+
+mod allocation;
+mod bad_input;
+mod bound;
+mod common;
+mod music;

@@ -1,0 +1,5 @@
+//! Sockets on the loopback interface.
+
+mod allocation;
+mod lines;
+mod udp;

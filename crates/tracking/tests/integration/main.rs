@@ -1,0 +1,4 @@
+//! The tracker over many scans.
+
+mod allocation;
+mod autoferry;

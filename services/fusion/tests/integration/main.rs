@@ -1,0 +1,4 @@
+//! The agent of fusion over an in-process bus.
+
+mod agent;
+mod allocation;

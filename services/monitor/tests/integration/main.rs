@@ -1,0 +1,6 @@
+//! The agent of the monitor over an in-process bus.
+
+mod agent;
+mod allocation;
+mod metrics;
+mod watched;
