@@ -109,7 +109,28 @@ impl Field {
     }
 }
 
-/// Elements of one item that are read together.
+impl Field {
+    /// Whether the bits can hold a number.
+    pub fn holds(self, number: i64) -> bool {
+        let bits = if self.signed { self.bits - 1 } else { self.bits };
+        let least = if self.signed { -1 << bits } else { 0 };
+        bits >= 63 || (least..1 << bits).contains(&number)
+    }
+
+    /// The number nearest to a quantity in SI units; `None` if the bits can not hold it, or if it is no number.
+    pub fn nearest(self, quantity: f64) -> Option<i64> {
+        let number = (quantity / self.lsb).round();
+        (number.is_finite() && self.holds(number as i64)).then_some(number as i64)
+    }
+
+    /// The greatest number.
+    pub fn greatest(self) -> i64 {
+        let bits = if self.signed { self.bits - 1 } else { self.bits };
+        (u64::MAX >> (u64::BITS - bits)) as i64
+    }
+}
+
+/// Elements of one item that are read or written together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elements<const N: usize> {
     /// The item.

@@ -1,21 +1,27 @@
 //! One record, written item by item: for senders that know their category and must not allocate.
 //!
-//! The sender gives numbers and widths, as the category's document lays an item out; the writer joins the bits, sets
-//! the FSPEC as short as the last item allows, and in debug builds checks what the table knows: that an item exists in
-//! the edition, that items come in the profile's order, and that each has the octets its layout asks for.
+//! The sender gives numbers for elements; where they go the tables say, through [`Field`]. An item begins as zeros, as
+//! many octets as its layout has at least, and so spare bits and elements that are not put are zero. An extended item
+//! grows by the extensions that the numbers need. The writer sets the FSPEC as short as the last item allows, and in debug
+//! builds checks that items come in the profile's order and that numbers fit.
 //!
 //! ```
+//! use asterix::categories::CAT034;
+//! use asterix::field::{Elements, elements, whole};
 //! use asterix::{RecordWriter, categories::CAT034_V1_29};
 //!
-//! let uap = CAT034_V1_29.uap();
+//! const SOURCE: Elements<2> = elements(CAT034, "010", ["SAC", "SIC"]);
+//! const MESSAGE_TYPE: Elements<1> = whole(CAT034, "000");
+//!
 //! let mut record = RecordWriter::new(&CAT034_V1_29);
-//! record.item(uap.frn("010")).bits(0x14, 8).bits(0x0A, 8); // SAC, SIC
-//! record.item(uap.frn("000")).bits(1, 8);
+//! record.write(&SOURCE, [0x14, 0x0A]);
+//! record.write(&MESSAGE_TYPE, [1]);
 //! assert_eq!(record.finish(), [0b1100_0000, 0x14, 0x0A, 1]);
 //! ```
 
 use super::bits::{fspec_octet, put};
-use super::table::{Category, Frn, MAX_FSPEC_OCTETS};
+use super::field::{Elements, Field};
+use super::table::{Category, Frn, Item, Layout, MAX_FSPEC_OCTETS, extent_of_part};
 
 /// The octets that are reserved for a record when the writer is made; a longer one makes it grow once.
 const RESERVED_OCTETS: usize = 256;
@@ -26,12 +32,14 @@ pub struct RecordWriter {
     table: &'static Category,
     /// The items begun and finished.
     items: Vec<u8>,
-    /// Bits written into `items`.
-    bits: usize,
     /// Bit FRN − 1 for each item.
     present: u64,
-    /// Where the item being written begins in `items`, for the check of its length.
+    /// Where the item or subitem being written begins in `items`.
     begin: usize,
+    /// Whether it is an extended one.
+    is_extended: bool,
+    /// Where the compound item being written begins in `items`, and bit i for the subitem at position i + 1.
+    compound: Option<(usize, u64)>,
     /// The last record, FSPEC first.
     record: Vec<u8>,
 }
@@ -42,9 +50,10 @@ impl RecordWriter {
         Self {
             table,
             items: Vec::with_capacity(RESERVED_OCTETS),
-            bits: 0,
             present: 0,
             begin: 0,
+            is_extended: false,
+            compound: None,
             record: Vec::with_capacity(MAX_FSPEC_OCTETS + RESERVED_OCTETS),
         }
     }
@@ -54,9 +63,81 @@ impl RecordWriter {
         self.table
     }
 
-    /// Begins an item; its content follows. Items come in the order of their field reference numbers.
+    /// Writes an item of these elements; see [`put`](Self::put).
+    pub fn write<const N: usize>(&mut self, elements: &Elements<N>, numbers: [i64; N]) {
+        self.item(elements.item);
+        for (field, number) in elements.fields.into_iter().zip(numbers) {
+            self.put(field, number);
+        }
+    }
+
+    /// Begins an item of zeros; its elements follow. Items come in the order of their field reference numbers.
+    ///
+    /// # Panics
+    /// If the edition has no such item.
     pub fn item(&mut self, frn: Frn) -> &mut Self {
-        self.check_item();
+        self.end_compound();
+        let item = self.begin_item(frn);
+        self.begin_octets(item)
+    }
+
+    /// Begins the subitem at this position, counted from 1, of a compound item, and the item with the first of them;
+    /// subitems come in order.
+    ///
+    /// # Panics
+    /// If the edition has no such subitem.
+    pub fn subitem(&mut self, frn: Frn, position: usize) -> &mut Self {
+        let bit = 1u64 << (position - 1);
+        let is_open = self.present.checked_ilog2() == Some(u32::from(frn.get()) - 1);
+        if !is_open {
+            self.end_compound();
+            self.begin_item(frn);
+            self.compound = Some((self.items.len(), 0));
+        }
+        let (_, subitems) = self.compound.as_mut().expect("begun as a compound item");
+        debug_assert!(*subitems < bit, "{}: subitem {position} after a later one", self.table);
+        *subitems |= bit;
+        let subitem = match self.table.uap().item(frn).map(|item| &item.layout) {
+            Some(Layout::Compound(subitems)) => subitems.get(position - 1).and_then(Option::as_ref),
+            _ => None,
+        };
+        self.begin_octets(subitem.expect("the edition has the subitem"))
+    }
+
+    /// Puts the number of an element, which its bits can hold, into the item or subitem begun last. An extension is sent
+    /// only for a number other than 0.
+    pub fn put(&mut self, field: Field, number: impl Into<i64>) -> &mut Self {
+        let number = number.into();
+        debug_assert!(field.holds(number), "{}: {number} in {} bits", self.table, field.bits);
+        let end = self.begin + field.byte + field.octets;
+        if end > self.items.len() {
+            debug_assert!(self.is_extended, "{}: an element beyond its item", self.table);
+            if number == 0 {
+                return self;
+            }
+            while self.items.len() < end {
+                *self.items.last_mut().expect("the first part") |= 1;
+                self.items.push(0);
+            }
+        }
+        let first_bit = 8 * end - (field.shift + field.bits) as usize;
+        let bits = number as u64 & u64::MAX >> (u64::BITS - field.bits);
+        put(&mut self.items, first_bit, field.bits as usize, bits);
+        self
+    }
+
+    /// Ends the record and gives its octets; the next item begins another.
+    pub fn finish(&mut self) -> &[u8] {
+        self.end_compound();
+        self.record.clear();
+        self.record.extend(fspec(self.present));
+        self.record.extend_from_slice(&self.items);
+        self.items.clear();
+        self.present = 0;
+        &self.record
+    }
+
+    fn begin_item(&mut self, frn: Frn) -> &'static Item {
         let bit = 1u64 << (frn.get() - 1);
         debug_assert!(
             self.present < bit,
@@ -64,81 +145,38 @@ impl RecordWriter {
             self.table,
             frn.get()
         );
-        debug_assert!(
-            self.table.uap().item(frn).is_some(),
-            "{}: no item at FRN {}",
-            self.table,
-            frn.get()
-        );
         self.present |= bit;
-        self.begin = self.items.len();
-        self
+        self.table.uap().item(frn).expect("the edition has the item")
     }
 
-    /// Appends the low `width` bits of `number`, which has no others.
-    pub fn bits(&mut self, number: u64, width: usize) -> &mut Self {
-        let at = self.bits;
-        self.bits += width;
-        self.items.resize(self.bits.div_ceil(8), 0);
-        put(&mut self.items, at, width, number);
-        self
-    }
-
-    /// Appends a number in two's complement that `width` bits can hold.
-    pub fn signed(&mut self, number: i64, width: usize) -> &mut Self {
-        debug_assert!(number == number << (64 - width) >> (64 - width));
-        self.bits(number as u64 & u64::MAX >> (64 - width), width)
-    }
-
-    /// Appends an extended item of one-octet parts, of seven bits each: the first, and as many more as are needed for
-    /// all that are not zero.
-    pub fn extended(&mut self, parts: &[u8]) -> &mut Self {
-        let last = parts.iter().rposition(|part| *part != 0).unwrap_or(0);
-        for (i, part) in parts[..=last].iter().enumerate() {
-            self.bits(u64::from(*part), 7).bits(u64::from(i < last), 1);
-        }
-        self
-    }
-
-    /// Appends the FSPEC of a compound item, with bit i of `present` for the subitem at position i from 0; their
-    /// contents follow in the same order.
-    pub fn subitems(&mut self, present: u64) -> &mut Self {
-        for octet in fspec(present) {
-            self.bits(u64::from(octet), 8);
-        }
-        self
-    }
-
-    /// Ends the record and gives its octets; the next item begins another.
-    pub fn finish(&mut self) -> &[u8] {
-        self.check_item();
-        self.record.clear();
-        self.record.extend(fspec(self.present));
-        self.record.extend_from_slice(&self.items);
-        self.items.clear();
-        (self.bits, self.present, self.begin) = (0, 0, 0);
-        &self.record
-    }
-
-    /// Whether the item before is whole: its octets where the edition fixes their number, else full octets.
-    fn check_item(&self) {
-        debug_assert!(
-            self.bits.is_multiple_of(8),
-            "{}: an item ends within an octet",
-            self.table
-        );
-        let Some(index) = self.present.checked_ilog2() else {
-            return;
+    /// Appends the least octets of an item or subitem.
+    fn begin_octets(&mut self, item: &'static Item) -> &mut Self {
+        let octets = match &item.layout {
+            Layout::Extended(parts) => {
+                let extents = parts.iter().map(|part| extent_of_part(part).0);
+                debug_assert!(
+                    extents.into_iter().all(|octets| octets == 1),
+                    "{}: long extensions",
+                    self.table
+                );
+                1
+            }
+            _ => item.fixed_octets.map_or(0, usize::from),
         };
-        let item = self.table.uap().item(Frn(index as u8 + 1));
-        let octets = item.and_then(|item| item.fixed_octets).map(usize::from);
-        debug_assert!(
-            octets.is_none_or(|octets| octets == self.items.len() - self.begin),
-            "{}: item at FRN {} has {} octets",
-            self.table,
-            index + 1,
-            self.items.len() - self.begin
-        );
+        self.is_extended = matches!(item.layout, Layout::Extended(_));
+        self.begin = self.items.len();
+        self.items.resize(self.begin + octets, 0);
+        self
+    }
+
+    /// Puts the FSPEC of a compound item before its subitems.
+    fn end_compound(&mut self) {
+        if let Some((begin, subitems)) = self.compound.take() {
+            let before = self.items.len();
+            self.items.extend(fspec(subitems));
+            let octets = self.items.len() - before;
+            self.items[begin..].rotate_right(octets);
+        }
     }
 }
 
@@ -151,42 +189,51 @@ fn fspec(present: u64) -> impl Iterator<Item = u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::categories::CAT062_V1_18;
+    use crate::categories::{CAT062, CAT062_V1_18};
+    use crate::field::{elements, field, item, subitem};
     use crate::{Block, Mode, NamedRecord, Value};
 
-    fn frn(name: &str) -> Frn {
-        CAT062_V1_18.uap().frn(name)
+    const SOURCE: Elements<2> = elements(CAT062, "010", ["SAC", "SIC"]);
+    const VELOCITY: Elements<2> = elements(CAT062, "185", ["VX", "VY"]);
+    const STATUS: Frn = item(CAT062, "080");
+
+    fn status(element: &str) -> Field {
+        field(&[&CAT062_V1_18], &["080", element])
     }
 
     #[test]
     fn bits_join_across_octets_and_the_fspec_is_short() {
         let mut record = RecordWriter::new(&CAT062_V1_18);
-        record.item(frn("010")).bits(1, 8).bits(2, 8);
-        record.item(frn("185")).signed(-1, 16).signed(5, 16);
-        record.item(frn("060")).bits(0b001, 3).bits(0, 1).bits(0o1234, 12);
+        record.write(&SOURCE, [1, 2]);
+        record.write(&VELOCITY, [-1, 5]);
+        record.write(&elements(&[&CAT062_V1_18], "060", ["CH", "MODE3A"]), [1, 0o1234]);
         let expected = [0b1000_0011, 0b0100_0000, 1, 2, 0xFF, 0xFF, 0, 5, 0x22, 0x9C];
         assert_eq!(record.finish(), expected);
-        record.item(frn("010")).bits(3, 8).bits(4, 8);
+        record.write(&SOURCE, [3, 4]);
         assert_eq!(record.finish(), [0x80, 3, 4], "nothing is left of the record before");
     }
 
     #[test]
     fn extended_items_end_with_the_last_part_that_says_something() {
         let mut record = RecordWriter::new(&CAT062_V1_18);
-        record.item(frn("080")).extended(&[0b100_0000, 0, 0b000_0001, 0]);
+        record
+            .item(STATUS)
+            .put(status("MON"), true)
+            .put(status("MD5"), 1)
+            .put(status("CST"), 0);
         assert_eq!(record.finish(), [0x01, 0b0000_0100, 0b1000_0001, 0x01, 0b0000_0010]);
-        record.item(frn("080")).extended(&[0, 0, 0]);
+        record.item(STATUS).put(status("MON"), 0).put(status("MD5"), 0);
         assert_eq!(record.finish(), [0x01, 0x04, 0x00]);
     }
 
     #[test]
     fn compound_items_are_read_back() {
+        const AGES: Frn = item(CAT062, "290");
+        const PSR: usize = subitem(CAT062, "290", "PSR");
+        const MLT: usize = subitem(CAT062, "290", "MLT");
         let mut record = RecordWriter::new(&CAT062_V1_18);
-        record
-            .item(frn("290"))
-            .subitems(1 << 1 | 1 << 9)
-            .bits(7, 8)
-            .bits(255, 8);
+        record.subitem(AGES, PSR).put(field(CAT062, &["290", "PSR"]), 7);
+        record.subitem(AGES, MLT).put(field(CAT062, &["290", "MLT"]), 255);
         let octets = record.finish();
         let bytes = [&[62, 0, 3 + octets.len() as u8], octets].concat();
         let block = Block {
@@ -205,16 +252,14 @@ mod tests {
     #[cfg(debug_assertions)]
     fn items_out_of_order_are_noticed() {
         let mut record = RecordWriter::new(&CAT062_V1_18);
-        record.item(frn("185")).bits(0, 32);
-        record.item(frn("010"));
+        record.write(&VELOCITY, [0, 0]);
+        record.write(&SOURCE, [0, 0]);
     }
 
     #[test]
-    #[should_panic(expected = "has 3 octets")]
+    #[should_panic(expected = "256 in 8 bits")]
     #[cfg(debug_assertions)]
-    fn items_of_another_length_are_noticed() {
-        let mut record = RecordWriter::new(&CAT062_V1_18);
-        record.item(frn("010")).bits(0, 24);
-        record.finish();
+    fn numbers_that_do_not_fit_are_noticed() {
+        RecordWriter::new(&CAT062_V1_18).write(&SOURCE, [256, 0]);
     }
 }

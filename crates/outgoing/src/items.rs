@@ -1,83 +1,74 @@
 //! Items that several categories have alike.
 
+use std::ops::RangeInclusive;
+
+use asterix::RecordWriter;
+use asterix::field::{Elements, FLIGHT_LEVEL_M, FOOT_M, Field};
+use asterix::text::icao_code;
 use frames::time::{NS_PER_DAY, NS_PER_S};
 use messages::{Identity, alert_bits, identity_bits};
 
 use super::quantity;
-use asterix::table::{Category, Content, Frn, Layout, Part};
-use asterix::text::icao_code;
-use asterix::{RecordWriter, field::FOOT_M};
 
-pub(super) use asterix::field::{FLIGHT_LEVEL_M, NAUTICAL_MILE_M};
-
-/// LSB of geometric heights: 6.25 ft, in metres.
-pub(super) const HEIGHT_LSB_M: f64 = 6.25 * FOOT_M;
-/// LSB of flight levels: a quarter, in metres.
-pub(super) const LEVEL_LSB_M: f64 = FLIGHT_LEVEL_M / 4.0;
-/// LSB of rates of climb: 6.25 ft/min, in metres per second.
-pub(super) const CLIMB_LSB_MPS: f64 = 6.25 * FOOT_M / 60.0;
-/// LSB of ground speeds: 2^-14 NM/s, in metres per second.
-pub(super) const SPEED_LSB_MPS: f64 = NAUTICAL_MILE_M / 16_384.0;
-/// Slower than this a climb is none, metres per second: 100 ft/min, the step in which transponders report.
+/// Slowest climb that is one, metres per second: 100 ft/min, the step in which transponders report.
 const LEVEL_FLIGHT_MPS: f64 = 100.0 * FOOT_M / 60.0;
 /// Geometric heights that documents allow, metres: -1500 to 150,000 ft.
-const HEIGHTS_M: std::ops::RangeInclusive<f64> = -1500.0 * FOOT_M..=150_000.0 * FOOT_M;
+const HEIGHTS_M: RangeInclusive<f64> = -1500.0 * FOOT_M..=150_000.0 * FOOT_M;
 /// Flight levels that documents allow, metres: -15 to 1500.
-const LEVELS_M: std::ops::RangeInclusive<f64> = -15.0 * FLIGHT_LEVEL_M..=1500.0 * FLIGHT_LEVEL_M;
+const LEVELS_M: RangeInclusive<f64> = -15.0 * FLIGHT_LEVEL_M..=1500.0 * FLIGHT_LEVEL_M;
 
 /// Alerts that are an emergency in the sense of Mode S: codes 7700, 7600 and 7500.
 pub(super) const EMERGENCIES: u8 =
     alert_bits::EMERGENCY | alert_bits::COMMUNICATION_FAILURE | alert_bits::UNLAWFUL_INTERFERENCE;
 
-/// System area code and system identification code of a sender.
-pub(super) fn source(record: &mut RecordWriter, frn: Frn, [sac, sic]: [u8; 2]) {
-    record.item(frn).bits(u64::from(sac), 8).bits(u64::from(sic), 8);
+/// Writes system area code and system identification code of a sender.
+pub(super) fn source(record: &mut RecordWriter, item: &Elements<2>, source: [u8; 2]) {
+    record.write(item, source.map(i64::from));
 }
 
-/// Time of day, LSB 1/128 s. The last half tick of a day is midnight.
-pub(super) fn time_of_day(record: &mut RecordWriter, frn: Frn, utc_ns: i64) {
-    const TICKS_PER_S: i64 = 128;
-    let ticks = (utc_ns.rem_euclid(NS_PER_DAY) * TICKS_PER_S + NS_PER_S / 2) / NS_PER_S;
-    record.item(frn).bits((ticks % (86_400 * TICKS_PER_S)) as u64, 24);
+/// Writes a time of day in UTC. The last half tick of a day is midnight.
+pub(super) fn time_of_day(record: &mut RecordWriter, item: &Elements<1>, utc_ns: i64) {
+    let ticks_per_s = (1.0 / item.fields[0].lsb) as i64;
+    let ticks = (utc_ns.rem_euclid(NS_PER_DAY) * ticks_per_s + NS_PER_S / 2) / NS_PER_S;
+    record.write(item, [ticks % (86_400 * ticks_per_s)]);
 }
 
-/// Two angles of `bits` bits, LSB 180/2^`exponent` degrees.
-pub(super) fn geodetic(record: &mut RecordWriter, frn: Frn, place: &frames::Geodetic, bits: usize, exponent: u32) {
-    record
-        .item(frn)
-        .signed(quantity::latitude(place.latitude_deg(), exponent), bits)
-        .signed(quantity::longitude(place.longitude_deg(), exponent), bits);
+/// Writes latitude and longitude.
+pub(super) fn geodetic(record: &mut RecordWriter, item: &Elements<2>, place: &frames::Geodetic) {
+    let [latitude, longitude] = item.fields;
+    let latitude = quantity::latitude(latitude, place.latitude_deg());
+    record.write(item, [latitude, quantity::longitude(longitude, place.longitude_deg())]);
 }
 
-/// Two components of a vector as numbers of `bits` bits, where both fit.
-pub(super) fn pair(record: &mut RecordWriter, frn: Frn, [x, y]: [f64; 2], lsb: f64, bits: u32) {
-    let number = |value: f64| quantity::signed(value, lsb, bits);
-    if let (Some(x), Some(y)) = (number(x), number(y)) {
-        record.item(frn).signed(x, bits as usize).signed(y, bits as usize);
+/// Writes quantities in SI units, where all fit.
+pub(super) fn quantities<const N: usize>(record: &mut RecordWriter, item: &Elements<N>, quantities: [f64; N]) {
+    if let Some(numbers) = quantity::nearest(item, quantities) {
+        record.write(item, numbers);
     }
 }
 
-/// A Mode 3/A code behind V, G, L and a spare bit; L says that it was not received just now.
-pub(super) fn mode_3a(record: &mut RecordWriter, frn: Frn, identity: &Identity, received: bool) {
+/// Writes a number, where there is one.
+pub(super) fn number(record: &mut RecordWriter, item: &Elements<1>, number: Option<i64>) {
+    if let Some(number) = number {
+        record.write(item, [number]);
+    }
+}
+
+/// Writes a Mode 3/A code; the item's first element, L, says that it was not received just now.
+pub(super) fn mode_3a(record: &mut RecordWriter, item: &Elements<2>, identity: &Identity, received: bool) {
     if let Some(code) = identity.mode_3a() {
-        record
-            .item(frn)
-            .bits(0, 2)
-            .bits(u64::from(!received), 1)
-            .bits(u64::from(code & 0o7777), 13);
+        record.write(item, [i64::from(!received), i64::from(code & 0o7777)]);
     }
 }
 
-/// An aircraft address.
-pub(super) fn address(record: &mut RecordWriter, frn: Frn, identity: &Identity) {
-    if let Some(address) = identity.address() {
-        record.item(frn).bits(u64::from(address & 0x00FF_FFFF), 24);
-    }
+/// Aircraft address.
+pub(super) fn address(identity: &Identity) -> Option<i64> {
+    identity.address().map(|address| i64::from(address & 0x00FF_FFFF))
 }
 
 /// The call sign as eight characters of six bits; `None` where there is none. Small letters become capitals, and what the
 /// alphabet does not have becomes the code that stands for nothing.
-pub(super) fn call_sign(identity: &Identity) -> Option<u64> {
+pub(super) fn call_sign(identity: &Identity) -> Option<i64> {
     if identity.valid & identity_bits::CALLSIGN == 0 {
         return None;
     }
@@ -86,32 +77,46 @@ pub(super) fn call_sign(identity: &Identity) -> Option<u64> {
         character => icao_code(character.to_ascii_uppercase()),
     };
     let packed = identity.callsign.iter().fold(0, |packed, character| {
-        packed << 6 | u64::from(code(*character).unwrap_or(0))
+        packed << 6 | i64::from(code(*character).unwrap_or(0))
     });
     let says_something = identity.callsign.iter().any(u8::is_ascii_alphanumeric);
     says_something.then_some(packed)
 }
 
-/// A flight level of a height, LSB a quarter, in `bits` bits; `None` for one that no aircraft reports.
-pub(super) fn level(height_m: f64, bits: u32) -> Option<i64> {
-    let height_m = Some(height_m).filter(|height| LEVELS_M.contains(height))?;
-    quantity::signed(height_m, LEVEL_LSB_M, bits)
+/// Writes a height as flight level, where there is one that aircraft report and the bits can hold.
+pub(super) fn level(record: &mut RecordWriter, item: &Elements<1>, height_m: Option<f64>) {
+    let [field] = item.fields;
+    number(
+        record,
+        item,
+        height_m.and_then(|height_m| number_within(field, LEVELS_M, height_m)),
+    );
 }
 
-/// A height above the ellipsoid, LSB 6.25 ft; `None` for one that the documents do not allow.
-pub(super) fn height(height_m: f64) -> Option<i64> {
-    let height_m = Some(height_m).filter(|height| HEIGHTS_M.contains(height))?;
-    quantity::signed(height_m, HEIGHT_LSB_M, 16)
+/// Writes a height above the ellipsoid, where there is one that the documents allow.
+pub(super) fn height(record: &mut RecordWriter, item: &Elements<1>, height_m: Option<f64>) {
+    let [field] = item.fields;
+    number(
+        record,
+        item,
+        height_m.and_then(|height_m| number_within(field, HEIGHTS_M, height_m)),
+    );
 }
 
-/// Ground speed (LSB 2^-14 NM/s, `bits` bits) and direction of motion (16 bits), from components towards east and north.
-pub(super) fn ground_vector([east, north]: [f64; 2], bits: u32) -> Option<(u64, u64)> {
-    let speed = quantity::unsigned(east.hypot(north), SPEED_LSB_MPS, bits)?;
-    Some((speed, quantity::turn(east.atan2(north), 16)))
+fn number_within(field: Field, allowed: RangeInclusive<f64>, quantity: f64) -> Option<i64> {
+    field.nearest(quantity).filter(|_| allowed.contains(&quantity))
+}
+
+/// Writes ground speed and direction of motion of components towards east and north, where the speed fits.
+pub(super) fn ground_vector(record: &mut RecordWriter, item: &Elements<2>, [east, north]: [f64; 2]) {
+    let [speed, course] = item.fields;
+    if let Some(speed) = speed.nearest(east.hypot(north)) {
+        record.write(item, [speed, quantity::turn(course, east.atan2(north))]);
+    }
 }
 
 /// CDM: 0 level, 1 climbing, 2 descending, 3 not known.
-pub(super) fn climb_mode(climb_mps: Option<f64>) -> u64 {
+pub(super) fn climb_mode(climb_mps: Option<f64>) -> i64 {
     match climb_mps {
         Some(climb) if climb >= LEVEL_FLIGHT_MPS => 1,
         Some(climb) if climb <= -LEVEL_FLIGHT_MPS => 2,
@@ -121,7 +126,7 @@ pub(super) fn climb_mode(climb_mps: Option<f64>) -> u64 {
 }
 
 /// The emergency as CAT021 and CAT062 number them. Of several, the one that names its kind, and of those the gravest.
-pub(super) fn emergency(alerts: u8) -> u64 {
+pub(super) fn emergency(alerts: u8) -> i64 {
     let raised = |bit: u8| alerts & bit != 0;
     if raised(alert_bits::UNLAWFUL_INTERFERENCE) {
         5
@@ -132,7 +137,7 @@ pub(super) fn emergency(alerts: u8) -> u64 {
     } else if raised(alert_bits::MEDICAL) {
         2
     } else {
-        u64::from(raised(alert_bits::EMERGENCY))
+        i64::from(raised(alert_bits::EMERGENCY))
     }
 }
 
@@ -141,9 +146,15 @@ pub(super) fn special_identification(alerts: u8) -> bool {
     alerts & alert_bits::SPECIAL_IDENTIFICATION != 0
 }
 
-/// Communications capability and flight status of a Mode S transponder (I048/230, I020/230): the status is known, of the
+/// Writes STAT and AIC of a Mode S transponder (I048/230, I020/230): the flight status, which is known, and of the
 /// capabilities only that there is an aircraft identification.
-pub(super) fn flight_status(record: &mut RecordWriter, frn: Frn, identity: &Identity, alerts: u8, on_ground: bool) {
+pub(super) fn flight_status(
+    record: &mut RecordWriter,
+    item: &Elements<2>,
+    identity: &Identity,
+    alerts: u8,
+    on_ground: bool,
+) {
     let alert = alerts & (EMERGENCIES | alert_bits::TRANSPONDER_ALERT) != 0;
     let status = match (alert, special_identification(alerts), on_ground) {
         (false, false, false) => 0,
@@ -153,37 +164,18 @@ pub(super) fn flight_status(record: &mut RecordWriter, frn: Frn, identity: &Iden
         (true, true, _) => 4,
         (false, true, _) => 5,
     };
-    let has_call_sign = call_sign(identity).is_some();
-    record
-        .item(frn)
-        .bits(0, 3)
-        .bits(status, 3)
-        .bits(0, 4)
-        .bits(u64::from(has_call_sign), 1)
-        .bits(0, 5);
-}
-
-/// Width and content of an element of a group or an extended item, where the edition has it.
-pub(super) fn element_of(table: &Category, item: &str, element: &str) -> Option<(u8, &'static Content)> {
-    let parts: &[&[Part]] = match &table.item(item)?.layout {
-        Layout::Extended(parts) => parts,
-        Layout::Group(parts) => &[parts],
-        _ => return None,
-    };
-    parts.iter().copied().flatten().find_map(|part| match part {
-        Part::Element { name, bits, content } if *name == element => Some((*bits, content)),
-        _ => None,
-    })
+    record.write(item, [status, i64::from(call_sign(identity).is_some())]);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asterix::categories::{CAT021_V0_23, CAT034_V1_29, CAT062_V1_17, CAT062_V1_18};
+    use asterix::categories::{CAT034, CAT034_V1_29, CAT048_V1_31, CAT048_V1_32, CAT062};
+    use asterix::field::{field, whole};
 
     fn ticks(utc_ns: i64) -> Vec<u8> {
         let mut record = RecordWriter::new(&CAT034_V1_29);
-        time_of_day(&mut record, CAT034_V1_29.uap().frn("030"), utc_ns);
+        time_of_day(&mut record, &whole(CAT034, "030"), utc_ns);
         record.finish()[1..].to_vec()
     }
 
@@ -240,18 +232,15 @@ mod tests {
 
     #[test]
     fn heights_beyond_the_documents_limits_have_no_number() {
-        assert_eq!(level(-457.3, 14), None);
-        assert_eq!(level(-457.1, 14), Some(-60));
-        assert_eq!(level(10_668.0, 14), Some(1400));
-        assert_eq!(height(-457.1), Some(-240));
-        assert_eq!(height(46_000.0), None);
-        assert_eq!(height(f64::NAN), None);
-    }
-
-    #[test]
-    fn elements_are_found_by_edition() {
-        assert!(element_of(&CAT062_V1_17, "080", "SFC").is_none());
-        assert!(element_of(&CAT062_V1_18, "080", "SFC").is_some());
-        assert_eq!(element_of(&CAT021_V0_23, "130", "LAT").map(|(bits, _)| bits), Some(24));
+        const LEVEL: Field = field(&[&CAT048_V1_32], &["090", "FL"]);
+        const LEVEL_WITHOUT_SIGN: Field = field(&[&CAT048_V1_31], &["090", "FL"]);
+        const HEIGHT: Field = field(CAT062, &["130"]);
+        assert_eq!(number_within(LEVEL, LEVELS_M, -457.3), None);
+        assert_eq!(number_within(LEVEL, LEVELS_M, -457.1), Some(-60));
+        assert_eq!(number_within(LEVEL, LEVELS_M, 10_668.0), Some(1400));
+        assert_eq!(number_within(LEVEL_WITHOUT_SIGN, LEVELS_M, -457.1), None);
+        assert_eq!(number_within(HEIGHT, HEIGHTS_M, -457.1), Some(-240));
+        assert_eq!(number_within(HEIGHT, HEIGHTS_M, 46_000.0), None);
+        assert_eq!(number_within(HEIGHT, HEIGHTS_M, f64::NAN), None);
     }
 }

@@ -1,40 +1,37 @@
 //! Quantities as whole numbers of a least significant bit (LSB).
 //!
-//! A number sent is the nearest multiple of the LSB, so what is read differs by half an LSB at most. A quantity that its
-//! bits can not hold has no number, and the caller leaves the item out; cutting it to the greatest number would be
-//! another quantity. Only where the document says that the greatest number means "this or more" is it [`capped`].
+//! A number sent is the nearest multiple of the LSB ([`Field::nearest`]), so what is read differs by half an LSB at most.
+//! A quantity that its bits can not hold has no number, and the caller leaves the item out; cutting it to the greatest
+//! number would be another quantity. Only where the document says that the greatest number means "this or more" is it
+//! [`capped`].
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-/// The number of a quantity in two's complement of `bits` bits; `None` if they can not hold it.
-pub(super) fn signed(value: f64, lsb: f64, bits: u32) -> Option<i64> {
-    let number = (value / lsb).round();
-    let limit = (1u64 << (bits - 1)) as f64;
-    (-limit..limit).contains(&number).then_some(number as i64)
+use asterix::field::{Elements, Field};
+
+/// The numbers of quantities in SI units; `None` if one of them has none.
+pub(super) fn nearest<const N: usize>(elements: &Elements<N>, quantities: [f64; N]) -> Option<[i64; N]> {
+    let mut numbers = [0; N];
+    for i in 0..N {
+        numbers[i] = elements.fields[i].nearest(quantities[i])?;
+    }
+    Some(numbers)
 }
 
-/// The number of a quantity without sign in `bits` bits; `None` if they can not hold it.
-pub(super) fn unsigned(value: f64, lsb: f64, bits: u32) -> Option<u64> {
-    let number = (value / lsb).round();
-    let limit = (1u64 << bits) as f64;
-    (0.0..limit).contains(&number).then_some(number as u64)
+/// The number of a quantity that is not negative, the greatest there is for more than that.
+pub(super) fn capped(field: Field, quantity: f64) -> i64 {
+    ((quantity / field.lsb).round().max(0.0) as i64).min(field.greatest()) // `as` takes infinity to the greatest, NaN to 0
 }
 
-/// The number of a quantity without sign, the greatest that `bits` bits hold for more than that.
-pub(super) fn capped(value: f64, lsb: f64, bits: u32) -> u64 {
-    let greatest = (1u64 << bits) - 1;
-    ((value / lsb).round().max(0.0) as u64).min(greatest) // `as` takes infinity to the greatest number, NaN to 0
-}
-
-/// The number of a standard deviation, as [`unsigned`], but never 0: many a sender means "not known" by that, and none is
-/// perfect.
-pub(super) fn deviation(sigma: f64, lsb: f64, bits: u32) -> Option<u64> {
-    unsigned(sigma, lsb, bits).map(|number| number.max(1))
+/// The number of a standard deviation, as [`Field::nearest`], but never 0: many a sender means "not known" by that, and
+/// none is perfect.
+pub(super) fn deviation(field: Field, sigma: f64) -> Option<i64> {
+    field.nearest(sigma).map(|number| number.max(1))
 }
 
 /// The number of a standard deviation where the greatest number means this or more; never 0.
-pub(super) fn capped_deviation(sigma: f64, lsb: f64, bits: u32) -> u64 {
-    capped(sigma, lsb, bits).max(1)
+pub(super) fn capped_deviation(field: Field, sigma: f64) -> i64 {
+    capped(field, sigma).max(1)
 }
 
 /// The standard deviation of a variance that says something.
@@ -42,21 +39,22 @@ pub(super) fn sigma(variance: f64) -> Option<f64> {
     (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
 }
 
-/// A direction in 2^`bits` steps of the full circle.
-pub(super) fn turn(angle_rad: f64, bits: u32) -> u64 {
-    let steps = (1u64 << bits) as f64;
-    ((angle_rad / TAU * steps).round() as i64).rem_euclid(1 << bits) as u64
+/// A direction in steps of which the bits hold the full circle.
+pub(super) fn turn(field: Field, angle_rad: f64) -> i64 {
+    let steps = TAU / field.lsb; // exact: a power of two
+    ((angle_rad / TAU * steps).round() as i64).rem_euclid(1 << field.bits)
 }
 
-/// A latitude with an LSB of 180/2^`exponent` degrees.
-pub(super) fn latitude(degrees: f64, exponent: u32) -> i64 {
-    (degrees / 180.0 * (1u64 << exponent) as f64).round() as i64
+/// A latitude in degrees.
+pub(super) fn latitude(field: Field, degrees: f64) -> i64 {
+    let half_turn = PI / field.lsb; // exact: a power of two
+    (degrees / 180.0 * half_turn).round() as i64
 }
 
-/// A longitude with an LSB of 180/2^`exponent` degrees; 180° east is sent as 180° west, which documents allow alone.
-pub(super) fn longitude(degrees: f64, exponent: u32) -> i64 {
-    let half_turn = 1i64 << exponent;
-    match latitude(degrees, exponent) {
+/// A longitude in degrees; 180° east is sent as 180° west, which documents allow alone.
+pub(super) fn longitude(field: Field, degrees: f64) -> i64 {
+    let half_turn = (PI / field.lsb) as i64;
+    match latitude(field, degrees) {
         number if number >= half_turn => number - 2 * half_turn,
         number => number,
     }
@@ -64,27 +62,35 @@ pub(super) fn longitude(degrees: f64, exponent: u32) -> i64 {
 
 #[cfg(test)]
 mod tests {
+    use asterix::categories::*;
+    use asterix::field::field;
+
     use super::*;
+
+    /// One octet without sign, LSB 0.25 m.
+    const OCTET: Field = field(CAT010, &["500", "DEVX"]);
 
     #[test]
     fn numbers_are_the_nearest_and_within_their_bits() {
-        assert_eq!(signed(-0.3, 0.5, 8), Some(-1));
-        assert_eq!(signed(63.7, 0.5, 8), Some(127));
-        assert_eq!(signed(63.75, 0.5, 8), None, "would be 128");
-        assert_eq!(signed(-64.0, 0.5, 8), Some(-128));
-        assert_eq!(unsigned(-0.2, 0.5, 8), Some(0));
-        assert_eq!(unsigned(-0.3, 0.5, 8), None);
-        assert_eq!(unsigned(127.74, 0.5, 8), Some(255));
-        assert_eq!(unsigned(f64::NAN, 1.0, 8), None);
-        assert_eq!(capped(1e12, 0.5, 8), 255);
-        assert_eq!(capped(f64::INFINITY, 0.5, 8), 255);
-        assert_eq!(capped(-1.0, 0.5, 8), 0);
+        const SIGNED: Field = field(CAT010, &["210", "AX"]); // one octet, LSB 0.25 m/s²
+        assert_eq!(SIGNED.nearest(-0.15), Some(-1));
+        assert_eq!(SIGNED.nearest(31.85), Some(127));
+        assert_eq!(SIGNED.nearest(31.875), None, "would be 128");
+        assert_eq!(SIGNED.nearest(-32.0), Some(-128));
+        assert_eq!(OCTET.nearest(-0.1), Some(0));
+        assert_eq!(OCTET.nearest(-0.15), None);
+        assert_eq!(OCTET.nearest(63.87), Some(255));
+        assert_eq!(OCTET.nearest(f64::NAN), None);
+        assert_eq!(OCTET.nearest(f64::INFINITY), None);
+        assert_eq!(capped(OCTET, 1e12), 255);
+        assert_eq!(capped(OCTET, f64::INFINITY), 255);
+        assert_eq!(capped(OCTET, -1.0), 0);
     }
 
     #[test]
     fn no_deviation_is_zero() {
-        assert_eq!(deviation(0.01, 0.25, 16), Some(1));
-        assert_eq!(capped_deviation(1e9, 0.25, 8), 255);
+        assert_eq!(deviation(OCTET, 0.01), Some(1));
+        assert_eq!(capped_deviation(OCTET, 1e9), 255);
         assert_eq!(sigma(0.0), None);
         assert_eq!(sigma(f64::INFINITY), None);
         assert_eq!(sigma(9.0), Some(3.0));
@@ -92,16 +98,19 @@ mod tests {
 
     #[test]
     fn directions_go_round() {
-        assert_eq!(turn(TAU / 4.0, 16), 0x4000);
-        assert_eq!(turn(-TAU / 4.0, 16), 0xC000);
-        assert_eq!(turn(TAU - 1e-9, 16), 0);
+        const COURSE: Field = field(CAT048, &["200", "HDG"]);
+        assert_eq!(turn(COURSE, TAU / 4.0), 0x4000);
+        assert_eq!(turn(COURSE, -TAU / 4.0), 0xC000);
+        assert_eq!(turn(COURSE, TAU - 1e-9), 0);
     }
 
     #[test]
     fn the_antimeridian_is_west() {
-        assert_eq!(longitude(180.0, 31), i64::from(i32::MIN));
-        assert_eq!(longitude(-180.0, 31), i64::from(i32::MIN));
-        assert_eq!(longitude(179.999_999_999_99, 23), -(1 << 23));
-        assert_eq!(latitude(90.0, 23), 1 << 22);
+        const FINE: Field = field(CAT010, &["041", "LON"]);
+        const COARSE: Field = field(CAT021_V2, &["130", "LON"]);
+        assert_eq!(longitude(FINE, 180.0), i64::from(i32::MIN));
+        assert_eq!(longitude(FINE, -180.0), i64::from(i32::MIN));
+        assert_eq!(longitude(COARSE, 179.999_999_999_99), -(1 << 23));
+        assert_eq!(latitude(COARSE, 90.0), 1 << 22);
     }
 }

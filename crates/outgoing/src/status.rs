@@ -6,34 +6,34 @@
 
 use super::{Outbox, OutgoingCounts, OutgoingError, SendBlock, check_category, items};
 use asterix::categories::{CAT063, CAT065};
-use asterix::{Category, RecordWriter};
+use asterix::field::{Elements, Field, elements, field, item, whole};
+use asterix::{Category, Frn, RecordWriter};
 
-/// The field reference numbers of CAT065, the same in every edition.
-mod system_item {
-    use asterix::categories::CAT065_V1_5;
-    use asterix::table::{Frn, Uap};
+/// Items of CAT065.
+mod system {
+    use super::*;
 
-    const UAP: &Uap = CAT065_V1_5.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const MESSAGE_TYPE: Frn = UAP.frn("000");
-    pub(super) const SERVICE: Frn = UAP.frn("015");
-    pub(super) const TIME: Frn = UAP.frn("030");
-    pub(super) const BATCH: Frn = UAP.frn("020");
-    pub(super) const STATUS: Frn = UAP.frn("040");
-    pub(super) const EVENT: Frn = UAP.frn("050");
+    pub(super) const SOURCE: Elements<2> = elements(CAT065, "010", ["SAC", "SIC"]);
+    pub(super) const MESSAGE_TYPE: Elements<1> = whole(CAT065, "000");
+    pub(super) const SERVICE: Elements<1> = whole(CAT065, "015");
+    pub(super) const TIME: Elements<1> = whole(CAT065, "030");
+    pub(super) const BATCH: Elements<1> = whole(CAT065, "020");
+    pub(super) const STATUS: Elements<5> = elements(CAT065, "040", ["NOGO", "OVL", "TSV", "PSS", "STTN"]);
+    pub(super) const EVENT: Elements<1> = whole(CAT065, "050");
 }
 
-/// The field reference numbers of CAT063, the same in every edition.
-mod sensor_item {
-    use asterix::categories::CAT063_V1_6;
-    use asterix::table::{Frn, Uap};
+/// Items of CAT063.
+mod sensor {
+    use super::*;
 
-    const UAP: &Uap = CAT063_V1_6.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const SERVICE: Frn = UAP.frn("015");
-    pub(super) const TIME: Frn = UAP.frn("030");
-    pub(super) const SENSOR: Frn = UAP.frn("050");
-    pub(super) const STATUS: Frn = UAP.frn("060");
+    pub(super) const SOURCE: Elements<2> = elements(CAT063, "010", ["SAC", "SIC"]);
+    pub(super) const SERVICE: Elements<1> = whole(CAT063, "015");
+    pub(super) const TIME: Elements<1> = whole(CAT063, "030");
+    pub(super) const SENSOR: Elements<2> = elements(CAT063, "050", ["SAC", "SIC"]);
+    pub(super) const STATUS: Frn = item(CAT063, "060");
+    pub(super) const CON: Field = field(CAT063, &["060", "CON"]);
+    pub(super) const TSV: Field = field(CAT063, &["060", "TSV"]);
+    pub(super) const NPW: Field = field(CAT063, &["060", "NPW"]);
 }
 
 /// The state of the system (I065/040).
@@ -154,51 +154,50 @@ impl StatusReports {
             Condition::Initialising => 3,
         };
         self.begin(1, now_utc_ns);
-        self.of_system
-            .0
-            .item(system_item::STATUS)
-            .bits(no_go, 2)
-            .bits(u64::from(status.overloaded), 1)
-            .bits(u64::from(status.time_source_invalid), 1)
-            .bits(u64::from(status.processing_system.min(3)), 2)
-            .bits(u64::from(status.renumbered), 1)
-            .bits(0, 1);
+        let numbers = [
+            no_go,
+            i64::from(status.overloaded),
+            i64::from(status.time_source_invalid),
+            i64::from(status.processing_system.min(3)),
+            i64::from(status.renumbered),
+        ];
+        self.of_system.0.write(&system::STATUS, numbers);
         self.end(send);
     }
 
     /// Says that all tracks of a batch have been sent; batches are counted from 0.
     pub fn end_of_batch(&mut self, now_utc_ns: i64, batch: u8, send: &mut SendBlock<'_>) {
         self.begin(2, now_utc_ns);
-        self.of_system.0.item(system_item::BATCH).bits(u64::from(batch), 8);
+        self.of_system.0.write(&system::BATCH, [i64::from(batch)]);
         self.end(send);
     }
 
     /// Sends an event of the service.
     pub fn event(&mut self, now_utc_ns: i64, event: ServiceEvent, send: &mut SendBlock<'_>) {
         self.begin(3, now_utc_ns);
-        self.of_system.0.item(system_item::EVENT).bits(event as u64, 8);
+        self.of_system.0.write(&system::EVENT, [event as i64]);
         self.end(send);
     }
 
     /// Sends the state of each sensor, in as many blocks as it takes.
     pub fn sensors(&mut self, now_utc_ns: i64, sensors: &[SensorStatus], send: &mut SendBlock<'_>) {
-        use sensor_item::*;
         let (record, outbox) = &mut self.of_sensors;
         for sensor in sensors {
-            items::source(record, SOURCE, self.source);
-            if let Some(service) = self.service {
-                record.item(SERVICE).bits(u64::from(service), 8);
-            }
-            items::time_of_day(record, TIME, now_utc_ns);
-            items::source(record, SENSOR, [sensor.sac, sensor.sic]);
+            items::source(record, &sensor::SOURCE, self.source);
+            items::number(record, &sensor::SERVICE, self.service.map(i64::from));
+            items::time_of_day(record, &sensor::TIME, now_utc_ns);
+            items::source(record, &sensor::SENSOR, [sensor.sac, sensor.sic]);
             let condition = match sensor.condition {
                 Condition::Operational => 0,
                 Condition::Degraded => 1,
                 Condition::Initialising => 2,
                 Condition::NotConnected => 3,
             };
-            let (time, silent) = (u8::from(sensor.time_source_invalid), u8::from(sensor.silent));
-            record.item(STATUS).extended(&[condition << 5, time << 2 | silent << 1]);
+            record
+                .item(sensor::STATUS)
+                .put(sensor::CON, condition)
+                .put(sensor::TSV, sensor.time_source_invalid)
+                .put(sensor::NPW, sensor.silent);
             outbox.push(record.finish(), send);
         }
         outbox.flush(send);
@@ -214,15 +213,12 @@ impl StatusReports {
         }
     }
 
-    fn begin(&mut self, message: u64, now_utc_ns: i64) {
-        use system_item::*;
+    fn begin(&mut self, message: i64, now_utc_ns: i64) {
         let record = &mut self.of_system.0;
-        items::source(record, SOURCE, self.source);
-        record.item(MESSAGE_TYPE).bits(message, 8);
-        if let Some(service) = self.service {
-            record.item(SERVICE).bits(u64::from(service), 8);
-        }
-        items::time_of_day(record, TIME, now_utc_ns);
+        items::source(record, &system::SOURCE, self.source);
+        record.write(&system::MESSAGE_TYPE, [message]);
+        items::number(record, &system::SERVICE, self.service.map(i64::from));
+        items::time_of_day(record, &system::TIME, now_utc_ns);
     }
 
     fn end(&mut self, send: &mut SendBlock<'_>) {

@@ -33,52 +33,83 @@
 //! source is remembered with the track's number. The track's own age, TRK, counts from a birth that no state tells.
 
 use frames::SystemFrame;
+use frames::time::NS_PER_S;
 use messages::{SystemTrack, TrackState, contribution_bits};
 
-use super::items::{self, CLIMB_LSB_MPS, HEIGHT_LSB_M, LEVEL_LSB_M};
+use super::items;
 use super::place::{self, Place};
 use super::quantity;
 use super::track_numbers::TrackNumbers;
 use super::{HeightReference, Outbox, OutgoingCounts, OutgoingError, SendBlock, Unsent, check_category};
 use asterix::categories::CAT062;
-use asterix::{Category, RecordWriter};
-use item::*;
+use asterix::field::{Elements, Field, added, elements, field, item, subitem, whole};
+use asterix::{Category, Frn, RecordWriter};
 
-/// The field reference numbers, the same in every edition.
-mod item {
-    use asterix::categories::CAT062_V1_18;
-    use asterix::table::{Frn, Uap};
+const SOURCE: Elements<2> = elements(CAT062, "010", ["SAC", "SIC"]);
+const SERVICE: Elements<1> = whole(CAT062, "015");
+const TIME: Elements<1> = whole(CAT062, "070");
+const GEODETIC_POSITION: Elements<2> = elements(CAT062, "105", ["LAT", "LON"]);
+const CARTESIAN_POSITION: Elements<2> = elements(CAT062, "100", ["X", "Y"]);
+const VELOCITY: Elements<2> = elements(CAT062, "185", ["VX", "VY"]);
+const CODE: Field = field(CAT062, &["060", "MODE3A"]);
+const MODE_3A: Frn = item(CAT062, "060");
+const IDENTIFICATION: Elements<1> = elements(CAT062, "245", ["CHR"]);
+const TRACK_NUMBER: Elements<1> = whole(CAT062, "040");
+const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT062, "130");
+/// Not corrected by the local pressure.
+const BAROMETRIC_ALTITUDE: Elements<1> = elements(CAT062, "135", ["CTB"]);
+const CLIMB: Elements<1> = whole(CAT062, "220");
 
-    const UAP: &Uap = CAT062_V1_18.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const SERVICE: Frn = UAP.frn("015");
-    pub(super) const TIME: Frn = UAP.frn("070");
-    pub(super) const GEODETIC_POSITION: Frn = UAP.frn("105");
-    pub(super) const CARTESIAN_POSITION: Frn = UAP.frn("100");
-    pub(super) const VELOCITY: Frn = UAP.frn("185");
-    pub(super) const MODE_3A: Frn = UAP.frn("060");
-    pub(super) const IDENTIFICATION: Frn = UAP.frn("245");
-    pub(super) const AIRCRAFT_DATA: Frn = UAP.frn("380");
-    pub(super) const TRACK_NUMBER: Frn = UAP.frn("040");
-    pub(super) const TRACK_STATUS: Frn = UAP.frn("080");
-    pub(super) const UPDATE_AGES: Frn = UAP.frn("290");
-    pub(super) const GEOMETRIC_ALTITUDE: Frn = UAP.frn("130");
-    pub(super) const BAROMETRIC_ALTITUDE: Frn = UAP.frn("135");
-    pub(super) const CLIMB: Frn = UAP.frn("220");
-    pub(super) const ACCURACIES: Frn = UAP.frn("500");
+const AIRCRAFT: Frn = item(CAT062, "380");
+const ADR: usize = subitem(CAT062, "380", "ADR");
+const ADDRESS: Field = field(CAT062, &["380", "ADR"]);
+const ID: usize = subitem(CAT062, "380", "ID");
+const CALL_SIGN: Field = field(CAT062, &["380", "ID"]);
+
+const STATUS: Frn = item(CAT062, "080");
+const MON: Field = field(CAT062, &["080", "MON"]);
+const SPI: Field = field(CAT062, &["080", "SPI"]);
+const MRH: Field = field(CAT062, &["080", "MRH"]);
+const CNF: Field = field(CAT062, &["080", "CNF"]);
+const SIM: Field = field(CAT062, &["080", "SIM"]);
+const TSE: Field = field(CAT062, &["080", "TSE"]);
+const TSB: Field = field(CAT062, &["080", "TSB"]);
+const CST: Field = field(CAT062, &["080", "CST"]);
+const PSR: Field = field(CAT062, &["080", "PSR"]);
+const SSR: Field = field(CAT062, &["080", "SSR"]);
+const MDS: Field = field(CAT062, &["080", "MDS"]);
+const ADS: Field = field(CAT062, &["080", "ADS"]);
+const SDS: Field = field(CAT062, &["080", "SDS"]);
+const EMS: Field = field(CAT062, &["080", "EMS"]);
+const SFC: Field = added(CAT062, &["080", "SFC"]);
+const MLAT: Field = added(CAT062, &["080", "MLAT"]);
+
+/// Ages of the last update by each kind of source, in the order of [`Technology`].
+const AGES: Frn = item(CAT062, "290");
+const AGES_BY_KIND: [(usize, Field); KINDS] = [age("PSR"), age("SSR"), age("MDS"), age("ES"), age("MLT")];
+
+const ACCURACIES: Frn = item(CAT062, "500");
+const APC: usize = subitem(CAT062, "500", "APC");
+const SIGMA_X: Field = field(CAT062, &["500", "APC", "X"]);
+const SIGMA_Y: Field = field(CAT062, &["500", "APC", "Y"]);
+const COV: usize = subitem(CAT062, "500", "COV");
+const ROOT_OF_COVARIANCE: Field = field(CAT062, &["500", "COV"]);
+const AGA: usize = subitem(CAT062, "500", "AGA");
+const SIGMA_HEIGHT: Field = field(CAT062, &["500", "AGA"]);
+const ABA: usize = subitem(CAT062, "500", "ABA");
+const SIGMA_LEVEL: Field = field(CAT062, &["500", "ABA"]);
+const ATV: usize = subitem(CAT062, "500", "ATV");
+const SIGMA_VX: Field = field(CAT062, &["500", "ATV", "X"]);
+const SIGMA_VY: Field = field(CAT062, &["500", "ATV", "Y"]);
+const ARC: usize = subitem(CAT062, "500", "ARC");
+const SIGMA_CLIMB: Field = field(CAT062, &["500", "ARC"]);
+
+const fn age(name: &str) -> (usize, Field) {
+    (subitem(CAT062, "290", name), field(CAT062, &["290", name]))
 }
 
 /// Most tracks whose numbers are remembered, ended ones included.
 const TRACKS_MAX: usize = 16_384;
-/// LSB of positions in the plane, metres.
-const POSITION_LSB_M: f64 = 0.5;
-/// Greatest root of a covariance of positions, metres.
-const COVARIANCE_ROOT_MAX_M: f64 = 16_383.5;
-/// LSB of velocities, metres per second.
-const VELOCITY_LSB_MPS: f64 = 0.25;
-/// LSB of ages, nanoseconds.
-const AGE_LSB_NS: f64 = 250_000_000.0;
-
 /// How a source observes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Technology {
@@ -214,8 +245,8 @@ impl SystemReports {
                 height: HeightReference::default(),
                 simulated: false,
                 with_identification: false,
-                has_surface_flag: items::element_of(table, "080", "SFC").is_some(),
-                has_multilateration_flag: items::element_of(table, "080", "MLAT").is_some(),
+                has_surface_flag: table.edition >= SFC.since,
+                has_multilateration_flag: table.edition >= MLAT.since,
             },
             with_tentative: false,
         })
@@ -348,21 +379,21 @@ impl Form {
 
     fn write(&self, report: &Report<'_>, record: &mut RecordWriter) {
         let track = report.track;
-        items::source(record, SOURCE, self.source);
-        if let Some(service) = self.service {
-            record.item(SERVICE).bits(u64::from(service), 8);
-        }
-        items::time_of_day(record, TIME, track.reference_time_ns);
-        items::geodetic(record, GEODETIC_POSITION, &report.place.geodetic, 32, 25);
+        items::source(record, &SOURCE, self.source);
+        items::number(record, &SERVICE, self.service.map(i64::from));
+        items::time_of_day(record, &TIME, track.reference_time_ns);
+        items::geodetic(record, &GEODETIC_POSITION, &report.place.geodetic);
         let [x, y, _] = track.position_m;
-        items::pair(record, CARTESIAN_POSITION, [x, y], POSITION_LSB_M, 24);
+        items::quantities(record, &CARTESIAN_POSITION, [x, y]);
         let has_height = track.height_valid != 0;
         let [east, north] = report.place.horizontal(has_height);
         let velocity = [east, north].map(|axis| place::along(axis, track.velocity_mps));
-        items::pair(record, VELOCITY, velocity, VELOCITY_LSB_MPS, 16);
-        items::mode_3a(record, MODE_3A, &track.identity, true);
+        items::quantities(record, &VELOCITY, velocity);
+        if let Some(code) = track.identity.mode_3a() {
+            record.item(MODE_3A).put(CODE, code & 0o7777);
+        }
         self.identification(track, record);
-        record.item(TRACK_NUMBER).bits(u64::from(report.number), 16);
+        record.write(&TRACK_NUMBER, [i64::from(report.number)]);
         self.status(report, record);
         ages(report, record);
         if has_height {
@@ -372,69 +403,58 @@ impl Form {
     }
 
     fn identification(&self, track: &SystemTrack, record: &mut RecordWriter) {
-        let (address, call_sign) = (track.identity.address(), items::call_sign(&track.identity));
-        if let Some(call_sign) = call_sign.filter(|_| self.with_identification) {
-            record.item(IDENTIFICATION).bits(0, 8).bits(call_sign, 48); // sent by the target
+        let call_sign = items::call_sign(&track.identity);
+        if self.with_identification {
+            items::number(record, &IDENTIFICATION, call_sign); // sent by the target
         }
-        let present = u64::from(address.is_some()) | u64::from(call_sign.is_some()) << 1;
-        if present == 0 {
-            return;
-        }
-        record.item(AIRCRAFT_DATA).subitems(present);
-        if let Some(address) = address {
-            record.bits(u64::from(address & 0x00FF_FFFF), 24);
+        if let Some(address) = items::address(&track.identity) {
+            record.subitem(AIRCRAFT, ADR).put(ADDRESS, address);
         }
         if let Some(call_sign) = call_sign {
-            record.bits(call_sign, 48);
+            record.subitem(AIRCRAFT, ID).put(CALL_SIGN, call_sign);
         }
     }
 
-    /// I062/080; seven bits a part, the most significant first.
+    /// Writes I062/080.
     fn status(&self, report: &Report<'_>, record: &mut RecordWriter) {
         let track = report.track;
         let state = TrackState::from_code(track.state);
-        let flag = |holds: bool, bit: u32| u8::from(holds) << bit;
         let geometric = track.height_valid != 0 && self.height == HeightReference::Geometric;
         let stale = |technology: Technology| self.kinds & !report.fresh & technology.bit() != 0;
-        record.item(TRACK_STATUS).extended(&[
-            flag(report.support.sources == 1, 6) // MON
-                | flag(items::special_identification(track.alerts), 5)
-                | flag(geometric, 4) // MRH
-                | flag(state == Some(TrackState::Tentative), 0),
-            flag(self.simulated, 6) | flag(report.is_last, 5) | flag(report.is_first, 4),
-            0,
-            flag(state == Some(TrackState::Coasted), 6)
-                | flag(stale(Technology::Primary), 5)
-                | flag(stale(Technology::Secondary), 4)
-                | flag(stale(Technology::ModeS), 3)
-                | flag(stale(Technology::AdsB), 2),
-            report.support.data_source() << 5 | (items::emergency(track.alerts) as u8) << 2,
-            flag(track.on_ground != 0 && self.has_surface_flag, 3)
-                | flag(stale(Technology::Multilateration) && self.has_multilateration_flag, 0),
-        ]);
+        record
+            .item(STATUS)
+            .put(MON, report.support.sources == 1)
+            .put(SPI, items::special_identification(track.alerts))
+            .put(MRH, geometric)
+            .put(CNF, state == Some(TrackState::Tentative))
+            .put(SIM, self.simulated)
+            .put(TSE, report.is_last)
+            .put(TSB, report.is_first)
+            .put(CST, state == Some(TrackState::Coasted))
+            .put(PSR, stale(Technology::Primary))
+            .put(SSR, stale(Technology::Secondary))
+            .put(MDS, stale(Technology::ModeS))
+            .put(ADS, stale(Technology::AdsB))
+            .put(SDS, report.support.data_source())
+            .put(EMS, items::emergency(track.alerts))
+            .put(SFC, track.on_ground != 0 && self.has_surface_flag)
+            .put(
+                MLAT,
+                stale(Technology::Multilateration) && self.has_multilateration_flag,
+            );
     }
 
     fn vertical(&self, report: &Report<'_>, record: &mut RecordWriter) {
         let height_m = report.place.geodetic.height_m();
         match self.height {
-            HeightReference::Geometric => {
-                if let Some(height) = items::height(height_m) {
-                    record.item(GEOMETRIC_ALTITUDE).signed(height, 16);
-                }
-            }
-            HeightReference::Barometric => {
-                if let Some(level) = items::level(height_m, 15) {
-                    record.item(BAROMETRIC_ALTITUDE).bits(0, 1).signed(level, 15); // not corrected by the local pressure
-                }
-            }
+            HeightReference::Geometric => items::height(record, &GEOMETRIC_ALTITUDE, Some(height_m)),
+            HeightReference::Barometric => items::level(record, &BAROMETRIC_ALTITUDE, Some(height_m)),
         }
         let climb_mps = place::along(report.place.up(), report.track.velocity_mps);
-        if let Some(climb) = quantity::signed(climb_mps, CLIMB_LSB_MPS, 16) {
-            record.item(CLIMB).signed(climb, 16);
-        }
+        items::quantities(record, &CLIMB, [climb_mps]);
     }
 
-    /// I062/500, where the greatest numbers mean "or more".
+    /// Writes I062/500, where the greatest numbers mean "or more".
     fn accuracies(&self, report: &Report<'_>, record: &mut RecordWriter) {
         let Accuracies {
             position,
@@ -442,37 +462,37 @@ impl Form {
             velocity,
             climb,
         } = Accuracies::new(report);
-        let geometric = height.filter(|_| self.height == HeightReference::Geometric);
-        let barometric = height.filter(|_| self.height == HeightReference::Barometric);
-        let bit = |holds: bool, subitem: u32| u64::from(holds) << subitem;
-        let present = bit(position.is_some(), 0) // APC
-            | bit(position.is_some(), 1) // COV
-            | bit(geometric.is_some(), 3) // AGA
-            | bit(barometric.is_some(), 4) // ABA
-            | bit(velocity.is_some(), 5) // ATV
-            | bit(climb.is_some(), 7); // ARC
-        if present == 0 {
-            return;
+        if let Some([x, y, root]) = position {
+            record
+                .subitem(ACCURACIES, APC)
+                .put(SIGMA_X, quantity::capped_deviation(SIGMA_X, x))
+                .put(SIGMA_Y, quantity::capped_deviation(SIGMA_Y, y));
+            let greatest_m = ROOT_OF_COVARIANCE.greatest() as f64 * ROOT_OF_COVARIANCE.lsb;
+            let root = ROOT_OF_COVARIANCE.nearest(root.clamp(-greatest_m, greatest_m));
+            record
+                .subitem(ACCURACIES, COV)
+                .put(ROOT_OF_COVARIANCE, root.unwrap_or(0));
         }
-        record.item(ACCURACIES).subitems(present);
-        deviation(record, position.map(|[x, _, _]| x), POSITION_LSB_M, 16);
-        deviation(record, position.map(|[_, y, _]| y), POSITION_LSB_M, 16);
-        if let Some([_, _, root]) = position {
-            let root = root.clamp(-COVARIANCE_ROOT_MAX_M, COVARIANCE_ROOT_MAX_M);
-            record.signed(quantity::signed(root, POSITION_LSB_M, 16).unwrap_or(0), 16);
+        let (position, field) = match self.height {
+            HeightReference::Geometric => (AGA, SIGMA_HEIGHT),
+            HeightReference::Barometric => (ABA, SIGMA_LEVEL),
+        };
+        if let Some(height) = height {
+            record
+                .subitem(ACCURACIES, position)
+                .put(field, quantity::capped_deviation(field, height));
         }
-        deviation(record, geometric, HEIGHT_LSB_M, 8);
-        deviation(record, barometric, LEVEL_LSB_M, 8);
-        deviation(record, velocity.map(|[x, _]| x), VELOCITY_LSB_MPS, 8);
-        deviation(record, velocity.map(|[_, y]| y), VELOCITY_LSB_MPS, 8);
-        deviation(record, climb, CLIMB_LSB_MPS, 8);
-    }
-}
-
-/// A standard deviation, where there is one.
-fn deviation(record: &mut RecordWriter, sigma: Option<f64>, lsb: f64, bits: u32) {
-    if let Some(sigma) = sigma {
-        record.bits(quantity::capped_deviation(sigma, lsb, bits), bits as usize);
+        if let Some([x, y]) = velocity {
+            record
+                .subitem(ACCURACIES, ATV)
+                .put(SIGMA_VX, quantity::capped_deviation(SIGMA_VX, x))
+                .put(SIGMA_VY, quantity::capped_deviation(SIGMA_VY, y));
+        }
+        if let Some(climb) = climb {
+            record
+                .subitem(ACCURACIES, ARC)
+                .put(SIGMA_CLIMB, quantity::capped_deviation(SIGMA_CLIMB, climb));
+        }
     }
 }
 
@@ -524,25 +544,14 @@ impl Support {
     }
 }
 
-/// I062/290: how long ago each kind of source last updated the track.
+/// Writes I062/290: how long ago each kind of source last updated the track.
 fn ages(report: &Report<'_>, record: &mut RecordWriter) {
-    /// Subitems, in the order of the kinds they are for.
-    const SUBITEMS: [u64; KINDS] = [1 << 1, 1 << 2, 1 << 3, 1 << 5, 1 << 9];
-    let known = || {
-        report
-            .support
-            .last_ns
-            .iter()
-            .zip(SUBITEMS)
-            .filter(|(last_ns, _)| **last_ns != i64::MIN)
-    };
-    let present = known().fold(0, |present, (_, subitem)| present | subitem);
-    if present == 0 {
-        return;
-    }
-    record.item(UPDATE_AGES).subitems(present);
-    for (last_ns, _) in known() {
-        let age_ns = report.track.reference_time_ns.saturating_sub(*last_ns);
-        record.bits(quantity::capped(age_ns as f64, AGE_LSB_NS, 8), 8);
+    for (last_ns, (position, field)) in report.support.last_ns.iter().zip(AGES_BY_KIND) {
+        if *last_ns != i64::MIN {
+            let age_ns = report.track.reference_time_ns.saturating_sub(*last_ns);
+            let lsb_ns = field.lsb * NS_PER_S as f64;
+            let age = ((age_ns as f64 / lsb_ns).round().max(0.0) as i64).min(field.greatest());
+            record.subitem(AGES, position).put(field, age);
+        }
     }
 }

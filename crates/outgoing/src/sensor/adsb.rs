@@ -29,50 +29,52 @@
 
 use messages::alert_bits;
 
-use super::super::items::NAUTICAL_MILE_M;
 use super::super::{items, quantity};
 use super::{Report, Site};
-use asterix::RecordWriter;
-use item::*;
+use asterix::categories::{CAT021_V2, CAT023};
+use asterix::field::{Elements, Field, NAUTICAL_MILE_M, elements, field, item, whole};
+use asterix::{Frn, RecordWriter};
 
-/// The field reference numbers of CAT021, the same in editions 2.1 to 2.7.
-mod item {
-    use asterix::categories::CAT021_V2_4;
-    use asterix::table::{Frn, Uap};
+const SOURCE: Elements<2> = elements(CAT021_V2, "010", ["SAC", "SIC"]);
+const TRACK_NUMBER: Elements<1> = elements(CAT021_V2, "161", ["TRNUM"]);
+const POSITION_TIME: Elements<1> = whole(CAT021_V2, "071");
+const POSITION: Elements<2> = elements(CAT021_V2, "131", ["LAT", "LON"]);
+const VELOCITY_TIME: Elements<1> = whole(CAT021_V2, "072");
+const ADDRESS: Elements<1> = whole(CAT021_V2, "080");
+const POSITION_RECEPTION: Elements<1> = whole(CAT021_V2, "073");
+const VELOCITY_RECEPTION: Elements<1> = whole(CAT021_V2, "075");
+const GEOMETRIC_HEIGHT: Elements<1> = whole(CAT021_V2, "140");
+const VERSION: Elements<2> = elements(CAT021_V2, "210", ["VN", "LTT"]);
+const MODE_3A: Elements<1> = elements(CAT021_V2, "070", ["MODE3A"]);
+const FLIGHT_LEVEL: Elements<1> = whole(CAT021_V2, "145");
+const BAROMETRIC_CLIMB: Elements<1> = elements(CAT021_V2, "155", ["BVR"]);
+const GEOMETRIC_CLIMB: Elements<1> = elements(CAT021_V2, "157", ["GVR"]);
+const GROUND_VECTOR: Elements<2> = elements(CAT021_V2, "160", ["GS", "TA"]);
+const IDENTIFICATION: Elements<1> = whole(CAT021_V2, "170");
+const TARGET_STATUS: Elements<3> = elements(CAT021_V2, "200", ["LNAV", "PS", "SS"]);
+/// An advisory is active, so the system for it operates; no other capability is known.
+const OPERATIONAL_STATUS: Elements<1> = elements(CAT021_V2, "008", ["RA"]);
 
-    const UAP: &Uap = CAT021_V2_4.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const DESCRIPTOR: Frn = UAP.frn("040");
-    pub(super) const TRACK_NUMBER: Frn = UAP.frn("161");
-    pub(super) const POSITION_TIME: Frn = UAP.frn("071");
-    pub(super) const POSITION: Frn = UAP.frn("131");
-    pub(super) const VELOCITY_TIME: Frn = UAP.frn("072");
-    pub(super) const ADDRESS: Frn = UAP.frn("080");
-    pub(super) const POSITION_RECEPTION: Frn = UAP.frn("073");
-    pub(super) const VELOCITY_RECEPTION: Frn = UAP.frn("075");
-    pub(super) const GEOMETRIC_HEIGHT: Frn = UAP.frn("140");
-    pub(super) const QUALITY: Frn = UAP.frn("090");
-    pub(super) const VERSION: Frn = UAP.frn("210");
-    pub(super) const MODE_3A: Frn = UAP.frn("070");
-    pub(super) const FLIGHT_LEVEL: Frn = UAP.frn("145");
-    pub(super) const TARGET_STATUS: Frn = UAP.frn("200");
-    pub(super) const BAROMETRIC_CLIMB: Frn = UAP.frn("155");
-    pub(super) const GEOMETRIC_CLIMB: Frn = UAP.frn("157");
-    pub(super) const GROUND_VECTOR: Frn = UAP.frn("160");
-    pub(super) const IDENTIFICATION: Frn = UAP.frn("170");
-    pub(super) const OPERATIONAL_STATUS: Frn = UAP.frn("008");
-}
+const DESCRIPTOR: Frn = item(CAT021_V2, "040");
+const ARC: Field = field(CAT021_V2, &["040", "ARC"]);
+const GBS: Field = field(CAT021_V2, &["040", "GBS"]);
+const SIM: Field = field(CAT021_V2, &["040", "SIM"]);
+const SAA: Field = field(CAT021_V2, &["040", "SAA"]);
 
-/// The field reference numbers of CAT023, the same in every edition.
-mod status_item {
-    use asterix::categories::CAT023_V1_3;
-    use asterix::table::{Frn, Uap};
+const QUALITY: Frn = item(CAT021_V2, "090");
+const NACV: Field = field(CAT021_V2, &["090", "NUCRNACV"]);
+const NACP: Field = field(CAT021_V2, &["090", "NACP"]);
+const GVA: Field = field(CAT021_V2, &["090", "GVA"]);
 
-    const UAP: &Uap = CAT023_V1_3.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const REPORT_TYPE: Frn = UAP.frn("000");
-    pub(super) const TIME: Frn = UAP.frn("070");
-    pub(super) const STATUS: Frn = UAP.frn("100");
+/// Items of CAT023.
+mod service {
+    use super::*;
+
+    pub(super) const SOURCE: Elements<2> = elements(CAT023, "010", ["SAC", "SIC"]);
+    pub(super) const REPORT_TYPE: Elements<1> = whole(CAT023, "000");
+    pub(super) const TIME: Elements<1> = whole(CAT023, "070");
+    /// Its data may be used with all numbers 0.
+    pub(super) const STATUS: Frn = item(CAT023, "100");
 }
 
 /// Ratio of the radius that holds 95 % of a circular normal distribution to its standard deviation per axis. Of an
@@ -115,61 +117,52 @@ pub(super) fn write(site: &Site, report: &Report<'_>, record: &mut RecordWriter)
     let (track, identity) = (report.track, &report.track.identity);
     let time_ns = track.time_of_measurement_ns;
     let velocity = report.velocity_mps();
-    items::source(record, SOURCE, site.source);
+    items::source(record, &SOURCE, site.source);
     descriptor(site, report, record);
-    record.item(TRACK_NUMBER).bits(u64::from(report.number), 16);
-    items::time_of_day(record, POSITION_TIME, time_ns);
+    record.write(&TRACK_NUMBER, [i64::from(report.number)]);
+    items::time_of_day(record, &POSITION_TIME, time_ns);
     if let Some(place) = &report.place {
-        items::geodetic(record, POSITION, &place.geodetic, 32, 30);
+        items::geodetic(record, &POSITION, &place.geodetic);
     }
     if velocity.is_some() {
-        items::time_of_day(record, VELOCITY_TIME, time_ns);
+        items::time_of_day(record, &VELOCITY_TIME, time_ns);
     }
-    items::address(record, ADDRESS, identity);
-    items::time_of_day(record, POSITION_RECEPTION, time_ns);
+    items::number(record, &ADDRESS, items::address(identity));
+    items::time_of_day(record, &POSITION_RECEPTION, time_ns);
     if velocity.is_some() {
-        items::time_of_day(record, VELOCITY_RECEPTION, time_ns);
+        items::time_of_day(record, &VELOCITY_RECEPTION, time_ns);
     }
-    if let Some(height) = site.geometric(report.height_m()).and_then(items::height) {
-        record.item(GEOMETRIC_HEIGHT).signed(height, 16);
-    }
+    items::height(record, &GEOMETRIC_HEIGHT, site.geometric(report.height_m()));
     quality(site, report, record);
-    if let Some(code) = identity.mode_3a() {
-        record.item(MODE_3A).bits(u64::from(code & 0o7777), 16);
-    }
-    if let Some(level) = site
-        .barometric(report.height_m())
-        .and_then(|height_m| items::level(height_m, 16))
-    {
-        record.item(FLIGHT_LEVEL).signed(level, 16);
-    }
+    let code = identity.mode_3a().map(|code| i64::from(code & 0o7777));
+    items::number(record, &MODE_3A, code);
+    items::level(record, &FLIGHT_LEVEL, site.barometric(report.height_m()));
     target_status(report, record);
-    let climb = |climb_mps: f64| quantity::signed(climb_mps, items::CLIMB_LSB_MPS, 15);
-    if let Some(climb) = site.barometric(report.climb_mps()).and_then(climb) {
-        record.item(BAROMETRIC_CLIMB).bits(0, 1).signed(climb, 15);
+    if let Some(climb_mps) = site.barometric(report.climb_mps()) {
+        items::quantities(record, &BAROMETRIC_CLIMB, [climb_mps]);
     }
-    if let Some(climb) = site.geometric(report.climb_mps()).and_then(climb) {
-        record.item(GEOMETRIC_CLIMB).bits(0, 1).signed(climb, 15);
+    if let Some(climb_mps) = site.geometric(report.climb_mps()) {
+        items::quantities(record, &GEOMETRIC_CLIMB, [climb_mps]);
     }
-    if let Some((speed, course)) = velocity.and_then(|velocity| items::ground_vector(velocity, 15)) {
-        record.item(GROUND_VECTOR).bits(0, 1).bits(speed, 15).bits(course, 16);
+    if let Some(velocity) = velocity {
+        items::ground_vector(record, &GROUND_VECTOR, velocity);
     }
-    if let Some(call_sign) = items::call_sign(identity) {
-        record.item(IDENTIFICATION).bits(call_sign, 48);
-    }
+    items::number(record, &IDENTIFICATION, items::call_sign(identity));
     if track.alerts & alert_bits::RESOLUTION_ADVISORY != 0 {
-        record.item(OPERATIONAL_STATUS).bits(0b1000_0000, 8); // RA active, so TCAS operates; no other capability known
+        record.write(&OPERATIONAL_STATUS, [1]);
     }
 }
 
 fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
-    const STEP_UNKNOWN: u8 = 2;
-    let second = u8::from(report.on_ground()) << 5 | u8::from(site.simulated) << 4;
+    const STEP_UNKNOWN: i64 = 2;
     // A second part must say whether a selected altitude can be had. None is sent.
-    let no_selected_altitude = if second == 0 { 0 } else { 1 << 2 };
+    let has_second_part = report.on_ground() || site.simulated;
     record
         .item(DESCRIPTOR)
-        .extended(&[STEP_UNKNOWN << 2, second | no_selected_altitude]);
+        .put(ARC, STEP_UNKNOWN)
+        .put(GBS, report.on_ground())
+        .put(SIM, site.simulated)
+        .put(SAA, has_second_part);
 }
 
 fn quality(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
@@ -183,17 +176,15 @@ fn quality(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
     let height_class = height.map_or(0, |sigma| class(INTERVAL95_SIGMAS * sigma, &GVA_BOUNDS_M));
     record
         .item(QUALITY)
-        .extended(&[velocity_class << 4, position_class, height_class]);
-    const VERSION_2: u64 = 2;
-    const EXTENDED_SQUITTER: u64 = 2;
-    record
-        .item(VERSION)
-        .bits(0, 2)
-        .bits(VERSION_2, 3)
-        .bits(EXTENDED_SQUITTER, 3);
+        .put(NACV, velocity_class)
+        .put(NACP, position_class)
+        .put(GVA, height_class);
+    const VERSION_2: i64 = 2;
+    const EXTENDED_SQUITTER: i64 = 2;
+    record.write(&VERSION, [VERSION_2, EXTENDED_SQUITTER]);
 }
 
-/// I021/200: the emergency, and what Mode S calls surveillance status.
+/// Writes I021/200: the emergency, and what Mode S calls surveillance status.
 fn target_status(report: &Report<'_>, record: &mut RecordWriter) {
     let alerts = report.track.alerts;
     let emergency = items::emergency(alerts);
@@ -209,23 +200,16 @@ fn target_status(report: &Report<'_>, record: &mut RecordWriter) {
     if emergency == 0 && surveillance_status == 0 {
         return;
     }
-    const LNAV_UNKNOWN: u64 = 1; // the document's value for "not told"
-    record
-        .item(TARGET_STATUS)
-        .bits(0, 1)
-        .bits(LNAV_UNKNOWN, 1)
-        .bits(0, 1)
-        .bits(emergency, 3)
-        .bits(surveillance_status, 2);
+    const LNAV_UNKNOWN: i64 = 1; // the document's value for "not told"
+    record.write(&TARGET_STATUS, [LNAV_UNKNOWN, emergency, surveillance_status]);
 }
 
-/// The ground station status report: its data may be used.
+/// Writes the ground station status report: its data may be used.
 pub(super) fn status(site: &Site, now_utc_ns: i64, record: &mut RecordWriter) {
-    use status_item::*;
-    items::source(record, SOURCE, site.source);
-    record.item(REPORT_TYPE).bits(1, 8);
-    items::time_of_day(record, TIME, now_utc_ns);
-    record.item(STATUS).extended(&[0]);
+    items::source(record, &service::SOURCE, site.source);
+    record.write(&service::REPORT_TYPE, [1]);
+    items::time_of_day(record, &service::TIME, now_utc_ns);
+    record.item(service::STATUS);
 }
 
 #[cfg(test)]

@@ -18,49 +18,59 @@ use messages::alert_bits;
 
 use super::super::{items, quantity};
 use super::{Report, Site};
-use asterix::{Category, RecordWriter};
-use item::*;
+use asterix::categories::{CAT019, CAT020};
+use asterix::field::{Elements, Field, added, elements, field, item, subitem, whole};
+use asterix::{Category, Frn, RecordWriter};
 
-/// The field reference numbers of CAT020, the same in every edition.
-mod item {
-    use asterix::categories::CAT020_V1_9;
-    use asterix::table::{Frn, Uap};
+const SOURCE: Elements<2> = elements(CAT020, "010", ["SAC", "SIC"]);
+const TIME: Elements<1> = whole(CAT020, "140");
+const GEODETIC_POSITION: Elements<2> = elements(CAT020, "041", ["LAT", "LON"]);
+const CARTESIAN_POSITION: Elements<2> = elements(CAT020, "042", ["X", "Y"]);
+const TRACK_NUMBER: Elements<1> = elements(CAT020, "161", ["TRN"]);
+const MODE_3A: Elements<2> = elements(CAT020, "070", ["L", "MODE3A"]);
+const VELOCITY: Elements<2> = elements(CAT020, "202", ["VX", "VY"]);
+const FLIGHT_LEVEL: Elements<1> = elements(CAT020, "090", ["FL"]);
+const ADDRESS: Elements<1> = whole(CAT020, "220");
+const IDENTIFICATION: Elements<2> = elements(CAT020, "245", ["STI", "CHR"]);
+const GEOMETRIC_HEIGHT: Elements<1> = whole(CAT020, "105");
+const FLIGHT_STATUS: Elements<2> = elements(CAT020, "230", ["STAT", "AIC"]);
 
-    const UAP: &Uap = CAT020_V1_9.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const DESCRIPTOR: Frn = UAP.frn("020");
-    pub(super) const TIME: Frn = UAP.frn("140");
-    pub(super) const GEODETIC_POSITION: Frn = UAP.frn("041");
-    pub(super) const CARTESIAN_POSITION: Frn = UAP.frn("042");
-    pub(super) const TRACK_NUMBER: Frn = UAP.frn("161");
-    pub(super) const TRACK_STATUS: Frn = UAP.frn("170");
-    pub(super) const MODE_3A: Frn = UAP.frn("070");
-    pub(super) const VELOCITY: Frn = UAP.frn("202");
-    pub(super) const FLIGHT_LEVEL: Frn = UAP.frn("090");
-    pub(super) const ADDRESS: Frn = UAP.frn("220");
-    pub(super) const IDENTIFICATION: Frn = UAP.frn("245");
-    pub(super) const GEOMETRIC_HEIGHT: Frn = UAP.frn("105");
-    pub(super) const ACCURACY: Frn = UAP.frn("500");
-    pub(super) const FLIGHT_STATUS: Frn = UAP.frn("230");
+const DESCRIPTOR: Frn = item(CAT020, "020");
+const SSR: Field = field(CAT020, &["020", "SSR"]);
+const MS: Field = field(CAT020, &["020", "MS"]);
+const SPI: Field = field(CAT020, &["020", "SPI"]);
+const GBS: Field = field(CAT020, &["020", "GBS"]);
+const SIM: Field = field(CAT020, &["020", "SIM"]);
+/// Kind of address.
+const CF: Field = added(CAT020, &["020", "CF"]);
+
+const STATUS: Frn = item(CAT020, "170");
+const CNF: Field = field(CAT020, &["170", "CNF"]);
+const TRE: Field = field(CAT020, &["170", "TRE"]);
+const CST: Field = field(CAT020, &["170", "CST"]);
+const CDM: Field = field(CAT020, &["170", "CDM"]);
+const STH: Field = field(CAT020, &["170", "STH"]);
+
+const ACCURACY: Frn = item(CAT020, "500");
+const SDP: usize = subitem(CAT020, "500", "SDP");
+const SDP_X: Field = field(CAT020, &["500", "SDP", "X"]);
+const SDP_Y: Field = field(CAT020, &["500", "SDP", "Y"]);
+const SDP_XY: Field = field(CAT020, &["500", "SDP", "XY"]);
+const SDH: usize = subitem(CAT020, "500", "SDH");
+const SIGMA_HEIGHT: Field = field(CAT020, &["500", "SDH"]);
+
+/// Items of CAT019.
+mod service {
+    use super::*;
+
+    pub(super) const SOURCE: Elements<2> = elements(CAT019, "010", ["SAC", "SIC"]);
+    pub(super) const MESSAGE_TYPE: Elements<1> = whole(CAT019, "000");
+    pub(super) const TIME: Elements<1> = whole(CAT019, "140");
+    /// In operation with all numbers 0.
+    pub(super) const STATUS: Frn = item(CAT019, "550");
+    pub(super) const REFERENCE_POINT: Elements<2> = elements(CAT019, "600", ["LAT", "LON"]);
 }
 
-/// The field reference numbers of CAT019.
-mod status_item {
-    use asterix::categories::CAT019_V1_3;
-    use asterix::table::{Frn, Uap};
-
-    const UAP: &Uap = CAT019_V1_3.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const MESSAGE_TYPE: Frn = UAP.frn("000");
-    pub(super) const TIME: Frn = UAP.frn("140");
-    pub(super) const STATUS: Frn = UAP.frn("550");
-    pub(super) const REFERENCE_POINT: Frn = UAP.frn("600");
-}
-
-/// LSB of positions in the plane, metres.
-const POSITION_LSB_M: f64 = 0.5;
-/// LSB of velocities (m/s), deviations of position (m) and their correlation.
-const QUARTER: f64 = 0.25;
 /// I020/230 where any of these is raised.
 const FLIGHT_STATUS_ALERTS: u8 =
     items::EMERGENCIES | alert_bits::TRANSPONDER_ALERT | alert_bits::SPECIAL_IDENTIFICATION;
@@ -75,105 +85,95 @@ pub(super) struct Form {
 impl Form {
     pub(super) fn new(table: &'static Category) -> Self {
         Self {
-            has_address_kind: items::element_of(table, "020", "CF").is_some(),
+            has_address_kind: table.edition >= CF.since,
         }
     }
 
     pub(super) fn write(&self, site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
         let (track, identity) = (report.track, &report.track.identity);
-        items::source(record, SOURCE, site.source);
+        items::source(record, &SOURCE, site.source);
         self.descriptor(site, report, record);
-        items::time_of_day(record, TIME, track.time_of_measurement_ns);
+        items::time_of_day(record, &TIME, track.time_of_measurement_ns);
         if let Some(place) = &report.place {
-            items::geodetic(record, GEODETIC_POSITION, &place.geodetic, 32, 25);
+            items::geodetic(record, &GEODETIC_POSITION, &place.geodetic);
             let [x, y, _] = site.frame.to_cartesian(track.position_m);
-            items::pair(record, CARTESIAN_POSITION, [x, y], POSITION_LSB_M, 24);
+            items::quantities(record, &CARTESIAN_POSITION, [x, y]);
         }
-        record.item(TRACK_NUMBER).bits(u64::from(report.number), 16);
+        record.write(&TRACK_NUMBER, [i64::from(report.number)]);
         status_of(report, record);
-        items::mode_3a(record, MODE_3A, identity, report.is_received());
+        items::mode_3a(record, &MODE_3A, identity, report.is_received());
         if let Some(velocity) = site.velocity_mps(report) {
-            items::pair(record, VELOCITY, velocity, QUARTER, 16);
+            items::quantities(record, &VELOCITY, velocity);
         }
-        if let Some(level) = site
-            .barometric(report.height_m())
-            .and_then(|height_m| items::level(height_m, 14))
-        {
-            record.item(FLIGHT_LEVEL).bits(0, 2).signed(level, 14);
-        }
-        items::address(record, ADDRESS, identity);
+        items::level(record, &FLIGHT_LEVEL, site.barometric(report.height_m()));
+        items::number(record, &ADDRESS, items::address(identity));
         if let Some(call_sign) = items::call_sign(identity) {
-            const DOWNLINKED: u64 = 2;
-            record
-                .item(IDENTIFICATION)
-                .bits(DOWNLINKED, 2)
-                .bits(0, 6)
-                .bits(call_sign, 48);
+            const DOWNLINKED: i64 = 2;
+            record.write(&IDENTIFICATION, [DOWNLINKED, call_sign]);
         }
-        if let Some(height) = site.geometric(report.height_m()).and_then(items::height) {
-            record.item(GEOMETRIC_HEIGHT).signed(height, 16);
-        }
+        items::height(record, &GEOMETRIC_HEIGHT, site.geometric(report.height_m()));
         accuracy(site, report, record);
         if identity.address().is_some() && track.alerts & FLIGHT_STATUS_ALERTS != 0 && !report.is_ended() {
-            items::flight_status(record, FLIGHT_STATUS, identity, track.alerts, report.on_ground());
+            items::flight_status(record, &FLIGHT_STATUS, identity, track.alerts, report.on_ground());
         }
     }
 
     fn descriptor(&self, site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
         const ADDRESS_KIND_UNKNOWN: u8 = 3;
         let mode_s = report.track.identity.address().is_some();
-        let technology = if mode_s { 1 << 5 } else { 1 << 6 };
-        let special = u8::from(report.special_identification());
-        let on_ground = u8::from(report.on_ground());
-        let address_kind = if self.has_address_kind { ADDRESS_KIND_UNKNOWN } else { 0 };
-        record.item(DESCRIPTOR).extended(&[
-            technology,
-            special << 5 | on_ground << 3 | u8::from(site.simulated) << 1,
-            address_kind << 5,
-        ]);
+        record
+            .item(DESCRIPTOR)
+            .put(SSR, !mode_s)
+            .put(MS, mode_s)
+            .put(SPI, report.special_identification())
+            .put(GBS, report.on_ground())
+            .put(SIM, site.simulated)
+            .put(CF, if self.has_address_kind { ADDRESS_KIND_UNKNOWN } else { 0 });
     }
 }
 
 fn status_of(report: &Report<'_>, record: &mut RecordWriter) {
-    let (tentative, ended) = (u8::from(report.is_tentative()), u8::from(report.is_ended()));
-    let coasted = u8::from(report.is_coasted());
-    let climb_mode = items::climb_mode(report.climb_mps()) as u8;
-    let smoothed = 1;
     record
-        .item(TRACK_STATUS)
-        .extended(&[tentative << 6 | ended << 5 | coasted << 4 | climb_mode << 2 | smoothed]);
+        .item(STATUS)
+        .put(CNF, report.is_tentative())
+        .put(TRE, report.is_ended())
+        .put(CST, report.is_coasted())
+        .put(CDM, items::climb_mode(report.climb_mps()))
+        .put(STH, true);
 }
 
-/// Deviations of x, y and of the geometric height, where they are known and fit.
+/// Writes deviations of x, y and of the geometric height, where they are known and fit.
 fn accuracy(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
     let position = site.position_covariance(report).and_then(|[xx, xy, yy]| {
         let (x, y) = (xx.sqrt(), yy.sqrt());
-        Some([
-            quantity::deviation(x, QUARTER, 16)?,
-            quantity::deviation(y, QUARTER, 16)?,
-            quantity::capped((xy / (x * y)).min(1.0), QUARTER, 16),
-        ])
+        let correlation = quantity::capped(SDP_XY, (xy / (x * y)).min(1.0));
+        Some((
+            quantity::deviation(SDP_X, x)?,
+            quantity::deviation(SDP_Y, y)?,
+            correlation,
+        ))
     });
+    if let Some((x, y, xy)) = position {
+        record
+            .subitem(ACCURACY, SDP)
+            .put(SDP_X, x)
+            .put(SDP_Y, y)
+            .put(SDP_XY, xy);
+    }
     let height = site
         .geometric(report.height_sigma_m())
-        .and_then(|sigma_m| quantity::deviation(sigma_m, 0.5, 16));
-    if position.is_none() && height.is_none() {
-        return;
-    }
-    let present = u64::from(position.is_some()) << 1 | u64::from(height.is_some()) << 2; // SDP, SDH
-    record.item(ACCURACY).subitems(present);
-    for number in position.into_iter().flatten().chain(height) {
-        record.bits(number, 16);
+        .and_then(|sigma_m| quantity::deviation(SIGMA_HEIGHT, sigma_m));
+    if let Some(height) = height {
+        record.subitem(ACCURACY, SDH).put(SIGMA_HEIGHT, height);
     }
 }
 
-/// The periodic status message: in operation, with the reference point of the positions in the plane.
+/// Writes the periodic status message: in operation, with the reference point of the positions in the plane.
 pub(super) fn status(site: &Site, now_utc_ns: i64, record: &mut RecordWriter) {
-    use status_item::*;
-    items::source(record, SOURCE, site.source);
-    record.item(MESSAGE_TYPE).bits(2, 8);
-    items::time_of_day(record, TIME, now_utc_ns);
-    record.item(STATUS).bits(0, 8);
+    items::source(record, &service::SOURCE, site.source);
+    record.write(&service::MESSAGE_TYPE, [2]);
+    items::time_of_day(record, &service::TIME, now_utc_ns);
+    record.item(service::STATUS);
     let reference = site.system.to_geodetic(site.frame.cartesian([0.0; 3]));
-    items::geodetic(record, REFERENCE_POINT, &reference, 32, 30);
+    items::geodetic(record, &service::REFERENCE_POINT, &reference);
 }

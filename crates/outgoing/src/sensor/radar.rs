@@ -31,54 +31,45 @@
 
 use messages::sensor_track_bits as bits;
 
-use super::super::items::{self, NAUTICAL_MILE_M, SPEED_LSB_MPS};
-use super::super::{Unsent, quantity};
+use super::super::{Unsent, items, quantity};
 use super::{Report, Site};
-use asterix::RecordWriter;
-use asterix::table::{Category, Content};
-use item::*;
+use asterix::categories::{CAT034, CAT048};
+use asterix::field::{Elements, Field, elements, field, item, whole};
+use asterix::{Category, Frn, RecordWriter};
 
-/// The field reference numbers of CAT048, the same in every edition.
-mod item {
-    use asterix::categories::CAT048_V1_31;
-    use asterix::table::{Frn, Uap};
+const SOURCE: Elements<2> = elements(CAT048, "010", ["SAC", "SIC"]);
+const TIME: Elements<1> = whole(CAT048, "140");
+const POLAR_POSITION: Elements<2> = elements(CAT048, "040", ["RHO", "THETA"]);
+const MODE_3A: Elements<2> = elements(CAT048, "070", ["L", "MODE3A"]);
+const ADDRESS: Elements<1> = whole(CAT048, "220");
+const IDENTIFICATION: Elements<1> = whole(CAT048, "240");
+const TRACK_NUMBER: Elements<1> = elements(CAT048, "161", ["TRN"]);
+const CARTESIAN_POSITION: Elements<2> = elements(CAT048, "042", ["X", "Y"]);
+const VELOCITY: Elements<2> = elements(CAT048, "200", ["GSP", "HDG"]);
+const DEVIATIONS: Elements<4> = elements(CAT048, "210", ["SIGX", "SIGY", "SIGV", "SIGH"]);
+const FLIGHT_STATUS: Elements<2> = elements(CAT048, "230", ["STAT", "AIC"]);
 
-    const UAP: &Uap = CAT048_V1_31.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const TIME: Frn = UAP.frn("140");
-    pub(super) const DESCRIPTOR: Frn = UAP.frn("020");
-    pub(super) const POLAR_POSITION: Frn = UAP.frn("040");
-    pub(super) const MODE_3A: Frn = UAP.frn("070");
-    pub(super) const FLIGHT_LEVEL: Frn = UAP.frn("090");
-    pub(super) const ADDRESS: Frn = UAP.frn("220");
-    pub(super) const IDENTIFICATION: Frn = UAP.frn("240");
-    pub(super) const TRACK_NUMBER: Frn = UAP.frn("161");
-    pub(super) const CARTESIAN_POSITION: Frn = UAP.frn("042");
-    pub(super) const VELOCITY: Frn = UAP.frn("200");
-    pub(super) const TRACK_STATUS: Frn = UAP.frn("170");
-    pub(super) const TRACK_QUALITY: Frn = UAP.frn("210");
-    pub(super) const FLIGHT_STATUS: Frn = UAP.frn("230");
+const DESCRIPTOR: Frn = item(CAT048, "020");
+const TYP: Field = field(CAT048, &["020", "TYP"]);
+const SIM: Field = field(CAT048, &["020", "SIM"]);
+const SPI: Field = field(CAT048, &["020", "SPI"]);
+
+const STATUS: Frn = item(CAT048, "170");
+const CNF: Field = field(CAT048, &["170", "CNF"]);
+const RAD: Field = field(CAT048, &["170", "RAD"]);
+const CDM: Field = field(CAT048, &["170", "CDM"]);
+const TRE: Field = field(CAT048, &["170", "TRE"]);
+
+/// Items of CAT034.
+mod service {
+    use super::*;
+
+    pub(super) const SOURCE: Elements<2> = elements(CAT034, "010", ["SAC", "SIC"]);
+    pub(super) const MESSAGE_TYPE: Elements<1> = whole(CAT034, "000");
+    pub(super) const TIME: Elements<1> = whole(CAT034, "030");
+    pub(super) const SECTOR: Elements<1> = whole(CAT034, "020");
+    pub(super) const ROTATION: Elements<1> = whole(CAT034, "041");
 }
-
-/// The field reference numbers of CAT034, the same in every edition.
-mod service_item {
-    use asterix::categories::CAT034_V1_29;
-    use asterix::table::{Frn, Uap};
-
-    const UAP: &Uap = CAT034_V1_29.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const MESSAGE_TYPE: Frn = UAP.frn("000");
-    pub(super) const TIME: Frn = UAP.frn("030");
-    pub(super) const SECTOR: Frn = UAP.frn("020");
-    pub(super) const ROTATION: Frn = UAP.frn("041");
-}
-
-/// LSB of slant range, metres.
-const RANGE_LSB_M: f64 = NAUTICAL_MILE_M / 256.0;
-/// LSB of positions in the plane and their deviations, metres.
-const POSITION_LSB_M: f64 = NAUTICAL_MILE_M / 128.0;
-/// LSB of the deviation of the course, radians.
-const COURSE_LSB_RAD: f64 = std::f64::consts::TAU / 4096.0;
 
 /// A boundary between sectors, calculated, may be this much of a sector before itself.
 const SECTOR_SLACK: f64 = 1e-6;
@@ -86,7 +77,8 @@ const SECTOR_SLACK: f64 = 1e-6;
 /// What differs between editions.
 #[derive(Debug)]
 pub(super) struct Form {
-    level_is_signed: bool,
+    /// Whether levels have a sign.
+    flight_level: Elements<1>,
 }
 
 /// What saw a target.
@@ -99,48 +91,44 @@ enum Detection {
 
 impl Form {
     pub(super) fn new(table: &'static Category) -> Self {
-        let level = items::element_of(table, "090", "FL");
         Self {
-            level_is_signed: matches!(level, Some((_, Content::Quantity { signed: true, .. }))),
+            flight_level: elements(&[table], "090", ["FL"]),
         }
     }
 
     pub(super) fn write(&self, site: &Site, report: &Report<'_>, record: &mut RecordWriter) -> Result<(), Unsent> {
         let track = report.track;
         let position = Position::new(site, report)?;
-        items::source(record, SOURCE, site.source);
-        items::time_of_day(record, TIME, track.time_of_measurement_ns);
+        items::source(record, &SOURCE, site.source);
+        items::time_of_day(record, &TIME, track.time_of_measurement_ns);
         descriptor(site, report, record);
         if let Some(position) = &position {
-            let (range, azimuth) = position.polar;
-            record.item(POLAR_POSITION).bits(range, 16).bits(azimuth, 16);
+            record.write(&POLAR_POSITION, position.polar);
         }
-        items::mode_3a(record, MODE_3A, &track.identity, report.is_received());
-        self.flight_level(report.height_m().filter(|_| report.is_received()), record);
-        items::address(record, ADDRESS, &track.identity);
-        if let Some(call_sign) = items::call_sign(&track.identity) {
-            record.item(IDENTIFICATION).bits(call_sign, 48);
-        }
-        record.item(TRACK_NUMBER).bits(u64::from(report.number), 16);
+        items::mode_3a(record, &MODE_3A, &track.identity, report.is_received());
+        let received = report.height_m().filter(|_| report.is_received());
+        items::level(record, &self.flight_level, received);
+        items::number(record, &ADDRESS, items::address(&track.identity));
+        items::number(record, &IDENTIFICATION, items::call_sign(&track.identity));
+        record.write(&TRACK_NUMBER, [i64::from(report.number)]);
         if let Some(position) = &position {
-            let (x, y) = position.cartesian;
-            record.item(CARTESIAN_POSITION).signed(x, 16).signed(y, 16);
+            record.write(&CARTESIAN_POSITION, position.cartesian);
         }
-        if let Some((speed, course)) = report
-            .velocity_mps()
-            .and_then(|velocity| items::ground_vector(velocity, 16))
-        {
-            record.item(VELOCITY).bits(speed, 16).bits(course, 16);
+        if let Some(velocity) = report.velocity_mps() {
+            items::ground_vector(record, &VELOCITY, velocity);
         }
         status(report, record);
-        if let Some(deviations) = quality(site, report) {
-            record.item(TRACK_QUALITY);
-            for deviation in deviations {
-                record.bits(deviation, 8);
-            }
+        if let Some(deviations) = deviations(site, report) {
+            record.write(&DEVIATIONS, deviations);
         }
         if track.identity.address().is_some() && !report.is_ended() {
-            items::flight_status(record, FLIGHT_STATUS, &track.identity, track.alerts, report.on_ground());
+            items::flight_status(
+                record,
+                &FLIGHT_STATUS,
+                &track.identity,
+                track.alerts,
+                report.on_ground(),
+            );
         }
         Ok(())
     }
@@ -154,36 +142,31 @@ impl Form {
         record: &mut RecordWriter,
     ) -> Result<(), Unsent> {
         let sighting = site.frame.sighting(position_m);
-        let range = quantity::unsigned(sighting.slant_range_m, RANGE_LSB_M, 16).ok_or(Unsent::Position)?;
-        items::source(record, SOURCE, site.source);
-        items::time_of_day(record, TIME, time_ns);
-        let kind: u8 = if height_m.is_some() { 2 } else { 1 };
+        let polar = polar(sighting.slant_range_m, sighting.azimuth_rad).ok_or(Unsent::Position)?;
+        items::source(record, &SOURCE, site.source);
+        items::time_of_day(record, &TIME, time_ns);
         record
             .item(DESCRIPTOR)
-            .extended(&[kind << 4 | u8::from(site.simulated) << 3]);
-        record
-            .item(POLAR_POSITION)
-            .bits(range, 16)
-            .bits(quantity::turn(sighting.azimuth_rad, 16), 16);
-        self.flight_level(height_m, record);
+            .put(TYP, if height_m.is_some() { 2 } else { 1 })
+            .put(SIM, site.simulated);
+        record.write(&POLAR_POSITION, polar);
+        items::level(record, &self.flight_level, height_m);
         Ok(())
     }
+}
 
-    fn flight_level(&self, height_m: Option<f64>, record: &mut RecordWriter) {
-        if let Some(level) = height_m.and_then(|height_m| items::level(height_m, 14))
-            && (level >= 0 || self.level_is_signed)
-        {
-            record.item(FLIGHT_LEVEL).bits(0, 2).signed(level, 14);
-        }
-    }
+/// The numbers of a slant range and an azimuth; `None` if the range does not fit.
+fn polar(range_m: f64, azimuth_rad: f64) -> Option<[i64; 2]> {
+    let [range, azimuth] = POLAR_POSITION.fields;
+    Some([range.nearest(range_m)?, quantity::turn(azimuth, azimuth_rad)])
 }
 
 /// The numbers of a report's position.
 struct Position {
     /// Slant range and azimuth.
-    polar: (u64, u64),
+    polar: [i64; 2],
     /// x and y.
-    cartesian: (i64, i64),
+    cartesian: [i64; 2],
 }
 
 impl Position {
@@ -202,15 +185,9 @@ impl Position {
         };
         let (sin, cos) = calculated.azimuth_rad.sin_cos();
         let [x, y] = [sin, cos].map(|share| share * calculated.slant_range_m);
-        let in_plane = |value: f64| quantity::signed(value, POSITION_LSB_M, 16);
-        let range = quantity::unsigned(sighting.slant_range_m, RANGE_LSB_M, 16);
-        let (Some(range), Some(x), Some(y)) = (range, in_plane(x), in_plane(y)) else {
-            return Err(Unsent::Position);
-        };
-        Ok(Some(Self {
-            polar: (range, quantity::turn(sighting.azimuth_rad, 16)),
-            cartesian: (x, y),
-        }))
+        let polar = polar(sighting.slant_range_m, sighting.azimuth_rad).ok_or(Unsent::Position)?;
+        let cartesian = quantity::nearest(&CARTESIAN_POSITION, [x, y]).ok_or(Unsent::Position)?;
+        Ok(Some(Self { polar, cartesian }))
     }
 }
 
@@ -232,24 +209,25 @@ fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
         Detection::Secondary => 2,
         Detection::ModeS => 5, // roll-call: it is tracked
     };
-    let special = u8::from(report.special_identification());
     record
         .item(DESCRIPTOR)
-        .extended(&[kind << 4 | u8::from(site.simulated) << 3 | special << 1]);
+        .put(TYP, kind)
+        .put(SIM, site.simulated)
+        .put(SPI, report.special_identification());
 }
 
 fn status(report: &Report<'_>, record: &mut RecordWriter) {
-    let tentative = u8::from(report.is_tentative());
     let maintained_by = if detection(report) == Detection::Primary { 1 } else { 2 };
-    let climb_mode = items::climb_mode(report.climb_mps()) as u8;
-    let ended = u8::from(report.is_ended());
     record
-        .item(TRACK_STATUS)
-        .extended(&[tentative << 6 | maintained_by << 4 | climb_mode, ended << 6]);
+        .item(STATUS)
+        .put(CNF, report.is_tentative())
+        .put(RAD, maintained_by)
+        .put(CDM, items::climb_mode(report.climb_mps()))
+        .put(TRE, report.is_ended());
 }
 
 /// Deviations of x, y, ground speed and course, where all are known and fit.
-fn quality(site: &Site, report: &Report<'_>) -> Option<[u64; 4]> {
+fn deviations(site: &Site, report: &Report<'_>) -> Option<[i64; 4]> {
     let [xx, _, yy] = site.position_covariance(report)?;
     let [east, north] = report.velocity_mps()?;
     let [ee, en, nn] = report.velocity_covariance()?;
@@ -257,11 +235,12 @@ fn quality(site: &Site, report: &Report<'_>) -> Option<[u64; 4]> {
     let (sin, cos) = (east / speed_mps, north / speed_mps);
     let along = quantity::sigma(sin * sin * ee + 2.0 * sin * cos * en + cos * cos * nn)?;
     let across = quantity::sigma(cos * cos * ee - 2.0 * sin * cos * en + sin * sin * nn)?;
+    let [sigma_x, sigma_y, sigma_speed, sigma_course] = DEVIATIONS.fields;
     Some([
-        quantity::deviation(xx.sqrt(), POSITION_LSB_M, 8)?,
-        quantity::deviation(yy.sqrt(), POSITION_LSB_M, 8)?,
-        quantity::deviation(along, SPEED_LSB_MPS, 8)?,
-        quantity::deviation(across / speed_mps, COURSE_LSB_RAD, 8)?,
+        quantity::deviation(sigma_x, xx.sqrt())?,
+        quantity::deviation(sigma_y, yy.sqrt())?,
+        quantity::deviation(sigma_speed, along)?,
+        quantity::deviation(sigma_course, across / speed_mps)?,
     ])
 }
 
@@ -274,21 +253,20 @@ pub(super) fn north_marker(site: &Site, now_utc_ns: i64, record: &mut RecordWrit
 /// The antenna crosses into a sector, which is numbered by the eight most significant bits of its azimuth.
 pub(super) fn sector_crossing(site: &Site, now_utc_ns: i64, azimuth_rad: f64, record: &mut RecordWriter) {
     let circles = azimuth_rad / std::f64::consts::TAU;
-    let sector = (circles.rem_euclid(1.0) * 256.0 + SECTOR_SLACK) as u64 % 256;
+    let sector = (circles.rem_euclid(1.0) * 256.0 + SECTOR_SLACK) as i64 % 256;
     service_message(site, 2, now_utc_ns, record);
-    record.item(service_item::SECTOR).bits(sector, 8);
+    record.write(&service::SECTOR, [sector]);
     rotation(site, record);
 }
 
-fn service_message(site: &Site, message: u64, now_utc_ns: i64, record: &mut RecordWriter) {
-    items::source(record, service_item::SOURCE, site.source);
-    record.item(service_item::MESSAGE_TYPE).bits(message, 8);
-    items::time_of_day(record, service_item::TIME, now_utc_ns);
+fn service_message(site: &Site, message: i64, now_utc_ns: i64, record: &mut RecordWriter) {
+    items::source(record, &service::SOURCE, site.source);
+    record.write(&service::MESSAGE_TYPE, [message]);
+    items::time_of_day(record, &service::TIME, now_utc_ns);
 }
 
 fn rotation(site: &Site, record: &mut RecordWriter) {
-    let period_s = site.rotation_ns.map(frames::time::seconds);
-    if let Some(period) = period_s.and_then(|period_s| quantity::unsigned(period_s, 1.0 / 128.0, 16)) {
-        record.item(service_item::ROTATION).bits(period, 16);
+    if let Some(rotation_ns) = site.rotation_ns {
+        items::quantities(record, &service::ROTATION, [frames::time::seconds(rotation_ns)]);
     }
 }

@@ -21,70 +21,63 @@ use messages::sensor_track_bits as bits;
 
 use super::super::{HeightReference, items, quantity};
 use super::{Report, Site};
-use asterix::RecordWriter;
-use item::*;
+use asterix::categories::CAT010;
+use asterix::field::{Elements, Field, elements, field, item, whole};
+use asterix::{Frn, RecordWriter};
 
-/// The field reference numbers of CAT010.
-mod item {
-    use asterix::categories::CAT010_V1_1;
-    use asterix::table::{Frn, Uap};
+const SOURCE: Elements<2> = elements(CAT010, "010", ["SAC", "SIC"]);
+const MESSAGE_TYPE: Elements<1> = whole(CAT010, "000");
+const TIME: Elements<1> = whole(CAT010, "140");
+const GEODETIC_POSITION: Elements<2> = elements(CAT010, "041", ["LAT", "LON"]);
+const POLAR_POSITION: Elements<2> = elements(CAT010, "040", ["RHO", "TH"]);
+const CARTESIAN_POSITION: Elements<2> = elements(CAT010, "042", ["X", "Y"]);
+const POLAR_VELOCITY: Elements<2> = elements(CAT010, "200", ["GSP", "TRA"]);
+const CARTESIAN_VELOCITY: Elements<2> = elements(CAT010, "202", ["VX", "VY"]);
+const TRACK_NUMBER: Elements<1> = elements(CAT010, "161", ["TRK"]);
+const MODE_3A: Elements<2> = elements(CAT010, "060", ["L", "MODE3A"]);
+const ADDRESS: Elements<1> = whole(CAT010, "220");
+/// Sent by the target (STI 0).
+const IDENTIFICATION: Elements<1> = elements(CAT010, "245", ["CHR"]);
+const FLIGHT_LEVEL: Elements<1> = elements(CAT010, "090", ["FL"]);
+const MEASURED_HEIGHT: Elements<1> = whole(CAT010, "091");
+/// In operation with all numbers 0.
+const SYSTEM_STATUS: Frn = item(CAT010, "550");
+const DEVIATION: Elements<3> = elements(CAT010, "500", ["DEVX", "DEVY", "COVXY"]);
 
-    const UAP: &Uap = CAT010_V1_1.uap();
-    pub(super) const SOURCE: Frn = UAP.frn("010");
-    pub(super) const MESSAGE_TYPE: Frn = UAP.frn("000");
-    pub(super) const DESCRIPTOR: Frn = UAP.frn("020");
-    pub(super) const TIME: Frn = UAP.frn("140");
-    pub(super) const GEODETIC_POSITION: Frn = UAP.frn("041");
-    pub(super) const POLAR_POSITION: Frn = UAP.frn("040");
-    pub(super) const CARTESIAN_POSITION: Frn = UAP.frn("042");
-    pub(super) const POLAR_VELOCITY: Frn = UAP.frn("200");
-    pub(super) const CARTESIAN_VELOCITY: Frn = UAP.frn("202");
-    pub(super) const TRACK_NUMBER: Frn = UAP.frn("161");
-    pub(super) const TRACK_STATUS: Frn = UAP.frn("170");
-    pub(super) const MODE_3A: Frn = UAP.frn("060");
-    pub(super) const ADDRESS: Frn = UAP.frn("220");
-    pub(super) const IDENTIFICATION: Frn = UAP.frn("245");
-    pub(super) const FLIGHT_LEVEL: Frn = UAP.frn("090");
-    pub(super) const MEASURED_HEIGHT: Frn = UAP.frn("091");
-    pub(super) const STATUS: Frn = UAP.frn("550");
-    pub(super) const DEVIATION: Frn = UAP.frn("500");
-}
+const DESCRIPTOR: Frn = item(CAT010, "020");
+const TYP: Field = field(CAT010, &["020", "TYP"]);
+const GBS: Field = field(CAT010, &["020", "GBS"]);
+const SIM: Field = field(CAT010, &["020", "SIM"]);
+const SPI: Field = field(CAT010, &["020", "SPI"]);
 
-/// LSB of positions, metres.
-const POSITION_LSB_M: f64 = 1.0;
-/// LSB of velocities (m/s), of deviations (m) and of their covariance (m²).
-const QUARTER: f64 = 0.25;
+const STATUS: Frn = item(CAT010, "170");
+const CNF: Field = field(CAT010, &["170", "CNF"]);
+const TRE: Field = field(CAT010, &["170", "TRE"]);
+const CST: Field = field(CAT010, &["170", "CST"]);
+const TCC: Field = field(CAT010, &["170", "TCC"]);
+const STH: Field = field(CAT010, &["170", "STH"]);
 
 pub(super) fn write(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
     let (track, identity) = (report.track, &report.track.identity);
-    items::source(record, SOURCE, site.source);
-    record.item(MESSAGE_TYPE).bits(1, 8);
+    items::source(record, &SOURCE, site.source);
+    record.write(&MESSAGE_TYPE, [1]);
     descriptor(site, report, record);
-    items::time_of_day(record, TIME, track.time_of_measurement_ns);
+    items::time_of_day(record, &TIME, track.time_of_measurement_ns);
     positions(site, report, record);
-    if let Some((speed, course)) = report
-        .velocity_mps()
-        .and_then(|velocity| items::ground_vector(velocity, 16))
-    {
-        record.item(POLAR_VELOCITY).bits(speed, 16).bits(course, 16);
+    if let Some(velocity) = report.velocity_mps() {
+        items::ground_vector(record, &POLAR_VELOCITY, velocity);
     }
     if let Some(velocity) = site.velocity_mps(report) {
-        items::pair(record, CARTESIAN_VELOCITY, velocity, QUARTER, 16);
+        items::quantities(record, &CARTESIAN_VELOCITY, velocity);
     }
-    record.item(TRACK_NUMBER).bits(u64::from(report.number), 16);
+    record.write(&TRACK_NUMBER, [i64::from(report.number)]);
     status_of(report, record);
-    items::mode_3a(record, MODE_3A, identity, report.is_received());
-    items::address(record, ADDRESS, identity);
-    if let Some(call_sign) = items::call_sign(identity) {
-        record.item(IDENTIFICATION).bits(0, 8).bits(call_sign, 48); // downlinked
-    }
+    items::mode_3a(record, &MODE_3A, identity, report.is_received());
+    items::number(record, &ADDRESS, items::address(identity));
+    items::number(record, &IDENTIFICATION, items::call_sign(identity));
     height(site, report, record);
-    if let Some([x, y, xy]) = deviation(site, report) {
-        record
-            .item(DEVIATION)
-            .bits(x as u64, 8)
-            .bits(y as u64, 8)
-            .signed(xy, 16);
+    if let Some(deviation) = deviation(site, report) {
+        record.write(&DEVIATION, deviation);
     }
 }
 
@@ -95,51 +88,46 @@ fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
         (None, Some(_)) => 0,
         (None, None) => 3,
     };
-    let on_ground = u8::from(report.on_ground());
-    record.item(DESCRIPTOR).extended(&[
-        kind << 4 | on_ground << 1,
-        u8::from(site.simulated) << 6,
-        u8::from(report.special_identification()) << 6,
-    ]);
+    record
+        .item(DESCRIPTOR)
+        .put(TYP, kind)
+        .put(GBS, report.on_ground())
+        .put(SIM, site.simulated)
+        .put(SPI, report.special_identification());
 }
 
 fn positions(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
     let Some(place) = &report.place else { return };
     let track = report.track;
-    items::geodetic(record, GEODETIC_POSITION, &place.geodetic, 32, 31);
+    items::geodetic(record, &GEODETIC_POSITION, &place.geodetic);
     if report.has(bits::MEASURED) && !report.is_coasted() {
         let sighting = site.frame.sighting(track.measured_m);
-        if let Some(range) = quantity::unsigned(sighting.slant_range_m, POSITION_LSB_M, 16) {
-            let azimuth = quantity::turn(sighting.azimuth_rad, 16);
-            record.item(POLAR_POSITION).bits(range, 16).bits(azimuth, 16);
+        let [range, azimuth] = POLAR_POSITION.fields;
+        if let Some(range) = range.nearest(sighting.slant_range_m) {
+            record.write(&POLAR_POSITION, [range, quantity::turn(azimuth, sighting.azimuth_rad)]);
         }
     }
     let [x, y, _] = site.frame.to_cartesian(track.position_m);
-    items::pair(record, CARTESIAN_POSITION, [x, y], POSITION_LSB_M, 16);
+    items::quantities(record, &CARTESIAN_POSITION, [x, y]);
 }
 
 fn status_of(report: &Report<'_>, record: &mut RecordWriter) {
-    let (tentative, ended) = (u8::from(report.is_tentative()), u8::from(report.is_ended()));
-    let extrapolated = if report.is_coasted() { 3 } else { 0 };
-    let (projected, smoothed) = (1, 1);
     record
-        .item(TRACK_STATUS)
-        .extended(&[tentative << 6 | ended << 5 | extrapolated << 3 | projected << 1 | smoothed]);
+        .item(STATUS)
+        .put(CNF, report.is_tentative())
+        .put(TRE, report.is_ended())
+        .put(CST, if report.is_coasted() { 3 } else { 0 })
+        .put(TCC, true)
+        .put(STH, true);
 }
 
 fn height(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
     let Some(height_m) = report.height_m() else { return };
     match site.height {
-        HeightReference::Barometric => {
-            if let Some(level) = items::level(height_m, 14) {
-                record.item(FLIGHT_LEVEL).bits(0, 2).signed(level, 14);
-            }
-        }
+        HeightReference::Barometric => items::level(record, &FLIGHT_LEVEL, Some(height_m)),
         HeightReference::Geometric => {
             let [_, _, up] = site.frame.to_cartesian(report.track.position_m);
-            if let Some(up) = quantity::signed(up, items::HEIGHT_LSB_M, 16) {
-                record.item(MEASURED_HEIGHT).signed(up, 16);
-            }
+            items::quantities(record, &MEASURED_HEIGHT, [up]);
         }
     }
 }
@@ -147,17 +135,18 @@ fn height(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
 /// Deviations of x and y and their covariance, where all fit.
 fn deviation(site: &Site, report: &Report<'_>) -> Option<[i64; 3]> {
     let [xx, xy, yy] = site.position_covariance(report)?;
+    let [sigma_x, sigma_y, covariance] = DEVIATION.fields;
     Some([
-        quantity::deviation(xx.sqrt(), QUARTER, 8)? as i64,
-        quantity::deviation(yy.sqrt(), QUARTER, 8)? as i64,
-        quantity::signed(xy, QUARTER, 16)?,
+        quantity::deviation(sigma_x, xx.sqrt())?,
+        quantity::deviation(sigma_y, yy.sqrt())?,
+        covariance.nearest(xy)?,
     ])
 }
 
-/// The periodic status message: in operation.
+/// Writes the periodic status message: in operation.
 pub(super) fn status(site: &Site, now_utc_ns: i64, record: &mut RecordWriter) {
-    items::source(record, SOURCE, site.source);
-    record.item(MESSAGE_TYPE).bits(3, 8);
-    items::time_of_day(record, TIME, now_utc_ns);
-    record.item(STATUS).bits(0, 8);
+    items::source(record, &SOURCE, site.source);
+    record.write(&MESSAGE_TYPE, [3]);
+    items::time_of_day(record, &TIME, now_utc_ns);
+    record.item(SYSTEM_STATUS);
 }
