@@ -15,9 +15,8 @@ use std::path::Path;
 
 use adapter::recording::Recording;
 use configuration::{Config, Input};
-use fusion::rules::REGISTRY;
 use fusion::{Engine, Settings};
-use messages::{SensorTrack, SystemTrack, TrackState};
+use messages::{FusionRule, SensorTrack, SystemTrack, TrackState};
 use test_support::recordings;
 
 use crate::common::{S, repository};
@@ -59,7 +58,7 @@ fn recorded(data: &Path) -> Recorded {
 impl Recorded {
     /// The states of all confirmed system tracks with an address, by address, if fusion is given everything but
     /// `held_out`.
-    fn fused_without(&self, held_out: u16, rule: &'static fusion::rules::RuleEntry) -> BTreeMap<u32, Vec<SystemTrack>> {
+    fn fused_without(&self, held_out: u16, rule: FusionRule) -> BTreeMap<u32, Vec<SystemTrack>> {
         let mut settings = self.settings.clone();
         settings.rule.rule = rule;
         if settings.registration.reference_source == Some(held_out) {
@@ -163,7 +162,7 @@ fn distance(states: &[SystemTrack], report: &SensorTrack) -> Option<(f64, bool)>
 fn the_default_rule_agrees_with_the_sensor_it_was_not_given() {
     let Some(data) = recordings("lebl2016") else { return };
     let recorded = recorded(&data);
-    let rule = fusion::rules::find("auto").unwrap();
+    let rule = FusionRule::Auto;
     for (held_out, enough) in [(ADSB, 15_000), (MLAT, 2_000)] {
         let tracks = recorded.fused_without(held_out, rule);
         let (all, with_radar) = judge(&tracks, recorded.truth(held_out));
@@ -198,12 +197,12 @@ fn every_rule_agrees_more_or_less() {
         "{:<24}{:^21}{:^21}{:^21}{:^21}",
         "rule", "all", "with radar", "all", "with radar"
     );
-    for rule in REGISTRY {
-        let mut line = format!("{:<24}", rule.name());
+    for rule in FusionRule::ALL {
+        let mut line = format!("{:<24}", rule.word());
         for held_out in [ADSB, MLAT] {
             let (all, with_radar) = judge(&recorded.fused_without(held_out, rule), recorded.truth(held_out));
             line.push_str(&format!("{} {} ", all.row(), with_radar.row()));
-            assert!(all.percentile(0.5) < 50.0, "{}", rule.name());
+            assert!(all.percentile(0.5) < 50.0, "{}", rule.word());
         }
         println!("{line}");
     }

@@ -109,7 +109,6 @@ const MAY_HAVE_CYCLES: &[&str] = &[
     "adapter",
     "bench-service",
     "bus",
-    "fusion",
     "locating",
     "messages",
     "monitor",

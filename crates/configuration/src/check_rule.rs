@@ -3,14 +3,15 @@
 //! The engine checks ranges itself; here names become numbers.
 
 use fusion::settings as engine;
+use messages::FusionRule;
 
 use super::check::{Checked, problem, source_called};
 use super::raw::{RawDropOut, RawHandOver, RawIntersection, RawMosaic, RawResidual, RawRule, RawTie};
 
 /// The rule and its options.
 pub(super) fn check_rule(raw: &RawRule, sources: &[engine::SourceSettings]) -> Checked<engine::RuleSettings> {
-    let rule = fusion::rules::find(&raw.name).ok_or_else(|| {
-        let known: Vec<&str> = fusion::rules::REGISTRY.iter().map(|entry| entry.name()).collect();
+    let rule = FusionRule::from_word(&raw.name).ok_or_else(|| {
+        let known = FusionRule::ALL.map(FusionRule::word);
         problem(
             "fusion.rule.name",
             format!("\"{}\" is no fusion rule; there are: {}", raw.name, known.join(", ")),

@@ -470,7 +470,7 @@ impl Default for RawRule {
     fn default() -> Self {
         let engine = fusion::settings::RuleSettings::default();
         Self {
-            name: fusion::rules::default_rule().name().to_owned(),
+            name: engine.rule.word().to_owned(),
             residual: RawResidual::Position,
             recency: 1.0,
             reference_source: None,

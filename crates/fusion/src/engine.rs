@@ -18,6 +18,7 @@ use crate::outlet::Outlet;
 use crate::publishing::Publisher;
 use crate::reference_point::ReferencePoints;
 use crate::registration::SourceErrors;
+use crate::rules;
 use crate::scan::{Assigned, Scans};
 use crate::schedule::Schedule;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
@@ -54,7 +55,8 @@ impl Engine {
         let capacity = settings.capacity;
         let sources = settings.sources.len();
         // Rules that take their state from the filter do not look back.
-        let looks_back = !settings.rule.rule.is_from_filter();
+        let rule = rules::entry(settings.rule.rule);
+        let looks_back = !rule.is_from_filter();
         Ok(Self {
             tracks: Tracks::new(
                 SensorTracks::new(capacity.sensor_tracks, looks_back.then_some(capacity.stored_reports)),
@@ -65,7 +67,7 @@ impl Engine {
             points: ReferencePoints::default(),
             scans: Scans::new(&settings),
             life: Life::new(&settings),
-            publisher: Publisher::new(sources),
+            publisher: Publisher::new(rule, sources),
             schedule: Schedule::new(settings.refresh_ns, settings.refresh_delay_ns),
             counts: Counts::new(sources),
             settings,
@@ -552,7 +554,7 @@ impl Engine {
         self.sources
             .register(due && enabled, confirmed, self.points.sees_points());
         if due {
-            self.points.look(&self.sources, self.settings.rule.rule.keeps_points);
+            self.points.look(&self.sources, self.publisher.rule().keeps_points);
             self.publisher.set_point_spread(self.points.spread_m2());
             self.sources.look_at_motion();
         }

@@ -508,7 +508,7 @@ fn with_a_delay_slow_sources_are_interpolated() {
 #[test]
 fn a_track_that_no_usable_source_sees_coasts_until_one_does() {
     let mut settings = test_settings(1);
-    settings.rule.rule = crate::rules::find("quality-factor").unwrap();
+    settings.rule.rule = messages::FusionRule::QualityFactor;
     let mut harness = Harness::new(settings);
     let with_state = |time_s: f64, state: TrackState| {
         let mut report = report(0, 1, time_s, [0.0, 0.0], [10.0, 0.0]);
@@ -576,7 +576,7 @@ fn a_source_that_drops_out_is_blended_out_by_its_last_report() {
 #[test]
 fn what_cannot_be_used_for_weighing_is_counted_at_its_source() {
     let mut settings = test_settings(2);
-    settings.rule.rule = crate::rules::find("information").unwrap();
+    settings.rule.rule = messages::FusionRule::Information;
     let mut harness = Harness::new(settings);
     let mut bad = report(1, 1, 0.1, [0.0, 0.0], [0.0, 0.0]);
     bad.covariance.set(0, 1, 150.0);
@@ -586,7 +586,7 @@ fn what_cannot_be_used_for_weighing_is_counted_at_its_source() {
     assert_eq!((of(0), of(1)), (0, 1));
 
     let mut settings = test_settings(2);
-    settings.rule.rule = crate::rules::find("inverse-trace").unwrap();
+    settings.rule.rule = messages::FusionRule::InverseTrace;
     let mut harness = Harness::new(settings);
     let mut bad = report(1, 1, 0.1, [0.0, 0.0], [0.0, 0.0]);
     (bad.valid, bad.trace_m2) = (bad.valid | sensor_track_bits::TRACE, f64::NAN);

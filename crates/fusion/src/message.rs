@@ -66,7 +66,7 @@ pub(crate) fn system_track(
         contribution_count: members.len() as u16,
         state: entry.life as u8,
         height_valid: u8::from(entry.state.has_height),
-        rule: settings.rule.rule.code.code(),
+        rule: settings.rule.rule.code(),
         alerts: entry.alerts,
         merged_into: entry.merged_into,
         on_ground: u8::from(entry.on_ground),

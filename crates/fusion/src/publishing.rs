@@ -7,7 +7,7 @@ use crate::description::Description;
 use crate::explanation::{Decision, DecisionKind, Sink};
 use crate::message::{system_track, weight};
 use crate::outlet::Outlet;
-use crate::rules::{self, Fuse, Method};
+use crate::rules::{self, Fuse, Method, RuleEntry};
 use crate::settings::{AccuracyBase, Settings};
 use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
@@ -17,6 +17,7 @@ use crate::weighing::{Weighed, Weigher};
 /// The weighing of system tracks by the rule.
 #[derive(Debug)]
 pub(crate) struct Publisher {
+    rule: &'static RuleEntry,
     pub(crate) accuracies: Accuracies,
     weighed: Box<Weighed>,
     /// Variance per axis that is added to states from the filter, m²: see [`Self::set_point_spread`].
@@ -24,12 +25,19 @@ pub(crate) struct Publisher {
 }
 
 impl Publisher {
-    pub(crate) fn new(sources: usize) -> Self {
+    /// By `rule`, for so many sources.
+    pub(crate) fn new(rule: &'static RuleEntry, sources: usize) -> Self {
         Self {
+            rule,
             accuracies: Accuracies::new(sources),
             weighed: Box::default(),
             point_spread_m2: 0.0,
         }
+    }
+
+    /// The rule that weighs.
+    pub(crate) fn rule(&self) -> &'static RuleEntry {
+        self.rule
     }
 
     /// States from the filter are from now on those of one of several points per target, which lie about its middle with
@@ -80,6 +88,7 @@ impl Publisher {
             settings,
             tracks,
             accuracies: &self.accuracies,
+            method: self.rule.method,
         };
         weigher.gather(system, reference_ns, &mut self.weighed);
     }
@@ -108,7 +117,7 @@ impl Publisher {
         {
             self.learn(settings, report.source);
         }
-        let is_usable = match settings.rule.rule.method {
+        let is_usable = match self.rule.method {
             Method::Filter => {
                 let is_usable = self.weighed.share_out();
                 if is_usable {

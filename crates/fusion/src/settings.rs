@@ -3,8 +3,9 @@
 //! These are checked values: the configuration reader turns its file into them, and [`Settings::check`] refuses what
 //! cannot work, naming the key as the file spells it.
 
+use messages::FusionRule;
+
 use crate::quality::SCANS_MAX;
-use crate::rules::{self, RuleEntry};
 
 /// Everything the engine needs to know.
 #[derive(Clone, Debug)]
@@ -218,7 +219,7 @@ pub struct LifeSettings {
 #[derive(Clone, Debug)]
 pub struct RuleSettings {
     /// The rule.
-    pub rule: &'static RuleEntry,
+    pub rule: FusionRule,
     /// How residuals are formed (TI-6).
     pub residual: Residual,
     /// Weight of an earlier report relative to the next newer one in the mean of second positions (TI-5); 1 is plain.
@@ -644,7 +645,7 @@ impl Default for MosaicSettings {
 impl Default for RuleSettings {
     fn default() -> Self {
         Self {
-            rule: rules::default_rule(),
+            rule: FusionRule::Auto,
             residual: Residual::Position,
             recency: 1.0,
             reference_source: None,

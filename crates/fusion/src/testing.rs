@@ -36,7 +36,7 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         },
         life: LifeSettings::default(),
         rule: RuleSettings {
-            rule: crate::rules::find("best-source").expect("it is in the registry"),
+            rule: messages::FusionRule::BestSource,
             ..RuleSettings::default()
         },
         registration: RegistrationSettings::default(),

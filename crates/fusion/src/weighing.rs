@@ -20,6 +20,8 @@ pub(crate) struct Weigher<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) tracks: &'a Tracks,
     pub(crate) accuracies: &'a Accuracies,
+    /// What the contributions are gathered for.
+    pub(crate) method: Method,
 }
 
 /// The contributions to one system track and what the rule makes of them; `len` entries of each array hold something.
@@ -106,7 +108,7 @@ impl Weigher<'_> {
     /// Gathers the contributions to `system` at `reference_ns`.
     pub(crate) fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         weighed.len = 0;
-        match self.settings.rule.rule.method {
+        match self.method {
             Method::Filter => self.gather_shares(system, reference_ns, weighed),
             Method::Candidates(_) => self.gather_states(system, reference_ns, weighed),
         }

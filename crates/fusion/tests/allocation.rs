@@ -150,7 +150,7 @@ fn no_rule_allocates_anything_at_reports_or_at_uniform_times() {
         for refresh_ns in [None, Some(S / 2)] {
             let settings = Settings {
                 rule: RuleSettings {
-                    rule,
+                    rule: rule.code,
                     hand_over: HandOverSettings {
                         ramp: vec![0.3, 0.6],
                         by_traces: index % 2 == 1,

@@ -41,7 +41,7 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
     };
     let settings = &config.fusion.settings;
     row("deployment", config.name.clone());
-    row("fusion", format!("rule {}, {order}", settings.rule.rule.name()));
+    row("fusion", format!("rule {}, {order}", settings.rule.rule.word()));
     row("", format!("waits by {}, {}", wait(config.fusion.wait), place(config)));
     let capacity = &settings.capacity;
     row(

@@ -1,6 +1,6 @@
 //! How often time is said to have passed changes nothing: reports and their times alone decide.
 
-use messages::{Counters, SensorTrack, SystemTrack, TrackState};
+use messages::{Counters, FusionRule, SensorTrack, SystemTrack, TrackState};
 use proptest::prelude::*;
 
 use super::{S, random, report, with_address};
@@ -84,7 +84,7 @@ fn run(
 
 fn settings(rule: &str, scan_wait: f64, refresh_ns: Option<i64>, refresh_delay_ns: i64) -> Settings {
     let mut settings = test_settings(usize::from(SOURCES));
-    settings.rule.rule = crate::rules::find(rule).unwrap();
+    settings.rule.rule = FusionRule::from_word(rule).unwrap();
     settings.association.scan_wait = scan_wait;
     settings.life.terminate_ns = 3 * S;
     settings.life.tentative_ns = 2 * S;

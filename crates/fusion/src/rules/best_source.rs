@@ -8,9 +8,10 @@
 //! With hysteresis (TI-18) the present source is kept until another's lambda is below h times its own, and for a minimum
 //! number of refreshes.
 
+use super::combination::combine;
 use super::{Candidate, Memory, Method, NO_SOURCE, RuleEntry, Share, Target};
 use crate::settings::{Residual, RuleSettings, Tie};
-use crate::state::{State, combine};
+use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
     code: messages::FusionRule::BestSource,
@@ -100,11 +101,11 @@ impl Key {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rules::{self, find, testing};
+    use crate::rules::{self, testing};
 
     fn defaults() -> RuleSettings {
         RuleSettings {
-            rule: find("best-source").expect("it is in the registry"),
+            rule: messages::FusionRule::BestSource,
             ..RuleSettings::default()
         }
     }
@@ -196,7 +197,7 @@ mod tests {
     fn per_axis_each_axis_chooses_for_itself() {
         let settings = RuleSettings {
             residual: Residual::PerAxis,
-            rule: find("best-source").expect("it is in the registry"),
+            rule: messages::FusionRule::BestSource,
             ..defaults()
         };
         let both = [

@@ -2,9 +2,10 @@
 //!
 //! Traces are taken over east and north for all sources, so that none wins because it has no height.
 
+use super::combination::combine;
 use super::{Memory, Method, RuleEntry, Share, Target};
 use crate::settings::RuleSettings;
-use crate::state::{State, combine};
+use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
     code: messages::FusionRule::InverseTrace,

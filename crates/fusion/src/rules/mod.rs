@@ -7,6 +7,7 @@
 mod auto;
 mod bar_shalom_campo;
 mod best_source;
+mod combination;
 #[cfg(test)]
 mod conformance;
 mod covariance_intersection;
@@ -87,14 +88,10 @@ pub static REGISTRY: &[RuleEntry] = &[
     bar_shalom_campo::ENTRY,
 ];
 
-/// The rule called `name`.
-pub fn find(name: &str) -> Option<&'static RuleEntry> {
-    REGISTRY.iter().find(|entry| entry.name() == name)
-}
-
-/// The rule used where the configuration names none.
-pub fn default_rule() -> &'static RuleEntry {
-    &REGISTRY[0]
+/// The rule that has a code.
+pub fn entry(code: FusionRule) -> &'static RuleEntry {
+    let entry = REGISTRY.iter().find(|entry| entry.code == code);
+    entry.expect("every code has a rule")
 }
 
 /// Lets a rule weigh `target`. `shares` holds one share per candidate, of which there is at least one; their accuracy
@@ -272,7 +269,7 @@ pub(crate) mod testing {
     /// equally often.
     pub(crate) fn fused_of(rule: &'static RuleEntry, candidates: &[Candidate]) -> (Option<State>, Vec<Share>) {
         let settings = RuleSettings {
-            rule,
+            rule: rule.code,
             ..RuleSettings::default()
         };
         let mut shares = vec![Share::default(); candidates.len()];
@@ -286,7 +283,7 @@ pub(crate) mod testing {
             ),
             Method::Filter => {
                 share_out(candidates, &mut shares);
-                Some(crate::state::combine(candidates, &shares))
+                Some(combination::combine(candidates, &shares))
             }
         };
         (state, shares)

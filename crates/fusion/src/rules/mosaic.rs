@@ -5,10 +5,11 @@
 
 use messages::TrackState;
 
+use super::combination::combine;
 use super::{Candidate, Memory, Method, RuleEntry, Share, Target};
 use crate::history::moved;
 use crate::settings::RuleSettings;
-use crate::state::{State, combine};
+use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
     code: messages::FusionRule::Mosaic,
@@ -70,7 +71,7 @@ mod tests {
     #[test]
     fn the_cell_decides_who_speaks() {
         let mut settings = RuleSettings {
-            rule: &ENTRY,
+            rule: ENTRY.code,
             mosaic: MosaicSettings {
                 cell_m: 1000.0,
                 default: Vec::new(),

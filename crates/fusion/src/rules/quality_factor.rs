@@ -5,9 +5,10 @@
 
 use messages::TrackState;
 
+use super::combination::combine;
 use super::{Memory, Method, RuleEntry, Share, Target};
 use crate::settings::RuleSettings;
-use crate::state::{State, combine};
+use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
     code: messages::FusionRule::QualityFactor,

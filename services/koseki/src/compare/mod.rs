@@ -54,7 +54,7 @@ pub(crate) fn run(compare: &Compare) -> anyhow::Result<()> {
     let mut outcomes = Vec::new();
     let mut refusals = Refusals::default();
     for rule in REGISTRY {
-        setup.settings.rule.rule = rule;
+        setup.settings.rule.rule = rule.code;
         let (mut outcome, tracks, refused) = fuse(rule, &setup, settings.age_max_s)?;
         refusals = refused;
         if let (Some(truth), Some(file)) = (&truth, &compare.truth) {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use configuration::{Config, Offline};
 use fusion::Settings;
-use fusion::rules::{self, RuleEntry};
 use fusion::settings::SOURCES_MAX;
+use messages::FusionRule;
 
 use super::merged::{Merged, Sensors, named_twice};
 use super::survey::Survey;
@@ -107,9 +107,9 @@ fn given(path: &Path) -> anyhow::Result<Given> {
 ///
 /// # Errors
 /// If there is none; the message names those that there are.
-pub(crate) fn rule(name: &str) -> Result<&'static RuleEntry, Usage> {
-    rules::find(name).ok_or_else(|| {
-        let known: Vec<&str> = rules::REGISTRY.iter().map(|entry| entry.name()).collect();
+pub(crate) fn rule(name: &str) -> Result<FusionRule, Usage> {
+    FusionRule::from_word(name).ok_or_else(|| {
+        let known = FusionRule::ALL.map(FusionRule::word);
         Usage(format!(
             "--rule {name}: there is no such rule; there are {}",
             known.join(", ")
