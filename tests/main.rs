@@ -17,6 +17,7 @@ mod locate;
 mod score;
 mod simulate;
 mod track;
+mod track_ferry;
 mod track_with_counts;
 mod worth_of_counts;
 

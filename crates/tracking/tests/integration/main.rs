@@ -1,4 +1,3 @@
 //! The tracker over many scans.
 
 mod allocation;
-mod autoferry;

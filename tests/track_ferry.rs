@@ -1,7 +1,7 @@
 //! Two boats in a harbour, seen from a ferry by lidar, radar and two cameras: all sensors into one tracker (HT-12).
 //!
-//! The settings are the default ones; of the sensors they state what an operator knows. Scans come in the order of
-//! recording, in two scenarios up to 0.7 s late.
+//! `koseki track` reads the recordings as they are, with `config/autoferry.toml`. What is judged are its pictures at whole
+//! seconds.
 //!
 //! A target is *visible* at a second if within the five seconds before it some sensor that measures positions had a
 //! detection within 20 m of it in at least half of its scans, and in two at least; before that nobody could know of it.
@@ -9,13 +9,16 @@
 //!
 //! `--nocapture` prints the table of docs/tracking.md.
 
-use formats::autoferry::{self, Scan, Sensor};
-use scoring::gospa::Metric;
-use test_support::recording;
-use tracking::settings::{Capacity, SensorSettings};
-use tracking::{FieldOfView, Settings, Tracker};
+use std::collections::BTreeMap;
 
-const S: i64 = 1_000_000_000;
+use formats::autoferry::{self, Scan, Sensor};
+use frames::time::NS_PER_DAY;
+use scoring::gospa::Metric;
+use serde_json::{Value, json};
+use test_support::{numbers, recording};
+
+use crate::common::{Folder, S, repository};
+
 const METRIC: Metric = Metric {
     cut_off_m: 20.0,
     power: 2,
@@ -23,33 +26,12 @@ const METRIC: Metric = Metric {
 const SCENARIOS: [u32; 4] = [2, 3, 13, 16];
 const POSITIONS: [Sensor; 2] = [Sensor::Lidar, Sensor::Radar];
 
-fn scenario(number: u32) -> Option<Vec<Scan>> {
-    let read = |kind: &str| recording(&format!("autoferry/scenario{number}/scenario{number}_{kind}.json"));
-    Some(autoferry::read(&read("detections")?, &read("groundTruth")?).unwrap())
-}
-
-/// What is known of the sensors. Reach: the lidar's by its data sheet, the radar's range scale, and to where the cameras tell
-/// a boat from the shore; detection: nearly always by the first two, about every second time by the cameras. Where on a
-/// hull of ten metres a reflection comes from is the larger part of the errors, three metres, at sixty metres 0.05 rad.
-fn known(sensor: Sensor) -> SensorSettings {
-    let (detection_probability, range_m, sigma, resolution_m) = match sensor {
-        Sensor::Lidar => (0.9, 100.0, 3.0, Some(15.0)),
-        Sensor::Radar => (0.85, 500.0, 5.0, Some(15.0)),
-        Sensor::InfraredCamera => (0.4, 150.0, 0.05, None),
-        Sensor::Camera => (0.6, 200.0, 0.05, None),
-    };
-    SensorSettings {
-        sensor_id: sensor.id(),
-        detection_probability,
-        sigmas: Some([sigma, sigma, 0.0, 0.0]),
-        field_of_view: Some(FieldOfView {
-            range_m: [0.0, range_m],
-            sector_rad: None,
-            position_m: None,
-        }),
-        resolution_m,
-        ..SensorSettings::default()
-    }
+/// The detections as they are in the file, and with the truth beside them.
+fn scenario(number: u32) -> Option<(Value, Vec<Scan>)> {
+    let file = |kind: &str| format!("autoferry/scenario{number}/scenario{number}_{kind}.json");
+    let (detections, truth) = (recording(&file("detections"))?, recording(&file("groundTruth"))?);
+    let scans = autoferry::read(&detections, &truth).unwrap();
+    Some((serde_json::from_slice(&detections).unwrap(), scans))
 }
 
 /// Figures of one scenario with some sensors.
@@ -125,33 +107,39 @@ fn is_visible(scans: &[&Scan], truth: &Truth, target: usize, time_ns: i64) -> bo
     })
 }
 
-fn run(scans: &[Scan], sensors: &[Sensor]) -> Figures {
-    let settings = Settings {
-        sensors: sensors.iter().copied().map(known).collect(),
-        capacity: Capacity {
-            tracks: 2048,
-            detections: 128,
-            open_scans: 16,
-        },
-        ..Settings::default()
-    };
-    let mut tracker = Tracker::new(settings).unwrap();
-    let truth = Truth::of(scans);
-    let used: Vec<_> = scans.iter().filter(|scan| sensors.contains(&scan.sensor)).collect();
-    let begin = scans.iter().map(|scan| scan.time_of_measurement_ns).min().unwrap();
-    let mut figures = Figures::default();
-    let mut second = 1;
-    for scan in &used {
-        // What is known a second's end, before anything later has come.
-        while begin + second * S < scan.time_of_measurement_ns {
-            figures.add(&tracker, &used, &truth, begin + second * S);
-            second += 1;
-        }
-        tracker
-            .scan(scan.sensor.id(), scan.time_of_measurement_ns, &scan.detections)
-            .unwrap();
+/// Pictures that `koseki track` makes of the scans of some sensors: east and north of each track by whole second.
+fn pictures(folder: &Folder, json: &Value, sensors: &[Sensor]) -> BTreeMap<i64, Vec<[f64; 2]>> {
+    let own = |entry: &&Value| sensors.iter().any(|sensor| entry["sensorID"] == sensor.id());
+    let of_sensors: Vec<&Value> = json.as_array().unwrap().iter().filter(own).collect();
+    folder.write("detections.json", serde_json::to_vec(&of_sensors).unwrap());
+    let config = repository("config/autoferry.toml");
+    let said = folder.json(&format!(
+        "track --detections detections.json --config {} --period 1 --out tracks.csv --json",
+        config.display()
+    ));
+    // Those before the first detection count, too.
+    assert_eq!(said["scans"], of_sensors.len(), "{said}");
+    assert_eq!(said["refused_scans"], json!({}), "{said}");
+    let table = folder.read("tracks.csv");
+    let [times, east, north] = ["time_s", "x", "y"].map(|name| numbers(&table, name));
+    let mut pictures: BTreeMap<i64, Vec<[f64; 2]>> = BTreeMap::new();
+    for ((time_s, east), north) in times.into_iter().zip(east).zip(north) {
+        pictures.entry(time_s as i64).or_default().push([east, north]);
     }
-    assert_eq!(tracker.counts().refused_scans, 0);
+    pictures
+}
+
+fn run(scans: &[Scan], sensors: &[Sensor], pictures: &BTreeMap<i64, Vec<[f64; 2]>>) -> Figures {
+    let truth = Truth::of(scans);
+    let times = scans.iter().map(|scan| scan.time_of_measurement_ns);
+    let (begin_ns, end_ns) = (times.clone().min().unwrap(), times.max().unwrap());
+    let midnight_ns = begin_ns.div_euclid(NS_PER_DAY) * NS_PER_DAY;
+    let used: Vec<&Scan> = scans.iter().filter(|scan| sensors.contains(&scan.sensor)).collect();
+    let mut figures = Figures::default();
+    for second in (begin_ns - midnight_ns) / S + 1..=(end_ns - midnight_ns) / S {
+        let shown = pictures.get(&second).map_or(&[][..], Vec::as_slice);
+        figures.add(shown, &used, &truth, midnight_ns + second * S);
+    }
     for sum in [&mut figures.gospa_m, &mut figures.missed_m, &mut figures.false_m] {
         *sum /= f64::from(figures.seconds);
     }
@@ -159,17 +147,9 @@ fn run(scans: &[Scan], sensors: &[Sensor]) -> Figures {
 }
 
 impl Figures {
-    fn add(&mut self, tracker: &Tracker, scans: &[&Scan], truth: &Truth, time_ns: i64) {
+    fn add(&mut self, shown: &[[f64; 2]], scans: &[&Scan], truth: &Truth, time_ns: i64) {
         let targets = [0, 1].map(|target| truth.at(target, time_ns));
-        let shown: Vec<_> = tracker
-            .tracks()
-            .iter()
-            .map(|track| {
-                let later_s = (time_ns - track.time_ns) as f64 / S as f64;
-                [0, 1].map(|axis| track.estimate.mean[axis] + later_s * track.estimate.mean[axis + 3])
-            })
-            .collect();
-        let apart = METRIC.compare(&targets, &shown);
+        let apart = METRIC.compare(&targets, shown);
         self.seconds += 1;
         self.gospa_m += apart.gospa_m();
         self.missed_m += apart.missed_m();
@@ -201,11 +181,13 @@ const SHARE_MIN: f64 = 0.9;
 
 #[test]
 fn both_targets_are_tracked_while_they_are_visible() {
+    let folder = Folder::new();
     for number in SCENARIOS {
-        let Some(scans) = scenario(number) else { return };
-        let positions = run(&scans, &POSITIONS);
+        let Some((json, scans)) = scenario(number) else { return };
+        let figures_of = |sensors: &[Sensor]| run(&scans, sensors, &pictures(&folder, &json, sensors));
+        let positions = figures_of(&POSITIONS);
         for sensors in COMBINATIONS {
-            let figures = run(&scans, sensors);
+            let figures = figures_of(sensors);
             println!(
                 "scenario {number}, {sensors:?}: GOSPA {:.1} m (missed {:.1}, false {:.1}); tracked for {:.3} and {:.3} of \
                  {} and {} visible seconds, {:.3} of all",
