@@ -9,8 +9,8 @@ use fusion::settings::{
     SourceSettings,
 };
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
+use test_support::S;
 
-const S: i64 = 1_000_000_000;
 const SOURCES: u16 = 4;
 
 fn settings(targets: usize) -> Settings {

@@ -15,9 +15,8 @@ use frames::{Geodetic, SystemFrame};
 
 pub(crate) use folder::Folder;
 pub(crate) use home::{Home, Running, kill, until};
+pub(crate) use test_support::S;
 
-/// Nanoseconds of a second.
-pub(crate) const S: i64 = 1_000_000_000;
 /// Latitude and longitude of the origin of the tests' deployments, degrees.
 pub(crate) const PLACE: [f64; 2] = [41.297063, 2.078447];
 

@@ -12,8 +12,7 @@ use proptest::prelude::*;
 use crate::settings::DropOut;
 use crate::testing::test_settings;
 use crate::{Engine, Settings};
-
-const S: i64 = 1_000_000_000;
+use test_support::S;
 
 /// A report of a target on a straight path: sources differ by an offset, as body-fixed detection points do.
 fn report(source: u16, number: u32, time_s: f64, place: [f64; 2], velocity: [f64; 2]) -> SensorTrack {

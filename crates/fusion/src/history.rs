@@ -149,8 +149,7 @@ impl Histories {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const S: i64 = 1_000_000_000;
+    use test_support::S;
 
     fn report(time_s: i64, x: f64, vx: f64) -> SensorTrack {
         SensorTrack {

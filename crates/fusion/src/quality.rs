@@ -74,8 +74,7 @@ fn shifted(bits: u64, by: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const S: i64 = 1_000_000_000;
+    use test_support::S;
 
     #[test]
     fn missed_and_unconfirmed_scans_count_nothing() {

@@ -8,11 +8,10 @@ use fusion::settings::{
 };
 use fusion::{Engine, Merger};
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
+use test_support::S;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
-
-const S: i64 = 1_000_000_000;
 
 fn settings() -> Settings {
     let source = |name: &str| SourceSettings {

@@ -150,8 +150,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-
-    const S: i64 = 1_000_000_000;
+    use test_support::S;
 
     fn number(numbers: &mut TrackNumbers<()>, track: u32, now_ns: i64) -> Option<u16> {
         numbers.report(track, now_ns).map(|entry| entry.number)

@@ -81,8 +81,7 @@ impl TimeCheck {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const S: i64 = 1_000_000_000;
+    use test_support::S;
 
     fn limits() -> Limits {
         Limits {

@@ -83,8 +83,7 @@ impl Positions {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const S: i64 = 1_000_000_000;
+    use test_support::S;
 
     #[test]
     fn a_straight_path_gives_its_velocity() {

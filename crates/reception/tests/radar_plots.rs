@@ -15,9 +15,9 @@ use reception::observation::{self, Reading};
 use reception::{
     Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,
 };
+use test_support::S;
 use test_support::recording;
 
-const S: i64 = 1_000_000_000;
 /// One radar's plots.
 const PLOTS: &str = "akapetanovic/Jahorina.raw";
 /// A network of several radars, of which four send tracks with their plots.

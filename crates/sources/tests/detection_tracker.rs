@@ -7,9 +7,9 @@ use messages::{Counter, Counters, SensorBearing, SensorTrack, TrackState, sensor
 use observations::{Detection, DetectionKind};
 
 use sources::{DetectionTracker, Outputs, Samples, TrackerSettings};
+use test_support::S;
 use tracking::wide_area::arrivals::Arrivals;
 
-const S: i64 = 1_000_000_000;
 const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[[receiver]]\nname = \"lan\"\n\
                     [receiver.udp]\nlisten = \"127.0.0.1:8600\"\n[[receiver]]\nname = \"ears\"\n[receiver.udp]\nlisten = \"127.0.0.1:8601\"\n\
                     [[source]]\nname = \"radar\"\nperiod_s = 4.0\n[source.live]\nreceiver = \"lan\"\n[source.covariance]\nposition_sigma_m = 50.0\n\

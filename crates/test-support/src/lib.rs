@@ -11,3 +11,6 @@ pub use golden::{Digest, assert_golden};
 pub use random::Random;
 pub use recordings::{recording, recordings};
 pub use table::{column, numbers, places, rows};
+
+/// Nanoseconds in a second.
+pub const S: i64 = 1_000_000_000;

@@ -4,8 +4,7 @@ use observations::{Detection, DetectionKind};
 
 use crate::Settings;
 use crate::settings::{Capacity, Clutter, SensorSettings};
-
-pub(crate) const S: i64 = 1_000_000_000;
+pub(crate) use test_support::S;
 
 /// A detection of a position by sensor 1, 10 m sigma.
 pub(crate) fn position(time_ns: i64, east: f64, north: f64) -> Detection {

@@ -19,8 +19,8 @@ use fusion_service::FusionAgent;
 use messages::{Covariance, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use runtime::housekeeping;
 use runtime::{Agent, Now};
+use test_support::S;
 
-const S: i64 = 1_000_000_000;
 const START_NS: i64 = 16_931 * 86_400 * S;
 const TARGETS: u64 = 1000;
 const REPORTS: u64 = 30_000;

@@ -120,8 +120,7 @@ impl<T: Copy> Schedule<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const S: i64 = 1_000_000_000;
+    use test_support::S;
 
     #[test]
     fn a_track_is_sent_at_once_and_then_by_its_period_with_its_latest_state() {

@@ -121,8 +121,7 @@ mod tests {
     use configuration::BUILT_IN_DEMO;
 
     use super::*;
-
-    const S: i64 = 1_000_000_000;
+    use test_support::S;
 
     #[test]
     fn a_sensor_works_as_long_as_it_delivers() {

@@ -313,8 +313,7 @@ mod tests {
     use messages::Counter;
 
     use super::*;
-
-    const S: i64 = 1_000_000_000;
+    use test_support::S;
 
     fn health(kind: ProcessKind, name: &str, incarnation: u64, said_ns: i64) -> Health {
         Health {

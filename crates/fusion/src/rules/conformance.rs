@@ -7,8 +7,7 @@ use proptest::prelude::*;
 use super::testing::{fused_of, target};
 use super::*;
 use crate::settings::{DropOut, HandOverSettings, Residual};
-
-const S: i64 = 1_000_000_000;
+use test_support::S;
 
 /// A position and velocity within what sensors see, with a correlated covariance.
 fn state() -> impl Strategy<Value = State> {

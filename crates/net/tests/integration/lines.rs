@@ -10,13 +10,12 @@ use std::time::Duration;
 use net::{LinesSettings, TcpLines};
 use rustix::event::{PollFd, PollFlags, poll};
 use socket2::{Domain, Socket, Type};
+use test_support::S;
 
 /// How long a call may wait for the other end of a loopback connection.
 const STEP: Duration = Duration::from_secs(5);
 /// Calls after which a test that has got nowhere gives up.
 const CALLS_MAX: usize = 100;
-
-const S: i64 = 1_000_000_000;
 
 struct Client {
     lines: TcpLines,

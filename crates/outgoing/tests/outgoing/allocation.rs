@@ -8,11 +8,11 @@ use messages::{Contribution, SensorTrack, SystemTrack, TrackState, contribution_
 use outgoing::{SensorReports, StatusReports, SystemReports, SystemSource, SystemStatus, Technology};
 
 use crate::model::World;
+use test_support::S;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-const S: i64 = 1_000_000_000;
 /// More tracks than there is room for at a time, so that numbers are given, rest and come back.
 const TRACKS: u32 = 30_000;
 

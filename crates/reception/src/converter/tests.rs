@@ -6,8 +6,8 @@ use super::*;
 use crate::{CovarianceFrom, CovarianceModel, Limits, PoorQuality, STANDARD_PRESSURE_HPA};
 use observations::{Detection, DetectionKind};
 use observations::{Plane, Quality};
+use test_support::S;
 
-const S: i64 = 1_000_000_000;
 const DAY: i64 = 16_931 * 86_400 * S;
 
 fn converter() -> Converter {

@@ -158,8 +158,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-
-    const S: i64 = 1_000_000_000;
+    use test_support::S;
 
     fn track(number: u32, time_s: f64, east_m: f64) -> CountedTrack {
         CountedTrack {

@@ -2,6 +2,7 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use observations::{Detection, DetectionKind};
+use test_support::S;
 use tracking::settings::{Capacity, Limit, SensorSettings};
 use tracking::wide_area::distribution::Sharing;
 use tracking::wide_area::group::Groups;
@@ -12,8 +13,6 @@ use tracking::{FieldOfView, Settings, Tracker};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
-
-const S: i64 = 1_000_000_000;
 
 fn random(state: &mut u64) -> f64 {
     *state ^= *state << 13;

@@ -127,12 +127,12 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use test_support::S;
 
     const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[[receiver]]\nname = \"lan\"\n\
                         [receiver.udp]\nlisten = \"127.0.0.1:8600\"\n[[receiver]]\nname = \"link\"\n[receiver.udp]\n\
                         listen = \"127.0.0.1:8601\"\n[[source]]\nname = \"radar\"\n[source.live]\nreceiver = \"lan\"\n\
                         [[wide_area_sensor]]\nname = \"centre\"\n[wide_area_sensor.tracks]\nreceiver = \"link\"\nperiod_s = 2.0\n";
-    const S: i64 = 1_000_000_000;
     /// Noon of some day.
     const NOON_NS: i64 = 20_000 * 86_400 * S + 43_200 * S;
 

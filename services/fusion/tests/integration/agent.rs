@@ -11,8 +11,8 @@ use messages::{
 };
 use runtime::housekeeping::{self, Orders};
 use runtime::{Agent, HealthEntry, Now, Turn};
+use test_support::S;
 
-const S: i64 = 1_000_000_000;
 const DAY: i64 = 16_931 * 86_400 * S;
 
 fn config(order: &str, more: &str) -> Config {

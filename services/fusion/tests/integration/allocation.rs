@@ -17,11 +17,11 @@ use heap::{Counting, SMALL_BYTES, heap_use};
 use messages::{Control, Counter, Covariance, SensorTrack, TrackState, sensor_track_bits};
 use runtime::housekeeping;
 use runtime::{Agent, HealthEntry, Now};
+use test_support::S;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-const S: i64 = 1_000_000_000;
 const START_NS: i64 = 16_931 * 86_400 * S;
 const TARGETS: u32 = 300;
 const SLICE: u64 = 48;

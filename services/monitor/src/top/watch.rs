@@ -244,8 +244,8 @@ mod tests {
     use messages::StageTimes;
 
     use super::*;
+    use test_support::S;
 
-    const S: i64 = 1_000_000_000;
     const UTC_NS: i64 = 1_700_000_000 * S;
 
     fn now(s: f64) -> Now {

@@ -1,8 +1,7 @@
 //! Simulated flights: bearings of an emitter with Gaussian errors, always the same for a seed.
 
 use observations::Bearing;
-
-pub(crate) const S: i64 = 1_000_000_000;
+pub(crate) use test_support::S;
 
 /// Gaussian numbers.
 pub(crate) struct Noise(u64);

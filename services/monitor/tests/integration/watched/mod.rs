@@ -12,8 +12,8 @@ use messages::{Counter, Health, LifeState, ProcessKind, StageTimes, SystemTrack,
 use monitor::{MonitorAgent, Screen};
 use runtime::{Agent, HealthEntry, Now, Options, Speed, Turn};
 use serde_json::Value;
+pub(crate) use test_support::S;
 
-pub(crate) const S: i64 = 1_000_000_000;
 pub(crate) const UTC_NS: i64 = 1_700_000_000 * S;
 
 /// Where the monitor's text goes.
