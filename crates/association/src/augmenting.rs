@@ -12,6 +12,8 @@
 //! Source: R. Jonker, A. Volgenant, *A shortest augmenting path algorithm for dense and sparse linear assignment problems*,
 //! Computing 38 (1987).
 
+use std::ops::Range;
+
 /// Label of no choice, column of no column.
 pub const NONE: u32 = u32::MAX;
 
@@ -108,6 +110,15 @@ impl AugmentingPaths {
     }
 
     /// Forgets what is known of these rows and columns: before the first row of a problem is brought in.
+    #[inline]
+    pub fn forget_ranges(&mut self, rows: Range<usize>, columns: Range<usize>) {
+        self.frontier.clear();
+        self.passed.clear();
+        self.held[rows].fill(NONE);
+        self.columns[columns].fill(Column::FREE);
+    }
+
+    /// As [`Self::forget_ranges`], of rows and columns that are listed.
     pub fn forget(&mut self, rows: impl Iterator<Item = u32>, columns: impl Iterator<Item = u32>) {
         self.frontier.clear();
         self.passed.clear();
@@ -121,6 +132,7 @@ impl AugmentingPaths {
     }
 
     /// Label of the choice that a row has taken; [`NONE`] before it is brought in.
+    #[inline]
     pub fn held(&self, row: u32) -> u32 {
         self.held[row as usize]
     }
@@ -158,6 +170,7 @@ impl AugmentingPaths {
     }
 
     /// Lets a row take another choice, and returns the column that it gives up.
+    #[inline]
     fn exchange(&mut self, problem: &impl Problem, row: u32, label: u32) -> u32 {
         let held = std::mem::replace(&mut self.held[row as usize], label);
         if held == NONE {
@@ -168,6 +181,7 @@ impl AugmentingPaths {
     }
 
     /// Dijkstra's search from `start` over columns and the rows that hold them: the end of the cheapest chain and its cost.
+    #[inline]
     fn cheapest_chain<P: Problem>(
         &mut self,
         problem: &P,
@@ -229,6 +243,7 @@ impl AugmentingPaths {
     }
 
     /// Place in the frontier of the column that is reached most cheaply; of equal ones, the one of the lowest number.
+    #[inline]
     fn nearest(&self) -> Option<usize> {
         let each = self.frontier.iter().enumerate();
         let nearest = each.min_by(|(_, one), (_, other)| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
@@ -237,6 +252,7 @@ impl AugmentingPaths {
 
     /// Raises the price of each column passed by as much as it was reached more cheaply than the end, and forgets the
     /// search.
+    #[inline]
     fn close_search(&mut self, end_cost: f64) {
         for &number in &self.passed {
             let column = &mut self.columns[number as usize];

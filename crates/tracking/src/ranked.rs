@@ -133,6 +133,7 @@ impl Open<'_> {
 impl augmenting::Problem for Open<'_> {
     const OWN_FIRST: bool = true;
 
+    #[inline]
     fn show_choices(&self, row: u32, mut each: impl FnMut(u32, u32, f64)) {
         let forbidden = if row == self.limited { self.forbidden } else { 0 };
         let Range { start, end } = self.rows[row as usize];
@@ -143,6 +144,7 @@ impl augmenting::Problem for Open<'_> {
         }
     }
 
+    #[inline]
     fn choice(&self, label: u32) -> augmenting::Choice {
         let (row, number) = (label / CHOICES_MAX as u32, label % CHOICES_MAX as u32);
         let choice = &self.choices[(self.rows[row as usize].start + number) as usize];
@@ -372,9 +374,8 @@ impl Ranked {
 
     /// Cost of the best solution of the part, which is left in its choices; `None` if it has none.
     fn solve(&mut self, problem: &Problem, part: &mut Part) -> Option<f64> {
-        let (rows, columns) = (problem.rows as u32, problem.columns as u32);
-        let fixed = u32::from(part.fixed);
-        self.paths.forget(fixed..rows, 0..columns);
+        self.paths
+            .forget_ranges(usize::from(part.fixed)..problem.rows, 0..problem.columns);
         for row in 0..part.fixed {
             let column = self.choice(problem, row, part.chosen[usize::from(row)]).column;
             if column != OWN {
@@ -385,15 +386,18 @@ impl Ranked {
         let open = Open {
             choices: &self.choices,
             rows: &self.rows[problem.first_row..problem.first_row + problem.rows],
-            limited: fixed,
+            limited: u32::from(part.fixed),
             forbidden: part.forbidden,
         };
         let mut steps = usize::MAX;
-        for row in fixed..rows {
-            self.paths.bring_in(&open, row, &mut steps).ok()?;
+        for row in part.fixed..problem.rows as u8 {
+            self.paths.bring_in(&open, u32::from(row), &mut steps).ok()?;
         }
-        for row in fixed..rows {
-            part.chosen[row as usize] = (self.paths.held(row) % CHOICES_MAX as u32) as u8;
+        for (row, chosen) in (0..)
+            .zip(&mut part.chosen[..problem.rows])
+            .skip(usize::from(part.fixed))
+        {
+            *chosen = (self.paths.held(row) % CHOICES_MAX as u32) as u8;
         }
         let chosen = (0..problem.rows).map(|row| self.choice(problem, row as u8, part.chosen[row]).cost);
         Some(problem.base_cost + chosen.sum::<f64>())
