@@ -13,7 +13,7 @@
 //! Two things speak against a model. Against the fixed point does the velocity that the straight motion has found, if rest is
 //! far from it (a Bayes factor, for some bearings in a row). Against each model without process noise do bearings
 //! that disagree for long while the platform does not turn. Then it begins anew: one for straight motion where the manoeuvring one
-//! is, a fixed point with its last sightings. It is believed again when its bearings have agreed for a while, twice
+//! is, a fixed point with its last lines. It is believed again when its bearings have agreed for a while, twice
 //! as many after each such failure. Meanwhile the model with process noise stands in.
 //!
 //! While the simplest model only lacks geometry, nothing is said: a model with more freedom cannot know more.
@@ -21,62 +21,16 @@
 use nalgebra::Matrix4;
 
 use crate::explanation::DecisionKind;
-use crate::settings::{ConsistencySettings, FilterChoice, MotionSettings};
-use crate::sighting::Sighting;
-use crate::smoother::{Bounds, Model, Smoother, Taken};
-
-/// A model of an emitter's motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
-    /// A fixed point.
-    Fixed,
-    /// A point that wanders.
-    Wandering,
-    /// Straight and uniform.
-    Straight,
-    /// Straight, with small accelerations.
-    Manoeuvring,
-}
+use crate::line_of_bearing::LineOfBearing;
+use crate::motion::Motion;
+use crate::settings::{ConsistencySettings, MotionSettings};
+use crate::smoother::{Bounds, Smoother, Taken};
 
 /// Most models of one emitter.
 pub(crate) const MODELS_MAX: usize = 3;
 /// Bearings that have to agree with a model that failed, the first time and at most.
 const PATIENCE_MIN: u32 = 128;
 const PATIENCE_MAX: u32 = 1024;
-
-impl Motion {
-    /// The word for it.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Fixed => "fixed",
-            Self::Wandering => "wandering",
-            Self::Straight => "straight",
-            Self::Manoeuvring => "manoeuvring",
-        }
-    }
-
-    /// The models that compete, simplest first.
-    fn of(choice: FilterChoice) -> &'static [Self] {
-        match choice {
-            FilterChoice::Auto => &[Self::Fixed, Self::Straight, Self::Manoeuvring],
-            FilterChoice::Fixed => &[Self::Fixed, Self::Wandering],
-            FilterChoice::Straight => &[Self::Straight, Self::Manoeuvring],
-        }
-    }
-
-    fn model(self, settings: &MotionSettings) -> Model {
-        let process_noise = match self {
-            Self::Fixed | Self::Straight => 0.0,
-            Self::Wandering => settings.wandering_noise_m2ps,
-            Self::Manoeuvring => settings.manoeuvring_noise_m2ps3,
-        };
-        Model {
-            process_noise,
-            range_sigma_m: settings.range_sigma_m,
-            speed_sigma_mps: settings.speed_sigma_mps,
-        }
-    }
-}
 
 /// What the filters know of an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,10 +56,7 @@ impl RawFix {
 
 /// A filter of either kind.
 #[derive(Clone, Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "both are windows of sightings; the rest is little"
-)]
+#[expect(clippy::large_enum_variant, reason = "both are windows of lines; the rest is little")]
 enum Filter {
     Point(Smoother<2>),
     Motion(Smoother<4>),
@@ -179,15 +130,15 @@ impl Bank {
         })
     }
 
-    /// How a sighting compares with the fix: squared normalised innovation, logarithm of its variance.
-    pub(crate) fn compare(&self, sighting: &Sighting) -> Option<(f64, f64)> {
-        self.members[self.chosen?].as_ref()?.filter.compare(sighting)
+    /// How a line compares with the fix: squared normalised innovation, logarithm of its variance.
+    pub(crate) fn compare(&self, line: &LineOfBearing) -> Option<(f64, f64)> {
+        self.members[self.chosen?].as_ref()?.filter.compare(line)
     }
 
-    /// Takes the next sighting, `after_s` seconds after the last one.
+    /// Takes the next line, `after_s` seconds after the last one.
     pub(crate) fn add(
         &mut self,
-        sighting: &Sighting,
+        line: &LineOfBearing,
         after_s: f64,
         turning_since_ns: Option<i64>,
         (motion, consistency): (&MotionSettings, &ConsistencySettings),
@@ -203,13 +154,13 @@ impl Bank {
         };
         // The believed model first: while the platform turns, what it sets aside is wrong for all.
         let believed = self.chosen;
-        let verdict = believed.map(|place| self.add_to(place, sighting, bounds, notes));
+        let verdict = believed.map(|place| self.add_to(place, line, bounds, notes));
         let is_wrong = is_turning && verdict.is_some_and(|taken| !taken.is_used());
         let since_ns = turning_since_ns.filter(|_| matches!(verdict, Some(Taken::Distrusted(_))));
         for place in (0..MODELS_MAX).filter(|place| Some(*place) != believed) {
             match (is_wrong, &mut self.members[place]) {
-                (true, Some(member)) => member.filter.set_aside(sighting, since_ns),
-                _ => _ = self.add_to(place, sighting, bounds, notes),
+                (true, Some(member)) => member.filter.set_aside(line, since_ns),
+                _ => _ = self.add_to(place, line, bounds, notes),
             }
         }
         for place in 0..MODELS_MAX {
@@ -227,17 +178,17 @@ impl Bank {
             }
         }
         self.begin_stand_in();
-        self.reconsider(sighting);
+        self.reconsider(line);
         let evidence = self.weigh_motion(motion);
         self.choose(evidence, motion.evidence_min, notes);
     }
 
-    /// Gives a model the sighting.
-    fn add_to(&mut self, place: usize, sighting: &Sighting, bounds: Bounds, notes: &mut Notes) -> Taken {
+    /// Gives a model the line.
+    fn add_to(&mut self, place: usize, line: &LineOfBearing, bounds: Bounds, notes: &mut Notes) -> Taken {
         let Some(member) = &mut self.members[place] else {
             return Taken::Used;
         };
-        let taken = member.filter.add(sighting, bounds);
+        let taken = member.filter.add(line, bounds);
         match taken {
             Taken::Distrusted(sum) => {
                 notes.note(DecisionKind::BearingsSetAside(member.motion), sum.abs(), bounds.limit);
@@ -269,7 +220,7 @@ impl Bank {
     }
 
     /// Shows the straight motion where the fixed point is, if there is one.
-    fn reconsider(&mut self, latest: &Sighting) {
+    fn reconsider(&mut self, latest: &LineOfBearing) {
         let fixed = self
             .members
             .iter()
@@ -401,16 +352,16 @@ impl Member {
 }
 
 impl Filter {
-    fn add(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
-        either!(self, filter => filter.add(sighting, bounds))
+    fn add(&mut self, line: &LineOfBearing, bounds: Bounds) -> Taken {
+        either!(self, filter => filter.add(line, bounds))
     }
 
-    fn set_aside(&mut self, sighting: &Sighting, since_ns: Option<i64>) {
-        either!(self, filter => filter.set_aside(sighting, since_ns));
+    fn set_aside(&mut self, line: &LineOfBearing, since_ns: Option<i64>) {
+        either!(self, filter => filter.set_aside(line, since_ns));
     }
 
-    fn compare(&self, sighting: &Sighting) -> Option<(f64, f64)> {
-        either!(self, filter => filter.compare(sighting))
+    fn compare(&self, line: &LineOfBearing) -> Option<(f64, f64)> {
+        either!(self, filter => filter.compare(line))
     }
 
     fn is_located(&self) -> bool {

@@ -2,7 +2,7 @@
 
 /// Counters; they only rise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct LocatorCounts {
     /// Bearings taken.
     pub bearings: u64,
     /// Bearings refused: a value that is no number, or no standard deviation.

@@ -1,6 +1,6 @@
 //! Why the output is what it is: a record per decision (`--explain`).
 
-use crate::bank::Motion;
+use crate::motion::Motion;
 use crate::selection::{Reason, Stage};
 
 /// One decision on one emitter.

@@ -49,26 +49,28 @@
 //! # Memory and time
 //!
 //! All memory is allocated in [`Locator::new`], some 20 kB per emitter. The cost of a bearing is bounded: each model keeps
-//! [`SIGHTINGS_MAX`] sightings at most. Nothing here performs I/O or reads a clock; the same bearings give the same bits.
+//! [`LINES_MAX`] lines of bearing at most. Nothing here performs I/O or reads a clock; the same bearings give the same bits.
 
 #![forbid(unsafe_code)]
 
 mod bank;
 mod counts;
 mod explanation;
+mod line_of_bearing;
 mod linear;
 mod locator;
+mod motion;
 pub mod music;
 pub mod selection;
 pub mod settings;
-mod sighting;
 mod smoother;
 mod triangulation;
 mod window;
 
-pub use bank::{Motion, RawFix};
-pub use counts::Counts;
+pub use bank::RawFix;
+pub use counts::LocatorCounts;
 pub use explanation::{Decision, DecisionKind};
 pub use locator::{EmitterReport, Locator, OWN_NUMBERS, Refusal};
+pub use motion::Motion;
 pub use settings::Settings;
-pub use window::WINDOW_MAX as SIGHTINGS_MAX;
+pub use window::WINDOW_MAX as LINES_MAX;

@@ -4,11 +4,11 @@ use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
 use observations::Bearing;
 
 use crate::bank::{Bank, Notes, RawFix};
-use crate::counts::Counts;
+use crate::counts::LocatorCounts;
 use crate::explanation::{Decision, DecisionKind};
+use crate::line_of_bearing::LineOfBearing;
 use crate::selection::{Fix, Output, Selector};
 use crate::settings::{Fault, Settings};
-use crate::sighting::Sighting;
 
 /// Emitters that the locator tells apart itself are numbered from here on.
 pub const OWN_NUMBERS: u32 = 1_000_001;
@@ -108,7 +108,7 @@ struct Emitter {
     /// Whether its bearings carry its number.
     is_labelled: bool,
     frequency_hz: f64,
-    last: Sighting,
+    last: LineOfBearing,
     last_heading_rad: Option<f64>,
     turning_since_ns: Option<i64>,
     bank: Bank,
@@ -124,7 +124,7 @@ pub struct Locator {
     emitters: Vec<Emitter>,
     next_number: u32,
     decisions: Vec<Decision>,
-    counts: Counts,
+    counts: LocatorCounts,
 }
 
 impl Locator {
@@ -142,7 +142,7 @@ impl Locator {
             emitters: Vec::with_capacity(settings.emitters_max),
             next_number: OWN_NUMBERS,
             decisions: Vec::with_capacity(DECISIONS_MAX),
-            counts: Counts::default(),
+            counts: LocatorCounts::default(),
         })
     }
 
@@ -156,23 +156,23 @@ impl Locator {
             self.counts.unusable += 1;
             return Err(Refusal::Unusable(fault));
         }
-        let sighting = Sighting::new(bearing);
+        let line = LineOfBearing::new(bearing);
         let found = match bearing.emitter_id {
             Some(id) => self.place(true, id).ok(),
-            None => self.associated(bearing, &sighting),
+            None => self.associated(bearing, &line),
         };
         let (slot, is_new) = match found {
             Some(place) => (self.index[place].2 as usize, false),
-            None => (self.begin(bearing, &sighting)?, true),
+            None => (self.begin(bearing, &line)?, true),
         };
         let emitter = &mut self.emitters[slot];
-        if sighting.time_ns < emitter.last.time_ns {
+        if line.time_ns < emitter.last.time_ns {
             self.counts.out_of_order += 1;
             return Err(Refusal::OutOfOrder);
         }
         self.counts.bearings += 1;
         self.counts.associated += u64::from(bearing.emitter_id.is_none() && !is_new);
-        Ok(self.take(slot, bearing, &sighting))
+        Ok(self.take(slot, bearing, &line))
     }
 
     /// What was decided on the last bearing, in order.
@@ -181,7 +181,7 @@ impl Locator {
     }
 
     /// What was done so far.
-    pub fn counts(&self) -> &Counts {
+    pub fn counts(&self) -> &LocatorCounts {
         &self.counts
     }
 
@@ -195,17 +195,15 @@ impl Locator {
         &self.settings
     }
 
-    fn take(&mut self, slot: usize, bearing: &Bearing, sighting: &Sighting) -> Option<EmitterReport> {
+    fn take(&mut self, slot: usize, bearing: &Bearing, line: &LineOfBearing) -> Option<EmitterReport> {
         let (settings, emitter) = (&self.settings, &mut self.emitters[slot]);
-        let after_s = sighting.after_s(emitter.last.time_ns);
-        emitter.watch_heading(bearing.heading_rad, sighting, settings.consistency.turning_rad_per_s);
+        let after_s = line.after_s(emitter.last.time_ns);
+        emitter.watch_heading(bearing.heading_rad, line, settings.consistency.turning_rad_per_s);
         let mut notes = Notes::EMPTY;
         let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
-        emitter
-            .bank
-            .add(sighting, after_s, turning_since_ns, models, &mut notes);
-        emitter.last = *sighting;
-        let (number, time_ns) = (emitter.number, sighting.time_ns);
+        emitter.bank.add(line, after_s, turning_since_ns, models, &mut notes);
+        emitter.last = *line;
+        let (number, time_ns) = (emitter.number, line.time_ns);
         let fix = emitter.bank.fix_at(time_ns);
         let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns)));
         for (kind, value, limit) in notes.iter() {
@@ -243,7 +241,7 @@ impl Locator {
     }
 
     /// The place in the index of the emitter without id that a bearing fits best, by frequency and gate.
-    fn associated(&self, bearing: &Bearing, sighting: &Sighting) -> Option<usize> {
+    fn associated(&self, bearing: &Bearing, line: &LineOfBearing) -> Option<usize> {
         let settings = &self.settings.association;
         let frequency_hz = bearing.frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
         let mut best: Option<(f64, usize)> = None;
@@ -258,7 +256,7 @@ impl Locator {
             if !is_either_unknown && apart_hz > settings.frequency_tolerance_hz {
                 continue;
             }
-            let (squared, log_variance) = emitter.compare(sighting, settings.rate_max_rad_per_s);
+            let (squared, log_variance) = emitter.compare(line, settings.rate_max_rad_per_s);
             let cost = squared + log_variance;
             if squared <= settings.gate * settings.gate && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, place));
@@ -268,7 +266,7 @@ impl Locator {
     }
 
     /// A new emitter's place in the table.
-    fn begin(&mut self, bearing: &Bearing, sighting: &Sighting) -> Result<usize, Refusal> {
+    fn begin(&mut self, bearing: &Bearing, line: &LineOfBearing) -> Result<usize, Refusal> {
         let (is_labelled, number) = match bearing.emitter_id {
             Some(id) => (true, id),
             None => (false, self.next_number),
@@ -278,7 +276,7 @@ impl Locator {
                 number,
                 is_labelled,
                 frequency_hz: ANY_FREQUENCY_HZ,
-                last: *sighting,
+                last: *line,
                 last_heading_rad: None,
                 turning_since_ns: None,
                 bank: Bank::new(&self.settings.motion),
@@ -286,7 +284,7 @@ impl Locator {
             });
             self.emitters.len() - 1
         } else {
-            let Some(slot) = self.given_up(sighting.time_ns) else {
+            let Some(slot) = self.given_up(line.time_ns) else {
                 self.counts.table_full += 1;
                 return Err(Refusal::TableFull);
             };
@@ -296,7 +294,7 @@ impl Locator {
         emitter.number = number;
         emitter.is_labelled = is_labelled;
         emitter.frequency_hz = bearing.frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
-        emitter.last = *sighting;
+        emitter.last = *line;
         (emitter.last_heading_rad, emitter.turning_since_ns) = (None, None);
         if let Err(place) = self.place(is_labelled, number) {
             self.index.insert(place, (is_labelled, number, slot as u32));
@@ -306,13 +304,7 @@ impl Locator {
         }
         self.counts.emitters += 1;
         let (there_are, places) = (self.emitters.len() as f64, self.settings.emitters_max as f64);
-        self.decide(
-            sighting.time_ns,
-            number,
-            DecisionKind::EmitterStarted,
-            there_are,
-            places,
-        );
+        self.decide(line.time_ns, number, DecisionKind::EmitterStarted, there_are, places);
         Ok(slot)
     }
 
@@ -350,23 +342,23 @@ impl Locator {
 
 impl Emitter {
     /// How a bearing without id fits: squared normalised difference, logarithm of its variance.
-    fn compare(&self, sighting: &Sighting, rate_max_rad_per_s: f64) -> (f64, f64) {
-        if let Some(compared) = self.bank.compare(sighting) {
+    fn compare(&self, line: &LineOfBearing, rate_max_rad_per_s: f64) -> (f64, f64) {
+        if let Some(compared) = self.bank.compare(line) {
             return compared;
         }
         // Without a fix it is expected where it was last, or as far off as its bearing can have gone.
-        let after_s = sighting.after_s(self.last.time_ns).abs();
+        let after_s = line.after_s(self.last.time_ns).abs();
         let may_have_gone = rate_max_rad_per_s * after_s;
-        let variance = 1.0 / sighting.information + 1.0 / self.last.information + may_have_gone * may_have_gone;
-        let across = sighting.sine * self.last.cosine - sighting.cosine * self.last.sine;
-        let along = sighting.cosine * self.last.cosine + sighting.sine * self.last.sine;
+        let variance = 1.0 / line.information + 1.0 / self.last.information + may_have_gone * may_have_gone;
+        let across = line.sine * self.last.cosine - line.cosine * self.last.sine;
+        let along = line.cosine * self.last.cosine + line.sine * self.last.sine;
         let difference = across.atan2(along);
         (difference * difference / variance, variance.ln())
     }
 
-    /// Whether the platform turns, and since when: by the heading at the sighting after the last one.
-    fn watch_heading(&mut self, heading_rad: Option<f64>, sighting: &Sighting, turning_rad_per_s: f64) {
-        let after_s = sighting.after_s(self.last.time_ns);
+    /// Whether the platform turns, and since when: by the heading at the line after the last one.
+    fn watch_heading(&mut self, heading_rad: Option<f64>, line: &LineOfBearing, turning_rad_per_s: f64) {
+        let after_s = line.after_s(self.last.time_ns);
         if let (Some(heading_rad), Some(last)) = (heading_rad, self.last_heading_rad) {
             if after_s <= 0.0 {
                 // Two at one time tell nothing new.
@@ -374,7 +366,7 @@ impl Emitter {
             }
             let change = (heading_rad - last).sin().atan2((heading_rad - last).cos());
             self.turning_since_ns = match change.abs() / after_s > turning_rad_per_s {
-                true => self.turning_since_ns.or(Some(sighting.time_ns)),
+                true => self.turning_since_ns.or(Some(line.time_ns)),
                 false => None,
             };
         } else {

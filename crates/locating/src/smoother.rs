@@ -6,9 +6,9 @@
 //! takes the bearings to say of the range is wrong, and nothing undoes it: with an emitter 50 km away the filter ends seven
 //! times worse than the bearings allow, and is sure of itself.
 //!
-//! Here nothing is linearised for good while it matters. The last sightings are kept ([`crate::window`]); what they say together
+//! Here nothing is linearised for good while it matters. The last lines are kept ([`crate::window`]); what they say together
 //! is found by Gauss–Newton iteration, that is, with all of them linearised anew where the emitter is believed to be *now*
-//! (the maximum-likelihood estimate). Only sightings for which the position is known to a fiftieth of their range go
+//! (the maximum-likelihood estimate). Only lines for which the position is known to a fiftieth of their range go
 //! into a Gaussian prior for good, and for them the linearisation is exact enough.
 //!
 //! An emitter is a fixed point (two components: position) or moves straight on (four: velocity, too). Without process noise
@@ -22,7 +22,7 @@
 //! estimator). But a platform that turns gives bearings that are wrong *together*: each by little, all to one side, and a
 //! filter averages them in. A running sum of the normalised innovations, in which the last ten or so count, sees that: it
 //! is Gaussian with known variance as long as bearings and state are right. When it leaves its bounds, the last
-//! sightings are taken back and new ones set aside until they agree again. If they never do, it is the state that is wrong;
+//! lines are taken back and new ones set aside until they agree again. If they never do, it is the state that is wrong;
 //! [`crate::bank`] decides that.
 //!
 //! Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (Wiley,
@@ -31,8 +31,8 @@
 
 use nalgebra::{Matrix2, Matrix4, SMatrix, SVector};
 
+use crate::line_of_bearing::LineOfBearing;
 use crate::linear::Factor;
-use crate::sighting::Sighting;
 use crate::triangulation::crossing;
 use crate::window::Window;
 
@@ -42,9 +42,9 @@ const LOCATED_SHARE: f64 = 0.3;
 const LOST_SHARE: f64 = 0.5;
 /// From this share on the linearisation is good enough to judge bearings one by one.
 const SETTLED_SHARE: f64 = 0.05;
-/// From this share on a sighting may be linearised for good.
+/// From this share on a line may be linearised for good.
 const LINEAR_SHARE: f64 = 0.02;
-/// Sightings that go into the prior at a time.
+/// Lines that go into the prior at a time.
 const FOLDED_AT_ONCE: usize = 16;
 /// Bearings after which a settled filter linearises its window anew.
 const RELINEARISED_EVERY: u64 = 8;
@@ -55,20 +55,20 @@ const ROUNDS_FIRST: usize = 20;
 const ROUNDS: usize = 3;
 /// Steps of less than this squared statistical length are not worth another round.
 const STEP_SQUARED_MIN: f64 = 1e-4;
-/// Fewest sightings of a fix.
-const SIGHTINGS_MIN: usize = 3;
+/// Fewest lines of a fix.
+const LINES_MIN: usize = 3;
 
 /// A first fix is believed if its cost is at most so many standard deviations more than expected.
 const COST_SIGMAS: f64 = 4.0;
-/// … and if at most one in so many sightings is far off.
-const SIGHTINGS_PER_OUTLIER: usize = 10;
+/// … and if at most one in so many lines is far off.
+const LINES_PER_OUTLIER: usize = 10;
 
 /// Normalised innovations beyond this count less.
 const DEVIATION_MAX: f64 = 4.0;
 /// What is kept of the running sum of innovations at each bearing, and the sum's standard deviation.
 const SUM_KEPT: f64 = 0.85;
 const SUM_SIGMA: f64 = 1.898_315_991;
-/// Sightings that are taken back when the sum leaves its bounds.
+/// Lines that are taken back when the sum leaves its bounds.
 const TAKEN_BACK: usize = 8;
 /// A fix by which fewer bearings than this were judged is no match for bearings that disagree.
 const YOUNG: u64 = 32;
@@ -133,7 +133,7 @@ pub(crate) struct Smoother<const D: usize> {
     /// For how many bearings it has been settled.
     settled_for: u64,
     stage: Stage,
-    /// Whether the sightings of a search have no place in common.
+    /// Whether the lines of a search have no place in common.
     is_misfit: bool,
     /// By how much a velocity explains the window better than rest at the fixed point's fix.
     lead_over_rest: Option<f64>,
@@ -146,7 +146,7 @@ pub(crate) struct Smoother<const D: usize> {
 enum Stage {
     /// Nothing yet.
     Empty,
-    /// Sightings, and no place that explains them.
+    /// Lines, and no place that explains them.
     Searching,
     /// A place, and the geometry does not allow to say it.
     Vague,
@@ -161,18 +161,18 @@ struct System<const D: usize> {
     information: SMatrix<f64, D, D>,
     gradient: SVector<f64, D>,
     cost: f64,
-    sightings: usize,
+    lines: usize,
     /// Of them those that are far off, and the cost of the others.
     outliers: usize,
     cost_of_others: f64,
 }
 
 impl<const D: usize> System<D> {
-    /// Whether the sightings fit together: few are far off, and the cost of the others is chi-square with about as
-    /// many degrees of freedom as there are sightings.
+    /// Whether the lines fit together: few are far off, and the cost of the others is chi-square with about as
+    /// many degrees of freedom as there are lines.
     fn is_plausible(&self) -> bool {
-        let freedom = self.sightings as f64;
-        self.outliers <= self.sightings / SIGHTINGS_PER_OUTLIER
+        let freedom = self.lines as f64;
+        self.outliers <= self.lines / LINES_PER_OUTLIER
             && self.cost_of_others < freedom + COST_SIGMAS * (2.0 * freedom).sqrt() + COST_SIGMAS
     }
 }
@@ -248,36 +248,36 @@ impl<const D: usize> Smoother<D> {
         Some(lead + factor.log_determinant() - log_prior)
     }
 
-    /// How a sighting compares with what is expected: squared normalised innovation, and the logarithm of the innovation's
+    /// How a line compares with what is expected: squared normalised innovation, and the logarithm of the innovation's
     /// variance; `None` where nothing is expected.
-    pub(crate) fn compare(&self, sighting: &Sighting) -> Option<(f64, f64)> {
+    pub(crate) fn compare(&self, line: &LineOfBearing) -> Option<(f64, f64)> {
         if !self.is_located() {
             return None;
         }
-        let (state, covariance) = self.moved(sighting.after_s(self.reference_ns));
-        let residual = sighting.residual([state[0], state[1]])?;
+        let (state, covariance) = self.moved(line.after_s(self.reference_ns));
+        let residual = line.residual([state[0], state[1]])?;
         let [east, north] = residual.gradient;
         let p = &covariance;
         let spread = east * east * p[(0, 0)] + 2.0 * east * north * p[(0, 1)] + north * north * p[(1, 1)];
-        let variance = spread + 1.0 / sighting.information;
+        let variance = spread + 1.0 / line.information;
         Some((
             residual.innovation_rad * residual.innovation_rad / variance,
             variance.ln(),
         ))
     }
 
-    /// Takes the next sighting. A model with process noise takes none before it is told where to begin.
-    pub(crate) fn add(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
+    /// Takes the next line. A model with process noise takes none before it is told where to begin.
+    pub(crate) fn add(&mut self, line: &LineOfBearing, bounds: Bounds) -> Taken {
         if self.is_recursive() {
-            return self.add_recursively(sighting);
+            return self.add_recursively(line);
         }
         if self.stage == Stage::Empty {
-            self.begin(sighting);
+            self.begin(line);
         }
         self.bearings += 1;
         self.since_linearised += 1;
         let taken = match self.stage {
-            Stage::Settled => self.judge(sighting, bounds),
+            Stage::Settled => self.judge(line, bounds),
             _ => Taken::Used,
         };
         self.settled_for = match self.stage {
@@ -286,24 +286,24 @@ impl<const D: usize> Smoother<D> {
         };
         let is_used = taken.is_used();
         if is_used {
-            self.improve(sighting);
+            self.improve(line);
         }
-        self.keep(Sighting { is_used, ..*sighting });
+        self.keep(LineOfBearing { is_used, ..*line });
         let is_distrusted = matches!(taken, Taken::Distrusted(_));
         if is_distrusted || self.is_due() {
             self.linearise();
         }
-        if is_distrusted && (self.settled_for < YOUNG || self.share(sighting) > LOCATED_SHARE) {
+        if is_distrusted && (self.settled_for < YOUNG || self.share(line) > LOCATED_SHARE) {
             // The fix is young, or rests on what was taken back: it is the fix that is wrong.
             self.restart();
         }
-        self.look_at_geometry(sighting);
+        self.look_at_geometry(line);
         taken
     }
 
-    /// Sets the next sighting aside, because a model that knows more than this one does. `since_ns`: with all since then,
+    /// Sets the next line aside, because a model that knows more than this one does. `since_ns`: with all since then,
     /// because it has only now found out.
-    pub(crate) fn set_aside(&mut self, sighting: &Sighting, since_ns: Option<i64>) {
+    pub(crate) fn set_aside(&mut self, line: &LineOfBearing, since_ns: Option<i64>) {
         if self.is_recursive() {
             // What it has taken in cannot be taken back.
             if since_ns.is_some() {
@@ -312,26 +312,26 @@ impl<const D: usize> Smoother<D> {
             return;
         }
         if self.stage == Stage::Empty {
-            self.begin(sighting);
+            self.begin(line);
         }
         if since_ns.is_some() {
             self.window.take_back(TAKEN_BACK, since_ns);
             self.linearise();
         }
-        self.keep(Sighting {
+        self.keep(LineOfBearing {
             is_used: false,
-            ..*sighting
+            ..*line
         });
     }
 
     /// The extended Kalman filter.
-    fn add_recursively(&mut self, sighting: &Sighting) -> Taken {
+    fn add_recursively(&mut self, line: &LineOfBearing) -> Taken {
         if self.stage != Stage::Settled {
             return Taken::Used;
         }
         // With process noise it is always the state that is wrong, and the bearings put it right.
-        self.advance(sighting.time_ns);
-        self.improve(sighting);
+        self.advance(line.time_ns);
+        self.improve(line);
         Taken::Used
     }
 
@@ -344,7 +344,7 @@ impl<const D: usize> Smoother<D> {
         self.since_linearised >= wait.max(1)
     }
 
-    /// Begins anew: with the sightings of the window, and nothing else.
+    /// Begins anew: with the lines of the window, and nothing else.
     pub(crate) fn restart(&mut self) {
         let Some(first) = self.window.all().first().copied() else {
             self.stage = Stage::Empty;
@@ -375,7 +375,7 @@ impl<const D: usize> Smoother<D> {
 
     /// Considers that the emitter rests where a fixed point is, and goes on from there should that explain prior and window
     /// better: a search that began before there were many bearings may have ended where nothing is.
-    pub(crate) fn reconsider(&mut self, position_m: Option<[f64; 2]>, latest: &Sighting) {
+    pub(crate) fn reconsider(&mut self, position_m: Option<[f64; 2]>, latest: &LineOfBearing) {
         if self.is_recursive() || self.since_linearised > 0 || self.stage < Stage::Vague {
             return;
         }
@@ -399,7 +399,7 @@ impl<const D: usize> Smoother<D> {
         self.model.process_noise > 0.0
     }
 
-    fn begin(&mut self, first: &Sighting) {
+    fn begin(&mut self, first: &LineOfBearing) {
         self.reference_ns = first.time_ns;
         self.prior_mean = SVector::zeros();
         self.prior_information = SMatrix::zeros();
@@ -416,12 +416,12 @@ impl<const D: usize> Smoother<D> {
         (self.sum, self.is_distrusting) = (0.0, false);
     }
 
-    /// Whether a sighting is to be believed, by what the settled filter expects.
-    fn judge(&mut self, sighting: &Sighting, bounds: Bounds) -> Taken {
-        let Some((squared, _)) = self.compare(sighting) else {
+    /// Whether a line is to be believed, by what the settled filter expects.
+    fn judge(&mut self, line: &LineOfBearing, bounds: Bounds) -> Taken {
+        let Some((squared, _)) = self.compare(line) else {
             return Taken::SetAside;
         };
-        let residual = sighting.residual(self.position_at(sighting.time_ns));
+        let residual = line.residual(self.position_at(line.time_ns));
         let sign = residual.map_or(0.0, |residual| residual.innovation_rad.signum());
         let deviation = sign * squared.sqrt();
         self.sum = SUM_KEPT * self.sum + deviation.clamp(-DEVIATION_MAX, DEVIATION_MAX);
@@ -445,18 +445,18 @@ impl<const D: usize> Smoother<D> {
     }
 
     /// The extended Kalman filter's update; until the next linearisation it is what there is.
-    fn improve(&mut self, sighting: &Sighting) {
+    fn improve(&mut self, line: &LineOfBearing) {
         if self.stage < Stage::Vague {
             return;
         }
-        let after_s = sighting.after_s(self.reference_ns);
-        let Some(residual) = sighting.residual(position(&self.estimate, after_s)) else {
+        let after_s = line.after_s(self.reference_ns);
+        let Some(residual) = line.residual(position(&self.estimate, after_s)) else {
             return;
         };
         let h = sensitivity::<D>(residual.gradient, after_s);
         let spread = self.covariance * h;
         let expected = h.dot(&spread);
-        let mut variance = 1.0 / sighting.information;
+        let mut variance = 1.0 / line.information;
         // An outlier is taken for what it is: a bearing as bad as that.
         let squared = residual.innovation_rad * residual.innovation_rad / (expected + variance);
         variance *= (squared / (DEVIATION_MAX * DEVIATION_MAX)).max(1.0);
@@ -466,10 +466,10 @@ impl<const D: usize> Smoother<D> {
         self.covariance = (covariance + covariance.transpose()) * 0.5;
     }
 
-    /// Puts a sighting into the window, making room as lossless as can be.
-    fn keep(&mut self, sighting: Sighting) {
+    /// Puts a line into the window, making room as lossless as can be.
+    fn keep(&mut self, line: LineOfBearing) {
         if self.window.is_full() && !self.window.forget_unused() {
-            let place = (self.stage >= Stage::Vague).then(|| self.position_at(sighting.time_ns));
+            let place = (self.stage >= Stage::Vague).then(|| self.position_at(line.time_ns));
             if self.is_settled() && self.may_fold(FOLDED_AT_ONCE) {
                 self.fold(FOLDED_AT_ONCE);
             } else if self.stage == Stage::Searching && self.is_misfit {
@@ -485,19 +485,19 @@ impl<const D: usize> Smoother<D> {
                 self.window.forget_first(1);
             }
         }
-        self.window.push(sighting);
+        self.window.push(line);
     }
 
-    /// Whether the first `count` sightings are so far from the emitter that they may be linearised for good.
+    /// Whether the first `count` lines are so far from the emitter that they may be linearised for good.
     fn may_fold(&self, count: usize) -> bool {
         let error_m = self.error_m(self.reference_ns);
-        self.window.all()[..count].iter().all(|sighting| {
-            let position_m = position(&self.estimate, sighting.after_s(self.reference_ns));
-            error_m < LINEAR_SHARE * sighting.distance_m(position_m)
+        self.window.all()[..count].iter().all(|line| {
+            let position_m = position(&self.estimate, line.after_s(self.reference_ns));
+            error_m < LINEAR_SHARE * line.distance_m(position_m)
         })
     }
 
-    /// Makes the first `count` sightings part of the prior, which moves to the time of the last of them.
+    /// Makes the first `count` lines part of the prior, which moves to the time of the last of them.
     fn fold(&mut self, count: usize) {
         let folded = &self.window.all()[..count];
         let system = self.system(&self.estimate, folded);
@@ -563,7 +563,7 @@ impl<const D: usize> Smoother<D> {
         if self.stage != Stage::Searching {
             return Some(self.estimate);
         }
-        if self.window.all().iter().filter(|sighting| sighting.is_used).count() < SIGHTINGS_MIN {
+        if self.window.all().iter().filter(|line| line.is_used).count() < LINES_MIN {
             return None;
         }
         let crossing = crossing(self.window.all())?;
@@ -573,7 +573,7 @@ impl<const D: usize> Smoother<D> {
         Some(start)
     }
 
-    /// A step along `step` after which prior and sightings fit better; it goes at most half of the way to the platform.
+    /// A step along `step` after which prior and lines fit better; it goes at most half of the way to the platform.
     fn descend(
         &self,
         at: &SVector<f64, D>,
@@ -598,28 +598,28 @@ impl<const D: usize> Smoother<D> {
         None
     }
 
-    fn system(&self, at: &SVector<f64, D>, sightings: &[Sighting]) -> System<D> {
+    fn system(&self, at: &SVector<f64, D>, lines: &[LineOfBearing]) -> System<D> {
         let offset = self.prior_mean - at;
         let gradient = self.prior_information * offset;
         let mut system = System {
             information: self.prior_information,
             gradient,
             cost: offset.dot(&gradient),
-            sightings: 0,
+            lines: 0,
             outliers: 0,
             cost_of_others: 0.0,
         };
-        for sighting in sightings.iter().filter(|sighting| sighting.is_used) {
-            let after_s = sighting.after_s(self.reference_ns);
-            let Some(residual) = sighting.residual(position(at, after_s)) else {
+        for line in lines.iter().filter(|line| line.is_used) {
+            let after_s = line.after_s(self.reference_ns);
+            let Some(residual) = line.residual(position(at, after_s)) else {
                 continue;
             };
             let h = sensitivity::<D>(residual.gradient, after_s);
-            let squared = residual.innovation_rad * residual.innovation_rad * sighting.information;
+            let squared = residual.innovation_rad * residual.innovation_rad * line.information;
             let (cost, weight) = robust(squared);
-            let information = weight * sighting.information;
+            let information = weight * line.information;
             system.cost += cost;
-            system.sightings += 1;
+            system.lines += 1;
             match weight < 1.0 {
                 true => system.outliers += 1,
                 false => system.cost_of_others += cost,
@@ -636,7 +636,7 @@ impl<const D: usize> Smoother<D> {
     }
 
     /// What the geometry allows to say.
-    fn look_at_geometry(&mut self, latest: &Sighting) {
+    fn look_at_geometry(&mut self, latest: &LineOfBearing) {
         if self.stage < Stage::Vague {
             return;
         }
@@ -652,8 +652,8 @@ impl<const D: usize> Smoother<D> {
     }
 
     /// Longest half-axis of the error ellipse over the range.
-    fn share(&self, latest: &Sighting) -> f64 {
-        let range = |sighting: &Sighting| sighting.distance_m(self.position_at(sighting.time_ns));
+    fn share(&self, latest: &LineOfBearing) -> f64 {
+        let range = |line: &LineOfBearing| line.distance_m(self.position_at(line.time_ns));
         let range_m = self.window.all().first().map_or(0.0, range).max(range(latest));
         self.error_m(latest.time_ns) / range_m
     }

@@ -10,16 +10,16 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use crate::sighting::Sighting;
+use crate::line_of_bearing::LineOfBearing;
 
 /// A platform that has moved less than this has seen the emitter from one place, metres.
 const BASELINE_MIN_M: f64 = 1.0;
 
-/// Where the sightings that count cross, metres east and north; `None` if the platform did not move, or they cross behind
+/// Where the lines that count cross, metres east and north; `None` if the platform did not move, or they cross behind
 /// it or nowhere.
-pub(crate) fn crossing(sightings: &[Sighting]) -> Option<[f64; 2]> {
-    let used = || sightings.iter().filter(|sighting| sighting.is_used);
-    let weight: f64 = used().map(|sighting| sighting.information).sum();
+pub(crate) fn crossing(lines: &[LineOfBearing]) -> Option<[f64; 2]> {
+    let used = || lines.iter().filter(|line| line.is_used);
+    let weight: f64 = used().map(|line| line.information).sum();
     let mean = |axis: usize| used().map(|s| s.information * s.platform_m[axis]).sum::<f64>() / weight;
     let centre = [mean(0), mean(1)];
     let spread: f64 = used().map(|s| s.information * s.distance_m(centre).powi(2)).sum();
@@ -29,21 +29,17 @@ pub(crate) fn crossing(sightings: &[Sighting]) -> Option<[f64; 2]> {
         return None;
     }
     let mut squares = Matrix3::zeros();
-    for sighting in used() {
-        let [east, north] = [0, 1].map(|axis| (sighting.platform_m[axis] - centre[axis]) / scale_m);
-        let row = Vector3::new(
-            sighting.cosine,
-            -sighting.sine,
-            sighting.sine * north - sighting.cosine * east,
-        );
-        squares += row * row.transpose() * (sighting.information / weight);
+    for line in used() {
+        let [east, north] = [0, 1].map(|axis| (line.platform_m[axis] - centre[axis]) / scale_m);
+        let row = Vector3::new(line.cosine, -line.sine, line.sine * north - line.cosine * east);
+        squares += row * row.transpose() * (line.information / weight);
     }
     let eigen = SymmetricEigen::new(squares);
     let least = eigen.eigenvectors.column(eigen.eigenvalues.imin());
     let place = [0, 1].map(|axis| centre[axis] + scale_m * least[axis] / least[2]);
-    let ahead = |sighting: &Sighting| {
-        let [east, north] = [0, 1].map(|axis| place[axis] - sighting.platform_m[axis]);
-        east * sighting.sine + north * sighting.cosine > 0.0
+    let ahead = |line: &LineOfBearing| {
+        let [east, north] = [0, 1].map(|axis| place[axis] - line.platform_m[axis]);
+        east * line.sine + north * line.cosine > 0.0
     };
     let in_front: f64 = used().filter(|s| ahead(s)).map(|s| s.information).sum();
     (place.iter().all(|value| value.is_finite()) && in_front > 0.5 * weight).then_some(place)
@@ -53,23 +49,23 @@ pub(crate) fn crossing(sightings: &[Sighting]) -> Option<[f64; 2]> {
 mod tests {
     use super::*;
 
-    fn seen(platform_m: [f64; 2], place: [f64; 2], error_rad: f64) -> Sighting {
+    fn seen(platform_m: [f64; 2], place: [f64; 2], error_rad: f64) -> LineOfBearing {
         let bearing = (place[0] - platform_m[0]).atan2(place[1] - platform_m[1]) + error_rad;
-        Sighting {
+        LineOfBearing {
             platform_m,
             sine: bearing.sin(),
             cosine: bearing.cos(),
             information: 1e4,
             is_used: true,
-            ..Sighting::NONE
+            ..LineOfBearing::NONE
         }
     }
 
     #[test]
     fn exact_bearings_cross_where_the_emitter_is() {
         let place = [3e3, 50e3];
-        let sightings: Vec<_> = (0..10).map(|k| seen([f64::from(k) * 1e3, 0.0], place, 0.0)).collect();
-        let found = crossing(&sightings).unwrap();
+        let lines: Vec<_> = (0..10).map(|k| seen([f64::from(k) * 1e3, 0.0], place, 0.0)).collect();
+        let found = crossing(&lines).unwrap();
         assert!(
             (found[0] - place[0]).abs() < 1e-3 && (found[1] - place[1]).abs() < 1e-2,
             "{found:?}"

@@ -1,32 +1,32 @@
-//! The last sightings, in bounded memory.
+//! The last lines of bearing, in bounded memory.
 //!
-//! Sightings that are kept can be looked at again when the emitter turns out to be somewhere else than was thought. A
+//! Lines that are kept can be looked at again when the emitter turns out to be somewhere else than was thought. A
 //! direction finder may give ten a second, though, and it may take minutes until the platform has flown far enough. So
 //! neighbours become one where nothing is lost by it: two bearings taken a distance s apart, of an emitter at range r,
 //! are as good as their mean taken half-way, but for s²/8r² radians.
 
-use crate::sighting::Sighting;
+use crate::line_of_bearing::LineOfBearing;
 
-/// Most sightings that a filter keeps.
+/// Most lines of bearing that a filter keeps.
 pub const WINDOW_MAX: usize = 64;
-/// An error of the mean of so much of its standard deviation is none.
+/// Largest bias that merging two lines may cause, in standard deviations of their mean.
 const LOSS_MAX: f64 = 0.05;
 
-/// Sightings in the order of time.
+/// Lines in the order of time.
 #[derive(Clone, Debug)]
 pub(crate) struct Window {
-    sightings: [Sighting; WINDOW_MAX],
+    lines: [LineOfBearing; WINDOW_MAX],
     len: usize,
 }
 
 impl Window {
     pub(crate) const EMPTY: Self = Self {
-        sightings: [Sighting::NONE; WINDOW_MAX],
+        lines: [LineOfBearing::NONE; WINDOW_MAX],
         len: 0,
     };
 
-    pub(crate) fn all(&self) -> &[Sighting] {
-        &self.sightings[..self.len]
+    pub(crate) fn all(&self) -> &[LineOfBearing] {
+        &self.lines[..self.len]
     }
 
     pub(crate) fn is_full(&self) -> bool {
@@ -34,9 +34,9 @@ impl Window {
     }
 
     /// Adds the latest; there must be room.
-    pub(crate) fn push(&mut self, sighting: Sighting) {
+    pub(crate) fn push(&mut self, line: LineOfBearing) {
         debug_assert!(!self.is_full(), "the caller makes room");
-        self.sightings[self.len] = sighting;
+        self.lines[self.len] = line;
         self.len += 1;
     }
 
@@ -46,13 +46,13 @@ impl Window {
 
     /// Forgets the first `count`.
     pub(crate) fn forget_first(&mut self, count: usize) {
-        self.sightings.copy_within(count..self.len, 0);
+        self.lines.copy_within(count..self.len, 0);
         self.len -= count;
     }
 
     /// Forgets the first that does not count; whether there was one.
     pub(crate) fn forget_unused(&mut self) -> bool {
-        let Some(place) = self.all().iter().position(|sighting| !sighting.is_used) else {
+        let Some(place) = self.all().iter().position(|line| !line.is_used) else {
             return false;
         };
         self.remove(place);
@@ -61,17 +61,17 @@ impl Window {
 
     /// Lets all count.
     pub(crate) fn use_all(&mut self) {
-        for sighting in &mut self.sightings[..self.len] {
-            sighting.is_used = true;
+        for line in &mut self.lines[..self.len] {
+            line.is_used = true;
         }
     }
 
     /// Takes back the last `count`, and all since a time.
     pub(crate) fn take_back(&mut self, count: usize, since_ns: Option<i64>) {
         let first = self.len.saturating_sub(count);
-        for (place, sighting) in self.sightings[..self.len].iter_mut().enumerate() {
-            if place >= first || since_ns.is_some_and(|since_ns| sighting.time_ns >= since_ns) {
-                sighting.is_used = false;
+        for (place, line) in self.lines[..self.len].iter_mut().enumerate() {
+            if place >= first || since_ns.is_some_and(|since_ns| line.time_ns >= since_ns) {
+                line.is_used = false;
             }
         }
     }
@@ -81,10 +81,10 @@ impl Window {
     pub(crate) fn merge(&mut self, position_m: Option<[f64; 2]>) -> usize {
         let (before, mut kept, mut next) = (self.len, 0, 0);
         while next < before {
-            let one = self.sightings[next];
-            let other = (next + 1 < before).then(|| self.sightings[next + 1]);
+            let one = self.lines[next];
+            let other = (next + 1 < before).then(|| self.lines[next + 1]);
             let merged = other.filter(|other| may_merge(&one, other, position_m));
-            self.sightings[kept] = merged.map_or(one, |other| one.merged(&other));
+            self.lines[kept] = merged.map_or(one, |other| one.merged(&other));
             kept += 1;
             next += if merged.is_some() { 2 } else { 1 };
         }
@@ -93,13 +93,13 @@ impl Window {
     }
 
     fn remove(&mut self, place: usize) {
-        self.sightings.copy_within(place + 1..self.len, place);
+        self.lines.copy_within(place + 1..self.len, place);
         self.len -= 1;
     }
 }
 
 /// Whether the error of the mean is small beside its standard deviation.
-fn may_merge(one: &Sighting, other: &Sighting, position_m: Option<[f64; 2]>) -> bool {
+fn may_merge(one: &LineOfBearing, other: &LineOfBearing, position_m: Option<[f64; 2]>) -> bool {
     if one.is_used != other.is_used {
         return false;
     }
@@ -117,13 +117,13 @@ fn may_merge(one: &Sighting, other: &Sighting, position_m: Option<[f64; 2]>) -> 
 mod tests {
     use super::*;
 
-    fn at(east_m: f64) -> Sighting {
-        Sighting {
+    fn at(east_m: f64) -> LineOfBearing {
+        LineOfBearing {
             time_ns: (east_m * 1e9) as i64,
             platform_m: [east_m, 0.0],
             information: 100.0,
             is_used: true,
-            ..Sighting::NONE
+            ..LineOfBearing::NONE
         }
     }
 

@@ -3,8 +3,7 @@
 //! A demonstration or a test needs reports whose truth is known. [`Truth`] says where every target is at any time;
 //! a [`SimulatedSensor`] looks at it as a radar, a multilateration system or an ADS-B receiver would, tracks what it
 //! sees with a filter of its own, and delivers sensor tracks; a [`SimulatedDirectionFinder`] flies about and measures
-//! bearings of those that transmit; a [`SimulatedWideAreaSensor`] says from afar how many there are; [`Accuracy`] compares the
-//! fused picture with the truth.
+//! bearings of those that transmit; a [`SimulatedWideAreaSensor`] says from afar how many there are.
 //!
 //! Everything is a pure function of settings, seed and time. Truth is closed-form in time, so it can be asked for any
 //! moment in any order and by any process, and never ends. Every random number is drawn from a stream of its own,
@@ -17,7 +16,6 @@
 
 #![forbid(unsafe_code)]
 
-mod accuracy;
 mod direction_finder;
 mod error;
 mod false_target;
@@ -38,7 +36,6 @@ mod traffic;
 mod truth;
 mod wide_area;
 
-pub use accuracy::{Accuracy, AccuracyReport, PictureTrack};
 pub use direction_finder::{DirectionFinderSettings, PlatformPose, SimulatedDirectionFinder};
 pub use error::SettingsError;
 pub use formation_settings::FormationSettings;

@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::gospa::Metric;
-use crate::near::distance;
+use crate::near::{Pair, distance};
 use crate::states::{State, positions};
 
 /// See the module's documentation.
@@ -144,7 +144,7 @@ impl Continuity {
             left.iter().map(|place| all[*place]).collect()
         };
         let compared = metric.compare(&of(targets, &targets_left), &of(tracks, &tracks_left));
-        let places = |pair: &crate::Pair| (targets_left[pair.target], tracks_left[pair.track]);
+        let places = |pair: &Pair| (targets_left[pair.target], tracks_left[pair.track]);
         compared.pairs.iter().map(places).collect()
     }
 

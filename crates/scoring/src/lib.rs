@@ -7,6 +7,7 @@
 //! - [`score_picture`]: the picture of a fused or a single tracker, second by second: GOSPA and OSPA ([`gospa`]), errors,
 //!   identity switches, breaks, completeness, spurious tracks;
 //! - [`ResolutionScore`]: whether a tracker tells targets apart that fly close to each other, and how soon;
+//! - [`Accuracy`]: the picture as it goes on, in a few figures that can be had at any time;
 //! - [`FixRuns`]: the fixes of a bearings-only locator, beside the best that is possible.
 //!
 //! Everything is a pure function of rows that somebody else has opened: no file, no clock. Rows are read through
@@ -14,6 +15,7 @@
 
 #![forbid(unsafe_code)]
 
+mod accuracy;
 pub mod assignment;
 mod bound;
 mod continuity;
@@ -27,6 +29,7 @@ mod states;
 mod statistics;
 mod words;
 
+pub use accuracy::{Accuracy, AccuracyReport, PictureTarget, PictureTrack};
 pub use fixes::{
     BroadsideFigures, CaseSettings, CourseFigures, FIX_WORDS, FixCase, FixError, FixFigures, FixInputError, FixRuns,
     FixScore,

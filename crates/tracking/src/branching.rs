@@ -4,7 +4,7 @@
 
 use messages::NS_PER_S;
 
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::explanation::TrackEvent;
 use crate::gating::NONE;
 use crate::hypothesis_store::HypothesisStore;
@@ -63,7 +63,7 @@ impl Branches {
         number: u32,
         pair: u32,
         store: &mut HypothesisStore,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) -> u32 {
         if pair == NONE {
             let made = &mut self.missed[number as usize];
@@ -96,7 +96,7 @@ impl Branches {
         row: usize,
         store: &mut HypothesisStore,
         next: &mut Population,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) -> u32 {
         if self.begun[row] == UNMADE {
             let inherited = self.parents_motion(joined, row);
@@ -155,7 +155,7 @@ fn kept(store: &mut HypothesisStore, track: Track) -> u32 {
 }
 
 /// `None` if it is given up.
-fn missed_track(joined: &Joined<'_>, number: u32, counts: &mut Counts) -> Option<Track> {
+fn missed_track(joined: &Joined<'_>, number: u32, counts: &mut TrackerCounts) -> Option<Track> {
     let scan = joined.scan;
     let mut track = scan.before.tracks[number as usize];
     let log_miss = scan.gating.log_misses[number as usize];
@@ -185,7 +185,7 @@ fn missed_track(joined: &Joined<'_>, number: u32, counts: &mut Counts) -> Option
 }
 
 /// `None` if it is given up.
-fn updated_track(joined: &Joined<'_>, number: u32, pair: u32, counts: &mut Counts) -> Option<Track> {
+fn updated_track(joined: &Joined<'_>, number: u32, pair: u32, counts: &mut TrackerCounts) -> Option<Track> {
     let scan = joined.scan;
     let found = scan.gating.pairs[pair as usize];
     let plot = &scan.plots[found.plot as usize];

@@ -1,6 +1,6 @@
 //! Records of what a scan has made of a cluster, told before its parts are separated: when all of it is still there.
 
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, TrackRecord};
 use crate::hypothesis_store::HypothesisStore;
 use crate::joined::Joined;
@@ -50,10 +50,10 @@ pub(crate) fn explain_ends(joined: &Joined<'_>, store: &HypothesisStore) {
 pub(crate) fn explain_cluster(
     joined: &Joined<'_>,
     observer: &dyn Observer,
-    [before, after]: [&Counts; 2],
+    [before, after]: [&TrackerCounts; 2],
     dropped_probability: f64,
 ) {
-    let forbidden = |counts: &Counts| counts.too_many_new_tracks + counts.too_many_tentative_tracks;
+    let forbidden = |counts: &TrackerCounts| counts.too_many_new_tracks + counts.too_many_tentative_tracks;
     observer.explain(&Explanation::Cluster(ClusterRecord {
         plots: joined.scan.plots,
         of_cluster: joined.plots,

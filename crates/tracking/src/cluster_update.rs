@@ -6,7 +6,7 @@
 
 use crate::branching::{Branches, REMOVED, UNMADE, explain_end};
 use crate::cluster_explanation::{explain_cluster, explain_confirmations, explain_ends, explain_hypotheses};
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::directions::{Claims, Directions};
 use crate::explanation::TrackEvent;
 use crate::gating::NONE;
@@ -72,7 +72,7 @@ impl ClusterUpdate {
         clusters: &[(u32, u32)],
         plots: &[(u32, u32)],
         next: &mut Population,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         let before = *counts;
         let joined = Joined::of(scan, clusters, plots, &mut self.rows, counts);
@@ -103,7 +103,7 @@ impl ClusterUpdate {
         cluster: &Cluster,
         claims: &[Claims],
         next: &mut Population,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         let (directions, deletion) = (Directions::of(scan), &scan.settings.deletion);
         let Children { branches, store, .. } = &mut self.children;
@@ -135,7 +135,7 @@ impl ClusterUpdate {
 impl Children {
     /// Makes the likeliest children, with corrected reliabilities. Returns a bound on the share of the probability that was
     /// left behind.
-    fn make(&mut self, joined: &Joined<'_>, next: &mut Population, counts: &mut Counts) -> f64 {
+    fn make(&mut self, joined: &Joined<'_>, next: &mut Population, counts: &mut TrackerCounts) -> f64 {
         self.store.clear();
         self.correction.clear();
         self.branches.clear(joined);
@@ -149,7 +149,7 @@ impl Children {
 
     /// Draws children, likeliest first, until there are enough or the rest cannot matter. Returns a bound on the share
     /// of the probability that was left behind.
-    fn draw(&mut self, joined: &Joined<'_>, next: &mut Population, counts: &mut Counts) -> f64 {
+    fn draw(&mut self, joined: &Joined<'_>, next: &mut Population, counts: &mut TrackerCounts) -> f64 {
         let reduction = &joined.scan.settings.reduction;
         let Some(best) = self.interpretations.next_cost() else {
             return 0.0;
@@ -190,7 +190,7 @@ impl Children {
         interpretation: &Interpretation,
         limits: Limits,
         next: &mut Population,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) -> bool {
         let (interpretations, store) = (&self.interpretations, &mut self.store);
         if interpretations.new_rows(interpretation).count() > limits.new_tracks_max {
@@ -231,7 +231,7 @@ impl Children {
 }
 
 /// `false` if there is no room.
-fn add_member(store: &mut HypothesisStore, place: u32, counts: &mut Counts) -> bool {
+fn add_member(store: &mut HypothesisStore, place: u32, counts: &mut TrackerCounts) -> bool {
     match place {
         REMOVED => true,
         UNMADE => {

@@ -2,7 +2,7 @@
 
 /// Counters; they only rise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Counts {
+pub struct TrackerCounts {
     /// Scans worked off, repetitions after late ones included.
     pub scans: u64,
     /// Scans that came after later ones and were worked in.
@@ -79,7 +79,7 @@ pub struct Counts {
     pub dropped_probability_sum: f64,
 }
 
-impl Counts {
+impl TrackerCounts {
     /// Share of the probability that the bounds and thresholds cut off in the mean update of a cluster (HT-11), in [0, 1]:
     /// an upper bound. 0 before the first.
     pub fn dropped_probability_mean(&self) -> f64 {

@@ -83,7 +83,7 @@ struct Scan {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Waiting<T> {
+struct Pending<T> {
     detection: Detection,
     with_it: T,
     /// How many came before it.
@@ -96,7 +96,7 @@ pub struct Cutter<T> {
     settings: CutterSettings,
     scan: Option<Scan>,
     boundaries: VecDeque<i64>,
-    waiting: Vec<Waiting<T>>,
+    waiting: Vec<Pending<T>>,
     /// Time of the earliest of them; `i64::MAX` if there are none.
     first_ns: i64,
     /// How many detections have come.
@@ -132,7 +132,7 @@ impl<T: Copy> Cutter<T> {
         if self.waiting.len() == self.settings.waiting_max {
             return Taken::Refused;
         }
-        self.waiting.push(Waiting {
+        self.waiting.push(Pending {
             detection,
             with_it,
             place: self.came,

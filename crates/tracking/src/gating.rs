@@ -10,7 +10,7 @@
 use association::components::representative;
 use association::{Grid, distance};
 
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
 use crate::motion::Motion;
 use crate::plot::Plot;
@@ -83,7 +83,7 @@ impl Gating {
         plots: &[Plot],
         time_ns: i64,
         sensor: &Sensor,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         self.begin(population, plots);
         let reach = Reach::of(plots);
@@ -163,7 +163,7 @@ impl Gating {
         time_ns: i64,
         plots: &[Plot],
         sensor: &Sensor,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         let first = self.pairs.len();
         let room = PAIRS_MAX.min(self.pairs.capacity() - first);
@@ -201,7 +201,7 @@ impl Gating {
     }
 
     /// Lets the detections of the pairs from `first` on belong to the cluster; drops pairs that would make it too large.
-    fn own(&mut self, cluster: u32, first: usize, counts: &mut Counts) {
+    fn own(&mut self, cluster: u32, first: usize, counts: &mut TrackerCounts) {
         let mut kept = first;
         for place in first..self.pairs.len() {
             let pair = self.pairs[place];

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::log_sum::{log_add, log_sum};
 use crate::settings::Reduction;
 use crate::track::{TENTATIVE, Track};
@@ -111,7 +111,7 @@ impl HypothesisStore {
     }
 
     /// Merges, drops and normalises the children (HT-9). Returns the share of their probability that was dropped.
-    pub(crate) fn reduce(&mut self, reduction: &Reduction, counts: &mut Counts) -> f64 {
+    pub(crate) fn reduce(&mut self, reduction: &Reduction, counts: &mut TrackerCounts) -> f64 {
         self.find_keys(reduction.merge_scans);
         self.merge(reduction.merge_scans > 0, counts);
         let total = log_sum(self.children.iter().map(|child| child.log_reliability));
@@ -144,7 +144,7 @@ impl HypothesisStore {
     }
 
     /// Likeliest first: an earlier one stays and takes over a later one's reliability.
-    fn merge(&mut self, by_key: bool, counts: &mut Counts) {
+    fn merge(&mut self, by_key: bool, counts: &mut TrackerCounts) {
         let mut kept = 0;
         for place in 0..self.children.len() {
             let child = self.children[place].clone();
@@ -166,7 +166,12 @@ impl HypothesisStore {
 
     /// Confirms the tracks that may be confirmed (HT-10), with all branches of the same root. Numbers count up from
     /// `next_number`.
-    pub(crate) fn confirm(&mut self, may_be: impl Fn(&Track) -> bool, next_number: &mut u32, counts: &mut Counts) {
+    pub(crate) fn confirm(
+        &mut self,
+        may_be: impl Fn(&Track) -> bool,
+        next_number: &mut u32,
+        counts: &mut TrackerCounts,
+    ) {
         self.sum_reliabilities();
         for place in 0..self.tracks.len() {
             let track = &self.tracks[place];

@@ -14,7 +14,7 @@
 //! Where a hypothesis lacks tracks that it ought to have, its children with enough of them are posed as problems of their own
 //! besides: their costs are lowered by so much that the best of them comes out with the best of the others.
 
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::joined::Joined;
 use crate::limits::{CLUSTER_TRACKS_MAX, PAIRS_MAX};
 use crate::parents::Parents;
@@ -75,7 +75,7 @@ impl Interpretations {
     }
 
     /// Poses the problem of each parent; then, where it lacks tracks, that of its children with enough of them.
-    pub(crate) fn pose(&mut self, joined: &Joined<'_>, parents: &Parents, counts: &mut Counts) {
+    pub(crate) fn pose(&mut self, joined: &Joined<'_>, parents: &Parents, counts: &mut TrackerCounts) {
         self.ranked.clear();
         self.problems.clear();
         for parent in 0..parents.list.len() {
@@ -148,7 +148,7 @@ impl Interpretations {
         parents: &Parents,
         plain: usize,
         lacking: usize,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         let rows = joined.plots.len();
         let ways = binomial(rows, lacking);
@@ -189,7 +189,7 @@ impl Interpretations {
         parents: &Parents,
         parent: usize,
         start: impl Fn(usize) -> Start,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) -> Option<()> {
         let (scan, sensor) = (joined.scan, joined.scan.sensor);
         let members = parents.members(parent).iter();
@@ -235,7 +235,7 @@ impl Interpretations {
     }
 
     /// The pairs of a parent by rows, with columns numbered in the order of its tracks.
-    fn find_entries(&mut self, joined: &Joined<'_>, parents: &Parents, parent: usize, counts: &mut Counts) {
+    fn find_entries(&mut self, joined: &Joined<'_>, parents: &Parents, parent: usize, counts: &mut TrackerCounts) {
         self.entries.clear();
         let mut column = 0;
         for &track in parents.members(parent) {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::gating::NONE;
 use crate::population::Cluster;
 use crate::ranked::ROWS_MAX;
@@ -54,7 +54,7 @@ impl<'a> Joined<'a> {
         clusters: &'a [(u32, u32)],
         plots: &'a [(u32, u32)],
         rows: &'a mut Rows,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) -> Self {
         rows.in_confirmed_gate = [false; ROWS_MAX];
         rows.confirmed.clear();

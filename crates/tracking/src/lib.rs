@@ -30,9 +30,9 @@
 //!
 //! Everything is allocated in [`Tracker::new`], and nothing after. A population is four flat tables, and each scan writes
 //! the next one (`population`); a track is a flat record that remembers its last scans (`track`). What has no room is
-//! refused and counted ([`Counts`]); every search has a named maximum: [`COMPARISONS_MAX`] detections per track, of which
+//! refused and counted ([`TrackerCounts`]); every search has a named maximum: [`COMPARISONS_MAX`] detections per track, of which
 //! [`PAIRS_MAX`] are considered, [`CLUSTER_TRACKS_MAX`] tracks and 64 detections per cluster, [`HYPOTHESES_MAX`] hypotheses.
-//! What the maxima cut off is bounded and reported, too ([`Counts::dropped_probability_max`], HT-11).
+//! What the maxima cut off is bounded and reported, too ([`TrackerCounts::dropped_probability_max`], HT-11).
 //!
 //! Nothing here performs I/O or reads a clock; the same scans give the same bits. Clusters are worked off one after the
 //! other.
@@ -94,7 +94,7 @@ mod wide_area_identity_tests;
 #[cfg(test)]
 mod wide_area_tests;
 
-pub use counts::Counts;
+pub use counts::TrackerCounts;
 pub use field_of_view::FieldOfView;
 pub use initiation::FirstGuess;
 pub use limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, DETECTION_COUNTS, HISTORY_MAX, HYPOTHESES_MAX, PAIRS_MAX};

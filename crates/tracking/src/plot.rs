@@ -2,7 +2,7 @@
 
 use observations::Detection;
 
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::measurement::Measurement;
 use crate::selection::Selection;
 use crate::settings::SensorSettings;
@@ -36,7 +36,7 @@ pub(crate) fn admit(
     sensor: &SensorSettings,
     selection: &Selection,
     plots: &mut Vec<Plot>,
-    counts: &mut Counts,
+    counts: &mut TrackerCounts,
 ) {
     plots.clear();
     for detection in detections {

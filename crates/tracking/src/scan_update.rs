@@ -3,7 +3,7 @@
 use crate::branching;
 use crate::cluster_update::ClusterUpdate;
 use crate::clutter::log_density;
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::directions::{Claims, Directions};
 use crate::explanation::{Explanation, Observer, TrackEvent};
 use crate::gate::gates;
@@ -52,7 +52,7 @@ impl ScanUpdate {
         settings: &Settings,
         support: &mut Support,
         observer: Option<&dyn Observer>,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         let Scan { time_ns, sensor, plots } = scan;
         next.follow(before, *time_ns);
@@ -108,7 +108,12 @@ impl ScanUpdate {
 }
 
 /// Updates the clusters, and begins new ones at detections that are in no gate.
-fn run_clusters(scan: &ScanContext<'_>, clusters: &mut ClusterUpdate, next: &mut Population, counts: &mut Counts) {
+fn run_clusters(
+    scan: &ScanContext<'_>,
+    clusters: &mut ClusterUpdate,
+    next: &mut Population,
+    counts: &mut TrackerCounts,
+) {
     let mut of_none = &scan.gating.plots[..];
     for joined in scan.gating.clusters.chunk_by(|one, other| one.0 == other.0) {
         let of_joined = of_none.iter().take_while(|(first, _)| *first == joined[0].0);
@@ -127,7 +132,7 @@ fn run_directions(
     clusters: &mut ClusterUpdate,
     claims: &mut Vec<Claims>,
     next: &mut Population,
-    counts: &mut Counts,
+    counts: &mut TrackerCounts,
 ) -> usize {
     claims.clear();
     claims.resize(scan.plots.len(), Claims::NONE);
@@ -152,7 +157,7 @@ fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usiz
 }
 
 /// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
-fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut Counts) {
+fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut TrackerCounts) {
     let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
     let share = scan.settings.new_target_share * weight;
     let reliability = share / (1.0 + share);

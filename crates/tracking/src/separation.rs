@@ -5,7 +5,7 @@
 
 use association::components::{join, representative};
 
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::hypothesis_store::HypothesisStore;
 use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX};
 use crate::log_sum::{log_add, log_sum};
@@ -46,7 +46,7 @@ impl Separation {
         next: &mut Population,
         reduction: &Reduction,
         detections: &DetectionCounts,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         self.find_parts_of_bounded_size(store, counts);
         let share = 1.0 / self.parts.len() as f32;
@@ -81,7 +81,7 @@ impl Separation {
 
     /// Finds parts of at most [`CLUSTER_TRACKS_MAX`] tracks. Of a larger one only the better half of the hypotheses is kept,
     /// again and again: a single hypothesis has no branches, so its tracks share nothing.
-    fn find_parts_of_bounded_size(&mut self, store: &mut HypothesisStore, counts: &mut Counts) {
+    fn find_parts_of_bounded_size(&mut self, store: &mut HypothesisStore, counts: &mut TrackerCounts) {
         loop {
             self.find_parts(store);
             let size = |part: &u32| self.part_of.iter().filter(|of| *of == part).count();
@@ -143,7 +143,7 @@ impl Separation {
         next: &mut Population,
         reduction: &Reduction,
         detections: &DetectionCounts,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         let begin = (next.tracks.len(), next.hypotheses.len(), next.members.len());
         let tracks = self.part_of.iter().filter(|of| **of == part).count();

@@ -8,7 +8,7 @@
 
 use observations::{Detection, WideAreaReport};
 
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::explanation::Observer;
 use crate::plot::{Scan, admit};
 use crate::population::Population;
@@ -56,7 +56,7 @@ pub struct Tracker {
     united: Vec<u32>,
     best: Vec<BestBranch>,
     reports: Vec<TrackReport>,
-    counts: Counts,
+    counts: TrackerCounts,
 }
 
 impl Tracker {
@@ -85,7 +85,7 @@ impl Tracker {
             united: vec![0; capacity.detections],
             best: Vec::with_capacity(capacity.tracks),
             reports: Vec::with_capacity(capacity.tracks),
-            counts: Counts::default(),
+            counts: TrackerCounts::default(),
             settings,
         })
     }
@@ -225,7 +225,7 @@ impl Tracker {
     }
 
     /// What was done and refused so far.
-    pub fn counts(&self) -> &Counts {
+    pub fn counts(&self) -> &TrackerCounts {
         &self.counts
     }
 

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use messages::{Counter, Counters, LifeState, ProcessKind, Registration, registration_bits};
-use scenario::AccuracyReport;
+use scoring::AccuracyReport;
 use serde::{Serialize, Serializer};
 use telemetry::{Irregularities, Span, Stage, Stages, Summary};
 

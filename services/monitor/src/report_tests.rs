@@ -261,7 +261,7 @@ fn empty() -> Report {
         figures.summary = Summary::default();
     }
     (report.picture, report.fusion) = (Picture::default(), Counters::default());
-    report.accuracy = Some(scenario::Accuracy::default().report());
+    report.accuracy = Some(scoring::Accuracy::default().report());
     for process in &mut report.processes {
         process.state = State::NotHeard;
     }

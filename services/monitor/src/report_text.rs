@@ -4,7 +4,7 @@
 //! is said in words instead of columns of zeros.
 
 use messages::{Counter, CounterClass, Counters};
-use scenario::AccuracyReport;
+use scoring::AccuracyReport;
 use telemetry::Stage;
 use telemetry::table::{self, Align, Table, count};
 

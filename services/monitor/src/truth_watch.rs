@@ -12,13 +12,14 @@ use std::collections::BTreeMap;
 use configuration::{Config, Input, Instrument};
 use messages::{SystemTrack, TrackState};
 use runtime::Options;
-use scenario::{Accuracy, AccuracyReport, PictureTrack, SimulatedSensor, TargetState, Truth};
+use scenario::{SimulatedSensor, TargetState, Truth};
+use scoring::{Accuracy, AccuracyReport, PictureTarget, PictureTrack};
 
 /// Time after the start that is left out.
 pub(crate) const WARM_UP_NS: i64 = 10 * SECOND_NS;
 const SECOND_NS: i64 = 1_000_000_000;
 
-/// See the module's documentation.
+/// Comparison of the picture with the truth, second by second.
 #[derive(Debug)]
 pub(crate) struct TruthWatch {
     truth: Truth,
@@ -32,7 +33,7 @@ pub(crate) struct TruthWatch {
     /// Incarnation of the fusion process that these states are from.
     fusion: u64,
     accuracy: Accuracy,
-    targets: Vec<TargetState>,
+    targets: Vec<PictureTarget>,
     picture: Vec<PictureTrack>,
 }
 
@@ -96,7 +97,12 @@ impl TruthWatch {
         let sensors = &self.sensors;
         let in_view = |target: &TargetState| sensors.iter().any(|sensor| sensor.observes(target));
         self.targets.clear();
-        self.targets.extend(self.truth.at(time_s).filter(in_view));
+        let seen = self.truth.at(time_s).filter(in_view);
+        self.targets.extend(seen.map(|target| PictureTarget {
+            id: target.id,
+            position_m: target.position_m,
+            address: target.address,
+        }));
         self.picture.clear();
         let shown = self
             .tracks

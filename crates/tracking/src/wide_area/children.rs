@@ -1,7 +1,7 @@
 //! Correction of the children of each hypothesis by a known number of targets (WA-4).
 
 use super::correction::Gains;
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::explanation::{CorrectionRecord, Explanation, Observer};
 use crate::hypothesis_store::HypothesisStore;
 use crate::joined::Joined;
@@ -37,7 +37,7 @@ impl ChildCorrection {
         joined: &Joined<'_>,
         parents: &mut Parents,
         store: &mut HypothesisStore,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         let before = joined.scan.observer.map(|_| self.share_of_enough(store));
         self.correct(joined, parents, store);

@@ -33,7 +33,7 @@ pub struct CountedTrack {
 
 /// What was counted and left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct CountingTotals {
     /// Tracks of a period whose picture was complete already.
     pub late: u64,
     /// Tracks beyond [`TRACKS_MAX`] in one period.
@@ -52,7 +52,7 @@ pub struct Counting {
     picture: Vec<CountedTrack>,
     /// By track of the picture: the group that it is in.
     groups: Vec<usize>,
-    counts: Counts,
+    counts: CountingTotals,
 }
 
 impl Counting {
@@ -64,7 +64,7 @@ impl Counting {
             period: None,
             picture: Vec::with_capacity(TRACKS_MAX),
             groups: Vec::with_capacity(TRACKS_MAX),
-            counts: Counts::default(),
+            counts: CountingTotals::default(),
         }
     }
 
@@ -148,7 +148,7 @@ impl Counting {
     }
 
     /// What was counted so far.
-    pub fn counts(&self) -> Counts {
+    pub fn counts(&self) -> CountingTotals {
         self.counts
     }
 }
@@ -207,7 +207,7 @@ mod tests {
         counting.complete(9 * S, &mut rest);
         counting.complete(9 * S, &mut rest);
         assert_eq!((rest.len(), rest[0].targets, rest[0].arrival_ns), (1, 1, 9 * S));
-        let expected = Counts {
+        let expected = CountingTotals {
             late: 1,
             crowded_out: 0,
             pictures: 2,

@@ -10,7 +10,7 @@ use super::expectation::Expectations;
 use super::group::Group;
 use super::identification::Whereabouts;
 use super::settings::WideArea;
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::explanation::{Explanation, Observer};
 use crate::motion::MotionSettings;
 use crate::population::Population;
@@ -41,7 +41,7 @@ impl Description {
         next: &mut Population,
         time_ns: i64,
         settings: &WideArea,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         let knowledge = &settings.knowledge;
         if knowledge.types.is_empty() {
@@ -50,7 +50,7 @@ impl Description {
         find_best(next, &mut self.best);
         let has_priors = !knowledge.priors.is_empty();
         if has_priors {
-            let uncounted = &mut Counts::default();
+            let uncounted = &mut TrackerCounts::default();
             self.expectations
                 .find(next, next.time_ns, reports, settings, true, uncounted);
         }
@@ -85,7 +85,7 @@ impl Description {
         tracks: &mut Vec<TrackReport>,
     ) {
         let wide_area = &settings.wide_area;
-        let (describes, uncounted) = (wide_area.describes_tracks(), &mut Counts::default());
+        let (describes, uncounted) = (wide_area.describes_tracks(), &mut TrackerCounts::default());
         self.expectations
             .find(population, population.time_ns, reports, wide_area, describes, uncounted);
         let identities = &population.support.identities;

@@ -12,7 +12,7 @@ use super::distribution::share;
 use super::identification::Origin;
 use super::report;
 use super::settings::WideArea;
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::population::{Cluster, Population};
 use crate::track::Track;
 
@@ -82,7 +82,7 @@ impl Expectations {
         reports: &[WideAreaReport],
         settings: &WideArea,
         lasting: bool,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         self.list.clear();
         let is_due = |report: &WideAreaReport| report::is_due(report, before.support.reports_ns, time_ns);

@@ -12,7 +12,7 @@ use super::emission::{Emission, EmissionRefusal, Emissions};
 use super::expectation::{Expectation, Expectations};
 use super::report::{self, ReportRefusal, Reports};
 use super::settings::{EarlyConfirmation, WideArea};
-use crate::counts::Counts;
+use crate::counts::TrackerCounts;
 use crate::explanation::{CorrectionRecord, Observer};
 use crate::hypothesis_store::HypothesisStore;
 use crate::life::Deletion;
@@ -49,7 +49,7 @@ impl Support {
         report: &WideAreaReport,
         closed_ns: i64,
         settings: &WideArea,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) -> Result<i64, ReportRefusal> {
         let due_ns = report.arrival_ns.max(closed_ns.saturating_add(1));
         let due = WideAreaReport {
@@ -73,7 +73,7 @@ impl Support {
         emission: &Emission,
         closed_ns: i64,
         settings: &WideArea,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) -> Result<i64, EmissionRefusal> {
         let due_ns = self.emissions.keep(emission, closed_ns, settings.delay_max_ns);
         let due_ns = due_ns.inspect_err(|_| counts.emissions_refused += 1)?;
@@ -82,7 +82,13 @@ impl Support {
     }
 
     /// Finds what the reports say of the clusters before the scan at `time_ns`.
-    pub(crate) fn begin_scan(&mut self, before: &Population, time_ns: i64, settings: &WideArea, counts: &mut Counts) {
+    pub(crate) fn begin_scan(
+        &mut self,
+        before: &Population,
+        time_ns: i64,
+        settings: &WideArea,
+        counts: &mut TrackerCounts,
+    ) {
         let reports = self.reports.list();
         self.expectations
             .find(before, time_ns, reports, settings, settings.lasts(), counts);
@@ -111,7 +117,7 @@ impl Support {
         next: &mut Population,
         time_ns: i64,
         settings: &WideArea,
-        counts: &mut Counts,
+        counts: &mut TrackerCounts,
     ) {
         let heard = (self.reports.list(), &self.emissions);
         self.description
@@ -192,7 +198,7 @@ impl<'a> ClusterSupport<'a> {
     }
 
     /// WA-6: confirms what may be confirmed sooner, where reports show more targets than there are confirmed tracks.
-    pub(crate) fn confirm(&self, store: &mut HypothesisStore, next_number: &mut u32, counts: &mut Counts) {
+    pub(crate) fn confirm(&self, store: &mut HypothesisStore, next_number: &mut u32, counts: &mut TrackerCounts) {
         let Some(early) = self.easier_confirmation() else {
             return;
         };

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use sources::Scan;
-use tracking::{Counts, Refusal, Tracker};
+use tracking::{Refusal, Tracker, TrackerCounts};
 
 use super::input::Input;
 use super::support::Support;
@@ -238,7 +238,7 @@ impl Summary<'_> {
 }
 
 /// What the tracker refused, by reason: word, what they are, how many.
-fn refused(counts: &Counts) -> [(&'static str, &'static str, u64); 6] {
+fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 6] {
     [
         (
             "unusable_detections",

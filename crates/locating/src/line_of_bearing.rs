@@ -8,7 +8,7 @@ const OVERHEAD_M: f64 = 1.0;
 /// A checked bearing: direction as sine and cosine, so that no angle has to be unwrapped; a few that were taken one after
 /// the other may have become one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sighting {
+pub(crate) struct LineOfBearing {
     pub(crate) time_ns: i64,
     /// East and north.
     pub(crate) platform_m: [f64; 2],
@@ -20,7 +20,7 @@ pub(crate) struct Sighting {
     pub(crate) is_used: bool,
 }
 
-/// What a sighting says where the emitter is believed to be.
+/// What a line says where the emitter is believed to be.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
     /// Measured minus expected bearing, radians.
@@ -29,7 +29,7 @@ pub(crate) struct Residual {
     pub(crate) gradient: [f64; 2],
 }
 
-impl Sighting {
+impl LineOfBearing {
     pub(crate) const NONE: Self = Self {
         time_ns: 0,
         platform_m: [0.0; 2],
@@ -85,7 +85,7 @@ impl Sighting {
         east * east + north * north
     }
 
-    /// One sighting for two that were taken near each other: mean time, place and direction, by their information.
+    /// One line for two that were taken near each other: mean time, place and direction, by their information.
     pub(crate) fn merged(&self, later: &Self) -> Self {
         let information = self.information + later.information;
         let share = later.information / information;
@@ -126,8 +126,8 @@ mod tests {
 
     use super::*;
 
-    fn sighting(bearing_rad: f64) -> Sighting {
-        Sighting::new(&Bearing {
+    fn line(bearing_rad: f64) -> LineOfBearing {
+        LineOfBearing::new(&Bearing {
             time_of_measurement_ns: 0,
             emitter_id: None,
             bearing_rad,
@@ -149,7 +149,7 @@ mod tests {
             (1.0, 1.0 + 0.9 * PI),
         ] {
             let place = [10.0 + 500.0 * f64::sin(truth), 20.0 + 500.0 * f64::cos(truth)];
-            let found = sighting(bearing).residual(place).unwrap();
+            let found = line(bearing).residual(place).unwrap();
             let mut expected: f64 = bearing - truth;
             expected -= 2.0 * PI * (expected / (2.0 * PI)).round();
             assert!((found.innovation_rad - expected).abs() < 1e-9, "{bearing} {truth}");
@@ -157,7 +157,7 @@ mod tests {
             for axis in 0..2 {
                 let mut moved = place;
                 moved[axis] += 0.01;
-                let change = found.innovation_rad - sighting(bearing).residual(moved).unwrap().innovation_rad;
+                let change = found.innovation_rad - line(bearing).residual(moved).unwrap().innovation_rad;
                 assert!((change / 0.01 - found.gradient[axis]).abs() < 1e-6);
             }
         }
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn an_emitter_at_the_platform_has_no_direction() {
-        assert!(sighting(1.0).residual([10.5, 20.0]).is_none());
-        assert!(sighting(1.0).residual([f64::NAN, 20.0]).is_none());
+        assert!(line(1.0).residual([10.5, 20.0]).is_none());
+        assert!(line(1.0).residual([f64::NAN, 20.0]).is_none());
     }
 }

@@ -1,4 +1,4 @@
-//! How good the fused picture is, against the truth.
+//! How good a picture is while it goes on, against the truth: a running sum that gives a short report at any time.
 //!
 //! A picture is the set of system tracks at one time. Each track is matched with at most one target, each target with
 //! at most one track: first by address, since an address says who the target is, then the rest by closeness, the
@@ -16,12 +16,21 @@ use hdrhistogram::Histogram;
 use messages::{NS_PER_S, SystemTrack, TrackState};
 use serde::Serialize;
 
-use crate::truth::TargetState;
-
 /// Largest error that the histogram tells from others, millimetres; a gate cannot be larger.
 const ERROR_MAX_MM: u64 = 1_000_000_000;
 /// The gate that suits aircraft and their sensors, metres.
 const GATE_M: f64 = 1000.0;
+
+/// A target that a picture should show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureTarget {
+    /// Number of the target; of equally close ones the smaller goes first.
+    pub id: u32,
+    /// East, north, up, metres, at the picture's time.
+    pub position_m: [f64; 3],
+    /// 24-bit address.
+    pub address: u32,
+}
 
 /// One system track of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,11 +60,11 @@ impl PictureTrack {
     }
 }
 
-/// Accumulates pictures; see the module's documentation.
+/// Sums over the pictures so far.
 #[derive(Clone, Debug)]
 pub struct Accuracy {
     gate_m: f64,
-    counts: Counts,
+    sums: Sums,
     error_sum_m: f64,
     error_square_sum_m2: f64,
     errors_mm: Histogram<u64>,
@@ -63,7 +72,7 @@ pub struct Accuracy {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Counts {
+struct Sums {
     pictures: u64,
     targets: u64,
     held: u64,
@@ -73,7 +82,7 @@ struct Counts {
     identity_errors: u64,
 }
 
-/// What an [`Accuracy`] has found.
+/// Figures of an [`Accuracy`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AccuracyReport {
     /// Pictures compared.
@@ -121,7 +130,7 @@ impl Accuracy {
         );
         Self {
             gate_m,
-            counts: Counts::default(),
+            sums: Sums::default(),
             error_sum_m: 0.0,
             error_square_sum_m2: 0.0,
             errors_mm: Histogram::new_with_bounds(1, ERROR_MAX_MM, 3)
@@ -132,7 +141,7 @@ impl Accuracy {
 
     /// Adds one picture: the targets that should be seen at a time, and the tracks of that time. The order of either
     /// does not matter.
-    pub fn add_picture(&mut self, targets: &[TargetState], tracks: &[PictureTrack]) {
+    pub fn add_picture(&mut self, targets: &[PictureTarget], tracks: &[PictureTrack]) {
         let mut scratch = std::mem::take(&mut self.scratch);
         scratch.begin(targets, tracks.len());
         self.match_by_address(targets, tracks, &mut scratch);
@@ -144,18 +153,18 @@ impl Accuracy {
 
     /// The figures so far; shares, means and errors are 0 while there is nothing to divide by.
     pub fn report(&self) -> AccuracyReport {
-        let counts = &self.counts;
+        let sums = &self.sums;
         let ratio = |count: u64, of: u64| if of == 0 { 0.0 } else { count as f64 / of as f64 };
         let errors = self.errors_mm.len();
         let mean = |sum: f64| if errors == 0 { 0.0 } else { sum / errors as f64 };
         AccuracyReport {
-            pictures: counts.pictures,
-            targets: ratio(counts.targets, counts.pictures),
-            held_once_share: ratio(counts.held_once, counts.targets),
-            missed_share: ratio(counts.targets - counts.held, counts.targets),
-            duplicates: ratio(counts.duplicates, counts.pictures),
-            false_tracks: ratio(counts.false_tracks, counts.pictures),
-            identity_errors: counts.identity_errors,
+            pictures: sums.pictures,
+            targets: ratio(sums.targets, sums.pictures),
+            held_once_share: ratio(sums.held_once, sums.targets),
+            missed_share: ratio(sums.targets - sums.held, sums.targets),
+            duplicates: ratio(sums.duplicates, sums.pictures),
+            false_tracks: ratio(sums.false_tracks, sums.pictures),
+            identity_errors: sums.identity_errors,
             errors,
             mean_m: mean(self.error_sum_m),
             rms_m: mean(self.error_square_sum_m2).sqrt(),
@@ -165,7 +174,7 @@ impl Accuracy {
     }
 
     /// A track within the gate of the target whose address it carries holds that target; of several, the closest.
-    fn match_by_address(&mut self, targets: &[TargetState], tracks: &[PictureTrack], scratch: &mut Scratch) {
+    fn match_by_address(&mut self, targets: &[PictureTarget], tracks: &[PictureTrack], scratch: &mut Scratch) {
         for (index, track) in tracks.iter().enumerate() {
             let Some(address) = track.address else {
                 continue;
@@ -180,7 +189,7 @@ impl Accuracy {
                 }
                 _ => {
                     let near = scratch.nearest(track, targets, self.gate_m).is_some();
-                    self.counts.identity_errors += u64::from(near);
+                    self.sums.identity_errors += u64::from(near);
                 }
             }
         }
@@ -196,7 +205,7 @@ impl Accuracy {
         }
     }
 
-    fn match_by_closeness(&self, targets: &[TargetState], tracks: &[PictureTrack], scratch: &mut Scratch) {
+    fn match_by_closeness(&self, targets: &[PictureTarget], tracks: &[PictureTrack], scratch: &mut Scratch) {
         for (index, track) in tracks.iter().enumerate() {
             if scratch.used[index] {
                 continue;
@@ -219,28 +228,28 @@ impl Accuracy {
         }
     }
 
-    fn count_unmatched(&mut self, targets: &[TargetState], tracks: &[PictureTrack], scratch: &mut Scratch) {
+    fn count_unmatched(&mut self, targets: &[PictureTarget], tracks: &[PictureTrack], scratch: &mut Scratch) {
         for (index, track) in tracks.iter().enumerate() {
             if scratch.used[index] {
                 continue;
             }
             match scratch.nearest(track, targets, self.gate_m) {
                 Some(target) => scratch.held[target].duplicates += 1,
-                None => self.counts.false_tracks += 1,
+                None => self.sums.false_tracks += 1,
             }
         }
     }
 
     fn count_targets(&mut self, scratch: &Scratch) {
-        self.counts.pictures += 1;
-        self.counts.targets += scratch.held.len() as u64;
+        self.sums.pictures += 1;
+        self.sums.targets += scratch.held.len() as u64;
         for held in &scratch.held {
-            self.counts.duplicates += u64::from(held.duplicates);
+            self.sums.duplicates += u64::from(held.duplicates);
             let Some(error_m) = held.error_m else {
                 continue;
             };
-            self.counts.held += 1;
-            self.counts.held_once += u64::from(held.duplicates == 0);
+            self.sums.held += 1;
+            self.sums.held_once += u64::from(held.duplicates == 0);
             self.error_sum_m += error_m;
             self.error_square_sum_m2 += error_m * error_m;
             self.errors_mm.saturating_record((error_m * 1000.0).round() as u64);
@@ -248,7 +257,7 @@ impl Accuracy {
     }
 }
 
-/// What is known of a target in the picture at hand.
+/// A target in the picture at hand.
 #[derive(Clone, Copy, Debug, Default)]
 struct Held {
     /// Error of the track that holds it, if one does.
@@ -267,7 +276,7 @@ struct Pair {
 }
 
 impl Pair {
-    fn new(track: &PictureTrack, index: usize, target: &TargetState, target_index: usize) -> Self {
+    fn new(track: &PictureTrack, index: usize, target: &PictureTarget, target_index: usize) -> Self {
         Self {
             distance_m: distance_m(track, target),
             track_number: track.track_number,
@@ -293,7 +302,7 @@ struct Scratch {
 }
 
 impl Scratch {
-    fn begin(&mut self, targets: &[TargetState], tracks: usize) {
+    fn begin(&mut self, targets: &[PictureTarget], tracks: usize) {
         self.by_address.clear();
         self.by_east.clear();
         for (index, target) in targets.iter().enumerate() {
@@ -331,7 +340,7 @@ impl Scratch {
         begin..end.max(begin)
     }
 
-    fn nearest(&self, track: &PictureTrack, targets: &[TargetState], gate_m: f64) -> Option<usize> {
+    fn nearest(&self, track: &PictureTrack, targets: &[PictureTarget], gate_m: f64) -> Option<usize> {
         self.east_of(track.position_m[0], gate_m)
             .map(|place| self.by_east[place].1)
             .map(|target| (distance_m(track, &targets[target]), targets[target].id, target))
@@ -341,25 +350,19 @@ impl Scratch {
     }
 }
 
-fn distance_m(track: &PictureTrack, target: &TargetState) -> f64 {
+fn distance_m(track: &PictureTrack, target: &PictureTarget) -> f64 {
     (track.position_m[0] - target.position_m[0]).hypot(track.position_m[1] - target.position_m[1])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::truth::TargetKind;
 
-    fn target(id: u32, east: f64, north: f64) -> TargetState {
-        TargetState {
+    fn target(id: u32, east: f64, north: f64) -> PictureTarget {
+        PictureTarget {
             id,
-            kind: TargetKind::EnRoute,
             position_m: [east, north, 9000.0],
-            velocity_mps: [200.0, 0.0, 0.0],
             address: 0x84_0000 + id,
-            callsign: *b"KSK001  ",
-            mode_3a: Some(1),
-            on_ground: false,
         }
     }
 
@@ -371,7 +374,7 @@ mod tests {
         }
     }
 
-    fn report(targets: &[TargetState], tracks: &[PictureTrack]) -> AccuracyReport {
+    fn report(targets: &[PictureTarget], tracks: &[PictureTrack]) -> AccuracyReport {
         let mut accuracy = Accuracy::default();
         accuracy.add_picture(targets, tracks);
         accuracy.report()
@@ -426,7 +429,7 @@ mod tests {
 
     #[test]
     fn order_does_not_matter() {
-        let mut targets: Vec<TargetState> = (0..40)
+        let mut targets: Vec<PictureTarget> = (0..40)
             .map(|id| target(id, f64::from(id * 37 % 40) * 300.0, f64::from(id % 7) * 200.0))
             .collect();
         let mut tracks: Vec<PictureTrack> = (0..50)

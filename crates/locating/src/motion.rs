@@ -1,0 +1,51 @@
+//! Models of an emitter's motion, from the simplest on.
+
+use crate::settings::{FilterChoice, MotionSettings};
+use crate::smoother::Model;
+
+/// A model of an emitter's motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// A fixed point.
+    Fixed,
+    /// A point that wanders.
+    Wandering,
+    /// Straight and uniform.
+    Straight,
+    /// Straight, with small accelerations.
+    Manoeuvring,
+}
+
+impl Motion {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Wandering => "wandering",
+            Self::Straight => "straight",
+            Self::Manoeuvring => "manoeuvring",
+        }
+    }
+
+    /// The models that compete, simplest first.
+    pub(crate) fn of(choice: FilterChoice) -> &'static [Self] {
+        match choice {
+            FilterChoice::Auto => &[Self::Fixed, Self::Straight, Self::Manoeuvring],
+            FilterChoice::Fixed => &[Self::Fixed, Self::Wandering],
+            FilterChoice::Straight => &[Self::Straight, Self::Manoeuvring],
+        }
+    }
+
+    pub(crate) fn model(self, settings: &MotionSettings) -> Model {
+        let process_noise = match self {
+            Self::Fixed | Self::Straight => 0.0,
+            Self::Wandering => settings.wandering_noise_m2ps,
+            Self::Manoeuvring => settings.manoeuvring_noise_m2ps3,
+        };
+        Model {
+            process_noise,
+            range_sigma_m: settings.range_sigma_m,
+            speed_sigma_mps: settings.speed_sigma_mps,
+        }
+    }
+}
