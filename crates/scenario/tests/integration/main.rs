@@ -1,7 +1,6 @@
 //! The simulated world and its sensors, from outside.
 
 mod no_allocation;
-mod picture;
 mod resolution;
 mod sensors;
 mod wide_area;

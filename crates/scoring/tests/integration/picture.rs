@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 
 use messages::{SensorTrack, SystemTrack, TrackState};
-use scenario::{
-    Accuracy, AccuracyReport, PictureTrack, ScenarioSettings, SensorIdentity, SensorKind, SensorSettings,
-    SimulatedSensor, TargetState, Truth,
-};
+use scenario::{ScenarioSettings, SensorIdentity, SensorKind, SensorSettings, SimulatedSensor, TargetState, Truth};
+use scoring::{Accuracy, AccuracyReport, PictureTarget, PictureTrack};
 
 const START_NS: i64 = 1_700_000_000_000_000_000;
 
@@ -30,7 +28,12 @@ fn scored(settings: &SensorSettings) -> AccuracyReport {
             }
         }
         if second >= 20 {
-            let targets: Vec<TargetState> = truth.at(time_s).collect();
+            let target = |target: TargetState| PictureTarget {
+                id: target.id,
+                position_m: target.position_m,
+                address: target.address,
+            };
+            let targets: Vec<PictureTarget> = truth.at(time_s).map(target).collect();
             let now_ns = START_NS + i64::from(second) * 1_000_000_000;
             let tracks: Vec<PictureTrack> = latest
                 .values()
