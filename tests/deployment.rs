@@ -72,7 +72,11 @@ fn bad_input_is_refused_in_one_line_with_place_value_and_remedy() {
         (
             "an unknown key",
             Mistake::Config("period_s = 1.0", "periode_s = 1.0"),
-            &["site.toml:10: ", "unknown field `periode_s`", "expected one of"],
+            &[
+                "site.toml:10: ",
+                "source[0].periode_s: unknown key",
+                "there are: name, uid",
+            ],
         ),
         (
             "two sources with one name",

@@ -305,7 +305,7 @@ fn a_source_with_tracks_needs_no_tracker() {
         (
             "detection_probability = 0.95",
             "scans = \"sector\"",
-            "unknown variant `sector`",
+            "\"sector\" is not known; there are: turn, period",
         ),
         (
             "detection_probability = 0.95",

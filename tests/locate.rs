@@ -193,7 +193,7 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
         ),
         (
             "--bearings flight.csv --config bad.toml --out f.csv",
-            "bad.toml:2: locating.selection.interval_s: -1 is not usable; it must be greater than 0",
+            "bad.toml:2: locating.selection.interval_s: -1 is out of range; it must be greater than 0",
         ),
     ] {
         let line = folder.refusal(&format!("locate {arguments}"));

@@ -162,7 +162,10 @@ fn a_configuration_is_heard_and_sensors_of_all_kinds_meet_in_one_track() {
     folder.write("wrong.toml", "[confirmation]\ndetection_min = 4\n");
     let _ = fs::remove_file(folder.path("tracks.csv"));
     let line = refusal(&folder, "--detections all.csv --config wrong.toml --out tracks.csv");
-    assert!(line.contains("wrong.toml:2: unknown field `detection_min`"), "{line}");
+    assert!(
+        line.contains("wrong.toml:2: confirmation.detection_min: unknown key"),
+        "{line}"
+    );
 }
 
 #[test]

@@ -13,6 +13,7 @@ use crate::common::repository;
 /// Dependencies run from right to left only: a crate may depend on crates that stand before it.
 const ORDER: &[&str] = &[
     "test-support",
+    "settings",
     "frames",
     "messages",
     "observations",

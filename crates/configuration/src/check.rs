@@ -6,70 +6,31 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use bus::WaitMode;
-use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
+use frames::{Geodetic, SensorFrame, SystemFrame};
 use fusion::settings as engine;
 use messages::NS_PER_S;
-use reception::{CovarianceModel, Limits, SourceModel};
+use reception::SourceModel;
+use settings::SettingsError;
 
 use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
 use super::check_rule::check_rule;
-use super::locate::line_of;
-use super::locating::{RawLocating, check_locating};
-use super::raw::{
-    AccuracyModel, RawAccuracy, RawAssociation, RawConfig, RawCoverage, RawFusion, RawLimits, RawPlace, RawRecorded,
-    RawSource,
-};
+use super::raw::{AccuracyModel, RawAccuracy, RawAssociation, RawCoverage, RawFusion};
+use super::tables::{DeploymentTable, PlaceTable, RecordedTable, SourceTable};
+use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
-use super::{Config, ConfigError, Fusion, Input, Instrument, Order, Recorded, RecordedFormat, Source, SourceTracker};
+use super::{Config, Fusion, Input, Instrument, Order, Recorded, RecordedFormat, Source, SourceTracker};
 use runtime::cores::{self, Placement};
 
-/// What is wrong with the value at a key.
-pub(super) struct Problem {
-    pub(super) key: String,
-    pub(super) what: String,
-}
+pub(super) type Checked<T> = Result<T, SettingsError>;
 
-impl Problem {
-    /// As an error that names the line of `text`, read from `path`.
-    pub(super) fn in_file(self, path: &Path, text: &str) -> ConfigError {
-        ConfigError {
-            file: path.to_owned(),
-            line: line_of(text, &self.key),
-            what: match self.key.as_str() {
-                "" => self.what,
-                key => format!("{key}: {}", self.what),
-            },
-        }
-    }
-}
-
-pub(super) type Checked<T> = Result<T, Problem>;
-
-pub(super) fn problem(key: impl Into<String>, what: impl Into<String>) -> Problem {
-    Problem {
-        key: key.into(),
-        what: what.into(),
-    }
-}
-
-pub(super) fn simulated_problem(key: &str, error: &scenario::SettingsError) -> Problem {
-    problem(
-        format!("{key}.{}", error.key),
-        format!("{}: must be {}", error.value, error.limit),
-    )
+pub(super) fn problem(key: impl Into<String>, what: impl Into<String>) -> SettingsError {
+    SettingsError::new(key, what)
 }
 
 pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
-    // Written so that NaN is refused.
-    if (low..=high).contains(&value) {
-        return Ok(value);
-    }
-    Err(problem(
-        key,
-        format!("{value} is out of range; it must lie between {low} and {high}"),
-    ))
+    settings::within(key, value, low, high).map(|()| value)
 }
 
 pub(super) fn nanoseconds(seconds: f64) -> i64 {
@@ -91,7 +52,7 @@ pub(super) fn check_name(key: &str, name: &str) -> Checked<()> {
 }
 
 /// The checked deployment that `raw`, read from `path`, describes.
-pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
+pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
     check_name("name", &raw.name)?;
     let frame = SystemFrame::at(place("frame", &raw.frame)?);
     if raw.sources.is_empty() {
@@ -152,7 +113,7 @@ pub(super) fn check(path: &Path, raw: RawConfig) -> Checked<Config> {
     })
 }
 
-pub(super) fn place(key: &str, raw: &RawPlace) -> Checked<Geodetic> {
+pub(super) fn place(key: &str, raw: &PlaceTable) -> Checked<Geodetic> {
     Geodetic::from_degrees(raw.latitude_deg, raw.longitude_deg, raw.height_m).map_err(|error| {
         let part = match error {
             frames::GeodeticError::Latitude(_) => "latitude_deg",
@@ -165,112 +126,69 @@ pub(super) fn place(key: &str, raw: &RawPlace) -> Checked<Geodetic> {
 
 fn check_source(
     index: usize,
-    raw: &RawSource,
+    raw: &SourceTable,
     system: &SystemFrame,
-    origin: &RawPlace,
+    origin: &PlaceTable,
     network: &mut Network,
 ) -> Checked<(Source, engine::SourceSettings)> {
     let key = |part: &str| format!("source[{index}].{part}");
     let sensor_place = raw.place.as_ref().unwrap_or(origin);
-    let turned = within(
-        &key("place.north_offset_deg"),
-        sensor_place.north_offset_deg,
-        -360.0,
-        360.0,
-    )?;
     let mut origin = place(&key("place"), sensor_place)?;
     let (input, adapter) = match (
         &raw.recorded,
         &raw.live,
         &raw.simulated,
         &raw.simulated_direction_finder,
-        &raw.external,
     ) {
-        (Some(recorded), None, None, None, None) => {
-            (Input::Recorded(check_recorded(index, recorded)?), raw.name.clone())
-        }
-        (None, Some(live), None, None, None) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
-        (None, None, None, None, Some(_)) => (Input::External, raw.name.clone()),
-        (None, None, Some(simulated), None, None) => {
-            simulated
-                .validate()
-                .map_err(|error| simulated_problem(&key("simulated"), &error))?;
-            if raw.place.is_some() {
-                let what = "a simulated sensor stands where its position_m says; leave [source.place] out";
-                return Err(problem(key("place"), what));
-            }
+        (Some(recorded), ..) => (Input::Recorded(check_recorded(index, recorded)?), raw.name.clone()),
+        (_, Some(live), ..) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
+        (_, _, Some(simulated), _) => {
             origin = system.to_geodetic(simulated.position_m.unwrap_or_default());
             let instrument = Instrument::Sensor(Box::new(simulated.clone()));
             let simulated = network.simulated(index, &raw.name, instrument);
             (Input::Simulated(simulated), raw.name.clone())
         }
-        (None, None, None, Some(finder), None) => {
-            finder
-                .validate()
-                .map_err(|error| simulated_problem(&key("simulated_direction_finder"), &error))?;
+        (_, _, _, Some(finder)) => {
             let instrument = Instrument::DirectionFinder(Box::new(finder.clone()));
             let simulated = network.simulated(index, &raw.name, instrument);
             (Input::Simulated(simulated), raw.name.clone())
         }
-        _ => {
-            let what = format!(
-                "\"{}\" needs exactly one of [source.recorded], [source.live], [source.simulated], \
-                 [source.simulated_direction_finder] and [source.external]",
-                raw.name
-            );
-            return Err(problem(key("name"), what));
-        }
+        _ => (Input::External, raw.name.clone()),
     };
-    let limits = check_limits(&key("limits"), &raw.limits)?;
-    let period_s = within(&key("period_s"), raw.period_s, 1e-3, 3600.0)?;
-    let tracker = check_tracker(index, raw, &input, network, period_s)?;
+    let sender = raw.recorded.as_ref().map(|recorded| &recorded.sender);
+    let sender = sender.or(raw.live.as_ref().map(|live| &live.sender));
+    let tracker = check_tracker(index, raw, &input, network)?;
     let locator = check_locator(index, raw, &input, network)?;
     let source = Source {
         number: index as u16,
-        uid: match raw.uid {
-            Some(0) => {
-                return Err(problem(
-                    key("uid"),
-                    "0 stands for an unknown sensor; choose a number from 1 to 4294967295",
-                ));
-            }
-            Some(uid) => uid,
-            None => messages::sensor_uid(&raw.name),
-        },
+        uid: raw.uid.unwrap_or_else(|| messages::sensor_uid(&raw.name)),
         name: raw.name.clone(),
-        technology: technology(raw.technology, &input, network),
+        technology: raw.technology.unwrap_or_else(|| technology(&input, network)),
         tracker,
         locator,
-        input,
-        adapter,
         model: SourceModel {
             number: index as u16,
-            sac_sic: check_sac_sic(index, raw)?,
-            positions: match (&raw.recorded, &raw.live) {
-                (Some(recorded), _) => recorded.positions,
-                (None, Some(live)) => live.positions,
-                (None, None) => Default::default(),
+            sac_sic: match (&input, sender) {
+                (Input::Simulated(_), _) => Some(simulated_sac_sic(index as u16)),
+                (_, sender) => sender.and_then(|sender| sender.identity.sac_sic()),
             },
-            frame: SensorFrame::new(system, origin, turned.to_radians()),
+            positions: sender.map(|sender| sender.positions).unwrap_or_default(),
+            frame: SensorFrame::new(system, origin, sensor_place.north_offset_deg.rad()),
             system: *system,
             height_m: origin.height_m(),
-            assumed_height_m: within(&key("assumed_height_m"), raw.assumed_height_m, -500.0, 20e3)?,
-            // The lowest and the highest that were ever measured at sea level are 870 and 1084 hPa.
-            qnh_hpa: within(&key("qnh_hpa"), raw.qnh_hpa, 850.0, 1100.0)?,
-            limits,
-            covariance: check_covariance(index, raw)?,
+            assumed_height_m: raw.assumed_height_m,
+            qnh_hpa: raw.qnh_hpa,
+            limits: raw.limits,
+            covariance: raw.covariance,
         },
+        input,
+        adapter,
     };
     let weighed = engine::SourceSettings {
         name: raw.name.clone(),
         sensor_uid: source.uid,
-        period_ns: nanoseconds(period_s),
-        fresh_ns: nanoseconds(within(
-            &key("fresh_s"),
-            raw.fresh_s.unwrap_or(2.5 * period_s),
-            period_s,
-            1e5,
-        )?),
+        period_ns: nanoseconds(raw.period_s),
+        fresh_ns: nanoseconds(raw.fresh_s()),
         accuracy: accuracy(&raw.accuracy, source.model.frame.place()),
         adjustment: raw.accuracy.adjustment,
         priority: raw.priority.unwrap_or(index as u32),
@@ -283,26 +201,7 @@ fn check_source(
     Ok((source, weighed))
 }
 
-pub(super) fn check_limits(key: &str, raw: &RawLimits) -> Checked<Limits> {
-    let part = |part: &str| format!("{key}.{part}");
-    Ok(Limits {
-        range_m: within(&part("range_m"), raw.range_m, 1.0, 2e6)?,
-        height_min_m: within(&part("height_min_m"), raw.height_min_m, -1e4, 1e5)?,
-        height_max_m: within(&part("height_max_m"), raw.height_max_m, raw.height_min_m, 1e5)?,
-        speed_mps: within(&part("speed_mps"), raw.speed_mps, 0.1, 2e4)?,
-        jump_m: within(&part("jump_m"), raw.jump_m, 0.0, 1e6)?,
-        time_step_ns: nanoseconds(within(&part("time_step_s"), raw.time_step_s, 0.01, 40e3)?),
-        tracks: within(&part("tracks"), raw.tracks as f64, 1.0, 1e6)? as usize,
-    })
-}
-
-fn check_tracker(
-    index: usize,
-    raw: &RawSource,
-    input: &Input,
-    network: &Network,
-    period_s: f64,
-) -> Checked<Option<SourceTracker>> {
+fn check_tracker(index: usize, raw: &SourceTable, input: &Input, network: &Network) -> Checked<Option<SourceTracker>> {
     let Some(tracker) = &raw.tracker else { return Ok(None) };
     let key = || format!("source[{index}].tracker");
     let has_detections = match input {
@@ -319,13 +218,13 @@ fn check_tracker(
                     plots = true";
         return Err(problem(key(), what));
     }
-    tracker.checked(index as u16, period_s).map(Some)
+    source_tracker(tracker, index as u16, raw.period_s).map(Some)
 }
 
 /// A direction finder has bearings and nothing else, whether it is simulated or said to be one by its `[source.locator]`.
 fn check_locator(
     index: usize,
-    raw: &RawSource,
+    raw: &SourceTable,
     input: &Input,
     network: &Network,
 ) -> Checked<Option<locating::Settings>> {
@@ -336,75 +235,25 @@ fn check_locator(
         Input::Recorded(_) | Input::External => false,
     };
     match (&raw.locator, input) {
-        (Some(_), _) if raw.tracker.is_some() => Err(problem(
-            key,
-            "bearings are located, detections are tracked: leave one of locator and tracker out",
-        )),
-        (Some(locator), _) if may_have_bearings => check_locating(locator, &key).map(Some),
+        (Some(locator), _) if may_have_bearings => Ok(Some(*locator)),
         (Some(_), _) => {
             let what =
                 "takes bearings: of a [[receiver]] with [receiver.udp], or of a [source.simulated_direction_finder]";
             Err(problem(key, what))
         }
-        (None, Input::Simulated(_)) if may_have_bearings => check_locating(&RawLocating::default(), &key).map(Some),
+        (None, Input::Simulated(_)) if may_have_bearings => Ok(Some(locating::Settings::default())),
         (None, _) => Ok(None),
     }
 }
 
-fn check_covariance(index: usize, raw: &RawSource) -> Checked<CovarianceModel> {
-    let key = |part: &str| format!("source[{index}].covariance.{part}");
-    let raw = &raw.covariance;
-    let polar = match (raw.range_sigma_m, raw.azimuth_sigma_deg) {
-        (None, None) => None,
-        (Some(range_m), Some(azimuth_deg)) => Some(PolarSigma {
-            range_m: within(&key("range_sigma_m"), range_m, 1e-3, 1e5)?,
-            azimuth_rad: within(&key("azimuth_sigma_deg"), azimuth_deg, 1e-6, 45.0)?.to_radians(),
-        }),
-        (None, Some(_)) => return Err(problem(key("azimuth_sigma_deg"), "needs range_sigma_m beside it")),
-        (Some(_), None) => return Err(problem(key("range_sigma_m"), "needs azimuth_sigma_deg beside it")),
-    };
-    Ok(CovarianceModel {
-        from: raw.from,
-        position_sigma_m: within(&key("position_sigma_m"), raw.position_sigma_m, 1e-3, 1e5)?,
-        velocity_sigma_mps: within(&key("velocity_sigma_mps"), raw.velocity_sigma_mps, 1e-3, 1e4)?,
-        height_sigma_m: within(&key("height_sigma_m"), raw.height_sigma_m, 1e-3, 1e5)?,
-        polar,
-        poor_quality: raw.poor_quality,
-    })
-}
-
-fn check_recorded(index: usize, raw: &RawRecorded) -> Checked<Recorded> {
-    let key = |part: &str| format!("source[{index}].recorded.{part}");
-    if raw.format != RecordedFormat::Asterix && (!raw.editions.is_empty() || raw.strict) {
-        return Err(problem(
-            key("format"),
-            "editions and strict are of ASTERIX files only; leave them out",
-        ));
-    }
+fn check_recorded(index: usize, raw: &RecordedTable) -> Checked<Recorded> {
     Ok(Recorded {
         file: PathBuf::from(&raw.file),
         format: raw.format,
-        asterix: asterix(&key("editions"), &raw.editions, raw.strict)?,
-        reorder_ns: nanoseconds(within(&key("reorder_s"), raw.reorder_s, 0.0, 60.0)?),
+        asterix: asterix(&format!("source[{index}].recorded.editions"), &raw.sender.reading)?,
+        reorder_ns: raw.reorder_s.ns(),
         truncated: raw.truncated,
     })
-}
-
-fn check_sac_sic(index: usize, raw: &RawSource) -> Checked<Option<(u8, u8)>> {
-    let (part, sac, sic) = match (&raw.recorded, &raw.live) {
-        (Some(recorded), _) => ("recorded", recorded.sac, recorded.sic),
-        (None, Some(live)) => ("live", live.sac, live.sic),
-        (None, None) if raw.external.is_some() => return Ok(None),
-        (None, None) => return Ok(Some(simulated_sac_sic(index as u16))),
-    };
-    match (sac, sic) {
-        (None, None) => Ok(None),
-        (Some(sac), Some(sic)) => Ok(Some((sac, sic))),
-        _ => Err(problem(
-            format!("source[{index}].{part}"),
-            "sac and sic go together: give both or neither",
-        )),
-    }
 }
 
 pub(super) fn accuracy(raw: &RawAccuracy, place_m: [f64; 2]) -> engine::Accuracy {
@@ -468,7 +317,7 @@ pub(super) fn coverage(key: &str, raw: &RawCoverage, place_m: [f64; 2]) -> Check
     })
 }
 
-fn first_day(raw: &RawConfig, sources: &[Source]) -> Checked<Option<i64>> {
+fn first_day(raw: &DeploymentTable, sources: &[Source]) -> Checked<Option<i64>> {
     let recorded = sources.iter().any(|source| matches!(source.input, Input::Recorded(_)));
     match &raw.time.date {
         Some(date) => {
@@ -492,7 +341,7 @@ fn first_day(raw: &RawConfig, sources: &[Source]) -> Checked<Option<i64>> {
 }
 
 fn check_scenario(
-    raw: &RawConfig,
+    raw: &DeploymentTable,
     sources: &[Source],
     sensors: &[WideAreaSensor],
 ) -> Checked<Option<scenario::ScenarioSettings>> {
@@ -505,17 +354,11 @@ fn check_scenario(
         .find(|sensor| sensor.simulated.is_some())
         .map(|sensor| format!("wide_area_sensor[{}].name", sensor.number));
     match (&raw.scenario, source.or(sensor)) {
-        (Some(settings), _) => {
-            settings
-                .validate()
-                .map_err(|error| simulated_problem("scenario", &error))?;
-            Ok(Some(settings.clone()))
-        }
         (None, Some(key)) => {
             let what = "is simulated, but there is no [scenario] to observe";
             Err(problem(key, what))
         }
-        (None, None) => Ok(None),
+        (scenario, _) => Ok(scenario.clone()),
     }
 }
 

@@ -4,31 +4,26 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use bus::WaitMode;
-use telemetry::{Deadlines, Stage, VALUE_MAX_NS};
+use telemetry::{Deadlines, Stage};
 
-use super::check::{Checked, nanoseconds, problem, within};
-use super::raw::{RawDeadlines, RawMonitor, RawMonitorWait};
+use super::check::{Checked, problem};
+use super::tables::{DeadlineTable, MonitorTable, MonitorWord};
 use super::{Fusion, Monitor, MonitorWait};
 
-/// Longest pause of a monitor that polls: states that wait in its queue for longer give way to newer ones, even where
-/// there are few.
-const POLL_MAX_MS: f64 = 100.0;
-
-pub(super) fn check_monitor(raw: &RawMonitor, fusion: &Fusion) -> Checked<Monitor> {
-    let poll_ms = within("monitor.poll_ms", raw.poll_ms, 0.5, POLL_MAX_MS)?;
+pub(super) fn check_monitor(raw: &MonitorTable, fusion: &Fusion) -> Checked<Monitor> {
     let polls = match raw.wait {
-        Some(wait) => wait == RawMonitorWait::Poll,
-        // Who lets a core spin for low latency does not want to pay a system call per slice for being watched.
+        Some(wait) => wait == MonitorWord::Poll,
+        // A core that spins for low latency should not pay a system call per slice for being watched.
         None => fusion.wait != WaitMode::Event,
     };
     let wait = match polls {
         true => MonitorWait::Poll {
-            pause: Duration::from_nanos((poll_ms * 1e6) as u64),
+            pause: Duration::from_nanos((raw.poll_ms * 1e6) as u64),
         },
         false => MonitorWait::Event,
     };
     Ok(Monitor {
-        interval_ns: nanoseconds(within("monitor.interval_s", raw.interval_s, 0.1, 3600.0)?),
+        interval_ns: raw.interval_s.ns(),
         files: raw.files,
         wait,
         deadlines: deadlines(&raw.deadline_us, wait, fusion.deadline_ns)?,
@@ -40,7 +35,7 @@ pub(super) fn check_monitor(raw: &RawMonitor, fusion: &Fusion) -> Checked<Monito
     })
 }
 
-fn deadlines(raw: &RawDeadlines, wait: MonitorWait, fusion_ns: i64) -> Checked<Deadlines> {
+fn deadlines(raw: &DeadlineTable, wait: MonitorWait, fusion_ns: i64) -> Checked<Deadlines> {
     let given_us = [
         (Stage::IngestToPublish, raw.ingest_to_publish),
         (Stage::PublishToTaken, raw.publish_to_taken),
@@ -53,14 +48,12 @@ fn deadlines(raw: &RawDeadlines, wait: MonitorWait, fusion_ns: i64) -> Checked<D
     for (stage, given_us) in given_us {
         let Some(given_us) = given_us else { continue };
         let key = format!("monitor.deadline_us.{}", stage.key());
-        // What takes longer than the histograms reach is no latency, and would never be a miss.
-        let deadline_us = within(&key, given_us, 0.1, VALUE_MAX_NS as f64 / 1e3)?;
         if stage == Stage::FusedToReceived && wait != MonitorWait::Event {
             let what =
                 "a monitor that polls does not measure this stage; set monitor.wait = \"event\", or leave it out";
             return Err(problem(key, what));
         }
-        deadlines = deadlines.with(stage, Some((deadline_us * 1e3) as u64));
+        deadlines = deadlines.with(stage, Some((given_us * 1e3) as u64));
     }
     Ok(deadlines)
 }

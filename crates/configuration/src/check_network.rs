@@ -1,17 +1,17 @@
 //! Checking receivers, the sources behind them, and gateways.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::net::{SocketAddr, ToSocketAddrs as _};
 
 use asterix::{Category, Edition, Mode, registry};
 use formats::sbs::SbsSettings;
-use net::{AllowedSenders, Interface, ReceiverSettings, SenderSettings};
-use outgoing::{HeightReference, Technology};
+use net::{ReceiverSettings, SenderSettings};
+use outgoing::Technology;
 use scenario::SensorKind;
 
-use super::check::{Checked, check_name, nanoseconds, problem, within};
+use super::check::{Checked, check_name, problem};
 use super::network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
-use super::raw::{RawGateway, RawHeights, RawLive, RawReceiver, RawTechnology, RawUdp};
+use super::tables::{AsterixTable, GatewayTable, LiveTable, ReceiverTable, UdpTable, interface};
 use super::wide_area_sensor::WideAreaSensor;
 use super::{Input, Instrument, RecordedFormat, Simulated, Source};
 
@@ -19,10 +19,6 @@ use super::{Input, Instrument, RecordedFormat, Simulated, Source};
 const FIRST_SIMULATED_PORT: u16 = 30_001;
 /// Port of the first simulated wide-area sensor; the others follow.
 const FIRST_SIMULATED_WIDE_AREA_PORT: u16 = 31_001;
-/// Most octets that a datagram can carry over IPv4.
-const DATAGRAM_OCTETS_MAX: usize = 65_507;
-/// The shortest block that takes any report whole.
-const BLOCK_OCTETS_MIN: usize = 256;
 /// What a gateway can send of a sensor.
 const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
 /// What a gateway sends of the fused picture.
@@ -42,7 +38,7 @@ pub(super) struct Network {
 }
 
 impl Network {
-    pub(super) fn new(raw: &[RawReceiver]) -> Checked<Self> {
+    pub(super) fn new(raw: &[ReceiverTable]) -> Checked<Self> {
         let mut names = BTreeSet::new();
         let mut receivers = Vec::new();
         for (index, each) in raw.iter().enumerate() {
@@ -56,25 +52,16 @@ impl Network {
                 return Err(problem(key("name"), what));
             }
             let transport = match (&each.udp, &each.sbs) {
-                (Some(udp), None) => Transport::Udp(check_udp(&key("udp"), udp)?),
-                (None, Some(sbs)) => Transport::Sbs {
-                    server: server(&key("sbs.connect"), &sbs.connect)?,
-                    settings: SbsSettings {
-                        ahead_of_utc_min: within(
-                            &key("sbs.ahead_of_utc_min"),
-                            f64::from(sbs.ahead_of_utc_min),
-                            -840.0,
-                            840.0,
-                        )? as i32,
-                        ..SbsSettings::default()
-                    },
-                },
-                _ => {
-                    let what = format!(
-                        "\"{}\" needs exactly one of [receiver.udp] and [receiver.sbs]",
-                        each.name
-                    );
-                    return Err(problem(key("name"), what));
+                (Some(udp), _) => Transport::Udp(check_udp(&key("udp"), udp)?),
+                (None, sbs) => {
+                    let sbs = sbs.clone().unwrap_or_default();
+                    Transport::Sbs {
+                        server: server(&key("sbs.connect"), &sbs.connect)?,
+                        settings: SbsSettings {
+                            ahead_of_utc_min: sbs.ahead_of_utc_min,
+                            ..SbsSettings::default()
+                        },
+                    }
                 }
             };
             receivers.push(Receiver {
@@ -89,12 +76,12 @@ impl Network {
     }
 
     /// A source behind one of the receivers.
-    pub(super) fn live(&self, index: usize, raw: &RawLive) -> Checked<Live> {
+    pub(super) fn live(&self, index: usize, raw: &LiveTable) -> Checked<Live> {
         let key = |part: &str| format!("source[{index}].live.{part}");
         self.known(&key("receiver"), &raw.receiver)?;
         Ok(Live {
             receiver: raw.receiver.clone(),
-            asterix: asterix(&key("editions"), &raw.editions, raw.strict)?,
+            asterix: asterix(&key("editions"), &raw.sender.reading)?,
         })
     }
 
@@ -232,7 +219,7 @@ impl Network {
     }
 }
 
-fn check_udp(key: &str, raw: &RawUdp) -> Checked<ReceiverSettings> {
+fn check_udp(key: &str, raw: &UdpTable) -> Checked<ReceiverSettings> {
     let listen_key = format!("{key}.listen");
     let listen: SocketAddr = raw.listen.parse().map_err(|_| {
         let what = format!(
@@ -247,8 +234,7 @@ fn check_udp(key: &str, raw: &RawUdp) -> Checked<ReceiverSettings> {
     }
     let settings = ReceiverSettings {
         interface: raw.interface.as_deref().map(interface),
-        allowed_senders: AllowedSenders::parse(raw.senders.iter().map(String::as_str))
-            .map_err(|error| problem(format!("{key}.senders"), error.to_string()))?,
+        allowed_senders: raw.allowed_senders().map_err(|error| error.under(key))?,
         receive_buffer_octets: raw.buffer_bytes,
         ..ReceiverSettings::new(listen.ip(), listen.port())
     };
@@ -256,11 +242,6 @@ fn check_udp(key: &str, raw: &RawUdp) -> Checked<ReceiverSettings> {
         .check()
         .map_err(|error| problem(listen_key, error.to_string()))?;
     Ok(settings)
-}
-
-fn interface(text: &str) -> Interface {
-    let Ok(interface) = text.parse();
-    interface
 }
 
 fn server(key: &str, text: &str) -> Checked<SocketAddr> {
@@ -272,9 +253,9 @@ fn server(key: &str, text: &str) -> Checked<SocketAddr> {
 }
 
 /// How ASTERIX records are read, with the editions that `key` states.
-pub(super) fn asterix(key: &str, editions: &BTreeMap<String, String>, strict: bool) -> Checked<Asterix> {
+pub(super) fn asterix(key: &str, reading: &AsterixTable) -> Checked<Asterix> {
     let mut tables = Vec::new();
-    for (category, edition) in editions {
+    for (category, edition) in &reading.editions {
         let number: u8 = category.parse().map_err(|_| {
             let what = format!("\"{category}\" is not an ASTERIX category: write \"21\" = \"0.23\"");
             problem(key, what)
@@ -283,7 +264,7 @@ pub(super) fn asterix(key: &str, editions: &BTreeMap<String, String>, strict: bo
     }
     Ok(Asterix {
         tables,
-        mode: if strict { Mode::Strict } else { Mode::Lenient },
+        mode: if reading.strict { Mode::Strict } else { Mode::Lenient },
     })
 }
 
@@ -312,7 +293,7 @@ fn table(key: &str, number: u8, edition: Option<&str>) -> Checked<&'static Categ
 
 /// The gateways.
 pub(super) fn check_gateways(
-    raw: &[RawGateway],
+    raw: &[GatewayTable],
     sources: &[Source],
     sensors: &[WideAreaSensor],
 ) -> Checked<Vec<Gateway>> {
@@ -341,7 +322,7 @@ pub(super) fn check_gateways(
     Ok(gateways)
 }
 
-fn check_gateway(key: &impl Fn(&str) -> String, raw: &RawGateway, sources: &[Source]) -> Checked<Gateway> {
+fn check_gateway(key: &impl Fn(&str) -> String, raw: &GatewayTable, sources: &[Source]) -> Checked<Gateway> {
     let send_to: SocketAddr = raw.send_to.parse().map_err(|_| {
         let what = format!(
             "\"{}\" is no address and port; write a multicast group or an address, as in \"239.1.2.3:8610\"",
@@ -384,32 +365,15 @@ fn check_gateway(key: &impl Fn(&str) -> String, raw: &RawGateway, sources: &[Sou
         table: table(&key("edition"), category, raw.edition.as_deref())?,
         sac: raw.sac,
         sic: raw.sic,
-        refresh_ns: nanoseconds(within(&key("refresh_s"), raw.refresh_s, 0.0, 3600.0)?),
-        status_ns: nanoseconds(within(&key("status_s"), raw.status_s, 0.1, 3600.0)?),
-        block_bytes: within(
-            &key("block_bytes"),
-            raw.block_bytes as f64,
-            BLOCK_OCTETS_MIN as f64,
-            DATAGRAM_OCTETS_MAX as f64,
-        )? as usize,
-        heights: match raw.heights {
-            RawHeights::Barometric => HeightReference::Barometric,
-            RawHeights::Geometric => HeightReference::Geometric,
-        },
+        refresh_ns: raw.refresh_s.ns(),
+        status_ns: raw.status_s.ns(),
+        block_bytes: raw.block_bytes,
+        heights: raw.heights,
     })
 }
 
-/// How a source observes: as the file says, or as what it sends tells.
-pub(super) fn technology(raw: Option<RawTechnology>, input: &Input, network: &Network) -> Technology {
-    match raw {
-        Some(RawTechnology::Primary) => return Technology::Primary,
-        Some(RawTechnology::Secondary) => return Technology::Secondary,
-        Some(RawTechnology::ModeS) => return Technology::ModeS,
-        Some(RawTechnology::AdsB) => return Technology::AdsB,
-        Some(RawTechnology::Multilateration) => return Technology::Multilateration,
-        Some(RawTechnology::Other) => return Technology::Other,
-        None => {}
-    }
+/// How a source observes, as what it sends tells.
+pub(super) fn technology(input: &Input, network: &Network) -> Technology {
     match input {
         Input::Simulated(simulated) => match &simulated.instrument {
             Instrument::DirectionFinder(_) => Technology::Other,

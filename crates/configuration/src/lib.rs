@@ -10,14 +10,13 @@ mod check_monitor;
 mod check_network;
 mod check_rule;
 mod deployment;
-mod locate;
 mod locating;
 mod network;
 mod offline;
 mod raw;
+mod tables;
 mod tracker;
 mod tracker_links;
-mod wide_area;
 mod wide_area_sensor;
 
 use std::fmt;
@@ -30,11 +29,11 @@ use frames::SystemFrame;
 use fusion::settings as engine;
 use outgoing::Technology;
 use reception::SourceModel;
-use serde::Deserialize;
 use telemetry::Deadlines;
 
-use raw::RawConfig;
 use runtime::cores::Placement;
+use settings::{Document, SettingsError, Table, Value};
+use tables::DeploymentTable;
 
 pub use locating::locating_settings;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
@@ -84,15 +83,14 @@ pub struct Config {
     pub recorder: bool,
 }
 
-/// Order in which fusion takes reports.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum Order {
-    /// As they arrive: lowest latency.
-    #[default]
-    Arrival,
-    /// By time of measurement, merged with each source's progress: the result does not depend on scheduling.
-    Time,
+settings::words! {
+    /// Order in which fusion takes reports.
+    pub enum Order {
+        /// As they arrive: lowest latency.
+        Arrival = "arrival",
+        /// By time of measurement, merged with each source's progress: the result does not depend on scheduling.
+        Time = "time",
+    }
 }
 
 /// One source.
@@ -164,28 +162,26 @@ pub struct Recorded {
     pub truncated: Truncated,
 }
 
-/// What a recorded file holds.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum RecordedFormat {
-    /// ASTERIX, as bare data blocks or in a capture file.
-    #[default]
-    Asterix,
-    /// Lines of SBS-1 (BaseStation).
-    Sbs,
-    /// A table of sensor tracks (FM-5).
-    SensorTracks,
+settings::words! {
+    /// What a recorded file holds.
+    pub enum RecordedFormat {
+        /// ASTERIX, as bare data blocks or in a capture file.
+        Asterix = "asterix",
+        /// Lines of SBS-1 (BaseStation).
+        Sbs = "sbs",
+        /// A table of sensor tracks (FM-5).
+        SensorTracks = "sensor-tracks",
+    }
 }
 
-/// What to do with a recording that ends in the middle of a data block: its recorder was killed, or its copy cut short.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum Truncated {
-    /// Refuse it before anything starts: more than one block may be missing.
-    #[default]
-    Refuse,
-    /// Use it without its last block.
-    Accept,
+settings::words! {
+    /// What to do with a recording that ends in the middle of a data block: its recorder was killed, or its copy cut short.
+    pub enum Truncated {
+        /// Refuse it before anything starts: more than one block may be missing.
+        Refuse = "refuse",
+        /// Use it without its last block.
+        Accept = "accept",
+    }
 }
 
 /// The fusion process.
@@ -234,28 +230,39 @@ pub enum MonitorWait {
     },
 }
 
-/// A configuration that cannot be used.
+/// A configuration that cannot be used: its file, and what is wrong in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError {
     /// The file.
     pub file: PathBuf,
-    /// Line, from 1, where it is known.
-    pub line: Option<usize>,
-    /// What is wrong, with key and value, and what would be right.
-    pub what: String,
+    /// Line, key, value and remedy.
+    pub error: SettingsError,
 }
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file.display())?;
-        if let Some(line) = self.line {
+        if let Some(line) = self.error.line {
             write!(f, ":{line}")?;
         }
-        write!(f, ": {}", self.what)
+        write!(f, ": {}", self.error)
     }
 }
 
 impl std::error::Error for ConfigError {}
+
+/// Reads the text of `path` as a table `T`.
+fn read<T: Table + Value + Default>(path: &Path, text: &str) -> Result<T, ConfigError> {
+    let read = Document::parse(text, &[]).and_then(|document| document.read());
+    read.map_err(|error| in_file(path, error))
+}
+
+fn in_file(path: &Path, error: SettingsError) -> ConfigError {
+    ConfigError {
+        file: path.to_owned(),
+        error,
+    }
+}
 
 impl Config {
     /// Reads and checks `path`; each of `overrides` (`key.path=value`, the value in TOML) replaces a value of the file.
@@ -263,15 +270,11 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] with file, line, key, value and remedy.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        let failed = |line, what: String| ConfigError {
-            file: path.to_owned(),
-            line,
-            what,
-        };
         if path == Path::new(BUILT_IN_DEMO) {
             return Self::parse(path, DEMO, overrides);
         }
-        let text = std::fs::read_to_string(path).map_err(|error| failed(None, format!("cannot be read: {error}")))?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| in_file(path, SettingsError::new("", format!("cannot be read: {error}"))))?;
         Self::parse(path, &text, overrides)
     }
 
@@ -280,35 +283,17 @@ impl Config {
     /// # Errors
     /// As [`Config::read`].
     pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
-        let failed = |line, what: String| ConfigError {
-            file: path.to_owned(),
-            line,
-            what,
-        };
-        let from_toml = |error: toml::de::Error| {
-            let line = error.span().map(|span| locate::line_at(text, span.start));
-            failed(line, error.message().replace('\n', " "))
-        };
-        let raw: RawConfig = if overrides.is_empty() {
-            toml::from_str(text).map_err(from_toml)?
-        } else {
-            // The file alone must be sound first: then its errors still have their lines.
-            toml::from_str::<RawConfig>(text).map_err(from_toml)?;
-            let mut table: toml::Table = toml::from_str(text).map_err(from_toml)?;
-            for each in overrides {
-                set(&mut table, each).map_err(|what| failed(None, format!("--set {each}: {what}")))?;
-            }
-            table
-                .try_into()
-                .map_err(|error: toml::de::Error| failed(None, format!("--set: {}", error.message())))?
-        };
-        check::check(path, raw).map_err(|problem| problem.in_file(path, text))
+        let document = Document::parse(text, overrides).map_err(|error| in_file(path, error))?;
+        let checked = document
+            .read::<DeploymentTable>()
+            .and_then(|table| check::check(path, table));
+        checked.map_err(|error| in_file(path, document.located(error)))
     }
 
     /// Whether a file's text describes a deployment, rightly or wrongly; else it may be an [`Offline`] configuration.
     pub fn is_deployment(text: &str) -> bool {
-        let table = text.parse::<toml::Table>().unwrap_or_default();
-        ["name", "frame", "source"].iter().any(|key| table.contains_key(*key))
+        let keys = ["name", "frame", "source"];
+        Document::parse(text, &[]).is_ok_and(|document| keys.iter().any(|key| document.has(key)))
     }
 
     /// The source called `name`.
@@ -367,36 +352,6 @@ impl Config {
             .iter()
             .all(|source| matches!(source.input, Input::Recorded(_)))
     }
-}
-
-/// Applies `key.path=value` or `source[0].key=value` to a table.
-fn set(table: &mut toml::Table, assignment: &str) -> Result<(), String> {
-    let (path, value) = assignment.split_once('=').ok_or("write it as key.path=value")?;
-    let value: toml::Value = format!("value = {}", value.trim())
-        .parse::<toml::Table>()
-        .ok()
-        .and_then(|mut parsed| parsed.remove("value"))
-        .unwrap_or_else(|| toml::Value::String(value.trim().to_owned()));
-    let mut parts: Vec<&str> = path.trim().split('.').collect();
-    let last = parts.pop().filter(|last| !last.is_empty()).ok_or("the key is empty")?;
-    let mut at = table;
-    for part in parts {
-        let (key, index) = match part.split_once('[') {
-            Some((key, rest)) => (
-                key,
-                Some(rest.trim_end_matches(']').parse::<usize>().map_err(|_| "bad index")?),
-            ),
-            None => (part, None),
-        };
-        let entry = at.entry(key).or_insert_with(|| toml::Value::Table(toml::Table::new()));
-        let entry = match index {
-            Some(index) => entry.get_mut(index).ok_or_else(|| format!("there is no {part}"))?,
-            None => entry,
-        };
-        at = entry.as_table_mut().ok_or_else(|| format!("{part} is not a table"))?;
-    }
-    at.insert(last.to_owned(), value);
-    Ok(())
 }
 
 #[cfg(test)]

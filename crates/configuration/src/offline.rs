@@ -26,11 +26,10 @@ use std::path::{Path, PathBuf};
 
 use fusion::settings as engine;
 use messages::NS_PER_S;
-use serde::Deserialize;
+use settings::{Document, SettingsError};
 
 use super::ConfigError;
-use super::check::{Checked, Problem, accuracy, check_fusion, check_name, coverage, nanoseconds, problem, within};
-use super::locate::line_at;
+use super::check::{Checked, accuracy, check_fusion, check_name, coverage, nanoseconds, problem, within};
 use super::raw::{AccuracyModel, RawAccuracy, RawCoverage, RawFusion};
 
 /// A report is fresh for so many periods: two may be missed.
@@ -71,34 +70,51 @@ pub struct OfflineSettings {
 pub struct Offline {
     path: PathBuf,
     text: String,
-    raw: RawOffline,
+    raw: OfflineTable,
 }
 
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawOffline {
-    #[serde(default)]
-    fusion: RawFusion,
-    #[serde(default, rename = "sensor")]
-    sensors: Vec<RawSensor>,
+settings::settings! {
+    /// A configuration of `koseki fuse`: what is not configured, a first pass over the files tells.
+    pub(crate) struct OfflineTable {
+        /// Fusion.
+        fusion: RawFusion = RawFusion::default();
+        /// Sensor that something is known of.
+        sensors as "sensor": Vec<OfflineSensorTable> = Vec::new();
+    }
+
+    /// Facts about a sensor.
+    pub(crate) struct OfflineSensorTable {
+        check OfflineSensorTable::check;
+        /// The `sensor_id` of the files.
+        id: u32;
+        /// Name, for messages and rules.
+        name: Option<String> = None, usually "its id";
+        /// Time between two reports of one track.
+        period_s: Option<f64> = None, in [1e-3, 3600], usually "as seen";
+        /// Age beyond which a report no longer counts.
+        fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
+        /// Priority for ties: of equally good sensors the one with the smallest number is taken.
+        priority: Option<u32> = None, usually "its place among the ids";
+        /// Targets higher than this above the origin cannot be seen by this sensor.
+        ceiling_m: Option<f64> = None;
+        /// East and north in the files' frame, for accuracies that depend on the distance.
+        position_m: Option<[f64; 2]> = None;
+        /// Accuracy by which it is weighed.
+        accuracy: Option<RawAccuracy> = None, usually "as it states";
+        /// Where it sees.
+        coverage: Option<RawCoverage> = None, usually "learned from its reports";
+    }
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawSensor {
-    id: u32,
-    name: Option<String>,
-    period_s: Option<f64>,
-    fresh_s: Option<f64>,
-    priority: Option<u32>,
-    ceiling_m: Option<f64>,
-    /// East and north in the files' frame, for accuracies that depend on the distance.
-    position_m: Option<[f64; 2]>,
-    accuracy: Option<RawAccuracy>,
-    coverage: Option<RawCoverage>,
-}
+impl OfflineSensorTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        if let Some(part) = self.needs_place().filter(|_| self.position_m.is_none()) {
+            let what = "depends on where the sensor stands; give its position_m = [east, north]";
+            return Err(SettingsError::new(part, what));
+        }
+        Ok(())
+    }
 
-impl RawSensor {
     /// A key whose meaning depends on where the sensor stands.
     fn needs_place(&self) -> Option<&'static str> {
         let (accuracy, coverage) = (self.accuracy.as_ref(), self.coverage.as_ref());
@@ -120,17 +136,13 @@ impl Offline {
     /// # Errors
     /// [`ConfigError`] with file, line, key, value and remedy.
     pub fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
-        let raw: RawOffline = toml::from_str(text).map_err(|error: toml::de::Error| ConfigError {
-            file: path.to_owned(),
-            line: error.span().map(|span| line_at(text, span.start)),
-            what: error.message().replace('\n', " "),
-        })?;
+        let raw = super::read(path, text)?;
         let config = Self {
             path: path.to_owned(),
             text: text.to_owned(),
             raw,
         };
-        config.check_sensors().map_err(|problem| problem.in_file(path, text))?;
+        config.check_sensors().map_err(|error| config.in_file(error))?;
         Ok(config)
     }
 
@@ -139,8 +151,12 @@ impl Offline {
     /// # Errors
     /// [`ConfigError`] with file, line, key, value and remedy.
     pub fn settings(&self, seen: &[SeenSensor]) -> Result<OfflineSettings, ConfigError> {
-        self.build(seen)
-            .map_err(|problem| problem.in_file(&self.path, &self.text))
+        self.build(seen).map_err(|error| self.in_file(error))
+    }
+
+    fn in_file(&self, error: SettingsError) -> ConfigError {
+        let located = Document::parse(&self.text, &[]).map(|document| document.located(error.clone()));
+        super::in_file(&self.path, located.unwrap_or(error))
     }
 
     fn check_sensors(&self) -> Checked<()> {
@@ -160,10 +176,6 @@ impl Offline {
                     let what = format!("\"{name}\" is the name of an earlier sensor; give each its own");
                     return Err(problem(key("name"), what));
                 }
-            }
-            if let Some(part) = sensor.needs_place().filter(|_| sensor.position_m.is_none()) {
-                let what = "depends on where the sensor stands; give its position_m = [east, north]";
-                return Err(problem(key(part), what));
             }
         }
         Ok(())
@@ -195,7 +207,7 @@ impl Offline {
     }
 
     /// The engine knows sources; this file knows sensors.
-    fn by_sensor(&self, mut problem: Problem, seen: &[SeenSensor]) -> Problem {
+    fn by_sensor(&self, mut problem: SettingsError, seen: &[SeenSensor]) -> SettingsError {
         let part = problem
             .key
             .strip_prefix("source[")
@@ -218,7 +230,7 @@ impl Offline {
         let raw = configured.map(|index| &self.raw.sensors[index]);
         let seen_s = seen.period_ns.map_or(PERIOD_UNKNOWN_S, |ns| ns as f64 / NS_PER_S);
         let period_s = match raw.and_then(|raw| raw.period_s) {
-            Some(given_s) => within(&key("period_s"), given_s, 1e-3, 3600.0)?,
+            Some(given_s) => given_s,
             // What was seen cannot be refused; a sensor that reports a track once a day is of no use to the others.
             None => seen_s.clamp(1e-3, 3600.0),
         };

@@ -1,260 +1,48 @@
-//! The configuration file as it is written: names, units and defaults of every key.
-//!
-//! Nothing here is checked beyond its type; `super` turns it into checked values. Unknown keys are refused, because a
-//! misspelt key that is silently ignored is a setting that silently does not hold.
+//! The tables of fusion as they are written.
 
 use std::collections::BTreeMap;
 
-use reception::{CovarianceFrom, PoorQuality};
 use serde::Deserialize;
+use serde::de::IntoDeserializer as _;
+use settings::{Node, Place, Range, SettingsError, Value};
 
-use super::locating::RawLocating;
-use super::tracker::RawSourceTracker;
-use super::wide_area_sensor::RawWideAreaSensor;
+macro_rules! read_by_serde {
+    ($($type:ty),*) => { $(
+        impl Value for $type {
+            fn read(&mut self, node: &Node<'_>, _: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+                *self = Self::deserialize(node.clone().into_deserializer())
+                    .map_err(|error: toml::de::Error| at.error(error.message().replace('\n', " ")))?;
+                Ok(())
+            }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawConfig {
-    pub(crate) name: String,
-    /// Number of the deployment among those that exchange tracks, 1 to 4294967295; 0: it exchanges none.
-    #[serde(default)]
-    pub(crate) origin: u32,
-    pub(crate) frame: RawPlace,
-    #[serde(default)]
-    pub(crate) time: RawTime,
-    #[serde(default, rename = "receiver")]
-    pub(crate) receivers: Vec<RawReceiver>,
-    #[serde(default, rename = "source")]
-    pub(crate) sources: Vec<RawSource>,
-    #[serde(default, rename = "wide_area_sensor")]
-    pub(crate) wide_area_sensors: Vec<RawWideAreaSensor>,
-    #[serde(default, rename = "gateway")]
-    pub(crate) gateways: Vec<RawGateway>,
-    pub(crate) scenario: Option<scenario::ScenarioSettings>,
-    #[serde(default)]
-    pub(crate) fusion: RawFusion,
-    #[serde(default)]
-    pub(crate) monitor: RawMonitor,
-    #[serde(default)]
-    pub(crate) recorder: RawRecorder,
+            fn check(&self, _: Range, _: &Place<'_>) -> Result<(), SettingsError> {
+                Ok(())
+            }
+
+            fn kind(&self) -> String {
+                "table".to_owned()
+            }
+
+            fn text(&self) -> String {
+                String::new()
+            }
+        }
+    )* };
 }
+read_by_serde!(RawFusion, RawAccuracy, RawCoverage);
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawPlace {
-    pub(crate) latitude_deg: f64,
-    pub(crate) longitude_deg: f64,
-    #[serde(default)]
-    pub(crate) height_m: f64,
-    #[serde(default)]
-    pub(crate) north_offset_deg: f64,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawTime {
-    #[serde(default)]
-    pub(crate) order: super::Order,
-    pub(crate) date: Option<String>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawSource {
-    pub(crate) name: String,
-    /// Identity of the sensor, the same in every deployment that hears it, 1 to 4294967295; left out: derived from the name.
-    pub(crate) uid: Option<u32>,
-    #[serde(default = "one")]
-    pub(crate) period_s: f64,
-    pub(crate) fresh_s: Option<f64>,
-    #[serde(default)]
-    pub(crate) priority: Option<u32>,
-    pub(crate) ceiling_m: Option<f64>,
-    pub(crate) technology: Option<RawTechnology>,
-    /// For slant ranges of targets without height.
-    #[serde(default = "five_kilometres")]
-    pub(crate) assumed_height_m: f64,
-    /// For pressure altitudes.
-    #[serde(default = "standard_pressure")]
-    pub(crate) qnh_hpa: f64,
-    pub(crate) place: Option<RawPlace>,
-    pub(crate) recorded: Option<RawRecorded>,
-    pub(crate) live: Option<RawLive>,
-    pub(crate) simulated: Option<scenario::SensorSettings>,
-    pub(crate) simulated_direction_finder: Option<scenario::DirectionFinderSettings>,
-    pub(crate) external: Option<RawExternal>,
-    pub(crate) tracker: Option<RawSourceTracker>,
-    pub(crate) locator: Option<RawLocating>,
-    #[serde(default)]
-    pub(crate) limits: RawLimits,
-    #[serde(default)]
-    pub(crate) covariance: RawCovariance,
-    #[serde(default)]
-    pub(crate) accuracy: RawAccuracy,
-    pub(crate) coverage: Option<RawCoverage>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawReceiver {
-    pub(crate) name: String,
-    pub(crate) udp: Option<RawUdp>,
-    pub(crate) sbs: Option<RawSbs>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawUdp {
-    pub(crate) listen: String,
-    pub(crate) interface: Option<String>,
-    #[serde(default)]
-    pub(crate) senders: Vec<String>,
-    #[serde(default = "four_mebibytes")]
-    pub(crate) buffer_bytes: usize,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawSbs {
-    pub(crate) connect: String,
-    #[serde(default)]
-    pub(crate) ahead_of_utc_min: i32,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawGateway {
-    pub(crate) name: String,
-    pub(crate) send_to: String,
-    pub(crate) interface: Option<String>,
-    pub(crate) ttl: Option<u8>,
-    /// Absent: the fused picture; otherwise the sensor tracks of this source.
-    pub(crate) source: Option<String>,
-    pub(crate) category: Option<u8>,
-    pub(crate) edition: Option<String>,
-    pub(crate) sac: u8,
-    pub(crate) sic: u8,
-    #[serde(default = "one")]
-    pub(crate) refresh_s: f64,
-    #[serde(default = "one")]
-    pub(crate) status_s: f64,
-    #[serde(default = "one_ethernet_frame")]
-    pub(crate) block_bytes: usize,
-    #[serde(default)]
-    pub(crate) heights: RawHeights,
-}
-
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum RawHeights {
-    #[default]
-    Barometric,
-    Geometric,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum RawTechnology {
-    Primary,
-    Secondary,
-    ModeS,
-    AdsB,
-    Multilateration,
-    Other,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawLive {
-    pub(crate) receiver: String,
-    #[serde(default)]
-    pub(crate) editions: BTreeMap<String, String>,
-    #[serde(default)]
-    pub(crate) strict: bool,
-    pub(crate) sac: Option<u8>,
-    pub(crate) sic: Option<u8>,
-    #[serde(default)]
-    pub(crate) positions: reception::PositionForm,
-}
-
-/// Nothing has to be said of a process that publishes the source by itself.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawExternal {}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawRecorded {
-    pub(crate) file: String,
-    #[serde(default)]
-    pub(crate) format: super::RecordedFormat,
-    #[serde(default)]
-    pub(crate) strict: bool,
-    #[serde(default)]
-    pub(crate) editions: BTreeMap<String, String>,
-    pub(crate) sac: Option<u8>,
-    pub(crate) sic: Option<u8>,
-    #[serde(default)]
-    pub(crate) positions: reception::PositionForm,
-    #[serde(default = "half")]
-    pub(crate) reorder_s: f64,
-    #[serde(default)]
-    pub(crate) truncated: super::Truncated,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct RawLimits {
-    pub(crate) range_m: f64,
-    pub(crate) height_min_m: f64,
-    pub(crate) height_max_m: f64,
-    pub(crate) speed_mps: f64,
-    pub(crate) jump_m: f64,
-    pub(crate) time_step_s: f64,
-    pub(crate) tracks: usize,
-}
-
-impl Default for RawLimits {
+impl Default for RawCoverage {
     fn default() -> Self {
         Self {
-            range_m: 400e3,
-            height_min_m: -500.0,
-            height_max_m: 25e3,
-            speed_mps: 700.0,
-            jump_m: 100.0,
-            time_step_s: 60.0,
-            tracks: 4096,
+            range_m: None,
+            sector_deg: None,
+            polygon_m: Vec::new(),
+            probability: nine_tenths(),
         }
     }
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct RawCovariance {
-    pub(crate) from: CovarianceFrom,
-    pub(crate) position_sigma_m: f64,
-    pub(crate) velocity_sigma_mps: f64,
-    pub(crate) height_sigma_m: f64,
-    pub(crate) range_sigma_m: Option<f64>,
-    pub(crate) azimuth_sigma_deg: Option<f64>,
-    pub(crate) poor_quality: PoorQuality,
-}
-
-impl Default for RawCovariance {
-    fn default() -> Self {
-        Self {
-            from: CovarianceFrom::Configuration,
-            position_sigma_m: 20.0,
-            velocity_sigma_mps: 3.0,
-            height_sigma_m: 30.0,
-            range_sigma_m: None,
-            azimuth_sigma_deg: None,
-            poor_quality: PoorQuality::Use,
-        }
-    }
-}
-
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawAccuracy {
     pub(crate) model: AccuracyModel,
@@ -268,7 +56,7 @@ pub(crate) struct RawAccuracy {
     pub(crate) conditions: BTreeMap<String, f64>,
 }
 
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Deserialize, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum AccuracyModel {
     #[default]
@@ -294,7 +82,7 @@ impl Default for RawAccuracy {
     }
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawFusion {
     pub(crate) wait: String,
@@ -340,7 +128,7 @@ impl Default for RawFusion {
     }
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawCapacity {
     pub(crate) system_tracks: Option<usize>,
@@ -360,7 +148,7 @@ impl Default for RawCapacity {
     }
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawAssociation {
     pub(crate) use_identity: bool,
@@ -397,7 +185,7 @@ impl Default for RawAssociation {
     }
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawLife {
     pub(crate) confirm_reports: u32,
@@ -415,7 +203,7 @@ impl Default for RawLife {
     }
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawRegistration {
     pub(crate) enabled: bool,
@@ -435,7 +223,7 @@ impl Default for RawRegistration {
 }
 
 /// Where a source sees; what is left out does not limit it.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawCoverage {
     pub(crate) range_m: Option<f64>,
@@ -448,7 +236,7 @@ pub(crate) struct RawCoverage {
     pub(crate) probability: f64,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawRule {
     pub(crate) name: String,
@@ -488,7 +276,7 @@ impl Default for RawRule {
 }
 
 /// TI-13 … TI-16.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawHandOver {
     /// eta_0 at the first refresh and those that follow; empty: at once.
@@ -499,7 +287,7 @@ pub(crate) struct RawHandOver {
     pub(crate) pairs: Vec<RawPair>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawPair {
     pub(crate) from: String,
@@ -507,7 +295,7 @@ pub(crate) struct RawPair {
     pub(crate) ramp: Vec<f64>,
 }
 
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum RawDropOut {
     #[default]
@@ -516,7 +304,7 @@ pub(crate) enum RawDropOut {
 }
 
 /// QF-9.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawMosaic {
     pub(crate) cell_m: f64,
@@ -536,7 +324,7 @@ impl Default for RawMosaic {
     }
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawCell {
     /// Counted in cells from the system origin.
@@ -545,14 +333,14 @@ pub(crate) struct RawCell {
     pub(crate) sources: Vec<String>,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum RawIntersection {
     Determinant,
     Trace,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum RawResidual {
     Position,
@@ -561,98 +349,13 @@ pub(crate) enum RawResidual {
     Innovation,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum RawTie {
     LastThenPriority,
     Priority,
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct RawMonitor {
-    pub(crate) interval_s: f64,
-    pub(crate) files: bool,
-    /// Absent: what disturbs fusion least, see `check_monitor`.
-    pub(crate) wait: Option<RawMonitorWait>,
-    pub(crate) poll_ms: f64,
-    pub(crate) deadline_us: RawDeadlines,
-    /// Address and port; absent: no metrics.
-    pub(crate) prometheus: Option<String>,
-    pub(crate) prometheus_public: bool,
-}
-
-impl Default for RawMonitor {
-    fn default() -> Self {
-        Self {
-            interval_s: 1.0,
-            files: true,
-            wait: None,
-            poll_ms: 5.0,
-            deadline_us: RawDeadlines::default(),
-            prometheus: None,
-            prometheus_public: false,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum RawMonitorWait {
-    Event,
-    Poll,
-}
-
-/// Keys as in the monitor's report; absent: that of fusion for its own stage, none for the others.
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct RawDeadlines {
-    pub(crate) ingest_to_publish: Option<f64>,
-    pub(crate) publish_to_taken: Option<f64>,
-    pub(crate) taken_to_fused: Option<f64>,
-    pub(crate) fused_to_received: Option<f64>,
-    pub(crate) end_to_end: Option<f64>,
-    pub(crate) age: Option<f64>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct RawRecorder {
-    pub(crate) enabled: bool,
-}
-
-impl Default for RawRecorder {
-    fn default() -> Self {
-        Self { enabled: true }
-    }
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn four_mebibytes() -> usize {
-    4 << 20
-}
-
-/// What fits into one frame of Ethernet beside the headers of IPv4 and UDP.
-fn one_ethernet_frame() -> usize {
-    1472
-}
-
 fn nine_tenths() -> f64 {
     0.9
-}
-
-fn half() -> f64 {
-    0.5
-}
-
-/// Between the low fliers without transponder and the high ones; see `reception`.
-fn five_kilometres() -> f64 {
-    5000.0
-}
-
-fn standard_pressure() -> f64 {
-    reception::STANDARD_PRESSURE_HPA
 }

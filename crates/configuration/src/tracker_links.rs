@@ -10,13 +10,12 @@
 //! output_period_s = 1.0            # tracks at even times instead of after each scan (WA-11)
 //! ```
 
-use super::check::{Checked, nanoseconds, problem, within};
-use super::raw::RawSource;
-use super::wide_area_sensor::RawWideAreaSensor;
+use super::check::{Checked, problem};
+use super::tables::{SourceTable, WideAreaSensorTable};
 use super::{Input, Source};
 
 /// Lets the trackers know what they are linked with.
-pub(super) fn check_links(sources: &mut [Source], raw: &[RawSource], sensors: &[RawWideAreaSensor]) -> Checked<()> {
+pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: &[WideAreaSensorTable]) -> Checked<()> {
     let hears = |source: &&Source| source.locator.is_some();
     let finders: Vec<(String, u16)> = sources
         .iter()
@@ -37,15 +36,6 @@ pub(super) fn check_links(sources: &mut [Source], raw: &[RawSource], sensors: &[
         tracker.wide_area_sensors = numbers_of(&key("wide_area_sensors"), named, "[[wide_area_sensor]]", &sensors)?;
         let kind = "direction finder among the sources";
         tracker.emissions = numbers_of(&key("emissions"), &raw.emissions, kind, &finders)?;
-        tracker.cues = raw.cues;
-        tracker.output_period_ns = match raw.output_period_s {
-            Some(period_s) => Some(nanoseconds(within(&key("output_period_s"), period_s, 0.01, 3600.0)?)),
-            None => None,
-        };
-        if !tracker.emissions.is_empty() && tracker.settings.wide_area.knowledge.types.is_empty() {
-            let what = "no type is described that an emission could be of; add [[source.tracker.wide_area.type]]";
-            return Err(problem(key("emissions"), what));
-        }
         if !matches!(source.input, Input::Recorded(_)) {
             continue;
         }

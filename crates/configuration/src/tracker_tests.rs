@@ -1,32 +1,35 @@
 //! The configuration of tracking, heard and refused.
 
+use settings::Degrees;
+use tracking::settings::{Capacity, Limit};
+
 use super::*;
 
-fn settings(text: &str) -> Result<tracker::Settings, String> {
+fn settings(text: &str) -> Result<Settings, String> {
     let seen = SeenDetections {
         sensor_ids: [1, 7].into(),
         scan_max: 20_000,
     };
     let parsed = Tracking::parse(Path::new("track.toml"), text);
     parsed
-        .and_then(|config| config.settings(&seen))
+        .map(|config| config.settings(&seen))
         .map_err(|error| error.to_string())
 }
 
 #[test]
 fn nothing_has_to_be_configured() {
     let found = settings("").unwrap();
-    let usual = tracker::Settings::default();
-    let capacity = tracker::Capacity {
-        tracks: 120_000,
-        detections: 20_000,
+    let usual = Settings::default();
+    let capacity = Capacity {
+        tracks: Some(120_000),
+        detections: Some(20_000),
         open_scans: 0,
     };
     let ids: Vec<u32> = found.sensors.iter().map(|sensor| sensor.sensor_id).collect();
     assert_eq!((ids, found.capacity), (vec![1, 7], capacity));
-    assert_eq!(found.sensors[0].detection_probability, 0.9);
-    assert_eq!(found.sensors[0].clutter, tracker::Clutter::Learned);
-    let same = tracker::Settings {
+    assert_eq!(found.sensors[0].model.detection_probability, 0.9);
+    assert_eq!(found.sensors[0].model.clutter_density, None);
+    let same = Settings {
         sensors: Vec::new(),
         capacity: usual.capacity,
         ..found
@@ -48,43 +51,49 @@ fn every_key_is_heard() {
     )
     .unwrap();
     let sensor = &found.sensors[1];
-    assert_eq!((sensor.sensor_id, sensor.detection_probability), (7, 0.8));
-    assert_eq!(sensor.clutter, tracker::Clutter::Density(1e-8));
-    let sigmas = sensor.sigmas.unwrap();
-    assert_eq!((sigmas[0], sigmas[1], sigmas[3]), (5.0, 0.01, 2.0));
-    assert!(sigmas[2].is_nan());
-    let view = sensor.field_of_view.unwrap();
+    assert_eq!((sensor.sensor_id, sensor.model.detection_probability), (7, 0.8));
+    assert_eq!(sensor.model.clutter_density, Some(1e-8));
+    assert_eq!(sensor.sigmas.as_deref(), Some(&[5.0, 0.01][..]));
+    assert_eq!(sensor.range_rate_sigma_mps, Some(2.0));
+    let view = sensor.model.field_of_view.unwrap();
     assert_eq!(
-        (sensor.resolution_m, view.range_m, view.position_m),
+        (sensor.model.resolution_m, view.range_m, view.position_m),
         (Some(5.0), [1.0, 90.0], None)
     );
-    assert_eq!(view.sector_rad, Some([-30_f64, 30.0].map(f64::to_radians)));
-    assert_eq!((found.gate_probability, found.first_guess.slow_sigma_mps), (0.95, None));
+    assert_eq!(view.sector_deg, Some([-30.0, 30.0].map(Degrees::of)));
+    assert_eq!((found.gate.probability, found.initiation.slow_sigma_mps), (0.95, None));
     assert_eq!(found.motion.process_noise_m2ps3, [2.0, 3.0]);
-    assert_eq!(found.motion.manoeuvres, None);
-    assert_eq!((found.new_target_share, found.first_guess.height_sigma_m), (0.1, 7.0));
+    assert!(!found.motion.manoeuvres.enabled);
+    assert_eq!(
+        (found.initiation.new_target_share, found.initiation.height_sigma_m),
+        (0.1, 7.0)
+    );
     assert_eq!(found.confirmation.log_likelihood_ratio_min, Some(5.0));
     assert_eq!(
         (
-            found.deletion.missed_probability,
-            found.deletion.silent_ns,
-            found.coherence_s
+            found.deletion.limits.missed_probability,
+            found.deletion.limits.silent_s.ns(),
+            found.deletion.coherence_s
         ),
         (1e-6, 1_500_000_000, 2.0)
     );
     assert_eq!((found.reduction.merge_scans, found.reduction.hypotheses_max), (3, 12));
     let splitting = &found.splitting;
     assert_eq!((splitting.new_target_share, splitting.parents_motion), (None, None));
-    assert_eq!(splitting.new_tracks_max, tracker::Limit::Computed);
-    assert_eq!(splitting.tentative_tracks, tracker::Limit::Fixed(3));
+    assert_eq!(splitting.new_tracks_max, Limit::Computed);
+    assert_eq!(splitting.tentative_tracks, Limit::Fixed(3));
     assert_eq!(splitting.company_min, Some(0.5));
-    assert_eq!((found.capacity.tracks, found.capacity.open_scans), (100, 4));
+    assert_eq!((found.capacity.tracks(), found.capacity.open_scans), (100, 4));
 }
 
 #[test]
 fn mistakes_are_named_with_line_value_and_remedy() {
     for (text, line, expected) in [
-        ("[gate]\nprobabilty = 0.9", 2, "unknown field `probabilty`"),
+        (
+            "[gate]\nprobabilty = 0.9",
+            2,
+            "gate.probabilty: unknown key; there are: probability",
+        ),
         ("\n[gate]\nprobability = 1.0", 3, "must lie between 0.5 and 0.999999"),
         (
             "[[sensor]]\nid = 1\n[[sensor]]\nid = 1",
@@ -104,13 +113,21 @@ fn mistakes_are_named_with_line_value_and_remedy() {
             3,
             "the nearest and the farthest range",
         ),
-        ("[splitting]\nnew_tracks_max = \"many\"", 2, "\"computed\" or \"off\""),
-        ("[splitting]\nparents_motion = -1", 2, "a whole number, or \"off\""),
-        ("[motion]\nprocess_noise_m2ps3 = [1.0]", 2, "invalid length 1"),
+        (
+            "[splitting]\nnew_tracks_max = \"many\"",
+            2,
+            "there are: off, computed, a whole number",
+        ),
+        ("[splitting]\nparents_motion = -1", 2, "expected usize"),
+        (
+            "[motion]\nprocess_noise_m2ps3 = [1.0]",
+            2,
+            "1 values; write 2, like [5.0, 1.0]",
+        ),
         ("[motion.manoeuvres]\ndurations_s = [1.0, nan]", 2, "must lie between"),
         ("[reduction]\nhypotheses_max = 65", 2, "between 1 and 64"),
         ("[capacity]\ntracks = 0", 2, "between 1 and"),
-        ("[fusion]\n", 1, "unknown field `fusion`"),
+        ("[fusion]\n", 1, "fusion: unknown key; there are: sensor, gate"),
     ] {
         let message = settings(text).unwrap_err();
         assert!(message.starts_with(&format!("track.toml:{line}: ")), "{message}");

@@ -29,18 +29,16 @@
 //! wide_area_sensors = ["remote", "centre"]
 //! ```
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use frames::{SensorFrame, SystemFrame};
 use reception::{CovarianceModel, SourceModel};
-use serde::Deserialize;
+use settings::SettingsError;
 
-use super::check::{
-    Checked, Problem, check_limits, check_name, nanoseconds, place, problem, simulated_problem, within,
-};
+use super::check::{Checked, check_name, place, problem};
 use super::check_network::{Network, asterix};
-use super::raw::{RawConfig, RawCovariance, RawExternal, RawLimits, RawPlace, RawReceiver, RawSource};
+use super::tables::{CountedTracksTable, DeploymentTable, PlaceTable, ReceiverTable, SourceTable, WideAreaSensorTable};
 use super::{Asterix, Input, Source};
 
 /// Most wide-area sensors of a deployment.
@@ -124,62 +122,9 @@ impl WideAreaSensor {
     }
 }
 
-/// `[[wide_area_sensor]]`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawWideAreaSensor {
-    pub(super) name: String,
-    live: Option<RawRows>,
-    recorded: Option<RawRecordedRows>,
-    tracks: Option<RawCountedTracks>,
-    external: Option<RawExternal>,
-    simulated: Option<scenario::WideAreaSettings>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawRows {
-    receiver: String,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawRecordedRows {
-    file: String,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawCountedTracks {
-    receiver: Option<String>,
-    file: Option<String>,
-    #[serde(default = "four_seconds")]
-    period_s: f64,
-    #[serde(default = "half_a_kilometre")]
-    group_m: f64,
-    #[serde(default)]
-    editions: BTreeMap<String, String>,
-    #[serde(default)]
-    strict: bool,
-    sac: Option<u8>,
-    sic: Option<u8>,
-    /// For positions on the other system's own plane.
-    place: Option<RawPlace>,
-    #[serde(default)]
-    limits: RawLimits,
-}
-
-fn four_seconds() -> f64 {
-    4.0
-}
-
-fn half_a_kilometre() -> f64 {
-    500.0
-}
-
 /// The wide-area sensors of a file.
 pub(super) fn check_wide_area_sensors(
-    raw: &RawConfig,
+    raw: &DeploymentTable,
     system: &SystemFrame,
     network: &mut Network,
 ) -> Checked<Vec<WideAreaSensor>> {
@@ -211,36 +156,25 @@ pub(super) fn check_wide_area_sensors(
 
 fn check_sensor(
     index: usize,
-    raw: &RawWideAreaSensor,
-    frame: (&SystemFrame, &RawPlace),
+    raw: &WideAreaSensorTable,
+    frame: (&SystemFrame, &PlaceTable),
     network: &mut Network,
 ) -> Checked<WideAreaSensor> {
     let key = |part: &str| format!("wide_area_sensor[{index}].{part}");
-    let input = match (&raw.live, &raw.recorded, &raw.tracks, &raw.external, &raw.simulated) {
-        (Some(live), None, None, None, None) => {
+    let input = match (&raw.live, &raw.recorded, &raw.tracks, &raw.simulated) {
+        (Some(live), ..) => {
             network.datagrams(&key("live.receiver"), &live.receiver)?;
             WideAreaInput::Live(live.receiver.clone())
         }
-        (None, Some(recorded), None, None, None) => WideAreaInput::Recorded(PathBuf::from(&recorded.file)),
-        (None, None, Some(tracks), None, None) => {
+        (_, Some(recorded), ..) => WideAreaInput::Recorded(PathBuf::from(&recorded.file)),
+        (_, _, Some(tracks), _) => {
             WideAreaInput::Tracks(Box::new(check_tracks(&key("tracks"), tracks, frame, network)?))
         }
-        (None, None, None, Some(_), None) => WideAreaInput::External,
-        (None, None, None, None, Some(settings)) => {
-            settings
-                .validate()
-                .map_err(|error| simulated_problem(&key("simulated"), &error))?;
+        (_, _, _, Some(_)) => {
             network.simulated_wide_area_sensor(index, &raw.name);
             WideAreaInput::Live(raw.name.clone())
         }
-        _ => {
-            let what = format!(
-                "\"{}\" needs exactly one of [wide_area_sensor.live], [wide_area_sensor.recorded], \
-                 [wide_area_sensor.tracks], [wide_area_sensor.external] and [wide_area_sensor.simulated]",
-                raw.name
-            );
-            return Err(problem(key("name"), what));
-        }
+        _ => WideAreaInput::External,
     };
     let mut sensor = WideAreaSensor {
         number: index as u16,
@@ -257,52 +191,37 @@ fn check_sensor(
 
 fn check_tracks(
     key: &str,
-    raw: &RawCountedTracks,
-    (system, origin): (&SystemFrame, &RawPlace),
+    raw: &CountedTracksTable,
+    (system, origin): (&SystemFrame, &PlaceTable),
     network: &Network,
 ) -> Checked<CountedTracks> {
     let part = |part: &str| format!("{key}.{part}");
-    let feed = match (&raw.receiver, &raw.file) {
-        (Some(receiver), None) => {
+    let feed = match &raw.receiver {
+        Some(receiver) => {
             network.datagrams(&part("receiver"), receiver)?;
             TrackFeed::Receiver(receiver.clone())
         }
-        (None, Some(file)) => TrackFeed::File(PathBuf::from(file)),
-        _ => return Err(problem(key, "give either receiver (live) or file (a recording)")),
+        None => TrackFeed::File(PathBuf::from(raw.file.as_deref().unwrap_or_default())),
     };
-    let sac_sic = match (raw.sac, raw.sic) {
-        (None, None) => None,
-        (Some(sac), Some(sic)) => Some((sac, sic)),
-        _ => return Err(problem(key, "sac and sic go together: give both or neither")),
-    };
-    let stands = raw.place.as_ref().unwrap_or(origin);
-    let turned = within(&part("place.north_offset_deg"), stands.north_offset_deg, -360.0, 360.0)?;
-    let stands = place(&part("place"), stands)?;
-    let covariance = RawCovariance::default();
+    let place_table = raw.place.as_ref().unwrap_or(origin);
+    let stands = place(&part("place"), place_table)?;
     Ok(CountedTracks {
         feed,
-        asterix: asterix(&part("editions"), &raw.editions, raw.strict)?,
-        period_ns: nanoseconds(within(&part("period_s"), raw.period_s, 0.1, 600.0)?),
-        group_m: within(&part("group_m"), raw.group_m, 0.0, 1e5)?,
+        asterix: asterix(&part("editions"), &raw.reading)?,
+        period_ns: raw.period_s.ns(),
+        group_m: raw.group_m,
         model: SourceModel {
             number: 0,
-            sac_sic,
+            sac_sic: raw.identity.sac_sic(),
             positions: Default::default(),
-            frame: SensorFrame::new(system, stands, turned.to_radians()),
+            frame: SensorFrame::new(system, stands, place_table.north_offset_deg.rad()),
             system: *system,
             height_m: stands.height_m(),
             // Tracks have places; nothing is assumed of their heights.
             assumed_height_m: 0.0,
             qnh_hpa: reception::STANDARD_PRESSURE_HPA,
-            limits: check_limits(&part("limits"), &raw.limits)?,
-            covariance: CovarianceModel {
-                from: covariance.from,
-                position_sigma_m: covariance.position_sigma_m,
-                velocity_sigma_mps: covariance.velocity_sigma_mps,
-                height_sigma_m: covariance.height_sigma_m,
-                polar: None,
-                poor_quality: covariance.poor_quality,
-            },
+            limits: raw.limits,
+            covariance: CovarianceModel::default(),
         },
     })
 }
@@ -310,7 +229,7 @@ fn check_tracks(
 /// Recordings go with recordings: their times are of another day than those of what comes live.
 pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> Checked<()> {
     let is_recorded = |source: &Source| matches!(source.input, Input::Recorded(_));
-    let differ = |recorded: bool, source: &Source| -> Option<Problem> {
+    let differ = |recorded: bool, source: &Source| -> Option<SettingsError> {
         let tracker = source.tracker.as_ref()?;
         let of_other_kind = |number: &&u16| sensors[usize::from(**number)].recording().is_some() != recorded;
         let sensor = &sensors[usize::from(*tracker.wide_area_sensors.iter().find(of_other_kind)?)];
@@ -349,7 +268,7 @@ pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> C
 }
 
 /// No two adapter processes have one name; those behind receivers have the receivers'.
-fn check_process_name(sensor: &WideAreaSensor, sources: &[RawSource], receivers: &[RawReceiver]) -> Checked<()> {
+fn check_process_name(sensor: &WideAreaSensor, sources: &[SourceTable], receivers: &[ReceiverTable]) -> Checked<()> {
     let mut names = sources
         .iter()
         .map(|source| &source.name)

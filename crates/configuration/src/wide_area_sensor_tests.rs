@@ -111,8 +111,8 @@ fn simulated_ones_bring_their_receiver_along() {
     assert!(is_own, "{:?}", receiver.transport);
     for (old, new, line, expected) in [
         ("\n[scenario]", "", 31, "there is no [scenario] to observe"),
-        ("period_s = 4.0", "period_s = 0", 33, "must be between 0.1 and 600"),
-        ("period_s = 4.0", "every_s = 4.0", 33, "unknown field `every_s`"),
+        ("period_s = 4.0", "period_s = 0", 33, "must lie between 0.1 and 600"),
+        ("period_s = 4.0", "every_s = 4.0", 33, "simulated.every_s: unknown key"),
         ("name = \"own\"", "name = \"lan\"", 31, "also the name of an adapter"),
     ] {
         let message = parse(&simulated.replacen(old, new, 1)).unwrap_err();
@@ -195,7 +195,7 @@ fn what_cannot_be_is_refused_with_line_and_remedy() {
             "[wide_area_sensor.external]\n",
             "[wide_area_sensor.external]\nport = 1\n",
             33,
-            "unknown field `port`",
+            "external.port: unknown key; there are: none",
         ),
         (
             RECORDED,

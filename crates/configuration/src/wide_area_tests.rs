@@ -1,10 +1,17 @@
 //! The configuration of wide-area support, heard and refused.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use tracking::settings::Settings;
+use settings::{Degrees, Seconds};
+use tracking::selection::Selection;
+use tracking::settings::{Confirmation, Deletion, Settings};
+use tracking::wide_area::correction::Rule;
+use tracking::wide_area::distribution::Sharing;
+use tracking::wide_area::group::Groups;
+use tracking::wide_area::prior::{self, Circle, EmissionBand, Knowledge, Prior, Sector};
+use tracking::wide_area::settings::{EarlyConfirmation, EarlyDeletion, WideArea};
 
-use super::*;
 use crate::{Config, SeenDetections, Tracking};
 
 fn settings(text: &str) -> Result<Settings, String> {
@@ -14,7 +21,7 @@ fn settings(text: &str) -> Result<Settings, String> {
     };
     let parsed = Tracking::parse(Path::new("track.toml"), text);
     parsed
-        .and_then(|config| config.settings(&seen))
+        .map(|config| config.settings(&seen))
         .map_err(|error| error.to_string())
 }
 
@@ -31,6 +38,13 @@ const ALL: &str = "[wide_area]\ncorrection = { factor = 4 }\ncorrects_confirmed_
     types = { \"twelve-chars\" = 0.25, \"patrol 7\" = 0.75 }\nformations = { 4 = 0.8, 2 = 0.1 }\nformation_probability_min = 0.6\n\
     [[wide_area.prior]]\ncircle = { centre_m = [5e4, 5e4], radius_m = 1e4 }\n\
     [selection]\nage_max_s = 5\nsigma_max_m = 300\nsame_time_s = 0.2\nkept_weight = 0.01\n";
+
+fn named(probabilities: &[(&str, f64)]) -> BTreeMap<String, f64> {
+    probabilities
+        .iter()
+        .map(|(name, share)| (name.to_string(), *share))
+        .collect()
+}
 
 #[test]
 fn every_key_is_heard() {
@@ -66,10 +80,10 @@ fn every_key_is_heard() {
         deletion: Some(EarlyDeletion {
             deletion: Deletion {
                 missed_probability: 0.02,
-                silent_ns: 12_500_000_000,
+                silent_s: Seconds::of(12.5),
             },
-            coverage: Some(Coverage {
-                centre_m: [10.0, -20.0, 0.0],
+            coverage: Some(Circle {
+                centre_m: [10.0, -20.0],
                 radius_m: 9e4,
             }),
         }),
@@ -87,37 +101,41 @@ fn every_key_is_heard() {
             ],
             priors: vec![
                 Prior {
-                    place: Place::Sector {
+                    sector: Some(Sector {
                         from_m: [1000.0, 0.0],
-                        bearings_rad: [-30_f64, 45.0].map(f64::to_radians),
-                    },
-                    types: vec![(0, 0.75), (1, 0.25)],
-                    formations: vec![(2, 0.1), (4, 0.8)],
+                        bearings_deg: [-30.0, 45.0].map(Degrees::of),
+                    }),
+                    types: named(&[("patrol 7", 0.75), ("twelve-chars", 0.25)]),
+                    formations: named(&[("2", 0.1), ("4", 0.8)]),
                     formation_probability_min: 0.6,
+                    ..Prior::default()
                 },
                 Prior {
-                    place: Place::Circle {
+                    circle: Some(Circle {
                         centre_m: [5e4, 5e4],
                         radius_m: 1e4,
-                    },
-                    types: Vec::new(),
-                    formations: Vec::new(),
-                    formation_probability_min: FORMATION_PROBABILITY_MIN,
+                    }),
+                    ..Prior::default()
                 },
             ],
         },
-        valid_ns: 20_000_000_000,
-        delay_max_ns: 0,
+        valid_s: Seconds::of(20.0),
+        delay_max_s: Seconds::of(0.0),
     };
     assert_eq!(found.wide_area, expected);
     let selection = Selection {
-        age_max_ns: Some(5_000_000_000),
+        age_max_s: Some(Seconds::of(5.0)),
         sigma_max_m: Some(300.0),
-        priorities: vec![(7, 2)],
-        same_time_ns: 200_000_000,
+        same_time_s: Seconds::of(0.2),
         kept_weight: Some(0.01),
     };
     assert_eq!(found.selection, selection);
+    let priorities: Vec<_> = found
+        .sensors
+        .iter()
+        .map(|sensor| (sensor.sensor_id, sensor.priority))
+        .collect();
+    assert_eq!(priorities, [(1, 0), (7, 2)]);
 }
 
 #[test]
@@ -137,8 +155,8 @@ fn each_part_can_be_off_and_has_defaults_when_it_is_on() {
     assert_eq!(on.wide_area.confirmation, usual.wide_area.confirmation);
     assert_eq!(on.wide_area.groups, Some(Groups { probability_min: 0.5 }));
     let early = on.wide_area.deletion.unwrap();
-    assert!(early.deletion.missed_probability > usual.deletion.missed_probability);
-    assert_eq!(early.deletion.silent_ns, usual.deletion.silent_ns);
+    assert!(early.deletion.missed_probability > usual.deletion.limits.missed_probability);
+    assert_eq!(early.deletion.silent_s, usual.deletion.limits.silent_s);
     let share = settings("[wide_area]\ncorrection = { share = 0.75 }").unwrap();
     assert_eq!(share.wide_area.correction, Some(Rule::Share(0.75)));
 }
@@ -174,18 +192,21 @@ fn mistakes_are_named_with_line_key_value_and_remedy() {
     let of_type = "[[wide_area.type]]\nname = \"A\"\n";
     let of_place = "[[wide_area.prior]]\ncircle = { centre_m = [0, 0], radius_m = 10 }\n";
     for (text, expected) in [
-        ("[wide_area]\nrang_m = 5", "2: unknown field `rang_m`"),
+        (
+            "[wide_area]\nrang_m = 5",
+            "2: wide_area.rang_m: unknown key; there are: correction, ",
+        ),
         (
             "[wide_area]\ncorrection = 0.6",
-            "2: invalid type: floating point `0.6`, expected a table, or \"off\"",
+            "2: wide_area.correction: invalid type: float, expected a table",
         ),
         (
             "[wide_area]\ncorrection = \"on\"",
-            "2: invalid value: string \"on\", expected a table, or \"off\"",
+            "2: wide_area.correction: invalid type: string, expected a table, or \"off\"",
         ),
         (
             "[wide_area]\ncorrection = { shar = 0.6 }",
-            "2: unknown field `shar`, expected `share` or `factor`",
+            "2: wide_area.correction.shar: unknown key; there are: share, factor",
         ),
         (
             "[wide_area]\ncorrection = { share = 0.6, factor = 2 }",
@@ -270,7 +291,7 @@ fn mistakes_are_named_with_line_key_value_and_remedy() {
         ),
         (
             &format!("{of_type}emissions = [{{ frequency = [9e9, 8e9] }}]"),
-            "3: unknown field `frequency`",
+            "3: wide_area.type[0].emissions[0].frequency: unknown key",
         ),
         (
             "[[wide_area.prior]]\ntypes = {}",
@@ -337,7 +358,10 @@ fn mistakes_are_named_with_line_key_value_and_remedy() {
              sector = { from_m = [0, 0], bearings_deg = [10, 30] }",
             "3: wide_area.prior[1]: priors 1 and 2 speak of the same place",
         ),
-        ("[selection]\nage_s = 5", "2: unknown field `age_s`"),
+        (
+            "[selection]\nage_s = 5",
+            "2: selection.age_s: unknown key; there are: age_max_s",
+        ),
         (
             "[selection]\nage_max_s = -5",
             "2: selection.age_max_s: -5 is out of range",

@@ -2,13 +2,14 @@
 
 use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
 use observations::Bearing;
+use settings::SettingsError;
 
 use crate::bank::{Bank, Notes, RawFix};
 use crate::counts::LocatorCounts;
 use crate::explanation::{Decision, DecisionKind};
 use crate::line_of_bearing::LineOfBearing;
 use crate::selection::{Fix, Output, Selector};
-use crate::settings::{Fault, Settings};
+use crate::settings::Settings;
 
 /// Emitters that the locator tells apart itself are numbered from here on.
 pub const OWN_NUMBERS: u32 = 1_000_001;
@@ -131,11 +132,9 @@ impl Locator {
     /// A locator that has seen nothing. All memory is allocated here.
     ///
     /// # Errors
-    /// What is wrong with the settings.
-    pub fn new(settings: Settings) -> Result<Self, Fault> {
-        if let Some(fault) = settings.fault() {
-            return Err(fault);
-        }
+    /// The first setting that cannot be used.
+    pub fn new(settings: Settings) -> Result<Self, SettingsError> {
+        settings::check(&settings)?;
         Ok(Self {
             settings,
             index: Vec::with_capacity(settings.emitters_max),
@@ -198,7 +197,7 @@ impl Locator {
     fn take(&mut self, slot: usize, bearing: &Bearing, line: &LineOfBearing) -> Option<EmitterReport> {
         let (settings, emitter) = (&self.settings, &mut self.emitters[slot]);
         let after_s = line.after_s(emitter.last.time_ns);
-        emitter.watch_heading(bearing.heading_rad, line, settings.consistency.turning_rad_per_s);
+        emitter.watch_heading(bearing.heading_rad, line, settings.consistency.turning_deg_per_s.rad());
         let mut notes = Notes::EMPTY;
         let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
         emitter.bank.add(line, after_s, turning_since_ns, models, &mut notes);
@@ -256,7 +255,7 @@ impl Locator {
             if !is_either_unknown && apart_hz > settings.frequency_tolerance_hz {
                 continue;
             }
-            let (squared, log_variance) = emitter.compare(line, settings.rate_max_rad_per_s);
+            let (squared, log_variance) = emitter.compare(line, settings.rate_max_deg_per_s.rad());
             let cost = squared + log_variance;
             if squared <= settings.gate * settings.gate && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, place));

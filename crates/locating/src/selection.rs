@@ -45,101 +45,62 @@
 //!
 //! Source: patent JP7553304B2.
 
-use crate::settings::Fault;
+settings::words! {
+    /// When fixes are selected.
+    pub enum Select {
+        /// The best there is for unknown data: every fix steers the output.
+        Auto = "auto",
+        /// Fixes are passed on.
+        None = "none",
+        /// One each interval (EL-5).
+        Interval = "interval",
+        /// One at each minimum of the variance (EL-9).
+        Minimum = "minimum",
+        /// Each interval at first, then at minima (EL-10).
+        Staged = "staged",
+    }
 
-/// When fixes are selected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Select {
-    /// The best there is for unknown data: every fix steers the output.
-    Auto,
-    /// Fixes are passed on.
-    None,
-    /// One each interval (EL-5).
-    Interval,
-    /// One at each minimum of the variance (EL-9).
-    Minimum,
-    /// Each interval at first, then at minima (EL-10).
-    Staged,
-}
-
-impl Select {
-    /// Every way.
-    pub const ALL: [Self; 5] = [Self::Auto, Self::None, Self::Interval, Self::Minimum, Self::Staged];
-
-    /// The word for it.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::None => "none",
-            Self::Interval => "interval",
-            Self::Minimum => "minimum",
-            Self::Staged => "staged",
-        }
+    /// Motion while the variance is above its threshold (EL-7, EL-8).
+    pub enum AboveThreshold {
+        /// Option a: direction and speed stay as they are.
+        Continue = "continue",
+        /// Option b: they become those up to the fix at which the variance rose, and after it fell.
+        UseCrossings = "use-crossings",
     }
 }
 
-/// What is done while the variance is above its threshold (EL-7, EL-8).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AboveThreshold {
-    /// Option a: direction and speed stay as they are.
-    Continue,
-    /// Option b: they become those up to the fix at which the variance rose, and after it fell.
-    UseCrossings,
-}
-
-/// How fixes are selected.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SelectionSettings {
-    /// When.
-    pub select: Select,
-    /// Threshold of the variance value, m².
-    pub variance_max_m2: f64,
-    /// Time between selections, seconds; longer than between fixes.
-    pub interval_s: f64,
-    /// What is done above the threshold.
-    pub above: AboveThreshold,
-    /// A minimum counts once the variance has risen by this share above it; 0: every one does.
-    pub minimum_rise: f64,
-    /// Minima sooner after the last selection do not count, seconds.
-    pub minimum_gap_s: f64,
-    /// Staged: minima are used after so many below the threshold, one soon enough after the other …
-    pub settled_minima: u32,
-    /// … and no longer, once none has come for so long, seconds.
-    pub minimum_wait_s: f64,
-    /// Steered: the output is headed to where the emitter will be so much later, seconds.
-    pub steering_s: f64,
-}
-
-impl Default for SelectionSettings {
-    fn default() -> Self {
-        Self {
-            select: Select::Auto,
-            variance_max_m2: 250_000.0,
-            interval_s: 250.0,
-            above: AboveThreshold::Continue,
-            minimum_rise: 0.3,
-            minimum_gap_s: 100.0,
-            settled_minima: 2,
-            minimum_wait_s: 750.0,
-            steering_s: 30.0,
-        }
+settings::settings! {
+    /// How fixes are selected.
+    #[derive(Copy)]
+    pub struct SelectionSettings {
+        /// When: `auto`, every fix steers the output, the best there is for unknown data; `none`, fixes are passed on;
+        /// `interval`, one each interval; `minimum`, one at each minimum of the variance; `staged`, each interval at first, then
+        /// at minima.
+        select: Select = Select::Auto;
+        /// Threshold: root of the variance value.
+        position_sigma_max_m: f64 = 500.0, in [above 0];
+        /// Time between selections; longer than between fixes.
+        interval_s: f64 = 250.0, in [above 0];
+        /// Motion above the threshold: `continue`, direction and speed stay as they are; `use-crossings`, they become those up
+        /// to the fix at which the variance rose, and after it fell.
+        above_threshold: AboveThreshold = AboveThreshold::Continue;
+        /// Share by which the variance must have risen above a minimum for that to count; 0: every one does.
+        minimum_rise: f64 = 0.3, in [from 0];
+        /// Minima sooner after the last selection do not count.
+        minimum_gap_s: f64 = 100.0, in [from 0];
+        /// Staged: number of minima below the threshold, one soon enough after the other, from which on minima are used.
+        settled_minima: u32 = 2;
+        /// Staged: time without a minimum after which intervals are used again.
+        minimum_wait_s: f64 = 750.0, in [above 0];
+        /// Steered: the output is headed to where the emitter will be so much later.
+        steering_s: f64 = 30.0, in [above 0];
     }
 }
 
 impl SelectionSettings {
-    /// What is wrong with them, if anything.
-    pub fn fault(&self) -> Option<Fault> {
-        let above_zero = [
-            ("selection.variance_max_m2", self.variance_max_m2),
-            ("selection.interval_s", self.interval_s),
-            ("selection.minimum_wait_s", self.minimum_wait_s),
-            ("selection.steering_s", self.steering_s),
-        ];
-        let not_negative = [
-            ("selection.minimum_rise", self.minimum_rise),
-            ("selection.minimum_gap_s", self.minimum_gap_s),
-        ];
-        Fault::not_above_zero(&above_zero).or_else(|| Fault::negative(&not_negative))
+    /// Threshold of the variance value, m².
+    fn variance_max_m2(&self) -> f64 {
+        self.position_sigma_max_m * self.position_sigma_max_m
     }
 }
 
@@ -312,7 +273,7 @@ impl Selector {
             time_s: fix.time_s,
             position_m: fix.position_m,
         };
-        let is_below = fix.variance_m2 < self.settings.variance_max_m2;
+        let is_below = fix.variance_m2 < self.settings.variance_max_m2();
         self.note_crossing(seen, is_below);
         let before = self.output_at(seen);
         let minimum = self
@@ -371,12 +332,12 @@ impl Selector {
         self.velocity_mps = std::array::from_fn(|axis| {
             fix.velocity_mps[axis] + (fix.position_m[axis] - before.position_m[axis]) / steering_s
         });
-        is_first.then_some((Reason::FirstBelow, fix.variance_m2, self.settings.variance_max_m2))
+        is_first.then_some((Reason::FirstBelow, fix.variance_m2, self.settings.variance_max_m2()))
     }
 
     /// EL-4 … EL-8.
     fn at_interval(&mut self, fix: &Fix, seen: Point, before: Point, is_below: bool) -> Option<(Reason, f64, f64)> {
-        let found = |reason| Some((reason, fix.variance_m2, self.settings.variance_max_m2));
+        let found = |reason| Some((reason, fix.variance_m2, self.settings.variance_max_m2()));
         if self.stage == Stage::Passing {
             if !is_below {
                 return None;
@@ -408,7 +369,7 @@ impl Selector {
 
     /// From where to where the output's next velocity is taken, at a selection time; `None`: it stays.
     fn way(&self, seen: Point, is_below: bool) -> (Reason, Option<(Point, Point)>) {
-        let crossings = self.settings.above == AboveThreshold::UseCrossings;
+        let crossings = self.settings.above_threshold == AboveThreshold::UseCrossings;
         if !is_below {
             let rose = self.up.filter(|up| up.time_s > self.previous.time_s);
             return match rose.filter(|_| crossings && !self.was_above_at_selection) {
@@ -426,7 +387,7 @@ impl Selector {
     /// EL-9. A minimum is known once the variance has risen: the output turns then, by what it was at the minimum.
     fn at_minimum(&mut self, fix: &Fix, minimum: Option<Minimum>, now: Point) -> Option<(Reason, f64, f64)> {
         let minimum = minimum?;
-        let limit = self.settings.variance_max_m2;
+        let limit = self.settings.variance_max_m2();
         let is_below = minimum.variance_m2 < limit;
         let found = |reason| Some((reason, minimum.variance_m2, limit));
         match self.stage {
@@ -473,7 +434,7 @@ impl Selector {
         minimum: Option<Minimum>,
     ) -> Option<(Reason, f64, f64)> {
         let wait_s = self.settings.minimum_wait_s;
-        if let Some(minimum) = minimum.filter(|minimum| minimum.variance_m2 < self.settings.variance_max_m2) {
+        if let Some(minimum) = minimum.filter(|minimum| minimum.variance_m2 < self.settings.variance_max_m2()) {
             let is_soon = minimum.seen.time_s - self.last_minimum_s <= wait_s;
             self.minima = if is_soon { self.minima + 1 } else { 1 };
             self.last_minimum_s = minimum.seen.time_s;

@@ -9,9 +9,9 @@ const ABOVE: f64 = 200.0;
 fn settings(select: Select, above: AboveThreshold) -> SelectionSettings {
     SelectionSettings {
         select,
-        variance_max_m2: LIMIT,
+        position_sigma_max_m: LIMIT.sqrt(),
         interval_s: 10.0,
-        above,
+        above_threshold: above,
         minimum_rise: 0.0,
         minimum_gap_s: 0.0,
         settled_minima: 2,

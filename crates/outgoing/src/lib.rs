@@ -57,14 +57,14 @@ pub const BLOCK_OCTETS_MOST: usize = u16::MAX as usize;
 /// Takes finished blocks: what the caller does with one, a datagram as a rule.
 pub type SendBlock<'s> = dyn FnMut(&[u8]) + 's;
 
-/// What heights in the system are, and so which items carry them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum HeightReference {
-    /// Heights above the WGS-84 ellipsoid.
-    #[default]
-    Geometric,
-    /// Pressure altitudes in the standard atmosphere: flight levels.
-    Barometric,
+settings::words! {
+    /// Reference of the heights in the system, and so the items that carry them.
+    pub enum HeightReference {
+        /// Heights above the WGS-84 ellipsoid.
+        Geometric = "geometric",
+        /// Pressure altitudes in the standard atmosphere: flight levels.
+        Barometric = "barometric",
+    }
 }
 
 /// Why a sender can not be made.

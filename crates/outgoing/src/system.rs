@@ -110,21 +110,22 @@ const fn age(name: &str) -> (usize, Field) {
 
 /// Most tracks whose numbers are remembered, ended ones included.
 const TRACKS_MAX: usize = 16_384;
-/// How a source observes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Technology {
-    /// Primary radar.
-    Primary,
-    /// Secondary radar without Mode S.
-    Secondary,
-    /// Mode S radar.
-    ModeS,
-    /// ADS-B by 1090 MHz extended squitter.
-    AdsB,
-    /// Multilateration.
-    Multilateration,
-    /// Something else, or several of these in one.
-    Other,
+settings::words! {
+    /// Technology by which a source observes.
+    pub enum Technology {
+        /// Primary radar.
+        Primary = "primary",
+        /// Secondary radar without Mode S.
+        Secondary = "secondary",
+        /// Mode S radar.
+        ModeS = "mode-s",
+        /// ADS-B by 1090 MHz extended squitter.
+        AdsB = "ads-b",
+        /// Multilateration.
+        Multilateration = "multilateration",
+        /// Something else, or several of these in one.
+        Other = "other",
+    }
 }
 
 /// Kinds of sources that CAT062 tells apart; [`Technology::Other`] is none of them.

@@ -132,7 +132,7 @@ pub(crate) fn covariance(
 /// Covariance of a position as configured: of range and azimuth, else of the plane.
 fn sensor_position(model: &SourceModel, placed: &Placed) -> Horizontal {
     let plane = model.covariance.position_sigma_m;
-    let Some(sigma) = model.covariance.polar else {
+    let Some(sigma) = model.covariance.polar() else {
         return [plane * plane, 0.0, plane * plane];
     };
     let offset = from_sensor(model, placed);

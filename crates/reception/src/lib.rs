@@ -23,7 +23,7 @@ pub use converter::Converter;
 pub use reorder::Reorder;
 
 use frames::{PolarSigma, SensorFrame, SystemFrame};
-use serde::Deserialize;
+use settings::{Degrees, Seconds, SettingsError};
 
 /// What the converter must know of a source.
 #[derive(Clone, Copy, Debug)]
@@ -53,73 +53,105 @@ pub struct SourceModel {
     pub covariance: CovarianceModel,
 }
 
-/// What a source's reports may contain; anything else is rejected and counted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Largest distance from the sensor, metres.
-    pub range_m: f64,
-    /// Lowest height, metres.
-    pub height_min_m: f64,
-    /// Greatest height, metres.
-    pub height_max_m: f64,
-    /// Greatest horizontal speed, metres per second.
-    pub speed_mps: f64,
-    /// How far a position may lie beyond what the speed limit explains since the track's last report, metres.
-    pub jump_m: f64,
-    /// How far a time of day may lie from the source's running time, nanoseconds.
-    pub time_step_ns: i64,
-    /// Most live tracks that are remembered.
-    pub tracks: usize,
+settings::settings! {
+    /// Limits of a source's reports; anything else is rejected and counted.
+    #[derive(Copy)]
+    pub struct Limits {
+        check Limits::check;
+        /// Largest distance from the sensor.
+        range_m: f64 = 400e3, in [1, 2e6];
+        /// Lowest height.
+        height_min_m: f64 = -500.0, in [-1e4, 1e5];
+        /// Greatest height.
+        height_max_m: f64 = 25e3, in [-1e4, 1e5];
+        /// Greatest horizontal speed.
+        speed_mps: f64 = 700.0, in [0.1, 2e4];
+        /// Distance of a position beyond what the speed limit explains since the track's last report.
+        jump_m: f64 = 100.0, in [0, 1e6];
+        /// Distance of a time of day from the source's running time.
+        time_step_s: Seconds = Seconds::of(60.0), in [0.01, 40e3];
+        /// Most live tracks that are remembered.
+        tracks: usize = 4096, in [1, 1e6];
+    }
+
+    /// Covariance of a source's reports.
+    #[derive(Copy)]
+    pub struct CovarianceModel {
+        check CovarianceModel::check;
+        /// Origin: the report's own quality figures, where it has them, or the values below.
+        from: CovarianceFrom = CovarianceFrom::Configuration;
+        /// Standard deviation of each horizontal position component. Where reports state a dilution of precision, per unit of
+        /// it; where they state a standard deviation, its floor.
+        position_sigma_m: f64 = 20.0, in [1e-3, 1e5];
+        /// Standard deviation of each horizontal velocity component; where reports state one, its floor.
+        velocity_sigma_mps: f64 = 3.0, in [1e-3, 1e4];
+        /// Standard deviation of height.
+        height_sigma_m: f64 = 30.0, in [1e-3, 1e5];
+        /// Range error of a polar sensor; replaces `position_sigma_m`, together with `azimuth_sigma_deg`.
+        range_sigma_m: Option<f64> = None, in [1e-3, 1e5];
+        /// Azimuth error of a polar sensor.
+        azimuth_sigma_deg: Option<Degrees> = None, in [1e-6, 45];
+        /// Use of reports whose own quality figure says that their accuracy is unknown: with a large covariance, or not at all.
+        poor_quality: PoorQuality = PoorQuality::Use;
+    }
 }
 
-/// Which position item of a report is used, where it carries several.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum PositionForm {
-    /// Cartesian, else range and azimuth, else geographic: a radar's track rather than its plot. The plot, where there is
-    /// one, goes along as the measurement behind the track.
-    #[default]
-    Any,
-    /// Cartesian only.
-    Cartesian,
-    /// Range and azimuth only, along the ground or straight: a radar's plot rather than its track.
-    Polar,
+settings::words! {
+    /// Position item that is used, of a report that carries several.
+    pub enum PositionForm {
+        /// Cartesian, else range and azimuth, else geographic: a radar's track rather than its plot. The plot, where there is
+        /// one, goes along as the measurement behind the track.
+        Any = "any",
+        /// Cartesian only.
+        Cartesian = "cartesian",
+        /// Range and azimuth only, along the ground or straight: a radar's plot rather than its track.
+        Polar = "polar",
+    }
+
+    /// Origin of a covariance.
+    pub enum CovarianceFrom {
+        /// From the report's own quality figures, where it has them.
+        Report = "report",
+        /// From the configuration.
+        Configuration = "configuration",
+    }
+
+    /// Use of reports of unknown accuracy.
+    pub enum PoorQuality {
+        /// Use them, with a large covariance.
+        Use = "use",
+        /// Reject and count them.
+        Reject = "reject",
+    }
 }
 
-/// Where the covariance of a source's reports comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CovarianceModel {
-    /// The report's own quality figures, or the values below.
-    pub from: CovarianceFrom,
-    /// Standard deviation of each horizontal position component, metres. Where reports state a dilution of precision,
-    /// per unit of it; where they state a standard deviation, its floor.
-    pub position_sigma_m: f64,
-    /// Standard deviation of each horizontal velocity component, metres per second; where reports state one, its floor.
-    pub velocity_sigma_mps: f64,
-    /// Standard deviation of height, metres.
-    pub height_sigma_m: f64,
-    /// Range and azimuth errors of a polar sensor; they replace `position_sigma_m`.
-    pub polar: Option<PolarSigma>,
-    /// What to do with a report whose own quality figure says that its accuracy is unknown.
-    pub poor_quality: PoorQuality,
+impl Limits {
+    fn check(&self) -> Result<(), SettingsError> {
+        let (low, high) = (self.height_min_m, self.height_max_m);
+        if low <= high {
+            return Ok(());
+        }
+        let what = format!("{high} lies below height_min_m = {low}; raise it, or lower that");
+        Err(SettingsError::new("height_max_m", what))
+    }
 }
 
-/// Where the covariance comes from.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum CovarianceFrom {
-    /// From the report's own quality figures, where it has them.
-    Report,
-    /// From the configuration.
-    Configuration,
-}
+impl CovarianceModel {
+    fn check(&self) -> Result<(), SettingsError> {
+        let alone = |key, other: &str| Err(SettingsError::new(key, format!("needs {other} beside it")));
+        match (self.range_sigma_m, self.azimuth_sigma_deg) {
+            (None, Some(_)) => alone("azimuth_sigma_deg", "range_sigma_m"),
+            (Some(_), None) => alone("range_sigma_m", "azimuth_sigma_deg"),
+            _ => Ok(()),
+        }
+    }
 
-/// What to do with reports of unknown accuracy.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum PoorQuality {
-    /// Use them, with a large covariance.
-    Use,
-    /// Reject and count them.
-    Reject,
+    /// Range and azimuth errors of a polar sensor; `None` for other sensors.
+    pub fn polar(&self) -> Option<PolarSigma> {
+        let (range_m, azimuth) = self.range_sigma_m.zip(self.azimuth_sigma_deg)?;
+        Some(PolarSigma {
+            range_m,
+            azimuth_rad: azimuth.rad(),
+        })
+    }
 }

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use asterix::{Decoder, Mode, NamedRecord, Record, Value};
 use formats::containers::datagrams;
-use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
+use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{Counter, Counters, SensorTrack, sensor_track_bits as bits};
 use observations::Observation;
 use reception::observation::{self, Reading};
@@ -42,7 +42,7 @@ fn model() -> SourceModel {
             height_max_m: 20e3,
             speed_mps: 350.0,
             jump_m: 1000.0,
-            time_step_ns: 60 * S,
+            time_step_s: settings::Seconds::of_ns(60 * S),
             tracks: 1000,
         },
         covariance: CovarianceModel {
@@ -50,10 +50,8 @@ fn model() -> SourceModel {
             position_sigma_m: 100.0,
             velocity_sigma_mps: 2.0,
             height_sigma_m: 50.0,
-            polar: Some(PolarSigma {
-                range_m: 30.0,
-                azimuth_rad: 0.03f64.to_radians(),
-            }),
+            range_sigma_m: Some(30.0),
+            azimuth_sigma_deg: Some(settings::Degrees::of(0.03)),
             poor_quality: PoorQuality::Use,
         },
     }

@@ -8,9 +8,8 @@ use messages::NS_PER_S;
 use observations::Bearing;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
-use serde::Deserialize;
+use settings::SettingsError;
 
-use crate::error::{SettingsError, within};
 use crate::path::{ClosedPath, Kinematics, Waypoint};
 use crate::random::{Purpose, stream};
 use crate::truth::{TargetState, Truth};
@@ -20,77 +19,37 @@ const TURN_ACCELERATION_MPS2: f64 = 4.57;
 /// Frequencies of the transmitters, hertz: maritime and airborne radars.
 const FREQUENCIES_HZ: std::ops::Range<f64> = 2.9e9..9.5e9;
 
-/// One simulated direction finder. What is not given has the value in brackets.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct DirectionFinderSettings {
-    /// Middle of the racetrack and its height: east, north, up, metres (0, 0, 3000).
-    pub position_m: [f64; 3],
-    /// Direction of the racetrack's legs, radians clockwise from north (0).
-    pub course_rad: f64,
-    /// Length of the legs, metres, 0 to 1,000,000 (40,000).
-    pub leg_m: f64,
-    /// Speed of the platform, m/s, 10 to 400 (120).
-    pub speed_mps: f64,
-    /// Time between two bearings of one transmitter, seconds, 0.01 to 60 (1).
-    pub period_s: f64,
-    /// Time from a measurement to its delivery, seconds, 0 to 60 (0.02).
-    pub delay_s: f64,
-    /// Standard deviation of a bearing, radians, 0.00001 to 0.5 (0.0087, half a degree).
-    pub bearing_sigma_rad: f64,
-    /// Constant error of every bearing that the finder does not know of, radians (0).
-    pub bearing_bias_rad: f64,
-    /// Probability that a transmitter is heard in a period, 0.001 to 1 (0.9).
-    pub detection_probability: f64,
-    /// Greatest distance in the plane at which a transmitter is heard, metres (200,000).
-    pub range_max_m: f64,
-    /// Share of the targets that transmit (1).
-    pub transmitting_share: f64,
-    /// Standard deviation of a measured frequency, hertz (1e6).
-    pub frequency_sigma_hz: f64,
-}
-
-impl Default for DirectionFinderSettings {
-    fn default() -> Self {
-        Self {
-            position_m: [0.0, 0.0, 3000.0],
-            course_rad: 0.0,
-            leg_m: 40_000.0,
-            speed_mps: 120.0,
-            period_s: 1.0,
-            delay_s: 0.02,
-            bearing_sigma_rad: 0.0087,
-            bearing_bias_rad: 0.0,
-            detection_probability: 0.9,
-            range_max_m: 200_000.0,
-            transmitting_share: 1.0,
-            frequency_sigma_hz: 1e6,
-        }
+settings::settings! {
+    /// A simulated direction finder.
+    pub struct DirectionFinderSettings {
+        /// Middle of the racetrack and its height: east, north, up.
+        position_m: [f64; 3] = [0.0, 0.0, 3000.0], in [-1e6, 1e6];
+        /// Direction of the racetrack's legs, clockwise from north.
+        course_rad: f64 = 0.0, in [-7, 7];
+        /// Length of the legs.
+        leg_m: f64 = 40_000.0, in [0, 1e6];
+        /// Speed of the platform.
+        speed_mps: f64 = 120.0, in [10, 400];
+        /// Time between two bearings of one transmitter.
+        period_s: f64 = 1.0, in [0.01, 60];
+        /// Time from a measurement to its delivery.
+        delay_s: f64 = 0.02, in [0, 60];
+        /// Standard deviation of a bearing.
+        bearing_sigma_rad: f64 = 0.0087, in [1e-5, 0.5];
+        /// Constant error of every bearing that the finder does not know of.
+        bearing_bias_rad: f64 = 0.0, in [-0.5, 0.5];
+        /// Probability that a transmitter is heard in a period.
+        detection_probability: f64 = 0.9, in [1e-3, 1];
+        /// Greatest distance in the plane at which a transmitter is heard.
+        range_max_m: f64 = 200_000.0, in [1, 2e6];
+        /// Share of the targets that transmit.
+        transmitting_share: f64 = 1.0, in [0, 1];
+        /// Standard deviation of a measured frequency.
+        frequency_sigma_hz: f64 = 1e6, in [0, 1e9];
     }
 }
 
 impl DirectionFinderSettings {
-    /// Checks every value.
-    ///
-    /// # Errors
-    /// The first setting that cannot be used, with its value and what it has to be.
-    pub fn validate(&self) -> Result<(), SettingsError> {
-        for coordinate_m in self.position_m {
-            within("position_m", coordinate_m, -1e6, 1e6)?;
-        }
-        within("course_rad", self.course_rad, -7.0, 7.0)?;
-        within("leg_m", self.leg_m, 0.0, 1e6)?;
-        within("speed_mps", self.speed_mps, 10.0, 400.0)?;
-        within("period_s", self.period_s, 0.01, 60.0)?;
-        within("delay_s", self.delay_s, 0.0, 60.0)?;
-        within("bearing_sigma_rad", self.bearing_sigma_rad, 1e-5, 0.5)?;
-        within("bearing_bias_rad", self.bearing_bias_rad, -0.5, 0.5)?;
-        within("detection_probability", self.detection_probability, 1e-3, 1.0)?;
-        within("range_max_m", self.range_max_m, 1.0, 2e6)?;
-        within("transmitting_share", self.transmitting_share, 0.0, 1.0)?;
-        within("frequency_sigma_hz", self.frequency_sigma_hz, 0.0, 1e9)
-    }
-
     fn turn_radius_m(&self) -> f64 {
         self.speed_mps.powi(2) / TURN_ACCELERATION_MPS2
     }
@@ -157,7 +116,7 @@ impl SimulatedDirectionFinder {
         source: u16,
         start_utc_ns: i64,
     ) -> Result<Self, SettingsError> {
-        settings.validate()?;
+        settings::check(settings)?;
         Ok(Self {
             path: settings.path(),
             settings: settings.clone(),
@@ -358,18 +317,21 @@ mod tests {
 
     #[test]
     fn messages_name_key_value_and_limit() {
-        let refused = |text: &str| {
-            let settings: DirectionFinderSettings = toml::from_str(text).expect("well-formed");
-            settings.validate().expect_err("not usable").to_string()
+        let read = |text: &str| {
+            let document = settings::Document::parse(text, &[]).expect("well-formed");
+            document
+                .read::<DirectionFinderSettings>()
+                .expect_err("not usable")
+                .to_string()
         };
-        assert_eq!(refused("speed_mps = 0"), "speed_mps = 0: must be between 10 and 400");
         assert_eq!(
-            refused("bearing_sigma_rad = nan"),
-            "bearing_sigma_rad = NaN: must be between 0.00001 and 0.5"
+            read("speed_mps = 0"),
+            "speed_mps: 0 is out of range; it must lie between 10 and 400"
         );
-        assert!(
-            toml::from_str::<DirectionFinderSettings>("sigma = 1").is_err(),
-            "unknown key"
+        assert_eq!(
+            read("bearing_sigma_rad = nan"),
+            "bearing_sigma_rad: NaN is out of range; it must lie between 0.00001 and 0.5"
         );
+        assert!(read("sigma = 1").starts_with("sigma: unknown key"));
     }
 }

@@ -290,7 +290,7 @@ mod tests {
                 low_m: Some(low * height_m),
                 ..FormationSettings::default()
             });
-            prop_assume!(settings.validate().is_ok());
+            prop_assume!(settings::check(&settings).is_ok());
             let truth = Truth::new(&settings, seed).expect("valid");
             for step in 0..40 {
                 let time_s = start_s + f64::from(step) * 31.7;

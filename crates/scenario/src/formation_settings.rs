@@ -2,9 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use serde::Deserialize;
-
-use crate::error::{SettingsError, count_within, within};
+use settings::{SettingsError, within};
 
 /// Most formations of one kind.
 const FORMATIONS_MAX: u32 = 10_000;
@@ -17,126 +15,82 @@ const SIDEWAYS_MPS: f64 = 50.0;
 /// Greatest vertical speed, m/s.
 const VERTICAL_MPS: f64 = 20.0;
 
-/// Formations of one kind: targets that come from far away, each by itself, join, fly side by side towards a place, part
-/// again, turn back beside it, and come again. What is not given has the value in brackets.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct FormationSettings {
-    /// How many formations there are, 1 to 10,000 (1).
-    pub count: u32,
-    /// How many members one has, 1 to 64, and with what probability; the probabilities sum to 1 (two).
-    pub sizes: Vec<(u32, f64)>,
-    /// Distance between neighbours while together, metres, 1 to 100,000 (200).
-    pub spacing_m: f64,
-    /// Distance between neighbours before and after, metres, at least `spacing_m` (3,000).
-    pub apart_m: f64,
-    /// Where they fly to: east and north, metres (0, 0).
-    pub position_m: [f64; 2],
-    /// First and last bearing, from there, of where they come from, radians clockwise from north; formations share the sector
-    /// evenly (0 and 2π: from everywhere).
-    pub sector_rad: [f64; 2],
-    /// Farthest and nearest distance of the way in, metres (60,000 and 10,000).
-    pub way_m: [f64; 2],
-    /// Distances between which they are together on the way in, metres (45,000 and 20,000).
-    pub together_m: [f64; 2],
-    /// Distances between which they are on the way in when the scenario starts, metres; not given: anywhere on their way.
-    pub start_m: Option<[f64; 2]>,
-    /// Slowest and fastest speed, m/s, 30 to 240 (150 and 220).
-    pub speed_mps: [f64; 2],
-    /// Height, metres, 0 to 12,000 (3,000).
-    pub height_m: f64,
-    /// Height to which they descend at the end of the way in, below what sensors see, and in which they return, metres (not
-    /// given: they stay high).
-    pub low_m: Option<f64>,
-}
-
-impl Default for FormationSettings {
-    fn default() -> Self {
-        Self {
-            count: 1,
-            sizes: vec![(2, 1.0)],
-            spacing_m: 200.0,
-            apart_m: 3000.0,
-            position_m: [0.0; 2],
-            sector_rad: [0.0, TAU],
-            way_m: [60_000.0, 10_000.0],
-            together_m: [45_000.0, 20_000.0],
-            start_m: None,
-            speed_mps: [150.0, 220.0],
-            height_m: 3000.0,
-            low_m: None,
-        }
+settings::settings! {
+    /// Formations of one kind: targets that come from far away, each by itself, join, fly side by side towards a place, part
+    /// again, turn back beside it, and come again.
+    pub struct FormationSettings {
+        check FormationSettings::check;
+        /// Number of formations.
+        count: u32 = 1, in [1, FORMATIONS_MAX];
+        /// Numbers of members that one has, 1 to 64, with their probabilities, which sum to 1: `[[2, 0.7], [4, 0.3]]`.
+        sizes: Vec<(u32, f64)> = vec![(2, 1.0)], usually "two";
+        /// Distance between neighbours while together.
+        spacing_m: f64 = 200.0, in [1, 1e5];
+        /// Distance between neighbours before and after, at least `spacing_m`.
+        apart_m: f64 = 3000.0, in [1, 1e5];
+        /// Place that they fly to: east and north.
+        position_m: [f64; 2] = [0.0; 2], in [-1e6, 1e6];
+        /// First and last bearing, from there, of where they come from, clockwise from north; formations share the sector evenly.
+        sector_rad: [f64; 2] = [0.0, TAU], in [-7, 14], usually "from everywhere";
+        /// Farthest and nearest distance of the way in.
+        way_m: [f64; 2] = [60_000.0, 10_000.0], in [0, 1e6];
+        /// Distances between which they are together on the way in.
+        together_m: [f64; 2] = [45_000.0, 20_000.0], in [0, 1e6];
+        /// Distances between which they are on the way in when the scenario starts.
+        start_m: Option<[f64; 2]> = None, in [0, 1e6], usually "anywhere on their way";
+        /// Slowest and fastest speed.
+        speed_mps: [f64; 2] = [150.0, 220.0], in [30, 240];
+        /// Height.
+        height_m: f64 = 3000.0, in [0, 12_000];
+        /// Height to which they descend at the end of the way in, below what sensors see, and in which they return.
+        low_m: Option<f64> = None, in [0, 12_000], usually "they stay high";
     }
 }
 
 impl FormationSettings {
-    /// Checks every value.
-    ///
-    /// # Errors
-    /// The first setting that cannot be used, with its value and what it has to be.
-    pub fn validate(&self) -> Result<(), SettingsError> {
-        count_within("formation.count", self.count, 1, FORMATIONS_MAX)?;
-        self.validate_sizes()?;
-        within("formation.spacing_m", self.spacing_m, 1.0, 1e5)?;
-        within("formation.apart_m", self.apart_m, self.spacing_m, 1e5)?;
-        for coordinate_m in self.position_m {
-            within("formation.position_m", coordinate_m, -1e6, 1e6)?;
-        }
+    fn check(&self) -> Result<(), SettingsError> {
+        self.check_sizes()?;
+        within("apart_m", self.apart_m, self.spacing_m, 1e5)?;
         let [first, last] = self.sector_rad;
-        within("formation.sector_rad", first, -7.0, 7.0)?;
-        within("formation.sector_rad", last, first, first + TAU)?;
+        within("sector_rad", last, first, first + TAU)?;
         let [far, near] = self.way_m;
-        within("formation.way_m", near, 0.0, 1e6)?;
-        within("formation.way_m", far, near, 1e6)?;
-        within("formation.together_m", self.together_m[0], near, far)?;
-        within("formation.together_m", self.together_m[1], near, self.together_m[0])?;
+        within("way_m", far, near, 1e6)?;
+        within("together_m", self.together_m[0], near, far)?;
+        within("together_m", self.together_m[1], near, self.together_m[0])?;
         for start_m in self.start_m.unwrap_or([far; 2]) {
-            within("formation.start_m", start_m, near, far)?;
+            within("start_m", start_m, near, far)?;
         }
-        within("formation.speed_mps", self.speed_mps[0], 30.0, 240.0)?;
-        within("formation.speed_mps", self.speed_mps[1], self.speed_mps[0], 240.0)?;
-        within("formation.height_m", self.height_m, 0.0, 12_000.0)?;
-        if let Some(low_m) = self.low_m {
-            within("formation.low_m", low_m, 0.0, self.height_m)?;
-        }
-        self.speed_mps
-            .into_iter()
-            .try_for_each(|speed| self.validate_way(speed))
+        within("speed_mps", self.speed_mps[1], self.speed_mps[0], 240.0)?;
+        within("low_m", self.low_m.unwrap_or(self.height_m), 0.0, self.height_m)?;
+        self.speed_mps.into_iter().try_for_each(|speed| self.check_way(speed))
     }
 
-    fn validate_sizes(&self) -> Result<(), SettingsError> {
-        if self.sizes.is_empty() {
-            let limit = "a list of sizes with probabilities, like [[2, 0.7], [4, 0.3]]";
-            return Err(SettingsError::new("formation.sizes", "[]", limit));
-        }
+    fn check_sizes(&self) -> Result<(), SettingsError> {
         for (size, probability) in &self.sizes {
-            count_within("formation.sizes", *size, 1, MEMBERS_MAX)?;
-            within("formation.sizes", *probability, 0.0, 1.0)?;
+            within("sizes", f64::from(*size), 1.0, f64::from(MEMBERS_MAX))?;
+            within("sizes", *probability, 0.0, 1.0)?;
         }
-        let sum: f64 = self.sizes.iter().map(|(_, probability)| probability).sum();
-        if (sum - 1.0).abs() > 1e-9 {
-            let limit = "probabilities that sum to 1";
-            return Err(SettingsError::new(
-                "formation.sizes",
-                format_args!("a sum of {sum}"),
-                limit,
-            ));
+        let sum = self.sizes.iter().fold(0.0, |sum, (_, probability)| sum + probability);
+        if (sum - 1.0).abs() <= 1e-9 {
+            return Ok(());
         }
-        Ok(())
+        let what = format!("the probabilities sum to {sum}, not to 1; write sizes like [[2, 0.7], [4, 0.3]]");
+        Err(SettingsError::new("sizes", what))
     }
 
     /// Whether the way is long enough at this speed.
-    fn validate_way(&self, speed_mps: f64) -> Result<(), SettingsError> {
+    fn check_way(&self, speed_mps: f64) -> Result<(), SettingsError> {
         let [far, near] = self.way_m;
         let least_m = near + self.descent_m(speed_mps) + 1.0;
-        within("formation.way_m", far, least_m, 1e6)?;
+        within("way_m", far, least_m, 1e6)?;
         let apart_s = self.lap_s(speed_mps) - self.together_s(speed_mps);
         if 2.0 * self.joining_s(self.members_max()) > apart_s {
-            let limit = format_args!(
-                "less: formations of {} at {speed_mps} m/s could not part and join again on their way",
+            let what = format!(
+                "{} is too far: formations of {} at {speed_mps} m/s could not part and join again on their way",
+                self.apart_m,
                 self.members_max()
             );
-            return Err(SettingsError::new("formation.apart_m", self.apart_m, limit));
+            return Err(SettingsError::new("apart_m", what));
         }
         Ok(())
     }
@@ -180,53 +134,59 @@ mod tests {
 
     #[test]
     fn messages_name_key_value_and_limit() {
-        FormationSettings::default().validate().expect("defaults are usable");
-        let refused = |text: &str| {
-            let settings: FormationSettings = toml::from_str(text).expect("well-formed");
-            settings.validate().expect_err("not usable").to_string()
+        settings::check(&FormationSettings::default()).expect("defaults are usable");
+        let read = |text: &str| {
+            let document = settings::Document::parse(text, &[]).expect("well-formed");
+            document.read::<FormationSettings>().map_err(|error| error.to_string())
         };
         for (text, expected) in [
-            ("count = 0", "formation.count = 0: must be between 1 and 10000"),
-            ("sizes = []", "formation.sizes = []: must be a list of sizes with"),
+            ("count = 0", "count: 0 is out of range; it must lie between 1 and 10000"),
+            ("sizes = []", "sizes: the probabilities sum to 0, not to 1"),
+            ("sizes = [[2, 0.7]]", "sizes: the probabilities sum to 0.7, not to 1"),
             (
-                "sizes = [[2, 0.7]]",
-                "formation.sizes = a sum of 0.7: must be probabilities that sum to 1",
+                "sizes = [[65, 1.0]]",
+                "sizes: 65 is out of range; it must lie between 1 and 64",
             ),
-            ("sizes = [[65, 1.0]]", "formation.sizes = 65: must be between 1 and 64"),
-            ("sizes = [[2, nan]]", "formation.sizes = NaN: must be between 0 and 1"),
+            (
+                "sizes = [[2, nan]]",
+                "sizes: NaN is out of range; it must lie between 0 and 1",
+            ),
             (
                 "apart_m = 100",
-                "formation.apart_m = 100: must be between 200 and 100000",
+                "apart_m: 100 is out of range; it must lie between 200 and 100000",
             ),
             (
                 "together_m = [5e4, 5e3]",
-                "formation.together_m = 5000: must be between 10000 and 50000",
+                "together_m: 5000 is out of range; it must lie between 10000 and 50000",
             ),
             (
                 "way_m = [4e4, 1e4]",
-                "formation.together_m = 45000: must be between 10000 and 40000",
+                "together_m: 45000 is out of range; it must lie between 10000 and 40000",
             ),
             (
                 "start_m = [7e4, 5e4]",
-                "formation.start_m = 70000: must be between 10000 and 60000",
+                "start_m: 70000 is out of range; it must lie between 10000 and 60000",
             ),
             (
                 "speed_mps = [200, 150]",
-                "formation.speed_mps = 150: must be between 200 and 240",
+                "speed_mps: 150 is out of range; it must lie between 200 and 240",
             ),
-            ("low_m = 5000", "formation.low_m = 5000: must be between 0 and 3000"),
+            (
+                "low_m = 5000",
+                "low_m: 5000 is out of range; it must lie between 0 and 3000",
+            ),
             (
                 "height_m = 12000\nlow_m = 0",
-                "formation.way_m = 60000: must be between 151",
+                "way_m: 60000 is out of range; it must lie between 151",
             ),
             (
                 "sizes = [[64, 1.0]]",
-                "formation.apart_m = 3000: must be less: formations of 64 at 150 m/s could not part",
+                "apart_m: 3000 is too far: formations of 64 at 150 m/s could not part",
             ),
         ] {
-            let message = refused(text);
+            let message = read(text).expect_err("not usable");
             assert!(message.starts_with(expected), "{text}: {message}");
         }
-        assert!(toml::from_str::<FormationSettings>("size = 2").is_err(), "unknown key");
+        assert!(read("size = 2").is_err(), "unknown key");
     }
 }

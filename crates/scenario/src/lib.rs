@@ -17,7 +17,6 @@
 #![forbid(unsafe_code)]
 
 mod direction_finder;
-mod error;
 mod false_target;
 mod formation;
 mod formation_settings;
@@ -37,7 +36,6 @@ mod truth;
 mod wide_area;
 
 pub use direction_finder::{DirectionFinderSettings, PlatformPose, SimulatedDirectionFinder};
-pub use error::SettingsError;
 pub use formation_settings::FormationSettings;
 pub use plot::Plot;
 pub use sensor::{FALSE_TARGETS_MAX, SimulatedSensor};

@@ -7,8 +7,8 @@
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
 use observations::Truth as Of;
 use rand::RngExt as _;
+use settings::SettingsError;
 
-use crate::error::SettingsError;
 use crate::false_target::{self, FalseTarget};
 use crate::local_track::LocalTrack;
 use crate::measurement::Measurement;

@@ -1,53 +1,35 @@
 //! What traffic there is.
 
-use serde::Deserialize;
+use settings::SettingsError;
 
-use crate::error::{SettingsError, count_within, within};
 use crate::formation::Formation;
 use crate::formation_settings::FormationSettings;
 
 /// Most targets of a scenario.
 pub const TARGETS_MAX: u32 = 100_000;
 
-/// The targets of a scenario. What is not given is as in `ScenarioSettings::default()`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ScenarioSettings {
-    /// How many targets there are beside formations, 1 to 100,000, with formations also 0 (default 80). Those that no share
-    /// speaks of fly en route.
-    pub targets: u32,
-    /// Half the side of the square in which en-route paths have their centres, metres, 40,000 to 400,000 (100,000).
-    pub half_width_m: f64,
-    /// Share of targets that depart from the airport at the origin and come back to land there (0.2).
-    pub terminal_share: f64,
-    /// Share of targets that fly holding patterns, several above each other (0.1).
-    pub holding_share: f64,
-    /// Share of targets that are vehicles on the airport's surface (0.2).
-    pub surface_share: f64,
-    /// Share of targets that are ships, which keep their course for hours (0).
-    pub ship_share: f64,
-    /// Greatest speed of ships, m/s, 0.1 to 30; the slowest goes a third of it (12).
-    pub ship_speed_max_mps: f64,
-    /// Share of the en-route targets that meet another one, crossing its path at the same time in every lap (0.3).
-    pub crossing_share: f64,
-    /// Formations, kind by kind (none). Their members have the numbers after those of all others.
-    #[serde(rename = "formation")]
-    pub formations: Vec<FormationSettings>,
-}
-
-impl Default for ScenarioSettings {
-    fn default() -> Self {
-        Self {
-            targets: 80,
-            half_width_m: 100_000.0,
-            terminal_share: 0.2,
-            holding_share: 0.1,
-            surface_share: 0.2,
-            ship_share: 0.0,
-            ship_speed_max_mps: 12.0,
-            crossing_share: 0.3,
-            formations: Vec::new(),
-        }
+settings::settings! {
+    /// The targets of a scenario.
+    pub struct ScenarioSettings {
+        check ScenarioSettings::check;
+        /// Number of targets beside formations, at least 1 if there are none. Those that no share speaks of fly en route.
+        targets: u32 = 80, in [0, TARGETS_MAX];
+        /// Half the side of the square in which en-route paths have their centres.
+        half_width_m: f64 = 100_000.0, in [40_000, 400_000];
+        /// Share of targets that depart from the airport at the origin and come back to land there.
+        terminal_share: f64 = 0.2, in [0, 1];
+        /// Share of targets that fly holding patterns, several above each other.
+        holding_share: f64 = 0.1, in [0, 1];
+        /// Share of targets that are vehicles on the airport's surface.
+        surface_share: f64 = 0.2, in [0, 1];
+        /// Share of targets that are ships, which keep their course for hours.
+        ship_share: f64 = 0.0, in [0, 1];
+        /// Greatest speed of ships; the slowest goes a third of it.
+        ship_speed_max_mps: f64 = 12.0, in [0.1, 30];
+        /// Share of the en-route targets that meet another one, crossing its path at the same time in every lap.
+        crossing_share: f64 = 0.3, in [0, 1];
+        /// Formations of one kind. Their members have the numbers after those of all others.
+        formations as "formation": Vec<FormationSettings> = Vec::new();
     }
 }
 
@@ -63,36 +45,23 @@ impl ScenarioSettings {
         }
     }
 
-    /// Checks every value.
-    ///
-    /// # Errors
-    /// The first setting that cannot be used, with its value and what it has to be.
-    pub fn validate(&self) -> Result<(), SettingsError> {
-        let least = u32::from(self.formations.is_empty());
-        count_within("targets", self.targets, least, TARGETS_MAX)?;
-        within("half_width_m", self.half_width_m, 40_000.0, 400_000.0)?;
-        within("terminal_share", self.terminal_share, 0.0, 1.0)?;
-        within("holding_share", self.holding_share, 0.0, 1.0)?;
-        within("surface_share", self.surface_share, 0.0, 1.0)?;
-        within("ship_share", self.ship_share, 0.0, 1.0)?;
-        within("ship_speed_max_mps", self.ship_speed_max_mps, 0.1, 30.0)?;
-        within("crossing_share", self.crossing_share, 0.0, 1.0)?;
+    fn check(&self) -> Result<(), SettingsError> {
         let sum = self.terminal_share + self.holding_share + self.surface_share + self.ship_share;
         if sum > 1.0 + 1e-9 {
-            return Err(SettingsError::new(
-                "terminal_share + holding_share + surface_share + ship_share",
-                sum,
-                "at most 1",
-            ));
+            let what = format!("with holding_share, surface_share and ship_share it is {sum}; at most 1 is possible");
+            return Err(SettingsError::new("terminal_share", what));
         }
-        self.formations.iter().try_for_each(FormationSettings::validate)?;
         let members = |kind: &FormationSettings| kind.count.saturating_mul(kind.members_max());
         let most = self
             .formations
             .iter()
             .map(members)
             .fold(self.targets, u32::saturating_add);
-        count_within("targets + members of formations", most, 1, TARGETS_MAX)
+        if (1..=TARGETS_MAX).contains(&most) {
+            return Ok(());
+        }
+        let what = format!("with members of formations there are {most}; it must lie between 1 and {TARGETS_MAX}");
+        Err(SettingsError::new("targets", what))
     }
 
     /// How many targets there are with this seed: those that are not in formation, and all members.
@@ -115,23 +84,28 @@ mod tests {
 
     #[test]
     fn messages_name_key_value_and_limit() {
-        ScenarioSettings::default().validate().expect("defaults are usable");
-        let refused = |settings: &str| {
-            toml::from_str::<ScenarioSettings>(settings)
-                .expect("well-formed")
-                .validate()
-                .expect_err("not usable")
-                .to_string()
+        settings::check(&ScenarioSettings::default()).expect("defaults are usable");
+        let read = |text: &str| {
+            let document = settings::Document::parse(text, &[]).expect("well-formed");
+            document.read::<ScenarioSettings>().expect_err("not usable").to_string()
         };
-        assert_eq!(refused("targets = 0"), "targets = 0: must be between 1 and 100000");
-        assert_eq!(
-            refused("half_width_m = nan"),
-            "half_width_m = NaN: must be between 40000 and 400000"
-        );
-        assert_eq!(
-            refused("terminal_share = 0.75\nsurface_share = 0.5\nholding_share = 0"),
-            "terminal_share + holding_share + surface_share + ship_share = 1.25: must be at most 1"
-        );
-        assert!(toml::from_str::<ScenarioSettings>("target = 3").is_err(), "unknown key");
+        for (text, expected) in [
+            (
+                "targets = 0",
+                "targets: with members of formations there are 0; it must lie between 1 and 100000",
+            ),
+            (
+                "half_width_m = nan",
+                "half_width_m: NaN is out of range; it must lie between 40000 and 400000",
+            ),
+            (
+                "terminal_share = 0.75\nsurface_share = 0.5\nholding_share = 0",
+                "terminal_share: with holding_share, surface_share and ship_share it is 1.25; at most 1 is possible",
+            ),
+            ("target = 3", "target: unknown key; there are: targets, half_width_m"),
+        ] {
+            let error = read(text);
+            assert!(error.starts_with(expected), "{error}");
+        }
     }
 }

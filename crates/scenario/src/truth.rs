@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use messages::Callsign;
+use settings::SettingsError;
 
-use crate::error::SettingsError;
 use crate::formation::Formation;
 use crate::path::{ClosedPath, Kinematics};
 use crate::settings::ScenarioSettings;
@@ -125,7 +125,7 @@ impl Truth {
     /// # Errors
     /// A setting that cannot be used.
     pub fn new(settings: &ScenarioSettings, seed: u64) -> Result<Self, SettingsError> {
-        settings.validate()?;
+        settings::check(settings)?;
         Ok(Self {
             targets: traffic::targets(settings, seed),
         })

@@ -11,92 +11,54 @@ use messages::NS_PER_S;
 use observations::WideAreaReport;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
-use serde::Deserialize;
+use settings::SettingsError;
 
-use crate::error::{SettingsError, count_within, within};
 use crate::grouping::groups;
 use crate::random::{Purpose, stream};
+use crate::sensor_settings::phase_within;
 use crate::truth::{TargetState, Truth};
 
 /// A target not seen for so long is a new one when it comes again, seconds.
 const FORGOTTEN_AFTER_S: f64 = 120.0;
 
-/// One simulated wide-area sensor. What is not given has the value in brackets.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct WideAreaSettings {
-    /// Middle of what it watches: east and north, metres (0, 0).
-    pub position_m: [f64; 2],
-    /// Radius of what it watches, metres (200,000).
-    pub range_max_m: f64,
-    /// Lowest height that it sees, metres (300).
-    pub height_min_m: f64,
-    /// Time between two observations, seconds, 0.1 to 600 (8).
-    pub period_s: f64,
-    /// When the first observation is: 0 to the period, seconds (0).
-    pub phase_s: f64,
-    /// Time from an observation to the arrival of its reports, seconds, 0 to 600 (8).
-    pub delay_s: f64,
-    /// Probability that a group is reported in a period, 0.001 to 1 (1).
-    pub detection_probability: f64,
-    /// Standard deviation of a group's place, east and north, metres (1,000).
-    pub position_sigma_m: f64,
-    /// Standard deviation of its velocity, east and north, m/s (10).
-    pub velocity_sigma_mps: f64,
-    /// Probability that a count is wrong by one (0).
-    pub count_wrong_probability: f64,
-    /// The most that it counts in one group: of more it reports so many, 1 to 256 (256).
-    pub counted_max: u32,
-    /// Targets nearer to each other than this are in one report, metres (5,000).
-    pub resolution_m: f64,
-    /// Whether reports say where their targets were first seen (no).
-    pub origins: bool,
-    /// For how long it reports none where a group has vanished, seconds, 0 to 120 (0: it does not).
-    pub absence_s: f64,
-}
-
-impl Default for WideAreaSettings {
-    fn default() -> Self {
-        Self {
-            position_m: [0.0; 2],
-            range_max_m: 200_000.0,
-            height_min_m: 300.0,
-            period_s: 8.0,
-            phase_s: 0.0,
-            delay_s: 8.0,
-            detection_probability: 1.0,
-            position_sigma_m: 1000.0,
-            velocity_sigma_mps: 10.0,
-            count_wrong_probability: 0.0,
-            counted_max: 256,
-            resolution_m: 5000.0,
-            origins: false,
-            absence_s: 0.0,
-        }
+settings::settings! {
+    /// A simulated wide-area sensor.
+    pub struct WideAreaSettings {
+        check WideAreaSettings::check;
+        /// Middle of what it watches: east and north.
+        position_m: [f64; 2] = [0.0; 2], in [-1e6, 1e6];
+        /// Radius of what it watches.
+        range_max_m: f64 = 200_000.0, in [1, 2e6];
+        /// Lowest height that it sees.
+        height_min_m: f64 = 300.0, in [-1e4, 1e5];
+        /// Time between two observations.
+        period_s: f64 = 8.0, in [0.1, 600];
+        /// Time of the first observation, up to the period.
+        phase_s: f64 = 0.0, in [0, 600];
+        /// Time from an observation to the arrival of its reports.
+        delay_s: f64 = 8.0, in [0, 600];
+        /// Probability that a group is reported in a period.
+        detection_probability: f64 = 1.0, in [1e-3, 1];
+        /// Standard deviation of a group's place, east and north.
+        position_sigma_m: f64 = 1000.0, in [0, 1e5];
+        /// Standard deviation of its velocity, east and north.
+        velocity_sigma_mps: f64 = 10.0, in [0, 1e3];
+        /// Probability that a count is wrong by one.
+        count_wrong_probability: f64 = 0.0, in [0, 1];
+        /// Most targets that it counts in one group: of more it reports so many.
+        counted_max: u32 = 256, in [1, 256];
+        /// Targets nearer to each other than this are in one report.
+        resolution_m: f64 = 5000.0, in [1, 1e6];
+        /// Whether reports say where their targets were first seen.
+        origins: bool = false;
+        /// Time for which it reports none where a group has vanished; 0: it does not.
+        absence_s: f64 = 0.0, in [0, FORGOTTEN_AFTER_S];
     }
 }
 
 impl WideAreaSettings {
-    /// Checks every value.
-    ///
-    /// # Errors
-    /// The first setting that cannot be used, with its value and what it has to be.
-    pub fn validate(&self) -> Result<(), SettingsError> {
-        for coordinate_m in self.position_m {
-            within("position_m", coordinate_m, -1e6, 1e6)?;
-        }
-        within("range_max_m", self.range_max_m, 1.0, 2e6)?;
-        within("height_min_m", self.height_min_m, -1e4, 1e5)?;
-        within("period_s", self.period_s, 0.1, 600.0)?;
-        within("phase_s", self.phase_s, 0.0, self.period_s)?;
-        within("delay_s", self.delay_s, 0.0, 600.0)?;
-        within("detection_probability", self.detection_probability, 1e-3, 1.0)?;
-        within("position_sigma_m", self.position_sigma_m, 0.0, 1e5)?;
-        within("velocity_sigma_mps", self.velocity_sigma_mps, 0.0, 1e3)?;
-        within("count_wrong_probability", self.count_wrong_probability, 0.0, 1.0)?;
-        count_within("counted_max", self.counted_max, 1, 256)?;
-        within("resolution_m", self.resolution_m, 1.0, 1e6)?;
-        within("absence_s", self.absence_s, 0.0, FORGOTTEN_AFTER_S)
+    fn check(&self) -> Result<(), SettingsError> {
+        phase_within(self.phase_s, self.period_s)
     }
 
     /// Whether a target there is seen.
@@ -151,7 +113,7 @@ impl SimulatedWideAreaSensor {
     /// # Errors
     /// A setting that cannot be used.
     pub fn new(settings: &WideAreaSettings, seed: u64, number: u16, start_utc_ns: i64) -> Result<Self, SettingsError> {
-        settings.validate()?;
+        settings::check(settings)?;
         Ok(Self {
             settings: settings.clone(),
             seed,

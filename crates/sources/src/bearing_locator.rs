@@ -5,10 +5,11 @@
 //! from. An emitter that falls silent has no further reports, as with any sensor.
 
 use locating::Locator;
-use locating::settings::{Fault, Settings};
+use locating::settings::Settings;
 use messages::{Counter, Counters, SensorTrack};
 use observations::{Bearing, Sampled};
 use reception::Limits;
+use settings::SettingsError;
 
 use crate::detection_tracker::ingested;
 use crate::samples::Samples;
@@ -40,7 +41,7 @@ impl BearingLocator {
     ///
     /// # Errors
     /// What is wrong with the settings.
-    pub fn new(source: u16, limits: Limits, settings: &Settings) -> Result<Self, Fault> {
+    pub fn new(source: u16, limits: Limits, settings: &Settings) -> Result<Self, SettingsError> {
         Ok(Self {
             source,
             limits,
@@ -67,7 +68,7 @@ impl BearingLocator {
         };
         if self
             .received_ns
-            .is_some_and(|received_ns| apart_ns(received_ns) > self.limits.time_step_ns)
+            .is_some_and(|received_ns| apart_ns(received_ns) > self.limits.time_step_s.ns())
         {
             self.rejected.time += 1;
             return;

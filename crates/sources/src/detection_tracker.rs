@@ -20,6 +20,7 @@
 
 use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState};
 use observations::{Bearing, Detection, Sampled, WideAreaReport};
+use settings::SettingsError;
 use tracking::TrackReport;
 use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
 use tracking::scans::silent_scans;
@@ -68,8 +69,17 @@ impl DetectionTracker {
     ///
     /// # Errors
     /// What is wrong with the settings.
-    pub fn new(source: u16, settings: &TrackerSettings, epoch_ns: i64, reports: Arrivals) -> Result<Self, String> {
-        let sensor = settings.settings.sensors.first().ok_or("a tracker needs a sensor")?;
+    pub fn new(
+        source: u16,
+        settings: &TrackerSettings,
+        epoch_ns: i64,
+        reports: Arrivals,
+    ) -> Result<Self, SettingsError> {
+        let sensor = settings
+            .settings
+            .sensors
+            .first()
+            .ok_or_else(|| SettingsError::new("sensor", "a tracker needs a sensor"))?;
         Ok(Self {
             source,
             sensor_id: sensor.sensor_id,

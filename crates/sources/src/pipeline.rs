@@ -6,6 +6,7 @@
 use messages::{Counters, SensorBearing};
 use observations::{Bearing, Observation, Service, WideAreaReport};
 use reception::{Converter, SourceModel};
+use settings::SettingsError;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::bearing_locator::BearingLocator;
@@ -50,7 +51,7 @@ impl Pipeline {
         processing: &Processing,
         first_day_ns: i64,
         reports: Arrivals,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, SettingsError> {
         let number = model.number;
         let maker = match processing {
             Processing::Tracks => Maker::None,
@@ -62,7 +63,7 @@ impl Pipeline {
             )?)),
             Processing::Bearings(settings) => {
                 let locator = BearingLocator::new(number, model.limits, settings);
-                Maker::Locator(Box::new(locator.map_err(|error| error.to_string())?))
+                Maker::Locator(Box::new(locator?))
             }
         };
         Ok(Self {

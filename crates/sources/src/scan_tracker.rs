@@ -11,6 +11,7 @@
 //! 5. each sensor is told where to look next (WA-12).
 
 use observations::{Detection, WideAreaReport};
+use settings::SettingsError;
 use tracking::explanation::Observer;
 use tracking::wide_area::arrivals::Arrivals;
 use tracking::wide_area::cue::{Cue, Looks, sigma_m};
@@ -105,14 +106,14 @@ impl ScanTracker {
     /// A tracker that uses these `reports` of wide-area sensors and `emissions` when their times come; more may follow.
     ///
     /// # Errors
-    /// What is wrong with the settings.
+    /// The first setting that cannot be used.
     pub fn new(
         settings: Settings,
         outputs: Outputs,
         reports: Arrivals,
         mut emissions: Vec<Emission>,
-    ) -> Result<Self, String> {
-        let tracks_max = settings.capacity.tracks;
+    ) -> Result<Self, SettingsError> {
+        let tracks_max = settings.capacity.tracks();
         let pictures = |period_ns| Pictures {
             schedule: Schedule::new(period_ns),
             shown_ns: i64::MIN,
@@ -250,7 +251,7 @@ impl CuedSensor {
     fn of(sensor: &tracking::settings::SensorSettings) -> Self {
         Self {
             sensor_id: sensor.sensor_id,
-            sigmas: sensor.sigmas,
+            sigmas: sensor.default_sigmas(),
             sigma_m: 0.0,
         }
     }

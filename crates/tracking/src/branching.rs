@@ -166,7 +166,7 @@ fn missed_track(joined: &Joined<'_>, number: u32, counts: &mut TrackerCounts) ->
     if !joined.plots.is_empty() || scan.sensor.worth >= 1.0 {
         track.remember(NO_DETECTION);
     }
-    let deletion = &scan.settings.deletion;
+    let deletion = &scan.settings.deletion.limits;
     if deletion.is_met(&track, scan.time_ns) {
         explain_end(scan, &track, deletion, TrackEvent::ENDS);
         return None;
@@ -213,10 +213,10 @@ pub(crate) fn begin(scan: &ScanContext<'_>, plot: u32, inherited: Option<Motion>
     let found = &scan.plots[plot as usize];
     let settings = scan.settings;
     let updated = inherited.and_then(|mut motion| motion.update(&found.measurement).map(|_| motion));
-    let motion = updated.or_else(|| Motion::first(&found.measurement, &settings.first_guess, &settings.motion))?;
+    let motion = updated.or_else(|| Motion::first(&found.measurement, &settings.initiation, &settings.motion))?;
     let serial = scan.first_serial.wrapping_add(plot);
     Some(Track {
-        log_likelihood_ratio: settings.new_target_share.ln(),
+        log_likelihood_ratio: settings.initiation.new_target_share.ln(),
         ..Track::begun(motion, found.time_ns, serial, root)
     })
 }
@@ -240,7 +240,7 @@ pub(crate) fn explain_end(
         scan.explain(missed, track, track.log_silence.exp(), limit);
     } else {
         let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
-        let [silent_s, limit_s] = [silent_ns, deletion.silent_ns].map(|time_ns| time_ns as f64 / NS_PER_S);
+        let [silent_s, limit_s] = [silent_ns, deletion.silent_s.ns()].map(|time_ns| time_ns as f64 / NS_PER_S);
         scan.explain(silent, track, silent_s, limit_s);
     }
 }

@@ -105,7 +105,7 @@ impl ClusterUpdate {
         next: &mut Population,
         counts: &mut TrackerCounts,
     ) {
-        let (directions, deletion) = (Directions::of(scan), &scan.settings.deletion);
+        let (directions, deletion) = (Directions::of(scan), &scan.settings.deletion.limits);
         let Children { branches, store, .. } = &mut self.children;
         store.clear();
         for number in cluster.tracks.clone() {

@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use observations::DetectionKind;
 
-use crate::initiation::FirstGuess;
+use crate::initiation::Initiation;
 use crate::measurement::Measurement;
 
 /// Scans over which numbers are averaged.
@@ -80,7 +80,7 @@ impl Estimate {
 ///
 /// In the plane a ring of range r has an area in proportion to r. Heights, elevations and range rates of false
 /// detections are taken to be anywhere within what is assumed of targets.
-pub(crate) fn log_density(measurement: &Measurement, density: f64, guess: &FirstGuess) -> f64 {
+pub(crate) fn log_density(measurement: &Measurement, density: f64, guess: &Initiation) -> f64 {
     let range = measurement.values[0].max(1.0);
     let per_height = 0.5 / guess.height_sigma_m;
     let per_unit = match measurement.kind {

@@ -44,13 +44,14 @@ pub struct CutterSettings {
     pub epoch_ns: i64,
 }
 
-/// Where scans begin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Boundaries {
-    /// Where the sensor says so.
-    Turn,
-    /// At whole multiples of the period.
-    Period,
+settings::words! {
+    /// Places where scans begin.
+    pub enum Boundaries {
+        /// Where the sensor says so.
+        Turn = "turn",
+        /// At whole multiples of the period.
+        Period = "period",
+    }
 }
 
 /// A scan that is complete.

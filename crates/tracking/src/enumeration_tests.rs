@@ -33,16 +33,16 @@ fn exact_settings() -> Settings {
     settings.reduction.merge_scans = 0;
     settings.reduction.reliability_min = 0.0;
     settings.reduction.hypotheses_max = HYPOTHESES_MAX;
-    settings.new_target_share = 0.3;
+    settings.initiation.new_target_share = 0.3;
     settings.confirmation.detections_min = 100;
     settings
 }
 
 /// Every child of `whole` by the definitions HT-5 to HT-8.
 fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, settings: &Settings) -> Vec<Whole> {
-    let gates = gates(settings.gate_probability);
-    let detection_probability = settings.sensors[0].detection_probability;
-    let miss = (1.0 - detection_probability * settings.gate_probability).ln();
+    let gates = gates(settings.gate.probability);
+    let detection_probability = settings.sensors[0].model.detection_probability;
+    let miss = (1.0 - detection_probability * settings.gate.probability).ln();
     let measured: Vec<_> = scan
         .iter()
         .map(|detection| Measurement::of(detection, None).unwrap())
@@ -66,10 +66,10 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
             log_likelihood: whole.log_likelihood,
         };
         for (row, column) in matrix.iter().enumerate() {
-            let log_clutter = log_density(&measured[row], 1e-6, &settings.first_guess);
+            let log_clutter = log_density(&measured[row], 1e-6, &settings.initiation);
             next.log_likelihood += match column {
                 Interpretation::False => log_clutter,
-                Interpretation::New => log_clutter + settings.new_target_share.ln(),
+                Interpretation::New => log_clutter + settings.initiation.new_target_share.ln(),
                 Interpretation::Track(track) => {
                     let innovation = predicted[*track].innovation(&measured[row]).unwrap();
                     detection_probability.ln() + innovation.log_likelihood
@@ -94,7 +94,7 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
             next.tracks.push(track);
         }
         for row in new {
-            let state = first_state(&measured[row], &settings.first_guess).unwrap();
+            let state = first_state(&measured[row], &settings.initiation).unwrap();
             let motion = Motion::begun(state, &settings.motion);
             let track = Track::begun(motion, time_ns, first_serial + row as u32, 0);
             next.tracks.push(track);
@@ -257,7 +257,7 @@ proptest! {
         settings.wide_area.corrects_confirmed_only = false;
         let before = run(&scans[..2], &settings);
         // One cluster, which every detection of the last scan belongs to.
-        let reach = gates(settings.gate_probability)[1];
+        let reach = gates(settings.gate.probability)[1];
         let in_gate = |detection: &Detection| {
             let measurement = Measurement::of(detection, None).unwrap();
             let tracks = &before.latest().tracks;

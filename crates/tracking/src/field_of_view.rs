@@ -14,36 +14,40 @@
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use estimation::PackedGaussian;
+use settings::{Degrees, SettingsError};
 
-/// A ring, or a sector of one, around the sensor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FieldOfView {
-    /// Nearest and farthest horizontal distance from the sensor, metres.
-    pub range_m: [f64; 2],
-    /// From the first bearing clockwise to the second, radians clockwise from north (`None`: all round).
-    pub sector_rad: Option<[f64; 2]>,
-    /// Where the sensor stands, east and north, metres (`None`: where its detections say that it is; while there has been
-    /// none, nothing is known to be inside).
-    pub position_m: Option<[f64; 2]>,
+settings::settings! {
+    /// A ring, or a sector of one, around the sensor.
+    #[derive(Copy)]
+    pub struct FieldOfView {
+        check FieldOfView::check;
+        /// Nearest and farthest horizontal distance from the sensor.
+        range_m: [f64; 2];
+        /// First and last bearing, clockwise from north; all round if it is not given.
+        sector_deg: Option<[Degrees; 2]> = None, in [-360, 360];
+        /// Where the sensor stands, east and north; if it is not given, where its detections say that it is, and while there has
+        /// been none, nothing is known to be inside.
+        position_m: Option<[f64; 2]> = None, in [-1e7, 1e7];
+    }
 }
 
 impl FieldOfView {
-    /// Whether it is one.
-    pub(crate) fn is_sound(&self) -> bool {
+    fn check(&self) -> Result<(), SettingsError> {
         let [near, far] = self.range_m;
-        let finite = |values: [f64; 2]| values.iter().all(|value| value.is_finite());
         // Written so that NaN is refused.
-        near >= 0.0 && far > near && !far.is_nan() && self.sector_rad.is_none_or(finite) && {
-            self.position_m.is_none_or(finite)
+        if near >= 0.0 && far > near {
+            return Ok(());
         }
+        let what = format!("[{near}, {far}]: write the nearest and the farthest range, from 0 on");
+        Err(SettingsError::new("range_m", what))
     }
 
     /// Width of the sector, radians.
     pub(crate) fn width_rad(&self) -> f64 {
-        match self.sector_rad {
+        match self.sector_deg {
             None => TAU,
             Some([from, to]) => {
-                let width = (to - from).rem_euclid(TAU);
+                let width = (to.rad() - from.rad()).rem_euclid(TAU);
                 if width == 0.0 { TAU } else { width }
             }
         }
@@ -75,7 +79,8 @@ impl FieldOfView {
     }
 
     fn in_sector(&self, bearing: f64, sigma: f64) -> f64 {
-        let Some([from, _]) = self.sector_rad else { return 1.0 };
+        let Some([from, _]) = self.sector_deg else { return 1.0 };
+        let from = from.rad();
         let width = self.width_rad();
         // Nobody knows the bearing of what may be on any side.
         if sigma > 1.0 {
@@ -137,7 +142,7 @@ mod tests {
 
     const RING: FieldOfView = FieldOfView {
         range_m: [10.0, 100.0],
-        sector_rad: None,
+        sector_deg: None,
         position_m: None,
     };
 
@@ -180,7 +185,7 @@ mod tests {
     #[test]
     fn a_sector_may_lie_across_the_south() {
         let sector = |degrees: [f64; 2]| FieldOfView {
-            sector_rad: Some(degrees.map(f64::to_radians)),
+            sector_deg: Some(degrees.map(Degrees::of)),
             ..RING
         };
         let seen = |view: FieldOfView, degrees: f64, sigma_m: f64| {
@@ -216,20 +221,17 @@ mod tests {
 
     #[test]
     fn what_cannot_be_is_refused() {
-        assert!(RING.is_sound());
+        assert!(RING.check().is_ok());
         for range_m in [[-1.0, 5.0], [5.0, 5.0], [f64::NAN, 5.0], [0.0, f64::NAN]] {
-            assert!(!FieldOfView { range_m, ..RING }.is_sound(), "{range_m:?}");
+            assert!(!FieldOfView { range_m, ..RING }.check().is_ok(), "{range_m:?}");
         }
-        let sector_rad = Some([0.0, f64::INFINITY]);
-        assert!(!FieldOfView { sector_rad, ..RING }.is_sound());
-        let position_m = Some([f64::NAN, 0.0]);
-        assert!(!FieldOfView { position_m, ..RING }.is_sound());
         assert!(
             FieldOfView {
                 range_m: [0.0, f64::INFINITY],
                 ..RING
             }
-            .is_sound()
+            .check()
+            .is_ok()
         );
     }
 }

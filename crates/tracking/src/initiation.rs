@@ -15,21 +15,25 @@ use observations::DetectionKind;
 
 use crate::measurement::Measurement;
 
-/// What is assumed of a target before it was observed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FirstGuess {
-    /// Standard deviation of the velocity east and north, m/s.
-    pub speed_sigma_mps: f64,
-    /// The same of slow targets, which are as frequent (`None`: there are no such). Used where there are manoeuvres, too.
-    pub slow_sigma_mps: Option<f64>,
-    /// Standard deviation of the velocity up, m/s.
-    pub climb_sigma_mps: f64,
-    /// Standard deviation of the height over the sensor where it is not measured, metres.
-    pub height_sigma_m: f64,
+settings::settings! {
+    /// Assumptions on a target before it was observed.
+    #[derive(Copy)]
+    pub struct Initiation {
+        /// Expected new targets per expected false detection (HT-8).
+        new_target_share: f64 = 0.04, in [1e-6, 1e3];
+        /// Standard deviation of the velocity east and north.
+        speed_sigma_mps: f64 = 100.0, in [1e-3, 1e4];
+        /// Standard deviation of the velocity of slow targets, which are as frequent. Used where there are manoeuvres, too.
+        slow_sigma_mps: Option<f64> = Some(10.0), in [1e-3, 1e4];
+        /// Standard deviation of the velocity up.
+        climb_sigma_mps: f64 = 10.0, in [1e-3, 1e4];
+        /// Standard deviation of the height over the sensor where it is not measured.
+        height_sigma_m: f64 = 5000.0, in [1e-3, 1e5];
+    }
 }
 
 /// The state after a first measurement; `None` of a direction alone.
-pub(crate) fn first_state(measurement: &Measurement, guess: &FirstGuess) -> Option<PackedGaussian> {
+pub(crate) fn first_state(measurement: &Measurement, guess: &Initiation) -> Option<PackedGaussian> {
     let [a, b, c] = measurement.values;
     let [sa, sb, sc, _] = measurement.sigmas;
     let mut state = PackedGaussian {
@@ -92,7 +96,8 @@ fn set_position<const N: usize>(state: &mut PackedGaussian, axes: [[f64; 3]; N],
 mod tests {
     use super::*;
 
-    const GUESS: FirstGuess = FirstGuess {
+    const GUESS: Initiation = Initiation {
+        new_target_share: 0.04,
         speed_sigma_mps: 150.0,
         slow_sigma_mps: None,
         climb_sigma_mps: 10.0,

@@ -267,7 +267,7 @@ fn log_share_of_new(joined: &Joined<'_>, lacking: usize, row: usize) -> Option<f
     }
     let of_split = settings.splitting.new_target_share;
     let of_split = of_split.filter(|_| joined.is_in_confirmed_gate(row));
-    let plain = of_split.unwrap_or(settings.new_target_share);
+    let plain = of_split.unwrap_or(settings.initiation.new_target_share);
     Some(joined.support.new_target_share(plain, lacking).ln())
 }
 

@@ -96,7 +96,7 @@ mod wide_area_tests;
 
 pub use counts::TrackerCounts;
 pub use field_of_view::FieldOfView;
-pub use initiation::FirstGuess;
+pub use initiation::Initiation;
 pub use limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, DETECTION_COUNTS, HISTORY_MAX, HYPOTHESES_MAX, PAIRS_MAX};
 pub use settings::Settings;
 pub use track_report::TrackReport;

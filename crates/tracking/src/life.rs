@@ -3,29 +3,39 @@
 //! A tentative track is confirmed once nearly all of the probability lies with hypotheses that contain it; a track of either
 //! kind is deleted once a target that is still there would hardly have been missed for so long.
 
+use settings::Seconds;
+
 use crate::track::Track;
 
-/// Conditions of confirmation: a tentative track is confirmed when all of them hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Confirmation {
-    /// The hypotheses that contain it have at least this reliability together. 1: it is in all remaining ones, which is
-    /// the source's rule.
-    pub reliability_min: f64,
-    /// It has at least so many detections.
-    pub detections_min: u32,
-    /// Its log-likelihood ratio is at least this: the logarithm of how much likelier its detections are if they are of
-    /// one target than if all are false (`None`: not tested).
-    pub log_likelihood_ratio_min: Option<f64>,
-}
+settings::settings! {
+    /// Conditions of confirmation: a tentative track is confirmed when all of them hold (HT-10).
+    #[derive(Copy)]
+    pub struct Confirmation {
+        /// Least reliability, together, of the hypotheses that contain it. 1: it is in all remaining ones, the source's rule.
+        reliability_min: f64 = 0.99, in [0.501, 1];
+        /// Least number of its detections.
+        detections_min: u32 = 2, in [1, 1000];
+        /// Least log-likelihood ratio: the logarithm of how much likelier its detections are if they are of one target than if
+        /// all are false.
+        log_likelihood_ratio_min: Option<f64> = None, in [-1e3, 1e3];
+    }
 
-/// Conditions of deletion: a track is deleted when one of them holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deletion {
-    /// It has been missed so often since its last detection that this would happen to a target with this probability.
-    /// With a probability of detection of 0.9, 2e-5 is five slow scans; with 0.5, sixteen.
-    pub missed_probability: f64,
-    /// It had no detection for so long, seen or not, nanoseconds.
-    pub silent_ns: i64,
+    /// Conditions of deletion: a track is deleted when one of them holds (HT-10).
+    #[derive(Copy)]
+    pub struct Deletion {
+        /// Probability that a target is missed so often since its last detection. With a probability of detection of 0.9, 2e-5
+        /// is five slow scans; with 0.5, sixteen.
+        missed_probability: f64 = 2e-5, in [1e-300, 0.99];
+        /// Time without a detection, seen or not.
+        silent_s: Seconds = Seconds::of(60.0), in [1e-3, 86_400];
+    }
+
+    /// When a track is given up.
+    #[derive(Copy)]
+    pub struct DeletionSettings with limits: Deletion {
+        /// Time for which a sensor that looks again sees the same: whether it detects a target, and by how much it is wrong.
+        coherence_s: f64 = 1.0, in [1e-3, 1e4];
+    }
 }
 
 impl Confirmation {
@@ -49,6 +59,6 @@ impl Deletion {
     /// Whether a track is deleted at `time_ns`.
     pub(crate) fn is_met(&self, track: &Track, time_ns: i64) -> bool {
         let silent_ns = time_ns.saturating_sub(track.seen_ns);
-        self.is_missed_too_often(track) || silent_ns >= self.silent_ns
+        self.is_missed_too_often(track) || silent_ns >= self.silent_s.ns()
     }
 }

@@ -15,7 +15,7 @@
 use estimation::{AxisNoise, PackedGaussian};
 use messages::STATE_LEN;
 
-use crate::initiation::{FirstGuess, first_state};
+use crate::initiation::{Initiation, first_state};
 use crate::log_sum::log_add;
 use crate::measurement::{Innovation, Measurement};
 use crate::turn::{Turn, TurnRate};
@@ -23,24 +23,35 @@ use crate::turn::{Turn, TurnRate};
 /// Smallest probability of a model: it must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-3;
 
-/// Models of motion (HT-13).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionSettings {
-    /// Spectral density of the accelerations in steady flight, horizontal and vertical, m²/s³.
-    pub process_noise_m2ps3: [f64; 2],
-    /// A second model beside it (`None`: there is only the first).
-    pub manoeuvres: Option<Manoeuvres>,
+settings::settings! {
+    /// Models of motion (HT-13).
+    #[derive(Copy)]
+    pub struct MotionSettings {
+        /// Spectral density of the accelerations in steady flight: horizontal, vertical.
+        process_noise_m2ps3: [f64; 2] = [5.0, 1.0], in [1e-9, 1e6];
+        /// Second model beside it, of targets that manoeuvre.
+        manoeuvres: Manoeuvres = Manoeuvres::default();
+    }
+
+    /// Model of targets that manoeuvre.
+    #[derive(Copy)]
+    pub struct Manoeuvres {
+        /// Whether there is this model.
+        enabled: bool = true;
+        /// Spectral density of the accelerations: horizontal, vertical.
+        process_noise_m2ps3: [f64; 2] = [100.0, 10.0], in [1e-9, 1e6];
+        /// Mean durations of steady flight and of a manoeuvre.
+        durations_s: [f64; 2] = [60.0, 10.0], in [1e-3, 1e6];
+        /// Coordinated turns besides; without them a manoeuvre is nothing but acceleration of any direction.
+        turn: Option<Turn> = None;
+    }
 }
 
-/// The model of targets that manoeuvre.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Manoeuvres {
-    /// Spectral density of the accelerations, horizontal and vertical, m²/s³.
-    pub process_noise_m2ps3: [f64; 2],
-    /// Mean durations of steady flight and of a manoeuvre, seconds.
-    pub durations_s: [f64; 2],
-    /// Coordinated turns besides (`None`: a manoeuvre is nothing but acceleration of any direction).
-    pub turn: Option<Turn>,
+impl MotionSettings {
+    /// The model of targets that manoeuvre; `None` if there is none.
+    pub(crate) fn manoeuvres(&self) -> Option<&Manoeuvres> {
+        Some(&self.manoeuvres).filter(|manoeuvres| manoeuvres.enabled)
+    }
 }
 
 /// Position and velocity of a target by each model.
@@ -69,13 +80,13 @@ enum Speed {
 
 impl Motion {
     /// After a first measurement; `None` of a direction alone.
-    pub(crate) fn first(measurement: &Measurement, guess: &FirstGuess, settings: &MotionSettings) -> Option<Self> {
+    pub(crate) fn first(measurement: &Measurement, guess: &Initiation, settings: &MotionSettings) -> Option<Self> {
         let fast = first_state(measurement, guess)?;
         let begun = Self::begun(fast, settings);
-        let Some(speed_sigma_mps) = guess.slow_sigma_mps.filter(|_| settings.manoeuvres.is_some()) else {
+        let Some(speed_sigma_mps) = guess.slow_sigma_mps.filter(|_| settings.manoeuvres.enabled) else {
             return Some(begun);
         };
-        let slow = FirstGuess {
+        let slow = Initiation {
             speed_sigma_mps,
             ..*guess
         };
@@ -97,17 +108,17 @@ impl Motion {
             steady: state,
             turning: state,
             turn: settings
-                .manoeuvres
+                .manoeuvres()
                 .and_then(|manoeuvres| manoeuvres.turn)
                 .map_or(TurnRate::NONE, |turn| TurnRate::begun(&turn)),
-            turning_probability: settings.manoeuvres.as_ref().map_or(0.0, prior),
+            turning_probability: settings.manoeuvres().map_or(0.0, prior),
             speed: Speed::Known,
         }
     }
 
     /// `seconds` later, or earlier.
     pub(crate) fn moved(&self, seconds: f64, settings: &MotionSettings) -> Self {
-        let Some(manoeuvres) = &settings.manoeuvres else {
+        let Some(manoeuvres) = settings.manoeuvres() else {
             let steady = self.steady.moved(seconds, noise(settings.process_noise_m2ps3, seconds));
             return Self { steady, ..*self };
         };
@@ -270,21 +281,26 @@ mod tests {
 
     const TWO_MODELS: MotionSettings = MotionSettings {
         process_noise_m2ps3: [0.1, 0.1],
-        manoeuvres: Some(Manoeuvres {
+        manoeuvres: Manoeuvres {
+            enabled: true,
             process_noise_m2ps3: [50.0, 1.0],
             durations_s: [60.0, 10.0],
             turn: None,
-        }),
+        },
     };
     const ONE_MODEL: MotionSettings = MotionSettings {
-        manoeuvres: None,
+        manoeuvres: Manoeuvres {
+            enabled: false,
+            ..TWO_MODELS.manoeuvres
+        },
         ..TWO_MODELS
     };
 
     /// Flown east at 50 m/s for 20 s, then round by 9° each second. Returns whether every detection was in its gate, and
     /// the probabilities of a manoeuvre before and during the turn.
     fn flown(settings: &MotionSettings) -> (bool, f64, f64) {
-        let guess = FirstGuess {
+        let guess = Initiation {
+            new_target_share: 0.04,
             speed_sigma_mps: 50.0,
             slow_sigma_mps: None,
             climb_sigma_mps: 1.0,
@@ -324,8 +340,9 @@ mod tests {
     /// Mean squared distance of the last 15 s of a long circle from what was predicted.
     fn circled(turn: Option<Turn>) -> f64 {
         let mut settings = TWO_MODELS;
-        settings.manoeuvres.as_mut().unwrap().turn = turn;
-        let guess = FirstGuess {
+        settings.manoeuvres.turn = turn;
+        let guess = Initiation {
+            new_target_share: 0.04,
             speed_sigma_mps: 50.0,
             slow_sigma_mps: None,
             climb_sigma_mps: 1.0,
@@ -367,7 +384,8 @@ mod tests {
 
     #[test]
     fn the_second_detection_shows_how_fast_a_target_is() {
-        let guess = FirstGuess {
+        let guess = Initiation {
+            new_target_share: 0.04,
             speed_sigma_mps: 100.0,
             slow_sigma_mps: Some(5.0),
             climb_sigma_mps: 1.0,
@@ -381,7 +399,8 @@ mod tests {
             let compared = motion.innovation(&seen(2.0, speed)).unwrap();
             let plain = Motion::first(
                 &seen(0.0, speed),
-                &FirstGuess {
+                &Initiation {
+                    new_target_share: 0.04,
                     slow_sigma_mps: None,
                     ..guess
                 },
@@ -406,7 +425,8 @@ mod tests {
 
     #[test]
     fn one_model_is_the_plain_filter() {
-        let guess = FirstGuess {
+        let guess = Initiation {
+            new_target_share: 0.04,
             speed_sigma_mps: 50.0,
             slow_sigma_mps: None,
             climb_sigma_mps: 1.0,

@@ -41,7 +41,7 @@ pub(crate) fn admit(
     plots.clear();
     for detection in detections {
         let near = detection.time_of_measurement_ns.abs_diff(time_ns) <= SCAN_HALF_NS;
-        let Some(measurement) = Measurement::of(detection, sensor.sigmas).filter(|_| near) else {
+        let Some(measurement) = Measurement::of(detection, sensor.default_sigmas()).filter(|_| near) else {
             counts.unusable_detections += 1;
             continue;
         };

@@ -13,7 +13,7 @@ use crate::plot::Scan;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
-use crate::settings::{Clutter, Settings};
+use crate::settings::Settings;
 use crate::wide_area::support::Support;
 
 /// Working memory for one scan after the other.
@@ -31,16 +31,16 @@ pub(crate) struct ScanUpdate {
 
 impl ScanUpdate {
     pub(crate) fn new(settings: &Settings) -> Self {
-        let capacity = settings.capacity;
-        let gates = gates(settings.gate_probability);
+        let (tracks, detections) = (settings.capacity.tracks(), settings.capacity.detections());
+        let gates = gates(settings.gate.probability);
         let sensors = settings.sensors.iter();
         Self {
             sensors: sensors.map(|sensor| Sensor::new(sensor, settings, gates)).collect(),
-            gating: Gating::new(capacity.tracks, capacity.detections),
-            clusters: ClusterUpdate::new(capacity.tracks, capacity.detections),
-            log_clutter: Vec::with_capacity(capacity.detections),
-            is_inside: vec![false; capacity.detections],
-            claims: Vec::with_capacity(capacity.detections),
+            gating: Gating::new(tracks, detections),
+            clusters: ClusterUpdate::new(tracks, detections),
+            log_clutter: Vec::with_capacity(detections),
+            is_inside: vec![false; detections],
+            claims: Vec::with_capacity(detections),
         }
     }
 
@@ -63,10 +63,8 @@ impl ScanUpdate {
         let directions_only = memory.sees_directions_only();
         let estimate = &mut memory.clutter;
         plots.iter().for_each(|plot| estimate.see(&plot.measurement));
-        let density = match settings.sensors[*sensor].clutter {
-            Clutter::Density(density) => density,
-            Clutter::Learned => estimate.density(plots.len(), looking.extent()),
-        };
+        let known = settings.sensors[*sensor].model.clutter_density;
+        let density = known.unwrap_or_else(|| estimate.density(plots.len(), looking.extent()));
         if let Some(observer) = observer {
             observer.explain(&Explanation::Scan {
                 sensor_id: settings.sensors[*sensor].sensor_id,
@@ -75,7 +73,7 @@ impl ScanUpdate {
                 clutter_density: density,
             });
         }
-        let guess = &settings.first_guess;
+        let guess = &settings.initiation;
         self.log_clutter.clear();
         self.log_clutter
             .extend(plots.iter().map(|plot| log_density(&plot.measurement, density, guess)));
@@ -159,7 +157,7 @@ fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usiz
 /// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
 fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut TrackerCounts) {
     let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
-    let share = scan.settings.new_target_share * weight;
+    let share = scan.settings.initiation.new_target_share * weight;
     let reliability = share / (1.0 + share);
     if reliability <= 0.0 || reliability < scan.settings.reduction.reliability_min {
         return;

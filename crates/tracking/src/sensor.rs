@@ -77,11 +77,11 @@ impl Sensor {
         Self {
             gates,
             motion: settings.motion,
-            detection_probability: sensor.detection_probability,
-            log_detection: sensor.detection_probability.ln(),
-            gate_probability: settings.gate_probability,
-            field_of_view: sensor.field_of_view,
-            coherence_s: settings.coherence_s,
+            detection_probability: sensor.model.detection_probability,
+            log_detection: sensor.model.detection_probability.ln(),
+            gate_probability: settings.gate.probability,
+            field_of_view: sensor.model.field_of_view,
+            coherence_s: settings.deletion.coherence_s,
             worth: 1.0,
             platform_m: None,
         }
@@ -174,9 +174,9 @@ mod tests {
     #[test]
     fn a_moving_sensor_looks_from_where_it_was_last() {
         let mut settings = settings();
-        settings.sensors[0].field_of_view = Some(FieldOfView {
+        settings.sensors[0].model.field_of_view = Some(FieldOfView {
             range_m: [0.0, 100.0],
-            sector_rad: None,
+            sector_deg: None,
             position_m: None,
         });
         let sensor = Sensor::new(&settings.sensors[0], &settings, [9.21; 4]);

@@ -3,7 +3,7 @@
 use observations::{Detection, DetectionKind};
 
 use crate::Settings;
-use crate::settings::{Capacity, Clutter, SensorSettings};
+use crate::settings::{Capacity, SensorModel, SensorSettings};
 pub(crate) use test_support::S;
 
 /// A detection of a position by sensor 1, 10 m sigma.
@@ -27,20 +27,23 @@ pub(crate) fn settings() -> Settings {
     let mut settings = Settings {
         sensors: vec![SensorSettings {
             sensor_id: 1,
-            clutter: Clutter::Density(1e-6),
+            model: SensorModel {
+                clutter_density: Some(1e-6),
+                ..SensorModel::default()
+            },
             ..SensorSettings::default()
         }],
         capacity: Capacity {
-            tracks: 1024,
-            detections: 256,
+            tracks: Some(1024),
+            detections: Some(256),
             open_scans: 0,
         },
         ..Settings::default()
     };
-    settings.first_guess.speed_sigma_mps = 20.0;
+    settings.initiation.speed_sigma_mps = 20.0;
     settings.motion.process_noise_m2ps3 = [1.0, 1.0];
-    settings.motion.manoeuvres = None;
+    settings.motion.manoeuvres.enabled = false;
     settings.confirmation.detections_min = 3;
-    settings.coherence_s = 1.0;
+    settings.deletion.coherence_s = 1.0;
     settings
 }

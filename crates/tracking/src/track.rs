@@ -106,10 +106,8 @@ mod tests {
     fn the_shares_of_the_worked_check() {
         let company = |in_company, detections| {
             let measurement = Measurement::of(&position(0, 0.0, 0.0), None).unwrap();
-            let Settings {
-                first_guess, motion, ..
-            } = settings();
-            let motion = Motion::first(&measurement, &first_guess, &motion).unwrap();
+            let Settings { initiation, motion, .. } = settings();
+            let motion = Motion::first(&measurement, &initiation, &motion).unwrap();
             let begun = Track::begun(motion, 0, 1, 1);
             Track {
                 in_company,

@@ -85,7 +85,7 @@ pub(crate) fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings
     let time_ns = if seen { track.time_ns } else { time_ns };
     let estimate = track.motion_at(time_ns, &settings.motion).estimate();
     // Without a height the first guess stands, or has grown.
-    let guessed_m = settings.first_guess.height_sigma_m;
+    let guessed_m = settings.initiation.height_sigma_m;
     TrackReport {
         number: track.number,
         state: if seen {

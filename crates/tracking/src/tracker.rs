@@ -7,6 +7,7 @@
 //! are refused and counted.
 
 use observations::{Detection, WideAreaReport};
+use settings::SettingsError;
 
 use crate::counts::TrackerCounts;
 use crate::explanation::Observer;
@@ -63,28 +64,27 @@ impl Tracker {
     /// A tracker without tracks. All memory is allocated here.
     ///
     /// # Errors
-    /// A sentence on what is wrong with the settings.
-    pub fn new(settings: Settings) -> Result<Self, String> {
-        if let Some(fault) = settings.fault() {
-            return Err(fault);
-        }
-        let capacity = settings.capacity;
+    /// The first setting that cannot be used.
+    pub fn new(settings: Settings) -> Result<Self, SettingsError> {
+        settings::check(&settings)?;
+        let (tracks, detections) = (settings.capacity.tracks(), settings.capacity.detections());
+        let open_scans = settings.capacity.open_scans;
         let types = settings.wide_area.knowledge.types.len();
-        let population = |_| Population::new(capacity.tracks, settings.sensors.len(), types);
+        let population = |_| Population::new(tracks, settings.sensors.len(), types);
         let scan = |_| Scan {
             time_ns: i64::MIN,
             sensor: 0,
-            plots: Vec::with_capacity(capacity.detections),
+            plots: Vec::with_capacity(detections),
         };
         Ok(Self {
-            scans: (0..=capacity.open_scans).map(scan).collect(),
+            scans: (0..=open_scans).map(scan).collect(),
             open: 0,
-            populations: (0..capacity.open_scans + 2).map(population).collect(),
+            populations: (0..open_scans + 2).map(population).collect(),
             update: ScanUpdate::new(&settings),
-            support: Support::new(&settings.wide_area, capacity.tracks),
-            united: vec![0; capacity.detections],
-            best: Vec::with_capacity(capacity.tracks),
-            reports: Vec::with_capacity(capacity.tracks),
+            support: Support::new(&settings.wide_area, tracks),
+            united: vec![0; detections],
+            best: Vec::with_capacity(tracks),
+            reports: Vec::with_capacity(tracks),
             counts: TrackerCounts::default(),
             settings,
         })
@@ -144,7 +144,7 @@ impl Tracker {
             &mut scan.plots,
             &mut self.counts,
         );
-        if let Some(resolution_m) = self.settings.sensors[sensor].resolution_m {
+        if let Some(resolution_m) = self.settings.sensors[sensor].model.resolution_m {
             self.counts.united_detections += unite(&mut scan.plots, resolution_m, &mut self.united) as u64;
         }
         self.scans[place..=self.open].rotate_right(1);
@@ -213,15 +213,11 @@ impl Tracker {
     /// Where the sensor `sensor_id`, whose detections have a standard deviation of `sigma_m` metres, should look at
     /// `time_ns` for each confirmed track, into `cues` (WA-12).
     pub fn cues_at(&self, (sensor_id, time_ns): (u32, i64), sigma_m: f64, cues: &mut Vec<Cue>) {
-        let Settings {
-            motion,
-            gate_probability,
-            ..
-        } = &self.settings;
+        let Settings { motion, gate, .. } = &self.settings;
         let look = (sensor_id, time_ns);
         let all = self.reports.iter();
         cues.clear();
-        cues.extend(all.map(|track| cue(track, look, sigma_m, *gate_probability, motion)));
+        cues.extend(all.map(|track| cue(track, look, sigma_m, gate.probability, motion)));
     }
 
     /// What was done and refused so far.
@@ -262,24 +258,28 @@ impl Tracker {
     /// The first open scan that is to be worked off again because of the one at `place`: that itself, or one that it
     /// outranks.
     fn first_changed(&self, place: usize) -> usize {
-        let selection = &self.settings.selection;
-        if selection.priorities.is_empty() {
+        if !self.has_priorities() {
             return place;
         }
-        let earliest_ns = self.scans[place].time_ns.saturating_sub(selection.same_time_ns);
+        let same_time_ns = self.settings.selection.same_time_s.ns();
+        let earliest_ns = self.scans[place].time_ns.saturating_sub(same_time_ns);
         self.scans[..place].partition_point(|scan| scan.time_ns < earliest_ns)
     }
 
     /// Whether another open scan at the same time is of a sensor of higher priority (WA-1).
     fn is_outranked(&self, place: usize) -> bool {
-        let selection = &self.settings.selection;
-        let sensor = |scan: &Scan| self.settings.sensors[scan.sensor].sensor_id;
+        let same_time_ns = self.settings.selection.same_time_s.ns();
+        let priority = |scan: &Scan| self.settings.sensors[scan.sensor].priority;
         let scan = &self.scans[place];
-        !selection.priorities.is_empty()
-            && self.scans[..self.open].iter().any(|other| {
-                let apart_ns = other.time_ns.saturating_sub(scan.time_ns);
-                selection.outranks(sensor(other), sensor(scan), apart_ns)
-            })
+        let outranks = |other: &Scan| {
+            let apart_ns = other.time_ns.saturating_sub(scan.time_ns).saturating_abs();
+            apart_ns <= same_time_ns && priority(other) > priority(scan)
+        };
+        self.has_priorities() && self.scans[..self.open].iter().any(outranks)
+    }
+
+    fn has_priorities(&self) -> bool {
+        self.settings.sensors.iter().any(|sensor| sensor.priority > 0)
     }
 
     /// Works off the open scans from `first` on.

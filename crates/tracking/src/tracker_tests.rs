@@ -7,7 +7,7 @@ use observations::{Detection, DetectionKind};
 use proptest::prelude::*;
 
 use crate::clutter::Extent;
-use crate::settings::{Clutter, Limit, SensorSettings, Splitting};
+use crate::settings::{Limit, SensorModel, SensorSettings, Splitting};
 use crate::testing::{S, position, settings};
 use crate::{FieldOfView, Refusal, Settings, Tracker};
 
@@ -108,7 +108,7 @@ fn the_likelihood_ratio_can_be_asked_for_besides() {
 #[test]
 fn what_several_branches_have_in_their_gates_is_left_out_of_the_clutter_once() {
     let mut chosen = settings();
-    chosen.sensors[0].clutter = Clutter::Learned;
+    chosen.sensors[0].model.clutter_density = None;
     let mut tracker = Tracker::new(chosen).unwrap();
     for second in 0..80 {
         // Two targets that cannot be told apart, and four false detections far away, never twice in one place.
@@ -319,6 +319,13 @@ fn sensors_of_every_kind_feed_one_track() {
     assert_eq!(tracker.counts().unusable_detections, 0);
 }
 
+fn modelled(model: SensorModel) -> SensorSettings {
+    SensorSettings {
+        model,
+        ..SensorSettings::default()
+    }
+}
+
 /// Radar 1 every 4 s, and a second sensor whose scans come ten times a second and are given.
 fn with_a_quick_sensor(
     coherence_s: f64,
@@ -327,7 +334,7 @@ fn with_a_quick_sensor(
     scan: impl Fn(i64) -> Vec<Detection>,
 ) -> Tracker {
     let mut both = settings();
-    both.coherence_s = coherence_s;
+    both.deletion.coherence_s = coherence_s;
     both.sensors.push(SensorSettings { sensor_id: 2, ..quick });
     let mut tracker = Tracker::new(both).unwrap();
     for tenth in 0..10 * seconds {
@@ -345,10 +352,10 @@ fn with_a_quick_sensor(
 
 #[test]
 fn a_quick_sensor_that_sees_nothing_does_not_end_what_a_slow_one_sees() {
-    let quick = SensorSettings {
+    let quick = modelled(SensorModel {
         detection_probability: 0.6,
-        ..SensorSettings::default()
-    };
+        ..SensorModel::default()
+    });
     let blind = |_| Vec::new();
     let kept = with_a_quick_sensor(1.0, quick.clone(), 60, blind);
     assert_eq!((kept.tracks().len(), kept.counts().confirmed), (1, 1));
@@ -388,14 +395,17 @@ fn a_quick_sensor_that_finds_nothing_leaves_open_choices_in_the_memory() {
 
 #[test]
 fn outside_the_field_of_view_nothing_is_missed() {
-    let ring = |range_m: [f64; 2], east: f64| SensorSettings {
-        detection_probability: 0.99,
-        field_of_view: Some(FieldOfView {
+    let ring = |range_m: [f64; 2], east: f64| {
+        let field_of_view = Some(FieldOfView {
             range_m,
-            sector_rad: None,
+            sector_deg: None,
             position_m: Some([east, 0.0]),
-        }),
-        ..SensorSettings::default()
+        });
+        modelled(SensorModel {
+            detection_probability: 0.99,
+            field_of_view,
+            ..SensorModel::default()
+        })
     };
     let silent = |tracker: Tracker| {
         tracker
@@ -427,7 +437,7 @@ fn several_detections_of_one_hull_are_one_target() {
     };
     let tracks = |resolution_m: Option<f64>| {
         let mut resolving = settings();
-        resolving.sensors[0].resolution_m = resolution_m;
+        resolving.sensors[0].model.resolution_m = resolution_m;
         let mut tracker = Tracker::new(resolving).unwrap();
         for second in 0..15 {
             tracker.scan(1, second * S, &ends(second)).unwrap();
@@ -452,10 +462,12 @@ fn bearings(tenth: i64, offsets: &[f64]) -> Vec<Detection> {
 
 #[test]
 fn directions_improve_a_track_and_do_no_harm() {
-    let camera = || SensorSettings {
-        detection_probability: 0.6,
-        clutter: Clutter::Density(0.5),
-        ..SensorSettings::default()
+    let camera = || {
+        modelled(SensorModel {
+            detection_probability: 0.6,
+            clutter_density: Some(0.5),
+            ..SensorModel::default()
+        })
     };
     let sigma_east = |tracker: &Tracker| {
         let [track] = tracker.tracks() else {
@@ -586,7 +598,7 @@ fn unusable_detections_are_counted_and_left_out() {
 #[test]
 fn hostile_scans_are_bounded_and_counted() {
     let mut small = settings();
-    small.capacity.detections = 2000;
+    small.capacity.detections = Some(2000);
     let mut tracker = Tracker::new(small).unwrap();
     for second in 0..6 {
         tracker.scan(1, second * S, &[flying(second, 0.0)]).unwrap();
@@ -628,16 +640,15 @@ fn hostile_scans_are_bounded_and_counted() {
 
 #[test]
 fn settings_are_checked() {
-    assert_eq!(Settings::default().fault(), None);
-    assert_eq!(settings().fault(), None);
+    assert_eq!(settings::check(&Settings::default()), Ok(()));
     let wrong: [fn(&mut Settings); 8] = [
-        |settings| settings.gate_probability = 1.0,
-        |settings| settings.sensors[0].detection_probability = 1.0,
-        |settings| settings.sensors[0].clutter = Clutter::Density(0.0),
+        |settings| settings.gate.probability = 1.0,
+        |settings| settings.sensors[0].model.detection_probability = 1.0,
+        |settings| settings.sensors[0].model.clutter_density = Some(0.0),
         |settings| settings.reduction.hypotheses_max = 65,
-        |settings| settings.coherence_s = 0.0,
-        |settings| settings.deletion.missed_probability = 1.0,
-        |settings| settings.sensors[0].resolution_m = Some(-1.0),
+        |settings| settings.deletion.coherence_s = 0.0,
+        |settings| settings.deletion.limits.missed_probability = 1.0,
+        |settings| settings.sensors[0].model.resolution_m = Some(-1.0),
         |settings| settings.motion.process_noise_m2ps3[0] = f64::NAN,
     ];
     for wrong in wrong {

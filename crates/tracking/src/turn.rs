@@ -23,13 +23,15 @@ const SMALL_RAD: f64 = 1e-4;
 const TURN: usize = STATE_LEN;
 const WITH_TURN: usize = STATE_LEN + 1;
 
-/// What is assumed of turn rates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
-    /// Standard deviation of the rate of a turn that begins, rad/s.
-    pub rate_sigma_radps: f64,
-    /// Spectral density of its changes, rad²/s³.
-    pub rate_noise_rad2ps3: f64,
+settings::settings! {
+    /// Assumptions on turn rates.
+    #[derive(Copy)]
+    pub struct Turn {
+        /// Standard deviation of the rate of a turn that begins.
+        rate_sigma_radps: f64, in [1e-6, 10];
+        /// Spectral density of its changes.
+        rate_noise_rad2ps3: f64, in [1e-15, 10];
+    }
 }
 
 /// The turn rate of one target. Single precision is enough for what is never known to a thousandth.

@@ -4,7 +4,7 @@ use messages::{TargetType, TrackKind};
 
 use crate::testing::{S, position, settings};
 use crate::wide_area::group::Groups;
-use crate::wide_area::prior::{self, EmissionBand, Knowledge, Place, Prior};
+use crate::wide_area::prior::{self, Circle, EmissionBand, Knowledge, Prior};
 use crate::wide_area::{Emission, EmissionRefusal, WideAreaReport};
 use crate::{Settings, Tracker};
 
@@ -18,18 +18,17 @@ fn known() -> Settings {
             pulse_interval_s: Some([5e-4, 2e-3]),
         }],
     };
-    let from = |east_m, target| Prior {
-        place: Place::Circle {
+    let from = |east_m, target: &str| Prior {
+        circle: Some(Circle {
             centre_m: [east_m, 0.0],
             radius_m: 20e3,
-        },
-        types: vec![(target, 0.6)],
-        formations: Vec::new(),
-        formation_probability_min: 0.5,
+        }),
+        types: [(target.to_owned(), 0.6)].into(),
+        ..Prior::default()
     };
     chosen.wide_area.knowledge = Knowledge {
         types: vec![target("patrol", [9.3e9, 9.5e9]), target("ferry", [2.9e9, 3.1e9])],
-        priors: vec![from(80e3, 0), from(-80e3, 1)],
+        priors: vec![from(80e3, "patrol"), from(-80e3, "ferry")],
     };
     chosen
 }

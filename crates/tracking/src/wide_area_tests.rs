@@ -2,12 +2,14 @@
 
 use observations::Detection;
 
-use crate::settings::{Clutter, Confirmation, Deletion, SensorSettings};
+use settings::{Degrees, Seconds};
+
+use crate::settings::{Confirmation, Deletion, SensorSettings};
 use crate::testing::{S, position, settings};
 use crate::wide_area::correction::Rule;
 use crate::wide_area::group::Groups;
-use crate::wide_area::prior::{Knowledge, Place, Prior};
-use crate::wide_area::settings::{Coverage, EarlyConfirmation, EarlyDeletion};
+use crate::wide_area::prior::{Circle, Knowledge, Prior, Sector};
+use crate::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
 use crate::wide_area::{ReportRefusal, TARGETS_MAX, WideAreaReport};
 use crate::{Settings, Tracker};
 
@@ -75,7 +77,7 @@ fn the_search_for_a_second_target_does_not_keep_the_first_from_being_believed() 
     // Along north the sensor is so coarse that any false detection may be a second target; each scan is told of two.
     let confirmed = |confirmed_only: bool, reported: bool| {
         let mut chosen = settings();
-        chosen.sensors[0].clutter = Clutter::Learned;
+        chosen.sensors[0].model.clutter_density = None;
         chosen.wide_area.corrects_confirmed_only = confirmed_only;
         let mut tracker = Tracker::new(chosen).unwrap();
         let mut shown = 0;
@@ -109,7 +111,7 @@ fn what_a_report_asked_for_is_kept_until_the_next_one() {
     let left = |held: Option<Rule>, valid_s: i64| {
         let mut chosen = settings();
         chosen.wide_area.held = held;
-        chosen.wide_area.valid_ns = valid_s * S;
+        chosen.wide_area.valid_s = Seconds::of_ns(valid_s * S);
         let mut tracker = Tracker::new(chosen).unwrap();
         tracker.wide_area(&report(4, 9, 2)).unwrap();
         for second in 0..18 {
@@ -234,7 +236,7 @@ fn early_deletion() -> EarlyDeletion {
     EarlyDeletion {
         deletion: Deletion {
             missed_probability: 0.02,
-            silent_ns: 30 * S,
+            silent_s: Seconds::of(30.0),
         },
         coverage: None,
     }
@@ -269,8 +271,8 @@ fn clusters_are_given_up_earlier_only_where_absence_was_seen() {
     };
     let early = early_deletion();
     let watching = |radius_m| EarlyDeletion {
-        coverage: Some(Coverage {
-            centre_m: [0.0; 3],
+        coverage: Some(Circle {
+            centre_m: [0.0; 2],
             radius_m,
         }),
         ..early
@@ -321,18 +323,17 @@ fn clusters_are_given_up_earlier_only_where_absence_was_seen() {
 
 #[test]
 fn fours_are_counted_on_only_in_their_sector() {
-    let four_from = |bearings_rad| {
+    let four_from = |bearings_deg| {
         let mut chosen = settings();
         chosen.wide_area.knowledge = Knowledge {
             types: Vec::new(),
             priors: vec![Prior {
-                place: Place::Sector {
+                sector: Some(Sector {
                     from_m: [0.0, -5000.0],
-                    bearings_rad,
-                },
-                types: Vec::new(),
-                formations: vec![(4, 0.8)],
-                formation_probability_min: 0.5,
+                    bearings_deg,
+                }),
+                formations: [("4".to_owned(), 0.8)].into(),
+                ..Prior::default()
             }],
         };
         let mut tracker = Tracker::new(chosen).unwrap();
@@ -345,7 +346,10 @@ fn fours_are_counted_on_only_in_their_sector() {
         tracker.scan(1, 10 * S, &scan).unwrap();
         reliability_of(&tracker, 4)
     };
-    let (inside, outside) = (four_from([6.0, 0.5]), four_from([1.0, 2.0]));
+    let (inside, outside) = (
+        four_from([6.0, 0.5].map(Degrees::of_rad)),
+        four_from([1.0, 2.0].map(Degrees::of_rad)),
+    );
     assert!(inside > 0.55 && outside < 0.5, "{inside} {outside}");
 }
 
@@ -469,7 +473,7 @@ fn hostile_numbers_and_floods_of_reports_are_bounded() {
 fn detections_are_refused_by_age_and_accuracy() {
     let mut chosen = settings();
     chosen.capacity.open_scans = 4;
-    chosen.selection.age_max_ns = Some(2 * S);
+    chosen.selection.age_max_s = Some(Seconds::of(2.0));
     chosen.selection.sigma_max_m = Some(50.0);
     let mut tracker = Tracker::new(chosen).unwrap();
     for second in [0, 1, 2, 3, 4] {
@@ -492,6 +496,7 @@ fn two_sensors(chosen: Settings, order: [u32; 2]) -> Tracker {
     chosen.capacity.open_scans = 4;
     let second_sensor = SensorSettings {
         sensor_id: 2,
+        priority: chosen.sensors[0].priority / 2,
         ..chosen.sensors[0].clone()
     };
     chosen.sensors.push(second_sensor);
@@ -510,8 +515,8 @@ fn two_sensors(chosen: Settings, order: [u32; 2]) -> Tracker {
 #[test]
 fn of_scans_at_the_same_time_only_the_highest_priority_counts() {
     let mut ranked = settings();
-    ranked.selection.priorities = vec![(1, 5), (2, 3)];
-    ranked.selection.same_time_ns = S / 10;
+    ranked.sensors[0].priority = 5;
+    ranked.selection.same_time_s = Seconds::of(0.1);
     let north = |tracker: &Tracker| tracker.tracks()[0].estimate.mean[1];
     for order in [[1, 2], [2, 1]] {
         let tracker = two_sensors(ranked.clone(), order);
@@ -563,14 +568,14 @@ fn settings_are_checked() {
         |settings| settings.wide_area.correction = Some(Rule::Share(1.0)),
         |settings| settings.wide_area.correction = Some(Rule::Factor(0.5)),
         |settings| settings.wide_area.range_m = f64::NAN,
-        |settings| settings.wide_area.valid_ns = 0,
+        |settings| settings.wide_area.valid_s = Seconds::default(),
         |settings| settings.wide_area.groups = Some(Groups { probability_min: 0.0 }),
         |settings| settings.selection.kept_weight = Some(1.0),
-        |settings| settings.selection.priorities = vec![(1, 2), (1, 3)],
+        |settings| settings.sensors.push(settings.sensors[0].clone()),
         |settings| {
             settings.wide_area.deletion = Some(EarlyDeletion {
-                coverage: Some(Coverage {
-                    centre_m: [0.0; 3],
+                coverage: Some(Circle {
+                    centre_m: [0.0; 2],
                     radius_m: -1.0,
                 }),
                 ..early_deletion()

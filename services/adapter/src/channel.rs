@@ -84,8 +84,7 @@ impl Channel {
                 &processing(source),
                 process.first_day_ns(),
                 Arrivals::new(),
-            )
-            .map_err(anyhow::Error::msg)?,
+            )?,
             publisher: publisher(process, source, &topic)?,
             detections: source.tracker.as_ref().map(open).transpose()?,
             bearings: source.locator.as_ref().map(open_bearings).transpose()?,

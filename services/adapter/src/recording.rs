@@ -107,8 +107,7 @@ impl Recording {
             content: Content::open(bytes, recorded, first_day_ns)?,
             intake: Intake {
                 source: source.number,
-                pipeline: Pipeline::new(source.model, &processing(source), first_day_ns, counts)
-                    .map_err(anyhow::Error::msg)?,
+                pipeline: Pipeline::new(source.model, &processing(source), first_day_ns, counts)?,
                 samples: Samples::default(),
                 reorder: Reorder::new(recorded.reorder_ns),
                 late: 0,

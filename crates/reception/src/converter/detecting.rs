@@ -48,7 +48,7 @@ impl Converter {
         }
         let platform_m = self.model.frame.cartesian([0.0; 3]);
         let is_polar = matches!(used, Position::Polar(_) | Position::Slant(_));
-        let (kind, values, sigmas) = match self.model.covariance.polar.filter(|_| is_polar) {
+        let (kind, values, sigmas) = match self.model.covariance.polar().filter(|_| is_polar) {
             Some(sigma) if height.is_known() => self.in_space(&placed, platform_m, sigma),
             Some(sigma) => along_the_ground(&placed, platform_m, sigma),
             None => {

@@ -173,7 +173,7 @@ impl Converter {
         }
         if let Some(received_ns) = self.received_ns {
             let utc_ns = DayUnroller::near(received_ns).utc_ns(time_of_day_ns);
-            if (utc_ns - received_ns).abs() > self.model.limits.time_step_ns {
+            if (utc_ns - received_ns).abs() > self.model.limits.time_step_s.ns() {
                 return Err(Counter::RejectedTime);
             }
             self.day

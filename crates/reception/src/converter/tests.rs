@@ -28,7 +28,7 @@ fn converter() -> Converter {
             height_max_m: 20e3,
             speed_mps: 350.0,
             jump_m: 100.0,
-            time_step_ns: 60 * S,
+            time_step_s: settings::Seconds::of_ns(60 * S),
             tracks: 2,
         },
         covariance: CovarianceModel {
@@ -36,7 +36,8 @@ fn converter() -> Converter {
             position_sigma_m: 5.0,
             velocity_sigma_mps: 2.0,
             height_sigma_m: 30.0,
-            polar: None,
+            range_sigma_m: None,
+            azimuth_sigma_deg: None,
             poor_quality: PoorQuality::Use,
         },
     };
@@ -477,10 +478,9 @@ fn a_track_keeps_its_height_for_a_while() {
 #[test]
 fn range_and_azimuth_errors_count_along_and_across_the_line_of_sight() {
     let mut converter = central_radar();
-    converter.model.covariance.polar = Some(frames::PolarSigma {
-        range_m: 50.0,
-        azimuth_rad: 0.001,
-    });
+    let covariance = &mut converter.model.covariance;
+    covariance.range_sigma_m = Some(50.0);
+    covariance.azimuth_sigma_deg = Some(settings::Degrees::of_rad(0.001));
     let seen = |range: f64, height: f64| {
         let report = Observation {
             slant_polar: Some([range, 0.0]),
@@ -690,10 +690,9 @@ fn place_of(detection: &Detection) -> [f64; 3] {
 }
 
 fn polar(mut converter: Converter) -> Converter {
-    converter.model.covariance.polar = Some(frames::PolarSigma {
-        range_m: 40.0,
-        azimuth_rad: 0.001,
-    });
+    let covariance = &mut converter.model.covariance;
+    covariance.range_sigma_m = Some(40.0);
+    covariance.azimuth_sigma_deg = Some(settings::Degrees::of_rad(0.001));
     converter
 }
 

@@ -1,7 +1,7 @@
 //! Records of any table with any content, all the way into sensor tracks: nothing panics, and what comes out can be used.
 
 use asterix::{Decoder, Mode, registry};
-use frames::{Geodetic, PolarSigma, SensorFrame, SystemFrame};
+use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{Covariance, SensorTrack};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -32,7 +32,7 @@ fn model(polar: bool, form: PositionForm) -> SourceModel {
             height_max_m: 1e5,
             speed_mps: 1e4,
             jump_m: 1e6,
-            time_step_ns: 1_000_000_000,
+            time_step_s: settings::Seconds::of_ns(1_000_000_000),
             tracks: 10,
         },
         covariance: CovarianceModel {
@@ -40,10 +40,8 @@ fn model(polar: bool, form: PositionForm) -> SourceModel {
             position_sigma_m: 10.0,
             velocity_sigma_mps: 1.0,
             height_sigma_m: 30.0,
-            polar: polar.then_some(PolarSigma {
-                range_m: 50.0,
-                azimuth_rad: 0.001,
-            }),
+            range_sigma_m: polar.then_some(50.0),
+            azimuth_sigma_deg: polar.then_some(settings::Degrees::of_rad(0.001)),
             poor_quality: PoorQuality::Use,
         },
     }

@@ -183,22 +183,37 @@ fn absence_is_reported_where_a_group_has_vanished() {
 
 #[test]
 fn messages_name_key_value_and_limit() {
-    WideAreaSettings::default().validate().expect("defaults are usable");
+    settings::check(&WideAreaSettings::default()).expect("defaults are usable");
+    let read = |text: &str| {
+        let document = settings::Document::parse(text, &[]).expect("well-formed");
+        document.read::<WideAreaSettings>().map_err(|error| error.to_string())
+    };
     for (text, expected) in [
-        ("period_s = 0", "period_s = 0: must be between 0.1 and 600"),
-        ("phase_s = 9", "phase_s = 9: must be between 0 and 8"),
-        ("delay_s = -1", "delay_s = -1: must be between 0 and 600"),
+        (
+            "period_s = 0",
+            "period_s: 0 is out of range; it must lie between 0.1 and 600",
+        ),
+        ("phase_s = 9", "phase_s: 9 is out of range; it must lie between 0 and 8"),
+        (
+            "delay_s = -1",
+            "delay_s: -1 is out of range; it must lie between 0 and 600",
+        ),
         (
             "count_wrong_probability = nan",
-            "count_wrong_probability = NaN: must be between 0 and 1",
+            "count_wrong_probability: NaN is out of range; it must lie between 0 and 1",
         ),
-        ("counted_max = 0", "counted_max = 0: must be between 1 and 256"),
-        ("absence_s = 121", "absence_s = 121: must be between 0 and 120"),
+        (
+            "counted_max = 0",
+            "counted_max: 0 is out of range; it must lie between 1 and 256",
+        ),
+        (
+            "absence_s = 121",
+            "absence_s: 121 is out of range; it must lie between 0 and 120",
+        ),
     ] {
-        let settings: WideAreaSettings = toml::from_str(text).expect("well-formed");
-        assert_eq!(settings.validate().expect_err("not usable").to_string(), expected);
+        assert_eq!(read(text).expect_err("not usable"), expected);
     }
-    assert!(toml::from_str::<WideAreaSettings>("count = 2").is_err(), "unknown key");
+    assert!(read("count = 2").is_err(), "unknown key");
 }
 
 proptest! {

@@ -14,6 +14,8 @@
 //!
 //! Source: patent JP4702010B2, embodiment 1.
 
+use settings::{Node, Place, Range, SettingsError, Table, Value};
+
 use crate::log_sum::{log_add, log_sum};
 
 /// How the group with enough tracks is raised. Each favours the same group and never lowers it.
@@ -24,6 +26,74 @@ pub enum Rule {
     /// Its odds are multiplied by this, at least 1: how much likelier the report is if there are enough tracks than if
     /// there are fewer.
     Factor(f64),
+}
+
+settings::settings! {
+    /// Correction of reliabilities: exactly one of the two.
+    struct RuleKeys {
+        check RuleKeys::check;
+        /// Share of the sum to which the group with enough tracks is raised, unless it has more already (the source's rule).
+        share: Option<f64> = None, in [1e-6, 0.999_999];
+        /// Factor by which its odds are multiplied: how much likelier the report is if there are enough tracks than if there are
+        /// fewer.
+        factor: Option<f64> = None, in [1, 1e12];
+    }
+}
+
+impl RuleKeys {
+    fn check(&self) -> Result<(), SettingsError> {
+        if self.share.is_some() != self.factor.is_some() {
+            return Ok(());
+        }
+        let what = "needs exactly one of share and factor, like { share = 0.6 }; \"off\" is another choice";
+        Err(SettingsError::new("", what))
+    }
+}
+
+impl From<Rule> for RuleKeys {
+    fn from(rule: Rule) -> Self {
+        let (share, factor) = match rule {
+            Rule::Share(share) => (Some(share), None),
+            Rule::Factor(factor) => (None, Some(factor)),
+        };
+        Self { share, factor }
+    }
+}
+
+impl Default for Rule {
+    /// Three fifths.
+    fn default() -> Self {
+        Self::Share(0.6)
+    }
+}
+
+impl Value for Rule {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        let mut keys = RuleKeys::default();
+        Value::read(&mut keys, node, range, at)?;
+        let share = keys.share.map(Self::Share);
+        *self = share.or(keys.factor.map(Self::Factor)).unwrap_or_default();
+        Ok(())
+    }
+
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        Value::check(&RuleKeys::from(*self), range, at)
+    }
+
+    fn kind(&self) -> String {
+        "table".to_owned()
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Self::Share(share) => format!("{{ share = {share} }}"),
+            Self::Factor(factor) => format!("{{ factor = {factor} }}"),
+        }
+    }
+
+    fn table(&self) -> Option<Box<dyn Table>> {
+        Some(Box::new(RuleKeys::default()))
+    }
 }
 
 /// What is added to the logarithms of the two groups' reliabilities; their sum stays what it was.

@@ -120,7 +120,7 @@ pub(crate) fn cue(
 ) -> Cue {
     // Wide enough for one that manoeuvres.
     let noise = motion
-        .manoeuvres
+        .manoeuvres()
         .map_or(motion.process_noise_m2ps3, |turning| turning.process_noise_m2ps3);
     let moved = track.moved_to(time_ns, noise);
     let [xx, xy, _, yy, ..] = moved.estimate.position_covariance();

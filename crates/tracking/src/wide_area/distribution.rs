@@ -10,29 +10,19 @@
 /// Distances below this count as this much, metres: a coarse position is not exact by chance.
 const DISTANCE_MIN_M: f64 = 1.0;
 
-/// How a number is shared.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sharing {
-    /// Only whole targets.
-    pub whole: bool,
-    /// A cluster's weight is also in proportion to the number of tracks that it has (at least 1).
-    pub by_tracks: bool,
-    /// The shares sum to so many times the reported number, at least 1.
-    pub excess: f64,
-    /// Reports of the same time of observation that are this near each other, metres, are taken as one group at their
-    /// mean position; `None`: each is shared by itself, and a cluster's shares add up.
-    pub group_m: Option<f64>,
-}
-
-impl Default for Sharing {
-    /// As in the source's example.
-    fn default() -> Self {
-        Self {
-            whole: true,
-            by_tracks: false,
-            excess: 1.0,
-            group_m: None,
-        }
+settings::settings! {
+    /// Sharing of a number among clusters, by default as in the source's example.
+    #[derive(Copy)]
+    pub struct Sharing {
+        /// Only whole targets.
+        whole: bool = true;
+        /// A cluster's weight is also in proportion to the number of tracks that it has (at least 1).
+        by_tracks: bool = false;
+        /// Sum of the shares, in times the reported number.
+        excess: f64 = 1.0, in [1, 100];
+        /// Reports of the same time of observation that are this near each other are taken as one group at their mean position;
+        /// otherwise each is shared by itself, and a cluster's shares add up.
+        group_m: Option<f64> = None, in [1e-3, 1e7];
     }
 }
 

@@ -86,7 +86,8 @@ impl Expectations {
     ) {
         self.list.clear();
         let is_due = |report: &WideAreaReport| report::is_due(report, before.support.reports_ns, time_ns);
-        let matters = |report: &WideAreaReport| is_due(report) || report::is_valid(report, time_ns, settings.valid_ns);
+        let matters =
+            |report: &WideAreaReport| is_due(report) || report::is_valid(report, time_ns, settings.valid_s.ns());
         let needed = |report: &WideAreaReport| if lasting { matters(report) } else { is_due(report) };
         if before.clusters.is_empty() || !reports.iter().any(needed) {
             return;
@@ -232,15 +233,17 @@ impl Expectations {
             let mut none_ns = i64::MIN;
             for report in reports
                 .iter()
-                .filter(|report| report::is_valid(report, time_ns, settings.valid_ns))
+                .filter(|report| report::is_valid(report, time_ns, settings.valid_s.ns()))
             {
                 let seconds = report.time_ns.saturating_sub(before.time_ns) as f64 / NS_PER_S;
                 let is_near = centre.distance_m(report.position_m, seconds) < settings.range_m;
                 if is_near && report.targets == 0 {
                     none_ns = none_ns.max(report.time_ns);
                 }
-                let covers =
-                    coverage.is_some_and(|circle| centre.distance_m(circle.centre_m, seconds) <= circle.radius_m);
+                let covers = coverage.is_some_and(|circle| {
+                    let [east, north] = circle.centre_m;
+                    centre.distance_m([east, north, 0.0], seconds) <= circle.radius_m
+                });
                 let says = if is_near {
                     Some(report.targets == 0)
                 } else {

@@ -11,11 +11,13 @@
 
 use super::correction::has_enough;
 
-/// When targets are followed as a group.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Groups {
-    /// Least probability that the cluster has fewer tracks than there are targets.
-    pub probability_min: f64,
+settings::settings! {
+    /// When targets are followed as a group (WA-7).
+    #[derive(Copy)]
+    pub struct Groups {
+        /// Least probability that the cluster has fewer tracks than there are targets.
+        probability_min: f64 = 0.5, in [1e-6, 1];
+    }
 }
 
 /// What makes a track one of a group.

@@ -185,11 +185,8 @@ impl Identities {
         let prior = known.origin.and_then(|origin| knowledge.at(origin.place_m));
         let (types, log_likelihoods) = (knowledge.types.len(), self.likelihoods(place));
         let stated = |target: usize| {
-            let types = prior.map_or(&[][..], |prior| &prior.types);
-            types
-                .iter()
-                .find(|(number, _)| *number == target)
-                .map(|(_, probability)| *probability)
+            let name = &knowledge.types.get(target)?.name;
+            prior?.types.get(name).copied()
         };
         let sum: f64 = (0..types).filter_map(stated).sum();
         let unstated = (0..types).filter(|target| stated(*target).is_none()).count() + 1;
@@ -236,7 +233,7 @@ impl Whereabouts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wide_area::prior::{self, Place, Prior};
+    use crate::wide_area::prior::{self, Circle, Prior};
 
     const NINE_GHZ: Emission = Emission {
         time_ns: 0,
@@ -255,14 +252,13 @@ mod tests {
                 pulse_interval_s: Some([5e-4, 2e-3]),
             }],
         };
-        let from = |centre_m, types: &[(usize, f64)]| Prior {
-            place: Place::Circle {
+        let from = |centre_m, types: &[(&str, f64)]| Prior {
+            circle: Some(Circle {
                 centre_m,
                 radius_m: 10e3,
-            },
-            types: types.to_vec(),
-            formations: Vec::new(),
-            formation_probability_min: 0.5,
+            }),
+            types: types.iter().map(|(name, share)| (name.to_string(), *share)).collect(),
+            ..Prior::default()
         };
         Knowledge {
             types: vec![
@@ -271,8 +267,8 @@ mod tests {
                 target("C", [2.0, 3.0]),
             ],
             priors: vec![
-                from([0.0, 90e3], &[(0, 0.8), (2, 0.1)]),
-                from([90e3, 0.0], &[(1, 0.6), (2, 0.3)]),
+                from([0.0, 90e3], &[("A", 0.8), ("C", 0.1)]),
+                from([90e3, 0.0], &[("B", 0.6), ("C", 0.3)]),
             ],
         }
     }

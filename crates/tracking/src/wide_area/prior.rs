@@ -10,9 +10,11 @@
 //! or number stated twice, two sectors from one point or two circles that overlap. Where a sector and a circle overlap, the
 //! first one listed holds.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
 use observations::WideAreaReport;
+use settings::{Degrees, SettingsError};
 
 use super::report::TARGETS_MAX;
 
@@ -20,178 +22,183 @@ use super::report::TARGETS_MAX;
 pub const TYPES_MAX: usize = 64;
 /// Most places of which something can be known.
 pub const PRIORS_MAX: usize = 256;
+/// Rounding errors of a sum of probabilities.
+const SUM_MORE: f64 = 1e-9;
 
-/// All of it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Knowledge {
-    /// The types that there are.
-    pub types: Vec<TargetType>,
-    /// What is known of places.
-    pub priors: Vec<Prior>,
-}
+settings::settings! {
+    /// Types of targets, and what is known of places (WA-10).
+    pub struct Knowledge {
+        check Knowledge::check;
+        /// Type of target.
+        types as "type": Vec<TargetType> = Vec::new();
+        /// What is known of one place.
+        priors as "prior": Vec<Prior> = Vec::new();
+    }
 
-/// A type of target.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TargetType {
-    /// Its name, for people: 1 to 12 printable characters of ASCII.
-    pub name: String,
-    /// What it emits; empty if that is not known.
-    pub emissions: Vec<EmissionBand>,
-}
+    /// Type of target.
+    pub struct TargetType {
+        check TargetType::check;
+        /// Name, for people: 1 to 12 printable characters of ASCII, none of them `,`, `|` or `"`.
+        name: String;
+        /// Kinds of its emissions, as far as they are known.
+        emissions: Vec<EmissionBand> = Vec::new();
+    }
 
-/// Emissions of one kind.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EmissionBand {
-    /// Lowest and highest frequency, hertz.
-    pub frequency_hz: [f64; 2],
-    /// Shortest and longest time between pulses, seconds, if that tells something.
-    pub pulse_interval_s: Option<[f64; 2]>,
-}
+    /// Emissions of one kind.
+    #[derive(Copy)]
+    pub struct EmissionBand {
+        check EmissionBand::check;
+        /// Lowest and highest frequency.
+        frequency_hz: [f64; 2];
+        /// Shortest and longest time between pulses, if that tells something.
+        pulse_interval_s: Option<[f64; 2]> = None;
+    }
 
-/// What is known of one place.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Prior {
-    /// The place.
-    pub place: Place,
-    /// (place in the list of types, probability). What is left to 1 is any type.
-    pub types: Vec<(usize, f64)>,
-    /// (number of targets that fly together, probability). What is left to 1 is any number.
-    pub formations: Vec<(u32, f64)>,
-    /// Formations of at least this probability raise the number of a report.
-    pub formation_probability_min: f64,
-}
+    /// What is known of one place: exactly one of `sector` and `circle`.
+    pub struct Prior {
+        check Prior::check;
+        /// Bearings from a point.
+        sector: Option<Sector> = None;
+        /// A circle.
+        circle: Option<Circle> = None;
+        /// Probabilities of types, by name. What is left to 1 is any type.
+        types: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1];
+        /// Probabilities of so many targets that fly together. What is left to 1 is any number.
+        formations: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1];
+        /// Formations of at least this probability raise the number of a report.
+        formation_probability_min: f64 = 0.5, in [1e-6, 1];
+    }
 
-/// Where.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
     /// Bearings from a point.
-    Sector {
-        /// East and north of the point, metres.
-        from_m: [f64; 2],
-        /// First and last bearing, clockwise from north, radians.
-        bearings_rad: [f64; 2],
-    },
-    /// A circle.
-    Circle {
-        /// East and north of its centre, metres.
-        centre_m: [f64; 2],
-        /// Metres.
-        radius_m: f64,
-    },
-}
-
-impl Place {
-    /// Whether a point, east and north in metres, is there.
-    pub fn contains(&self, point_m: [f64; 2]) -> bool {
-        match self {
-            Self::Sector { from_m, bearings_rad } => {
-                let bearing = (point_m[0] - from_m[0]).atan2(point_m[1] - from_m[1]);
-                (bearing - bearings_rad[0]).rem_euclid(TAU) <= width(*bearings_rad)
-            }
-            Self::Circle { centre_m, radius_m } => distance(*centre_m, point_m) <= *radius_m,
-        }
+    #[derive(Copy)]
+    pub struct Sector {
+        check Sector::check;
+        /// East and north of the point.
+        from_m: [f64; 2], in [-1e7, 1e7];
+        /// First and last bearing, clockwise from north.
+        bearings_deg: [Degrees; 2], in [-360, 360];
     }
 
-    /// Whether two places of the same kind have something in common.
+    /// A circle in the plane.
+    #[derive(Copy)]
+    pub struct Circle {
+        /// East and north of its centre.
+        centre_m: [f64; 2], in [-1e7, 1e7];
+        /// Radius.
+        radius_m: f64, in [1e-3, 1e7];
+    }
+}
+
+impl Sector {
+    fn check(&self) -> Result<(), SettingsError> {
+        if self.width_rad() > 0.0 {
+            return Ok(());
+        }
+        let [first, last] = self.bearings_deg.map(Degrees::deg);
+        let what = format!(
+            "[{first}, {last}]: write two different bearings, clockwise from the first to the last; all around is a circle"
+        );
+        Err(SettingsError::new("bearings_deg", what))
+    }
+
+    fn contains(&self, point_m: [f64; 2]) -> bool {
+        let bearing = (point_m[0] - self.from_m[0]).atan2(point_m[1] - self.from_m[1]);
+        self.clockwise_rad(bearing) <= self.width_rad()
+    }
+
+    /// From the first to the last bearing.
+    fn width_rad(&self) -> f64 {
+        self.clockwise_rad(self.bearings_deg[1].rad())
+    }
+
+    /// From the first bearing to this one.
+    fn clockwise_rad(&self, bearing_rad: f64) -> f64 {
+        (bearing_rad - self.bearings_deg[0].rad()).rem_euclid(TAU)
+    }
+
     fn overlaps(&self, other: &Self) -> bool {
-        match (self, other) {
-            (
-                Self::Sector { from_m, bearings_rad },
-                Self::Sector {
-                    from_m: other_from,
-                    bearings_rad: other_bearings,
-                },
-            ) => {
-                let begins_in = |one: &[f64; 2], other: &[f64; 2]| (other[0] - one[0]).rem_euclid(TAU) < width(*one);
-                from_m == other_from
-                    && (begins_in(bearings_rad, other_bearings) || begins_in(other_bearings, bearings_rad))
-            }
-            (
-                Self::Circle { centre_m, radius_m },
-                Self::Circle {
-                    centre_m: other_centre,
-                    radius_m: other_radius,
-                },
-            ) => distance(*centre_m, *other_centre) < radius_m + other_radius,
-            _ => false,
-        }
-    }
-
-    fn is_whole(&self) -> bool {
-        match self {
-            Self::Sector { from_m, bearings_rad } => {
-                let all = [*from_m, *bearings_rad];
-                all.as_flattened().iter().all(|value| value.is_finite()) && width(*bearings_rad) > 0.0
-            }
-            Self::Circle { centre_m, radius_m } => {
-                centre_m.iter().all(|value| value.is_finite()) && *radius_m > 0.0 && radius_m.is_finite()
-            }
-        }
+        let begins_in = |one: &Self, other: &Self| one.clockwise_rad(other.bearings_deg[0].rad()) < one.width_rad();
+        self.from_m == other.from_m && (begins_in(self, other) || begins_in(other, self))
     }
 }
 
-/// Clockwise from the first to the last bearing, radians.
-fn width([first, last]: [f64; 2]) -> f64 {
-    (last - first).rem_euclid(TAU)
+impl EmissionBand {
+    fn check(&self) -> Result<(), SettingsError> {
+        let band = |key: &str, [low, high]: [f64; 2]| {
+            // Written so that NaN is refused.
+            if low > 0.0 && low <= high && high.is_finite() {
+                return Ok(());
+            }
+            let what = format!("[{low}, {high}]: write the lowest and the highest value, greater than 0");
+            Err(SettingsError::new(key, what))
+        };
+        band("frequency_hz", self.frequency_hz)?;
+        self.pulse_interval_s
+            .map_or(Ok(()), |interval_s| band("pulse_interval_s", interval_s))
+    }
 }
 
-fn distance(one: [f64; 2], other: [f64; 2]) -> f64 {
-    (one[0] - other[0]).hypot(one[1] - other[1])
+impl TargetType {
+    fn check(&self) -> Result<(), SettingsError> {
+        let name = self.name.as_str();
+        // Names are columns of files that have no quotes.
+        let fits =
+            messages::TargetType::new(name, 1.0).is_some() && name.trim() == name && !name.contains([',', '|', '"']);
+        if fits {
+            return Ok(());
+        }
+        let what = format!(
+            "{name:?} cannot be a name: use 1 to {} printable ASCII characters, none of them , | or \", and no blank at \
+             either end",
+            messages::TYPE_NAME_MAX
+        );
+        Err(SettingsError::new("name", what))
+    }
 }
 
 impl Knowledge {
-    /// What is wrong or contradictory, in one sentence that counts priors from 1; `None` if nothing is.
-    pub fn fault(&self) -> Option<String> {
-        let band = |[low, high]: [f64; 2]| low > 0.0 && high >= low && high.is_finite();
-        let emits = |target: &&TargetType| {
-            let whole =
-                |emission: &EmissionBand| band(emission.frequency_hz) && emission.pulse_interval_s.is_none_or(band);
-            !target.emissions.iter().all(whole)
-        };
-        if let Some(target) = self.types.iter().find(emits) {
-            return Some(format!(
-                "type {:?}: bands need a positive lower end that is not above the upper one",
-                target.name
+    /// Whether it contradicts itself.
+    fn check(&self) -> Result<(), SettingsError> {
+        let most = [
+            ("type", self.types.len(), TYPES_MAX),
+            ("prior", self.priors.len(), PRIORS_MAX),
+        ];
+        if let Some((key, count, most)) = most.into_iter().find(|(_, count, most)| count > most) {
+            return Err(SettingsError::new(
+                key,
+                format!("there are {count}; at most {most} can be described"),
             ));
         }
-        if self.types.len() > TYPES_MAX || self.priors.len() > PRIORS_MAX {
-            return Some(format!(
-                "at most {TYPES_MAX} types and {PRIORS_MAX} priors can be described"
-            ));
-        }
-        for (place, target) in self.types.iter().enumerate() {
-            if messages::TargetType::new(&target.name, 1.0).is_none() {
-                return Some(format!(
-                    "type {:?}: its name must have 1 to {} printable characters",
-                    target.name,
-                    messages::TYPE_NAME_MAX
-                ));
-            }
-            if self.types[..place].iter().any(|other| other.name == target.name) {
-                return Some(format!("type {:?} is described twice", target.name));
+        for (index, target) in self.types.iter().enumerate() {
+            if self.types[..index].iter().any(|other| other.name == target.name) {
+                let what = format!(
+                    "{:?} is the name of an earlier type; say everything of it there",
+                    target.name
+                );
+                return Err(SettingsError::new(format!("type[{index}].name"), what));
             }
         }
-        for (place, prior) in self.priors.iter().enumerate() {
-            if let Some(fault) = prior.fault(self.types.len()) {
-                return Some(format!("prior {}: {fault}", place + 1));
+        for (index, prior) in self.priors.iter().enumerate() {
+            let is_described = |name: &&String| self.types.iter().any(|target| target.name == **name);
+            if let Some(name) = prior.types.keys().find(|name| !is_described(name)) {
+                let what = format!("no [[wide_area.type]] is named {name:?}; describe it there, or correct the name");
+                return Err(SettingsError::new(format!("prior[{index}].types.{name}"), what));
             }
-            if let Some(other) = self.priors[..place]
-                .iter()
-                .position(|other| other.place.overlaps(&prior.place))
-            {
-                return Some(format!(
+            if let Some(other) = self.priors[..index].iter().position(|other| other.overlaps(prior)) {
+                let what = format!(
                     "priors {} and {} speak of the same place; let them adjoin, or join them",
                     other + 1,
-                    place + 1
-                ));
+                    index + 1
+                );
+                return Err(SettingsError::new(format!("prior[{index}]"), what));
             }
         }
-        None
+        Ok(())
     }
 
     /// What is known of a point, east and north in metres.
     pub fn at(&self, point_m: [f64; 2]) -> Option<&Prior> {
-        self.priors.iter().find(|prior| prior.place.contains(point_m))
+        self.priors.iter().find(|prior| prior.contains(point_m))
     }
 
     /// What is known of a report's targets.
@@ -209,58 +216,72 @@ impl Knowledge {
 }
 
 impl Prior {
-    fn fault(&self, types: usize) -> Option<&'static str> {
-        let twice = |numbers: &[usize]| (1..numbers.len()).any(|place| numbers[..place].contains(&numbers[place]));
-        let named: Vec<usize> = self.types.iter().map(|(number, _)| *number).collect();
-        let sizes: Vec<usize> = self.formations.iter().map(|(size, _)| *size as usize).collect();
-        let of_types = self.types.iter().map(|(_, probability)| *probability);
-        let of_sizes = self.formations.iter().map(|(_, probability)| *probability);
-        let sum = |all: &mut dyn Iterator<Item = f64>| all.sum::<f64>();
-        let proper = |probability: f64| (0.0..=1.0).contains(&probability);
-        let checks = [
-            (
-                self.place.is_whole(),
-                "a sector needs two different bearings, a circle a positive radius",
-            ),
-            (
-                of_types.clone().chain(of_sizes.clone()).all(proper),
-                "probabilities lie between 0 and 1",
-            ),
-            (
-                sum(&mut of_types.clone()) <= 1.0 + 1e-9,
-                "the probabilities of its types sum to more than 1",
-            ),
-            (
-                sum(&mut of_sizes.clone()) <= 1.0 + 1e-9,
-                "the probabilities of its formations sum to more than 1",
-            ),
-            (
-                named.iter().all(|number| *number < types),
-                "it names a type that is not described",
-            ),
-            (!twice(&named), "it names a type twice"),
-            (!twice(&sizes), "it names a formation twice"),
-            (
-                sizes.iter().all(|size| (1..=TARGETS_MAX as usize).contains(size)),
-                "formations have 1 to 256 members",
-            ),
-            (
-                self.formation_probability_min > 0.0 && self.formation_probability_min <= 1.0,
-                "the least probability of formations must be above 0, at most 1",
-            ),
-        ];
-        checks.iter().find(|(holds, _)| !holds).map(|(_, sentence)| *sentence)
+    fn check(&self) -> Result<(), SettingsError> {
+        if self.sector.is_some() == self.circle.is_some() {
+            let what = "needs exactly one of sector and circle: say of which place this is known";
+            return Err(SettingsError::new("", what));
+        }
+        let mut sizes = BTreeSet::new();
+        for size in self.formations.keys() {
+            let error = |what| Err(SettingsError::new(format!("formations.{size}"), what));
+            match members(size) {
+                None => {
+                    return error(format!(
+                        "{size:?} is no number of members; it must lie between 1 and {TARGETS_MAX}"
+                    ));
+                }
+                Some(members) if !sizes.insert(members) => {
+                    return error(format!(
+                        "formations of {members} are stated twice; leave one of them out"
+                    ));
+                }
+                Some(_) => (),
+            }
+        }
+        for (key, probabilities) in [("types", &self.types), ("formations", &self.formations)] {
+            let sum: f64 = probabilities.values().sum();
+            if sum > 1.0 + SUM_MORE {
+                let what = format!("the probabilities sum to {sum:.6}; lower them until they sum to 1 at most");
+                return Err(SettingsError::new(key, what));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a point, east and north in metres, is at the place.
+    pub fn contains(&self, point_m: [f64; 2]) -> bool {
+        let in_circle = |circle: &Circle| distance(circle.centre_m, point_m) <= circle.radius_m;
+        self.sector.is_some_and(|sector| sector.contains(point_m)) || self.circle.as_ref().is_some_and(in_circle)
+    }
+
+    /// Whether two places of the same kind have something in common.
+    fn overlaps(&self, other: &Self) -> bool {
+        let circles =
+            |(one, other): (Circle, Circle)| distance(one.centre_m, other.centre_m) < one.radius_m + other.radius_m;
+        self.sector
+            .zip(other.sector)
+            .is_some_and(|(one, other)| one.overlaps(&other))
+            || self.circle.zip(other.circle).is_some_and(circles)
     }
 
     /// The size of the likeliest formation that is likely enough and larger, else the number itself.
     pub fn raised(&self, targets: u32) -> u32 {
-        let likely = self
-            .formations
-            .iter()
+        let sizes = self.formations.iter();
+        let likely = sizes
+            .filter_map(|(size, probability)| Some((members(size)?, *probability)))
             .filter(|(size, probability)| *size > targets && *probability >= self.formation_probability_min);
         let best = likely.max_by(|(one, a), (other, b)| a.total_cmp(b).then(other.cmp(one)));
-        best.map_or(targets, |(size, _)| *size)
+        best.map_or(targets, |(size, _)| size)
     }
+}
+
+/// The number of members that the key of a formation says; `None` if it says none.
+fn members(size: &str) -> Option<u32> {
+    size.parse().ok().filter(|members| (1..=TARGETS_MAX).contains(members))
+}
+
+fn distance(one: [f64; 2], other: [f64; 2]) -> f64 {
+    (one[0] - other[0]).hypot(one[1] - other[1])
 }
 
 #[cfg(test)]
@@ -274,14 +295,18 @@ mod tests {
                 emissions: Vec::new(),
             }],
             priors: vec![Prior {
-                place: Place::Sector {
-                    from_m: [1e3, 0.0],
-                    bearings_rad: [0.2, 1.0],
-                },
-                types: vec![(0, 0.7)],
-                formations: vec![(4, 0.8), (2, 0.1)],
-                formation_probability_min: 0.5,
+                sector: Some(sector([1e3, 0.0], [0.2, 1.0])),
+                types: [("patrol".to_owned(), 0.7)].into(),
+                formations: [("4".to_owned(), 0.8), ("2".to_owned(), 0.1)].into(),
+                ..Prior::default()
             }],
+        }
+    }
+
+    fn sector(from_m: [f64; 2], bearings_rad: [f64; 2]) -> Sector {
+        Sector {
+            from_m,
+            bearings_deg: bearings_rad.map(Degrees::of_rad),
         }
     }
 
@@ -299,7 +324,7 @@ mod tests {
     #[test]
     fn fours_are_expected_only_from_their_sector() {
         let knowledge = from_the_north_east();
-        assert_eq!(knowledge.fault(), None);
+        assert_eq!(settings::check(&knowledge), Ok(()));
         for (bearing, targets, expected) in [
             (0.5, 2, 4),
             (0.5, 4, 4),
@@ -319,73 +344,76 @@ mod tests {
         elsewhere.origin_m = Some([2e4, 3e4]);
         assert_eq!(knowledge.targets(&elsewhere), 4, "where they came from counts");
         let mut unlikely = knowledge;
-        unlikely.priors[0].formations[0].1 = 0.4;
+        unlikely.priors[0].formations.insert("4".to_owned(), 0.4);
         assert_eq!(unlikely.targets(&report(0.5, 2)), 2);
     }
 
     #[test]
     fn a_sector_may_span_north() {
-        let place = Place::Sector {
-            from_m: [0.0; 2],
-            bearings_rad: [6.0, 0.3],
-        };
+        let place = sector([0.0; 2], [6.0, 0.3]);
         assert!(place.contains([0.0, 1.0]) && place.contains([-0.1, 1.0]) && !place.contains([0.0, -1.0]));
     }
 
     #[test]
-    fn what_contradicts_itself_is_refused_with_its_number() {
+    fn what_contradicts_itself_is_refused_with_its_key() {
         type Spoil = fn(&mut Knowledge);
+        fn formation(all: &mut Knowledge, members: &str, probability: f64) {
+            all.priors[0].formations.insert(members.to_owned(), probability);
+        }
+        fn beside(all: &mut Knowledge, bearings_rad: [f64; 2]) {
+            let sector = Some(sector([1e3, 0.0], bearings_rad));
+            let other = Prior {
+                sector,
+                ..all.priors[0].clone()
+            };
+            all.priors.push(other);
+        }
         let cases: [(&str, Spoil); 11] = [
-            ("type \"a long name indeed\": its name", |all| {
+            ("type[0].name: \"a long name indeed\" cannot be a name", |all| {
                 all.types[0].name = "a long name indeed".to_owned()
             }),
-            ("at most 64 types", |all| all.types = vec![all.types[0].clone(); 65]),
-            ("prior 1: the probabilities of its types", |all| {
-                all.priors[0].types[0].1 = 0.9999 + 0.01
+            ("type: there are 65; at most 64", |all| {
+                all.types = vec![all.types[0].clone(); 65]
             }),
-            ("prior 1: the probabilities of its formations", |all| {
-                all.priors[0].formations[1].1 = 0.3
+            ("prior[0].types: the probabilities sum to 1.00", |all| {
+                all.priors[0].types.insert("ferry".to_owned(), 0.301);
             }),
-            ("prior 1: probabilities lie", |all| {
-                all.priors[0].formations[0].1 = f64::NAN
+            ("prior[0].formations: the probabilities sum to 1.1", |all| {
+                formation(all, "2", 0.3)
             }),
-            ("prior 1: it names a formation twice", |all| {
-                all.priors[0].formations[1].0 = 4
+            ("prior[0].formations.4: NaN is out of range", |all| {
+                formation(all, "4", f64::NAN)
             }),
-            ("prior 1: it names a type that", |all| all.priors[0].types[0].0 = 1),
-            ("prior 1: formations have", |all| all.priors[0].formations[0].0 = 10_000),
-            ("prior 1: a sector needs", |all| {
-                all.priors[0].place = Place::Sector {
-                    from_m: [0.0; 2],
-                    bearings_rad: [1.0, 1.0],
-                };
+            ("prior[0].formations.4: formations of 4 are stated twice", |all| {
+                formation(all, "04", 0.1)
             }),
-            ("priors 1 and 2 speak of the same place", |all| {
-                let mut other = all.priors[0].clone();
-                other.place = Place::Sector {
-                    from_m: [1e3, 0.0],
-                    bearings_rad: [0.9, 1.5],
-                };
-                all.priors.push(other);
+            (
+                "prior[0].types.ferry: no [[wide_area.type]] is named \"ferry\"",
+                |all| {
+                    all.priors[0].types.insert("ferry".to_owned(), 0.3);
+                },
+            ),
+            ("prior[0].formations.10000: \"10000\" is no number of members", |all| {
+                formation(all, "10000", 0.1)
             }),
-            ("type \"patrol\" is described twice", |all| {
+            ("prior[0].sector.bearings_deg: ", |all| {
+                all.priors[0].sector = Some(sector([0.0; 2], [1.0, 1.0]));
+            }),
+            ("prior[1]: priors 1 and 2 speak of the same place", |all| {
+                beside(all, [0.9, 1.5])
+            }),
+            ("type[1].name: \"patrol\" is the name of an earlier type", |all| {
                 all.types.push(all.types[0].clone())
             }),
         ];
         for (expected, spoil) in cases {
             let mut knowledge = from_the_north_east();
             spoil(&mut knowledge);
-            let fault = knowledge.fault().unwrap_or_default();
-            let by_value = expected.ends_with("types") && fault.contains("probabilities lie");
-            assert!(fault.starts_with(expected) || by_value, "{expected}: {fault}");
+            let error = settings::check(&knowledge).unwrap_err().to_string();
+            assert!(error.starts_with(expected), "{expected}: {error}");
         }
         let mut adjoining = from_the_north_east();
-        let mut other = adjoining.priors[0].clone();
-        other.place = Place::Sector {
-            from_m: [1e3, 0.0],
-            bearings_rad: [1.0, 1.5],
-        };
-        adjoining.priors.push(other);
-        assert_eq!(adjoining.fault(), None);
+        beside(&mut adjoining, [1.0, 1.5]);
+        assert_eq!(settings::check(&adjoining), Ok(()));
     }
 }

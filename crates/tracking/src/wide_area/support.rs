@@ -56,9 +56,9 @@ impl Support {
             arrival_ns: due_ns,
             ..*report
         };
-        report::fault(report, settings.delay_max_ns)
+        report::fault(report, settings.delay_max_s.ns())
             .map_or(Ok(()), Err)
-            .and_then(|()| self.reports.keep(due, closed_ns, settings.valid_ns))
+            .and_then(|()| self.reports.keep(due, closed_ns, settings.valid_s.ns()))
             .inspect_err(|_| counts.wide_area_reports_refused += 1)?;
         counts.wide_area_reports += 1;
         Ok(due_ns)
@@ -75,7 +75,7 @@ impl Support {
         settings: &WideArea,
         counts: &mut TrackerCounts,
     ) -> Result<i64, EmissionRefusal> {
-        let due_ns = self.emissions.keep(emission, closed_ns, settings.delay_max_ns);
+        let due_ns = self.emissions.keep(emission, closed_ns, settings.delay_max_s.ns());
         let due_ns = due_ns.inspect_err(|_| counts.emissions_refused += 1)?;
         counts.emissions += 1;
         Ok(due_ns)

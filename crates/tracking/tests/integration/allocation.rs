@@ -2,11 +2,12 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use observations::{Detection, DetectionKind};
+use settings::Degrees;
 use test_support::S;
-use tracking::settings::{Capacity, Limit, SensorSettings};
+use tracking::settings::{Capacity, Limit, SensorModel, SensorSettings};
 use tracking::wide_area::distribution::Sharing;
 use tracking::wide_area::group::Groups;
-use tracking::wide_area::prior::{EmissionBand, Place, Prior, TargetType};
+use tracking::wide_area::prior::{Circle, EmissionBand, Prior, TargetType};
 use tracking::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
 use tracking::wide_area::{Emission, WideAreaReport};
 use tracking::{FieldOfView, Settings, Tracker};
@@ -62,22 +63,25 @@ fn scans_allocate_nothing() {
     let mut settings = Settings {
         sensors: vec![SensorSettings {
             sensor_id: 1,
-            resolution_m: Some(2.0),
-            field_of_view: Some(FieldOfView {
-                range_m: [0.0, 2500.0],
-                sector_rad: Some([0.0, 1.5]),
-                position_m: None,
-            }),
+            model: SensorModel {
+                resolution_m: Some(2.0),
+                field_of_view: Some(FieldOfView {
+                    range_m: [0.0, 2500.0],
+                    sector_deg: Some([Degrees::of_rad(0.0), Degrees::of_rad(1.5)]),
+                    position_m: None,
+                }),
+                ..SensorModel::default()
+            },
             ..SensorSettings::default()
         }],
         capacity: Capacity {
-            tracks: 120,
-            detections: 200,
+            tracks: Some(120),
+            detections: Some(200),
             open_scans: 2,
         },
         ..Settings::default()
     };
-    settings.first_guess.speed_sigma_mps = 20.0;
+    settings.initiation.speed_sigma_mps = 20.0;
     settings.splitting.start_in_confirmed_gates = true;
     settings.splitting.tentative_tracks = Limit::Computed;
     settings.splitting.company_min = Some(0.3);
@@ -91,7 +95,7 @@ fn scans_allocate_nothing() {
         company_min: 0.0,
     });
     settings.wide_area.deletion = Some(EarlyDeletion {
-        deletion: settings.deletion,
+        deletion: settings.deletion.limits,
         coverage: None,
     });
     settings.wide_area.knowledge.types = vec![TargetType {
@@ -102,13 +106,12 @@ fn scans_allocate_nothing() {
         }],
     }];
     settings.wide_area.knowledge.priors = vec![Prior {
-        place: Place::Circle {
+        circle: Some(Circle {
             centre_m: [700.0, 700.0],
             radius_m: 1e4,
-        },
-        types: vec![(0, 0.9)],
-        formations: Vec::new(),
-        formation_probability_min: 0.5,
+        }),
+        types: [("boat".to_owned(), 0.9)].into(),
+        ..Prior::default()
     }];
     let mut tracker = Tracker::new(settings).unwrap();
     let mut state = 12345;

@@ -94,20 +94,17 @@ fn settings(locate: &Locate) -> anyhow::Result<Settings> {
     };
     if let Some(word) = &locate.filter {
         let words = FilterChoice::ALL.map(FilterChoice::word);
-        settings.motion.filter = chosen("--filter", word, FilterChoice::ALL, words)?;
+        settings.motion.filter = FilterChoice::from_word(word).ok_or_else(|| not_known("--filter", word, &words))?;
     }
     if let Some(word) = &locate.select {
         let words = Select::ALL.map(Select::word);
-        settings.selection.select = chosen("--select", word, Select::ALL, words)?;
+        settings.selection.select = Select::from_word(word).ok_or_else(|| not_known("--select", word, &words))?;
     }
     Ok(settings)
 }
 
-fn chosen<T, const N: usize>(option: &str, word: &str, all: [T; N], words: [&str; N]) -> Result<T, Usage> {
-    let found = all.into_iter().zip(words).find(|(_, known)| *known == word);
-    found
-        .map(|(choice, _)| choice)
-        .ok_or_else(|| Usage(format!("{option} {word}: there are {}", words.join(", "))))
+fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {
+    Usage(format!("{option} {word}: there are {}", words.join(", ")))
 }
 
 /// What is read must not be written over, nor one output over the other.

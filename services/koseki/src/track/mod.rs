@@ -54,8 +54,7 @@ pub(crate) fn run(track: &Track) -> anyhow::Result<()> {
     };
     let mut written = Written::begin(&track.out, track.cues.as_deref())?;
     (written.reports, written.emissions) = (support, heard);
-    let tracker = ScanTracker::new(settings, outputs, Arrivals::of(reports), emissions);
-    let mut tracker = tracker.map_err(anyhow::Error::msg)?;
+    let mut tracker = ScanTracker::new(settings, outputs, Arrivals::of(reports), emissions)?;
     let explained = track.explain.as_deref().map(Explained::begin).transpose()?;
     let observer = explained.as_ref().map(|explained| explained as &dyn Observer);
     let mut progress = Progress::new(input.octets);
@@ -132,7 +131,7 @@ impl Given {
 
     fn settings(&self, seen: &SeenDetections) -> anyhow::Result<Settings> {
         let config = match self {
-            Self::Offline(config) => return Ok(config.settings(seen)?),
+            Self::Offline(config) => return Ok(config.settings(seen)),
             Self::Deployment(config) => config,
         };
         let tracker_of = |id: &u32| {

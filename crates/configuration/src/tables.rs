@@ -1,0 +1,466 @@
+//! The tables of a deployment's file, as they are written: every key that belongs to no other crate.
+//!
+//! What is checked here is what one table says of itself; how tables fit together is checked in `check` and its like.
+
+use std::collections::BTreeMap;
+
+use net::{AllowedSenders, Interface};
+use outgoing::{HeightReference, Technology};
+use reception::{CovarianceModel, Limits, PositionForm, STANDARD_PRESSURE_HPA};
+use settings::{Degrees, Seconds, SettingsError};
+use tracking::cutting::Boundaries;
+use tracking::settings::SensorModel;
+
+use super::raw::{RawAccuracy, RawCoverage, RawFusion};
+use super::{Order, RecordedFormat, Truncated};
+
+settings::settings! {
+    /// A deployment.
+    pub struct DeploymentTable {
+        /// Name: 1 to 31 letters, digits, `-` and `_`, as all names.
+        name: String;
+        /// Number of the deployment among those that exchange tracks; 0: it exchanges none.
+        origin: u32 = 0;
+        /// Origin of the system frame.
+        frame: PlaceTable;
+        /// Time of recordings, and order of fusion.
+        time: TimeTable = TimeTable::default();
+        /// Network input: one socket, one adapter process.
+        receivers as "receiver": Vec<ReceiverTable> = Vec::new();
+        /// Source. Its number is its place in the file, from 0.
+        sources as "source": Vec<SourceTable> = Vec::new();
+        /// Wide-area sensor: it knows how many targets there are (WA).
+        wide_area_sensors as "wide_area_sensor": Vec<WideAreaSensorTable> = Vec::new();
+        /// Network output: one gateway process.
+        gateways as "gateway": Vec<GatewayTable> = Vec::new();
+        /// World that simulated sources observe.
+        scenario: Option<scenario::ScenarioSettings> = None;
+        /// Fusion process.
+        fusion: RawFusion = RawFusion::default();
+        /// Monitor process.
+        monitor: MonitorTable = MonitorTable::default();
+        /// Recorder process.
+        recorder: RecorderTable = RecorderTable::default();
+    }
+
+    /// A place on the Earth (WGS-84).
+    pub struct PlaceTable {
+        /// Latitude, −90 to 90.
+        latitude_deg: f64;
+        /// Longitude, −180 to 180.
+        longitude_deg: f64;
+        /// Height above the ellipsoid.
+        height_m: f64 = 0.0;
+        /// Direction of the sensor's own north, clockwise from true north.
+        north_offset_deg: Degrees = Degrees::of(0.0), in [-360, 360];
+    }
+
+    /// Time of recordings, and order of fusion.
+    pub struct TimeTable {
+        /// Order in which fusion takes reports: `arrival`, lowest latency; `time`, by time of measurement, merged with each source's
+        /// progress, so that the result does not depend on scheduling. For recordings only.
+        order: Order = Order::Arrival;
+        /// First day of the recordings (UTC), as in `"2016-05-10"`: they carry the time of day only.
+        date: Option<String> = None, usually "must be given with recordings";
+    }
+
+    /// A network input: exactly one of `udp` and `sbs`.
+    pub struct ReceiverTable {
+        check ReceiverTable::check;
+        /// Name of the adapter process.
+        name: String;
+        /// ASTERIX, bearings or counts in datagrams.
+        udp: Option<UdpTable> = None;
+        /// Lines of SBS-1 (BaseStation) from a server.
+        sbs: Option<SbsTable> = None;
+    }
+
+    /// Datagrams.
+    pub struct UdpTable {
+        /// Multicast group or address of this machine, with the port: `"239.1.2.3:8600"`.
+        listen: String;
+        /// Interface on which the group is joined, by address, name or index.
+        interface: Option<String> = None, usually "needed for a group";
+        /// Addresses and networks whose datagrams are accepted, as in `"10.0.0.0/8"`.
+        senders: Vec<String> = Vec::new(), usually "all";
+        /// Octets that the kernel holds while the reader is busy.
+        buffer_bytes: usize = 4 << 20, in [4 << 10, 1 << 30];
+    }
+
+    /// A server of SBS-1.
+    pub struct SbsTable {
+        /// Address and port of the server.
+        connect: String;
+        /// Minutes by which the server's clock shows more than UTC.
+        ahead_of_utc_min: i32 = 0, in [-840, 840];
+    }
+
+    /// A source: exactly one of `recorded`, `live`, `simulated`, `simulated_direction_finder` and `external`.
+    pub struct SourceTable {
+        check SourceTable::check;
+        /// Name, which is also part of its topic's name.
+        name: String;
+        /// Identity of the sensor, the same in every deployment that hears it. 0 stands for an unknown sensor.
+        uid: Option<u32> = None, in [1, u32::MAX], usually "derived from the name";
+        /// Time between two reports of one target.
+        period_s: f64 = 1.0, in [1e-3, 3600];
+        /// Age beyond which a report no longer counts.
+        fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
+        /// Priority for ties: of equally good sources the one with the smallest number is taken.
+        priority: Option<u32> = None, usually "its place in the file";
+        /// Targets higher than this above the system origin cannot be seen by this source.
+        ceiling_m: Option<f64> = None;
+        /// Technology by which it observes.
+        technology: Option<Technology> = None, usually "what it sends tells";
+        /// Height of targets without one, for slant ranges: between the low fliers without transponder and the high ones.
+        assumed_height_m: f64 = 5000.0, in [-500, 20e3];
+        /// Pressure at sea level, for pressure altitudes. The extremes that were ever measured are 870 and 1084 hPa.
+        qnh_hpa: f64 = STANDARD_PRESSURE_HPA, in [850, 1100];
+        /// Place of the sensor.
+        place: Option<PlaceTable> = None, usually "the frame's";
+        /// Recording.
+        recorded: Option<RecordedTable> = None;
+        /// Sensor behind a receiver.
+        live: Option<LiveTable> = None;
+        /// Simulated sensor, whose reports come over the loopback network.
+        simulated: Option<scenario::SensorSettings> = None;
+        /// Simulated direction finder, whose bearings its adapter locates.
+        simulated_direction_finder: Option<scenario::DirectionFinderSettings> = None;
+        /// A process that is no part of the deployment publishes the source's topic.
+        external: Option<ExternalTable> = None;
+        /// Tracks are made of its detections.
+        tracker: Option<SourceTrackerTable> = None;
+        /// Tracks are made of its bearings.
+        locator: Option<locating::Settings> = None;
+        /// Limits of its reports.
+        limits: Limits = Limits::default();
+        /// Covariance of its reports.
+        covariance: CovarianceModel = CovarianceModel::default();
+        /// Accuracy by which it is weighed.
+        accuracy: RawAccuracy = RawAccuracy::default();
+        /// Where it sees.
+        coverage: Option<RawCoverage> = None;
+    }
+
+    /// A recording. Times before the first one are of the day before.
+    pub struct RecordedTable with sender: SenderTable {
+        check RecordedTable::check;
+        /// File, relative to the data folder unless absolute.
+        file: String;
+        /// Content of the file.
+        format: RecordedFormat = RecordedFormat::Asterix;
+        /// Time by which reports may come out of order.
+        reorder_s: Seconds = Seconds::of(0.5), in [0, 60];
+        /// Use of a recording that ends in the middle of a data block: its recorder was killed, or its copy cut short.
+        truncated: Truncated = Truncated::Refuse;
+    }
+
+    /// A sensor behind a receiver.
+    pub struct LiveTable with sender: SenderTable {
+        /// Name of the receiver.
+        receiver: String;
+    }
+
+    /// Reading of a sender's ASTERIX records.
+    pub struct SenderTable with identity: SacSicTable, reading: AsterixTable {
+        /// Position item that is used, of a report that carries several.
+        positions: PositionForm = PositionForm::Any;
+    }
+
+    /// Identity of a sender.
+    pub struct SacSicTable {
+        check SacSicTable::check;
+        /// System area code of the sender, together with `sic`.
+        sac: Option<u8> = None, usually "any sender";
+        /// System identification code of the sender.
+        sic: Option<u8> = None, usually "any sender";
+    }
+
+    /// Reading of ASTERIX records.
+    pub struct AsterixTable {
+        /// Editions by category: `{ "21" = "0.23" }`.
+        editions: BTreeMap<String, String> = BTreeMap::new(), usually "the newest ones known";
+        /// Refuse blocks with spare bits set, or with items that go on beyond their edition.
+        strict: bool = false;
+    }
+
+    /// Nothing has to be said of a process that publishes a topic by itself.
+    pub struct ExternalTable {}
+
+    /// Tracks are made of a source's detections.
+    pub struct SourceTrackerTable with tracker: tracking::Settings, model: SensorModel {
+        check SourceTrackerTable::check;
+        /// Names of the wide-area sensors whose counts support its hypotheses (WA-2).
+        wide_area_sensors: Vec<String> = Vec::new();
+        /// Names of the direction finders on board whose emissions identify its tracks (WA-9).
+        emissions: Vec<String> = Vec::new();
+        /// It says after each scan where the sensor should look next (WA-12).
+        cues: bool = false;
+        /// Time between two outputs of its tracks (WA-11).
+        output_period_s: Option<Seconds> = None, in [0.01, 3600], usually "after each scan";
+        /// Places where scans begin: `turn`, where the sensor says so; `period`, at whole multiples of the period.
+        scans: Boundaries = Boundaries::Turn;
+        /// Time for which a scan waits for late detections, at most a period.
+        wait_s: Option<f64> = None, in [0, 3600], usually "0.1 periods";
+    }
+
+    /// A wide-area sensor: exactly one of `live`, `recorded`, `tracks`, `external` and `simulated`.
+    pub struct WideAreaSensorTable {
+        check WideAreaSensorTable::check;
+        /// Name, which is also part of its topic's name.
+        name: String;
+        /// Rows of counts in datagrams.
+        live: Option<RowsTable> = None;
+        /// Rows of counts in a file.
+        recorded: Option<RecordedRowsTable> = None;
+        /// Another system's tracks, counted by place.
+        tracks: Option<CountedTracksTable> = None;
+        /// A process that is no part of the deployment publishes the topic.
+        external: Option<ExternalTable> = None;
+        /// It is simulated and observes the scenario.
+        simulated: Option<scenario::WideAreaSettings> = None;
+    }
+
+    /// Rows of counts in datagrams.
+    pub struct RowsTable {
+        /// Name of the receiver.
+        receiver: String;
+    }
+
+    /// Rows of counts in a file.
+    pub struct RecordedRowsTable {
+        /// File, relative to the data folder unless absolute.
+        file: String;
+    }
+
+    /// Another system's tracks (ASTERIX CAT062), counted by place: exactly one of `receiver` and `file`.
+    pub struct CountedTracksTable with identity: SacSicTable, reading: AsterixTable {
+        check CountedTracksTable::check;
+        /// Name of the receiver.
+        receiver: Option<String> = None;
+        /// Recording, relative to the data folder unless absolute.
+        file: Option<String> = None;
+        /// Time between two reports of one track: tracks of one period are counted together.
+        period_s: Seconds = Seconds::of(4.0), in [0.1, 600];
+        /// Tracks no farther from each other make one report.
+        group_m: f64 = 500.0, in [0, 1e5];
+        /// Place of the other system, for positions on its own plane.
+        place: Option<PlaceTable> = None, usually "the frame's";
+        /// Limits of its reports.
+        limits: Limits = Limits::default();
+    }
+
+    /// A network output.
+    pub struct GatewayTable {
+        /// Name of the gateway process.
+        name: String;
+        /// Multicast group or address, with the port, that datagrams go to.
+        send_to: String;
+        /// Interface on which datagrams leave, by address, name or index.
+        interface: Option<String> = None, usually "the machine's choice";
+        /// Routers that datagrams to a group may pass (time to live).
+        ttl: Option<u8> = None, usually "the machine's choice";
+        /// Source whose sensor tracks are sent.
+        source: Option<String> = None, usually "none: the fused picture is sent";
+        /// ASTERIX category: 62 for the fused picture; 10, 20, 21 or 48 for sensor tracks.
+        category: Option<u8> = None, usually "62 for the fused picture";
+        /// Edition of the category.
+        edition: Option<String> = None, usually "the newest one known";
+        /// System area code that it sends under.
+        sac: u8;
+        /// System identification code that it sends under.
+        sic: u8;
+        /// Time between two reports of one track; 0: each as it comes.
+        refresh_s: Seconds = Seconds::of(1.0), in [0, 3600];
+        /// Time between two status messages.
+        status_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
+        /// Most octets in a datagram: by default what fits into one frame of Ethernet beside the headers of IPv4 and UDP, at most
+        /// what a datagram can carry over IPv4.
+        block_bytes: usize = 1472, in [256, 65_507];
+        /// Reference of the heights of its tracks, and so the items that carry them.
+        heights: HeightReference = HeightReference::Barometric;
+    }
+
+    /// The monitor process.
+    pub struct MonitorTable {
+        /// Time between two tables.
+        interval_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
+        /// Whether it writes its files (histogram log, percentiles, JSON).
+        files: bool = true;
+        /// How it waits for system tracks: woken for each slice, or by looking now and then, which costs fusion nothing.
+        wait: Option<MonitorWord> = None, usually "event if fusion waits by event, else poll";
+        /// Pause between two looks. System tracks that wait in its queue for longer give way to newer ones, even where there are
+        /// few.
+        poll_ms: f64 = 5.0, in [0.5, 100];
+        /// Time that each stage may take.
+        deadline_us: DeadlineTable = DeadlineTable::default();
+        /// Address and port where metrics for Prometheus are served.
+        prometheus: Option<String> = None;
+        /// Allows an address that other machines can reach.
+        prometheus_public: bool = false;
+    }
+
+    /// Deadlines of the stages, in microseconds. What takes longer than the histograms reach is no latency, and would never be a
+    /// miss.
+    pub struct DeadlineTable {
+        /// In the adapter: from the report's last byte to its hand-over to shared memory.
+        ingest_to_publish: Option<f64> = None, in [0.1, LATENCY_MAX_US];
+        /// Transport in: until fusion took it.
+        publish_to_taken: Option<f64> = None, in [0.1, LATENCY_MAX_US];
+        /// In fusion: until the system track was handed over to shared memory.
+        taken_to_fused: Option<f64> = None, in [0.1, LATENCY_MAX_US], usually "that of fusion";
+        /// Transport out: until the subscriber had it.
+        fused_to_received: Option<f64> = None, in [0.1, LATENCY_MAX_US];
+        /// All of these: from the report's last byte to the subscriber.
+        end_to_end: Option<f64> = None, in [0.1, LATENCY_MAX_US];
+        /// Age of the data: from the measurement to the subscriber, between the sensor's clock and this machine's (UTC).
+        age: Option<f64> = None, in [0.1, LATENCY_MAX_US];
+    }
+
+    /// The recorder process.
+    pub struct RecorderTable {
+        /// Whether there is one.
+        enabled: bool = true;
+    }
+}
+
+settings::words! {
+    /// Words for how the monitor waits.
+    pub enum MonitorWord {
+        /// Woken for each slice.
+        Event = "event",
+        /// Looks now and then.
+        Poll = "poll",
+    }
+}
+
+/// Longest latency that can be measured, microseconds.
+const LATENCY_MAX_US: f64 = telemetry::VALUE_MAX_NS as f64 / 1e3;
+
+/// Refuses a table that has none or several of these keys.
+fn exactly_one(table: &str, name: &str, keys: &[(&str, bool)]) -> Result<(), SettingsError> {
+    if keys.iter().filter(|(_, is_given)| *is_given).count() == 1 {
+        return Ok(());
+    }
+    let keys: Vec<String> = keys.iter().map(|(key, _)| format!("[{table}.{key}]")).collect();
+    let (last, others) = keys.split_last().expect("there are keys");
+    let what = format!("\"{name}\" needs exactly one of {} and {last}", others.join(", "));
+    Err(SettingsError::new("name", what))
+}
+
+impl ReceiverTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        exactly_one(
+            "receiver",
+            &self.name,
+            &[("udp", self.udp.is_some()), ("sbs", self.sbs.is_some())],
+        )
+    }
+}
+
+impl SourceTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        let inputs = [
+            ("recorded", self.recorded.is_some()),
+            ("live", self.live.is_some()),
+            ("simulated", self.simulated.is_some()),
+            ("simulated_direction_finder", self.simulated_direction_finder.is_some()),
+            ("external", self.external.is_some()),
+        ];
+        exactly_one("source", &self.name, &inputs)?;
+        if self.simulated.is_some() && self.place.is_some() {
+            let what = "a simulated sensor stands where its position_m says; leave [source.place] out";
+            return Err(SettingsError::new("place", what));
+        }
+        if self.locator.is_some() && self.tracker.is_some() {
+            let what = "bearings are located, detections are tracked: leave one of locator and tracker out";
+            return Err(SettingsError::new("locator", what));
+        }
+        settings::within("fresh_s", self.fresh_s(), self.period_s, 1e5)?;
+        let wait_s = self.tracker.as_ref().and_then(|tracker| tracker.wait_s);
+        settings::within("tracker.wait_s", wait_s.unwrap_or(0.0), 0.0, self.period_s)
+    }
+
+    /// Age beyond which a report no longer counts, seconds.
+    pub(crate) fn fresh_s(&self) -> f64 {
+        self.fresh_s.unwrap_or(2.5 * self.period_s)
+    }
+}
+
+impl RecordedTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        let reading = &self.sender.reading;
+        if self.format == RecordedFormat::Asterix || (reading.editions.is_empty() && !reading.strict) {
+            return Ok(());
+        }
+        let what = "editions and strict are of ASTERIX files only; leave them out";
+        Err(SettingsError::new("format", what))
+    }
+}
+
+impl SacSicTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        match self.sac.is_some() == self.sic.is_some() {
+            true => Ok(()),
+            false => Err(SettingsError::new("", "sac and sic go together: give both or neither")),
+        }
+    }
+
+    /// Both codes; `None` for any sender.
+    pub(crate) fn sac_sic(&self) -> Option<(u8, u8)> {
+        self.sac.zip(self.sic)
+    }
+}
+
+impl SourceTrackerTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        if !self.tracker.sensors.is_empty() {
+            let what = "the source is the only sensor; write its keys into [source.tracker] itself";
+            return Err(SettingsError::new("sensor", what));
+        }
+        if !self.emissions.is_empty() && self.tracker.wide_area.knowledge.types.is_empty() {
+            let what = "no type is described that an emission could be of; add [[source.tracker.wide_area.type]]";
+            return Err(SettingsError::new("emissions", what));
+        }
+        Ok(())
+    }
+}
+
+impl WideAreaSensorTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        let inputs = [
+            ("live", self.live.is_some()),
+            ("recorded", self.recorded.is_some()),
+            ("tracks", self.tracks.is_some()),
+            ("external", self.external.is_some()),
+            ("simulated", self.simulated.is_some()),
+        ];
+        exactly_one("wide_area_sensor", &self.name, &inputs)
+    }
+}
+
+impl CountedTracksTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        match self.receiver.is_some() == self.file.is_some() {
+            true => Err(SettingsError::new(
+                "",
+                "give either receiver (live) or file (a recording)",
+            )),
+            false => Ok(()),
+        }
+    }
+}
+
+impl UdpTable {
+    /// The senders that are accepted.
+    pub(crate) fn allowed_senders(&self) -> Result<AllowedSenders, SettingsError> {
+        let parsed = AllowedSenders::parse(self.senders.iter().map(String::as_str));
+        parsed.map_err(|error| SettingsError::new("senders", error.to_string()))
+    }
+}
+
+/// An interface by address, name or index.
+pub(crate) fn interface(text: &str) -> Interface {
+    let Ok(interface) = text.parse();
+    interface
+}

@@ -1,0 +1,171 @@
+//! Values made of values: options, lists and tables whose keys are names of the user's.
+
+use std::collections::BTreeMap;
+
+use toml::de::DeValue;
+
+use crate::leaves::wrong_type;
+use crate::{Node, Place, Range, SettingsError, Table, Value};
+
+/// The word that stands for `None`.
+const OFF: &str = "off";
+
+impl<T: Value + Default> Value for Option<T> {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        if node.get_ref().as_str() == Some(OFF) {
+            *self = None;
+            return Ok(());
+        }
+        let mut value = T::default();
+        let read = value.read(node, range, at);
+        read.map_err(|error| match node.get_ref().is_str() {
+            true => SettingsError::new(error.key, format!("{}, or \"{OFF}\"", error.what)),
+            false => error,
+        })?;
+        *self = Some(value);
+        Ok(())
+    }
+
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        self.as_ref().map_or(Ok(()), |value| value.check(range, at))
+    }
+
+    fn kind(&self) -> String {
+        format!("{}, or \"{OFF}\"", T::default().kind())
+    }
+
+    fn text(&self) -> String {
+        self.as_ref().map_or_else(|| format!("\"{OFF}\""), Value::text)
+    }
+
+    fn table(&self) -> Option<Box<dyn Table>> {
+        self.as_ref().map_or_else(|| T::default().table(), Value::table)
+    }
+}
+
+impl<T: Value + Default> Value for Vec<T> {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        let DeValue::Array(items) = node.get_ref() else {
+            return Err(wrong_type(node, &self.kind(), at));
+        };
+        self.clear();
+        for (index, item) in items.iter().enumerate() {
+            let mut value = T::default();
+            value.read(item, range, &at_item(&value, at, index))?;
+            self.push(value);
+        }
+        Ok(())
+    }
+
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        let mut items = self.iter().enumerate();
+        items.try_for_each(|(index, value)| value.check(range, &at_item(value, at, index)))
+    }
+
+    fn kind(&self) -> String {
+        format!("list of: {}", T::default().kind())
+    }
+
+    fn text(&self) -> String {
+        list(self)
+    }
+
+    fn table(&self) -> Option<Box<dyn Table>> {
+        T::default().table()
+    }
+}
+
+impl<T: Value + Default, const N: usize> Value for [T; N] {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        match node.get_ref() {
+            DeValue::Array(items) if items.len() == N => {
+                let mut pairs = self.iter_mut().zip(items);
+                pairs.try_for_each(|(value, item)| value.read(item, range, at))
+            }
+            DeValue::Array(items) => {
+                let (found, like) = (items.len(), list(self));
+                Err(at.error(format!("{found} values; write {N}, like {like}")))
+            }
+            _ => Err(wrong_type(node, &self.kind(), at)),
+        }
+    }
+
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        self.iter().try_for_each(|value| value.check(range, at))
+    }
+
+    fn kind(&self) -> String {
+        format!("{N} × {}", self[0].kind())
+    }
+
+    fn text(&self) -> String {
+        list(self)
+    }
+}
+
+impl<T: Value + Default> Value for BTreeMap<String, T> {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        let DeValue::Table(table) = node.get_ref() else {
+            return Err(wrong_type(node, &self.kind(), at));
+        };
+        self.clear();
+        for (name, item) in table {
+            let mut value = T::default();
+            value.read(item, range, &at.key(name.get_ref()))?;
+            self.insert(name.get_ref().to_string(), value);
+        }
+        Ok(())
+    }
+
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        let mut items = self.iter();
+        items.try_for_each(|(name, value)| value.check(range, &at.key(name)))
+    }
+
+    fn kind(&self) -> String {
+        format!("table of: {}", T::default().kind())
+    }
+
+    fn text(&self) -> String {
+        let items: Vec<String> = self
+            .iter()
+            .map(|(name, value)| format!("{name} = {}", value.text()))
+            .collect();
+        format!("{{{}}}", items.join(", "))
+    }
+}
+
+/// Items that are tables have places of their own; numbers stand where their list does.
+fn at_item<'a>(value: &impl Value, at: &Place<'a>, index: usize) -> Place<'a> {
+    match value.table() {
+        Some(_) => at.item(index),
+        None => *at,
+    }
+}
+
+fn list<T: Value>(items: &[T]) -> String {
+    let items: Vec<String> = items.iter().map(Value::text).collect();
+    format!("[{}]", items.join(", "))
+}
+
+impl<T: Value + ?Sized> Value for Box<T> {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        (**self).read(node, range, at)
+    }
+
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        (**self).check(range, at)
+    }
+
+    fn kind(&self) -> String {
+        (**self).kind()
+    }
+
+    fn text(&self) -> String {
+        (**self).text()
+    }
+
+    fn table(&self) -> Option<Box<dyn Table>> {
+        (**self).table()
+    }
+}

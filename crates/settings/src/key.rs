@@ -1,0 +1,100 @@
+//! The declaration of a key.
+
+use crate::SettingsError;
+use crate::place::Place;
+
+/// One key's declaration, all but its type and its value.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Name in the file.
+    pub name: &'static str,
+    /// What it is, as in the source: the first sentence says it.
+    pub doc: &'static str,
+    /// Numbers that it may have.
+    pub range: Range,
+    /// The default in words; `None`: the default value says it.
+    pub usually: Option<&'static str>,
+    /// Whether it must be given.
+    pub is_required: bool,
+}
+
+/// Numbers that a key may have. NaN lies in none of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// Any, also none.
+    Any,
+    /// Both limits are allowed.
+    Within(f64, f64),
+    /// Finite and greater.
+    Above(f64),
+    /// Finite, and at least so great.
+    From(f64),
+}
+
+impl Range {
+    /// Checks `value`, which stands at `at`.
+    ///
+    /// # Errors
+    /// If it is outside.
+    pub fn check(self, value: f64, at: &Place<'_>) -> Result<(), SettingsError> {
+        let (is_inside, right) = match self {
+            Self::Any => return Ok(()),
+            Self::Within(low, high) => ((low..=high).contains(&value), format!("lie between {low} and {high}")),
+            Self::Above(low) => (value > low && value.is_finite(), format!("be greater than {low}")),
+            Self::From(low) => (value >= low && value.is_finite(), format!("be {low} or greater")),
+        };
+        match is_inside {
+            true => Ok(()),
+            false => Err(at.error(format!("{value} is out of range; it must {right}"))),
+        }
+    }
+
+    /// For people: `0.5 … 1`.
+    pub(crate) fn text(self) -> String {
+        let text = |limit: f64| match limit.abs() {
+            0.0 => "0".to_owned(),
+            size if (1e-3..1e7).contains(&size) => format!("{limit}"),
+            _ => format!("{limit:e}"),
+        };
+        match self {
+            Self::Any => String::new(),
+            Self::Within(low, high) => format!("{} … {}", text(low), text(high)),
+            Self::Above(low) => format!("> {}", text(low)),
+            Self::From(low) => format!("≥ {}", text(low)),
+        }
+    }
+}
+
+/// Checks a value whose range depends on others, and whose table knows it as `key`.
+///
+/// # Errors
+/// If it is outside.
+pub fn within(key: &str, value: f64, low: f64, high: f64) -> Result<(), SettingsError> {
+    Range::Within(low, high).check(value, &Place::ROOT.key(key))
+}
+
+/// Endings of names, longer ones first where one ends another, and the units they stand for.
+const UNITS: &[(&str, &str)] = &[
+    ("_rad2ps3", "rad²/s³"),
+    ("_deg_per_s", "°/s"),
+    ("_per_hour", "1/h"),
+    ("_m2ps3", "m²/s³"),
+    ("_bytes", "bytes"),
+    ("_radps", "rad/s"),
+    ("_m2ps", "m²/s"),
+    ("_mps", "m/s"),
+    ("_deg", "°"),
+    ("_rad", "rad"),
+    ("_hpa", "hPa"),
+    ("_hz", "Hz"),
+    ("_ms", "ms"),
+    ("_us", "µs"),
+    ("_s", "s"),
+    ("_m", "m"),
+];
+
+/// The unit of a key by the end of its name; empty if it has none.
+pub fn unit_of(name: &str) -> &'static str {
+    let found = UNITS.iter().find(|(ending, _)| name.ends_with(ending));
+    found.map_or("", |(_, unit)| unit)
+}

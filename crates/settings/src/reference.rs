@@ -1,0 +1,151 @@
+//! All keys for people: as a document, and as a text for a terminal.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use crate::{Key, Table, Value, unit_of};
+
+/// A document in Markdown with a section for each table of `files`, which are (title, sentence, table): name, type, unit,
+/// range, default and text of every key. A table that stands at several places is written once.
+pub fn reference(files: &[(&str, &str, &dyn Table)]) -> String {
+    let mut out = String::new();
+    let mut written = BTreeMap::new();
+    for (title, text, table) in files {
+        let _ = writeln!(out, "\n## {title}\n\n{text}");
+        section(&mut out, &mut written, title, "", *table);
+    }
+    out
+}
+
+fn section(out: &mut String, written: &mut BTreeMap<String, String>, file: &str, path: &str, table: &dyn Table) {
+    if !path.is_empty() {
+        let _ = writeln!(out, "\n### {file}: `{path}`\n\n{}", joined(table.doc()));
+    }
+    let place = if path.is_empty() {
+        format!("*{file}*")
+    } else {
+        format!("`{path}` (*{file}*)")
+    };
+    for base in table.bases() {
+        table_once(out, written, &place, base);
+    }
+    if !table_once(out, written, &place, table) {
+        return;
+    }
+    for (key, value) in all(table) {
+        let Some(inner) = value.table() else { continue };
+        let name = key.name;
+        let path = match (path.trim_matches(['[', ']']), value.kind().starts_with("list")) {
+            ("", false) => format!("[{name}]"),
+            ("", true) => format!("[[{name}]]"),
+            (before, false) => format!("[{before}.{name}]"),
+            (before, true) => format!("[[{before}.{name}]]"),
+        };
+        section(out, written, file, &path, &*inner);
+    }
+}
+
+/// Writes the keys of a table, or where they are written already; whether they were not.
+fn table_once(out: &mut String, written: &mut BTreeMap<String, String>, place: &str, table: &dyn Table) -> bool {
+    let rows = rows(table);
+    match written.get(&rows) {
+        Some(before) => {
+            let _ = writeln!(out, "\nThe keys of {before} stand here, too.");
+            false
+        }
+        None => {
+            out.push_str(&rows);
+            written.insert(rows, place.to_owned());
+            true
+        }
+    }
+}
+
+fn rows(table: &dyn Table) -> String {
+    let mut out = String::new();
+    let own: Vec<_> = table.keys().iter().zip(table.values()).collect();
+    if own.is_empty() {
+        return "\nIt has no keys of its own.\n".to_owned();
+    }
+    let _ = writeln!(
+        out,
+        "\n| Key | Type | Unit | Range | Default | |\n|---|---|---|---|---|---|"
+    );
+    for (key, value) in own {
+        let (unit, range) = (unit_of(key.name), key.range.text());
+        let default = match (key.usually, key.is_required, value.table()) {
+            (Some(words), ..) => words.to_owned(),
+            (None, true, _) => "*must be given*".to_owned(),
+            (None, false, Some(_)) if value.text().is_empty() => "*its own defaults*".to_owned(),
+            (None, false, _) => format!("`{}`", value.text()),
+        };
+        let (kind, doc) = (value.kind().replace('|', "\\|"), joined(key.doc).replace('|', "\\|"));
+        let _ = writeln!(
+            out,
+            "| `{}` | {kind} | {unit} | {range} | {default} | {doc} |",
+            key.name
+        );
+    }
+    out
+}
+
+/// The keys of a table and of its bases.
+fn all(table: &dyn Table) -> Vec<(&'static Key, &dyn Value)> {
+    let own = table.keys().iter().zip(table.values());
+    own.chain(table.bases().into_iter().flat_map(all)).collect()
+}
+
+/// A line for each key with its default and the first sentence of its text, as in a file, each line after `indent`.
+pub fn help(table: &dyn Table, indent: &str) -> String {
+    let mut out = String::new();
+    help_table(&mut out, table, indent, "");
+    out
+}
+
+fn help_table(out: &mut String, table: &dyn Table, indent: &str, path: &str) {
+    let (tables, leaves): (Vec<_>, Vec<_>) = all(table).into_iter().partition(|(_, value)| value.table().is_some());
+    for (key, value) in leaves {
+        let default = match (key.usually, key.is_required) {
+            (Some(words), _) => format!("[{words}]"),
+            (None, true) => "[must be given]".to_owned(),
+            (None, false) => format!("= {}", value.text()),
+        };
+        let _ = writeln!(
+            out,
+            "{indent}{:<38} # {}",
+            format!("{} {default}", key.name),
+            sentence(key.doc)
+        );
+    }
+    for (key, value) in tables {
+        let Some(inner) = value.table() else { continue };
+        let path = if path.is_empty() {
+            key.name.to_owned()
+        } else {
+            format!("{path}.{}", key.name)
+        };
+        let header = match value.kind().starts_with("list") {
+            true => format!("[[{path}]]"),
+            false => format!("[{path}]"),
+        };
+        let off = if value.text() == "\"off\"" {
+            " off unless given."
+        } else {
+            ""
+        };
+        let _ = writeln!(out, "{indent}{header:<38} # {}{off}", sentence(key.doc));
+        help_table(out, &*inner, indent, &path);
+    }
+}
+
+/// The lines of a document text as one.
+fn joined(doc: &str) -> String {
+    doc.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The first sentence.
+fn sentence(doc: &str) -> String {
+    let doc = joined(doc);
+    let end = doc.find(". ").unwrap_or(doc.len());
+    doc[..end].trim_end_matches('.').to_owned()
+}

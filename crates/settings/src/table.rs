@@ -1,0 +1,77 @@
+//! Reading and checking tables.
+
+use toml::de::DeValue;
+
+use crate::leaves::wrong_type;
+use crate::{Key, Node, Place, SettingsError, Table};
+
+/// Reads the table that stands at `at`; what the file does not mention stays as it is.
+///
+/// # Errors
+/// If it is no table, has unknown keys, lacks one that must be given, or has values that cannot be used.
+pub fn read_table(table: &mut dyn Table, node: &Node<'_>, at: &Place<'_>) -> Result<(), SettingsError> {
+    let DeValue::Table(given) = node.get_ref() else {
+        return Err(wrong_type(node, "a table", at));
+    };
+    for (name, node) in given {
+        let name = name.get_ref();
+        if !read_key(table, name, node, &at.key(name))? {
+            let names: Vec<&str> = keys(table).into_iter().map(|key| key.name).collect();
+            let names = if names.is_empty() { vec!["none"] } else { names };
+            let what = format!("unknown key; there are: {}", names.join(", "));
+            return Err(at.key(name).error(what));
+        }
+    }
+    let missing = |key: &&Key| key.is_required && !given.contains_key(key.name);
+    if let Some(key) = keys(table).into_iter().find(missing) {
+        return Err(at.key(key.name).error("missing; it must be given"));
+    }
+    check_all_together(table, at)
+}
+
+/// Reads one key of a table or of its base; whether there is such a key.
+fn read_key(table: &mut dyn Table, name: &str, node: &Node<'_>, at: &Place<'_>) -> Result<bool, SettingsError> {
+    if let Some(index) = table.keys().iter().position(|key| key.name == name) {
+        let range = table.keys()[index].range;
+        return table.values_mut()[index].read(node, range, at).map(|()| true);
+    }
+    for base in table.bases_mut() {
+        if read_key(base, name, node, at)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// Its own keys, and those of its bases.
+fn keys(table: &dyn Table) -> Vec<&'static Key> {
+    let own = table.keys().iter();
+    own.chain(table.bases().into_iter().flat_map(keys)).collect()
+}
+
+fn check_all_together(table: &dyn Table, at: &Place<'_>) -> Result<(), SettingsError> {
+    table
+        .bases()
+        .into_iter()
+        .try_for_each(|base| check_all_together(base, at))?;
+    table.check_together().map_err(|error| error.under(&at.to_string()))
+}
+
+/// Checks every value of a table that stands at `at`.
+///
+/// # Errors
+/// The first value that cannot be used.
+pub fn check_table(table: &dyn Table, at: &Place<'_>) -> Result<(), SettingsError> {
+    table.bases().into_iter().try_for_each(|base| check_table(base, at))?;
+    let mut all = table.keys().iter().zip(table.values());
+    all.try_for_each(|(key, value)| value.check(key.range, &at.key(key.name)))?;
+    table.check_together().map_err(|error| error.under(&at.to_string()))
+}
+
+/// Checks every value of settings that no file gave.
+///
+/// # Errors
+/// The first value that cannot be used.
+pub fn check(table: &dyn Table) -> Result<(), SettingsError> {
+    check_table(table, &Place::ROOT)
+}

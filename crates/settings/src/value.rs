@@ -1,0 +1,66 @@
+//! Values that keys stand for, and tables of them.
+
+use toml::Spanned;
+use toml::de::DeValue;
+
+use crate::place::Place;
+use crate::{Key, Range, SettingsError};
+
+/// A value of the file.
+pub type Node<'a> = Spanned<DeValue<'a>>;
+
+/// Something that a key can stand for.
+pub trait Value {
+    /// Takes over what the file says, after checking it.
+    ///
+    /// # Errors
+    /// If it is of another type, or out of range.
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError>;
+
+    /// Checks the value that it has.
+    ///
+    /// # Errors
+    /// If it is out of range.
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError>;
+
+    /// Its type in words.
+    fn kind(&self) -> String;
+
+    /// The value as a file spells it.
+    fn text(&self) -> String;
+
+    /// The table that it is, or whose list or option it is, with its defaults.
+    fn table(&self) -> Option<Box<dyn Table>> {
+        None
+    }
+}
+
+/// A table that was declared by [`settings!`](crate::settings!).
+pub trait Table {
+    /// Name of the type.
+    fn name(&self) -> &'static str;
+
+    /// What it is for, as in the source.
+    fn doc(&self) -> &'static str;
+
+    /// Its own keys.
+    fn keys(&self) -> &'static [Key];
+
+    /// The values of its own keys, in the same order.
+    fn values(&self) -> Vec<&dyn Value>;
+
+    /// As [`Table::values`], to be changed.
+    fn values_mut(&mut self) -> Vec<&mut dyn Value>;
+
+    /// Other tables whose keys stand among its own.
+    fn bases(&self) -> Vec<&dyn Table>;
+
+    /// As [`Table::bases`], to be changed.
+    fn bases_mut(&mut self) -> Vec<&mut dyn Table>;
+
+    /// Checks what several keys must hold together.
+    ///
+    /// # Errors
+    /// A key, by the name that it has in this table, with its value and what would be right.
+    fn check_together(&self) -> Result<(), SettingsError>;
+}
