@@ -13,6 +13,7 @@ mod fields;
 mod files;
 mod generator;
 mod item_kinds;
+mod mutated;
 mod properties;
 mod round_trip;
 mod sample;

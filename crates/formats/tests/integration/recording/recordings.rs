@@ -4,7 +4,7 @@ use asterix::Edition;
 use formats::recording::{Recording, Statistics};
 use test_support::recording;
 
-use crate::forge::{in_edition, read};
+use super::forge::{in_edition, read};
 
 #[test]
 fn seven_radars() {

@@ -2,7 +2,7 @@
 
 use formats::containers::{FRAGMENTED_MAX, Reason, TimeStamp};
 
-use crate::forge::{
+use super::forge::{
     BLOCK, capture, capture_of, ethernet, ipv4, ipv4_fragment, ipv6, ipv6_fragment, udp, unpack, usual,
 };
 

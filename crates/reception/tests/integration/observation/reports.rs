@@ -10,7 +10,7 @@ use reception::{
     Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,
 };
 
-use crate::block;
+use super::block;
 use crate::generator::Entropy;
 
 /// A source that takes almost anything.

@@ -2,7 +2,7 @@
 
 use formats::recording::{Rate, Recording, Sender, SenderSummary, Statistics};
 
-use crate::forge::{block, frame, report};
+use super::forge::{block, frame, report};
 
 fn gather(bytes: &[u8]) -> Vec<SenderSummary> {
     let recording = Recording::new(bytes);

@@ -2,7 +2,7 @@
 
 use formats::containers::{Container, Counts, Reason, TimeStamp};
 
-use crate::forge::{BLOCK, Order, capture, cut_record, pcap, record, unpack, unpack_as, usual};
+use super::forge::{BLOCK, Order, capture, cut_record, pcap, record, unpack, unpack_as, usual};
 
 const MICROSECONDS: u32 = 0xA1B2_C3D4;
 const NANOSECONDS: u32 = 0xA1B2_3C4D;

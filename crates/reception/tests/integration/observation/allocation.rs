@@ -6,7 +6,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use asterix::{Decoder, Mode, registry};
 use reception::observation;
 
-use crate::block;
+use super::block;
 use crate::generator::Entropy;
 
 #[global_allocator]

@@ -6,7 +6,7 @@ use formats::recording::Recording;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use crate::forge::{block, cut, early_report, frame, in_edition, read, report};
+use super::forge::{block, cut, early_report, frame, in_edition, read, report};
 
 #[test]
 fn records_come_in_order_with_their_offset_and_time() {

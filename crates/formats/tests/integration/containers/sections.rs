@@ -2,8 +2,8 @@
 
 use formats::containers::{Container, Reason, TimeStamp};
 
-use crate::forge::{BLOCK, Order, enhanced, interface, ng_block, section, simple, udp, unpack, unpack_as, usual};
-use crate::forge::{ethernet, ipv4};
+use super::forge::{BLOCK, Order, enhanced, interface, ng_block, section, simple, udp, unpack, unpack_as, usual};
+use super::forge::{ethernet, ipv4};
 
 /// Code of an interface's resolution of time stamps.
 const RESOLUTION: u16 = 9;

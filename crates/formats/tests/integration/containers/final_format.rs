@@ -2,7 +2,7 @@
 
 use formats::containers::{Container, Counts, Reason, TimeStamp};
 
-use crate::forge::{BLOCK, final_frame, unpack, unpack_as};
+use super::forge::{BLOCK, final_frame, unpack, unpack_as};
 
 fn time_of_day(ns: i64) -> Option<TimeStamp> {
     Some(TimeStamp::TimeOfDay { ns })

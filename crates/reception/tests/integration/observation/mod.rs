@@ -1,10 +1,6 @@
 //! Tests of ASTERIX records as observations.
 
 mod allocation;
-#[path = "../../../asterix/tests/files/mod.rs"]
-mod files;
-#[path = "../../../asterix/tests/asterix/generator.rs"]
-mod generator;
 mod recordings;
 mod reports;
 

@@ -5,7 +5,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 
-use crate::forge::{
+use super::forge::{
     Order, capture_of, enhanced, ethernet, final_frame, interface, ipv4, ipv4_fragment, ipv6, section, simple, udp,
     unpack, unpack_as, usual,
 };

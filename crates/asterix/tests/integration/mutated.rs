@@ -5,17 +5,16 @@
 //! again. `KOSEKI_MUTATIONS` sets how many there are:
 //!
 //! ```text
-//! KOSEKI_MUTATIONS=3000000 cargo test --release -p asterix --test mutated
+//! KOSEKI_MUTATIONS=3000000 cargo test --release -p asterix --test integration mutated
 //! ```
-
-mod any_bytes;
-mod files;
 
 use std::collections::BTreeMap;
 use std::env;
 use std::thread;
 
 use asterix::{Block, Category, Mode, blocks, registry};
+
+use crate::{any_bytes, files};
 
 /// Mutations where the environment does not say: a few seconds of testing.
 const MUTATIONS: u64 = 100_000;

@@ -1,0 +1,5 @@
+//! Formats of recordings, from outside.
+
+mod autoferry;
+mod containers;
+mod recording;
