@@ -63,15 +63,6 @@ impl Category {
         &cases[i].1
     }
 
-    /// The profiles, one or several.
-    pub fn uaps(&'static self) -> impl Iterator<Item = &'static Uap> {
-        let (single, cases): (Option<&Uap>, &[(u64, Uap)]) = match &self.profile {
-            Profile::Single(uap) => (Some(uap), &[]),
-            Profile::Depends { cases, .. } => (None, cases),
-        };
-        single.into_iter().chain(cases.iter().map(|(_, uap)| uap))
-    }
-
     /// Whether this is one of `tables` itself and not only like it: what a reader asks whose item places and widths
     /// hold for some editions and must not be tried on other tables.
     #[inline]

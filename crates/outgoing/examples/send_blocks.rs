@@ -15,8 +15,8 @@ use asterix::{Category, registry};
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{Contribution, Covariance, Identity, SensorTrack, SystemTrack, contribution_bits};
 use outgoing::{
-    Condition, HeightReference, SensorReports, SensorStatus, ServiceEvent, StatusReports, SystemReports, SystemSource,
-    SystemStatus, Technology,
+    Condition, HeightReference, SensorReports, SensorStatus, StatusReports, SystemReports, SystemSource, SystemStatus,
+    Technology,
 };
 
 /// Tracks in each file.
@@ -74,8 +74,7 @@ fn system_tracks(table: &'static Category, system: SystemFrame) -> Result<Vec<u8
         let mut sender = SystemReports::new(table, 1, 2, system, &sources, BLOCK_OCTETS_MAX)?
             .with_height(height)
             .with_tentative()
-            .with_service(3)
-            .with_target_identification();
+            .with_service(3);
         let mut chance = Chance(u64::from(table.edition.minor));
         for number in 0..TRACKS {
             sender.report(&system_track(number, &mut chance), &mut |block| {
@@ -94,9 +93,7 @@ fn sensor_tracks(
 ) -> Result<Vec<u8>, Box<dyn Error>> {
     let mut bytes = vec![];
     for height in [HeightReference::Geometric, HeightReference::Barometric] {
-        let mut sender = SensorReports::new(table, 1, 2, sensor, system, BLOCK_OCTETS_MAX)?
-            .with_height(height)
-            .with_rotation(4_000_000_000);
+        let mut sender = SensorReports::new(table, 1, 2, sensor, system, BLOCK_OCTETS_MAX)?.with_height(height);
         let mut chance = Chance(u64::from(table.number) << 8 | u64::from(table.edition.minor));
         for number in 0..TRACKS {
             let track = sensor_track(number, &mut chance);
@@ -132,8 +129,6 @@ fn status(of_system: &'static Category, of_sensors: &'static Category) -> Result
             renumbered: round == 3,
         };
         sender.system(now_ns, status, &mut send);
-        sender.end_of_batch(now_ns, round, &mut send);
-        sender.event(now_ns, ServiceEvent::RestartedByOperator, &mut send);
         let sensors: Vec<SensorStatus> = (0..100)
             .map(|sic| SensorStatus {
                 sac: 1,

@@ -1,8 +1,8 @@
 //! What the system says of itself and of its sensors: CAT065 and CAT063.
 //!
-//! CAT065 carries three messages: the state of the system, the end of a batch of tracks for receivers that work through
-//! batches, and events of the service. CAT063 carries one record for each sensor, whose state is what the caller knows:
-//! whether it is connected and whether reports come. Biases are not estimated, and not sent.
+//! CAT065 carries the state of the system; its other messages, ends of batches and events of the service, are not sent.
+//! CAT063 carries one record for each sensor, whose state is what the caller knows: whether it is connected and whether
+//! reports come. Biases are not estimated, and not sent.
 
 use super::{Outbox, OutgoingCounts, OutgoingError, SendBlock, check_category, items};
 use asterix::categories::{CAT063, CAT065};
@@ -17,9 +17,7 @@ mod system {
     pub(super) const MESSAGE_TYPE: Elements<1> = whole(CAT065, "000");
     pub(super) const SERVICE: Elements<1> = whole(CAT065, "015");
     pub(super) const TIME: Elements<1> = whole(CAT065, "030");
-    pub(super) const BATCH: Elements<1> = whole(CAT065, "020");
     pub(super) const STATUS: Elements<5> = elements(CAT065, "040", ["NOGO", "OVL", "TSV", "PSS", "STTN"]);
-    pub(super) const EVENT: Elements<1> = whole(CAT065, "050");
 }
 
 /// Items of CAT063.
@@ -63,26 +61,6 @@ pub enum Condition {
     Initialising,
     /// Not connected.
     NotConnected,
-}
-
-/// An event of the service (I065/050); events of "main radars" are not among them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum ServiceEvent {
-    /// The service has become worse.
-    Degraded = 1,
-    /// The service is as it should be again.
-    DegradationEnded = 2,
-    /// An operator has interrupted the service.
-    InterruptedByOperator = 4,
-    /// A failure has interrupted the service.
-    InterruptedByContingency = 5,
-    /// After a failure the service can begin again.
-    ReadyAfterContingency = 6,
-    /// An operator has ended the service.
-    EndedByOperator = 7,
-    /// An operator has restarted the service.
-    RestartedByOperator = 9,
 }
 
 /// The state of one sensor (I063/060).
@@ -153,7 +131,11 @@ impl StatusReports {
             Condition::NotConnected => 2,
             Condition::Initialising => 3,
         };
-        self.begin(1, now_utc_ns);
+        let (record, outbox) = &mut self.of_system;
+        items::source(record, &system::SOURCE, self.source);
+        record.write(&system::MESSAGE_TYPE, [1]);
+        items::number(record, &system::SERVICE, self.service.map(i64::from));
+        items::time_of_day(record, &system::TIME, now_utc_ns);
         let numbers = [
             no_go,
             i64::from(status.overloaded),
@@ -161,22 +143,9 @@ impl StatusReports {
             i64::from(status.processing_system.min(3)),
             i64::from(status.renumbered),
         ];
-        self.of_system.0.write(&system::STATUS, numbers);
-        self.end(send);
-    }
-
-    /// Says that all tracks of a batch have been sent; batches are counted from 0.
-    pub fn end_of_batch(&mut self, now_utc_ns: i64, batch: u8, send: &mut SendBlock<'_>) {
-        self.begin(2, now_utc_ns);
-        self.of_system.0.write(&system::BATCH, [i64::from(batch)]);
-        self.end(send);
-    }
-
-    /// Sends an event of the service.
-    pub fn event(&mut self, now_utc_ns: i64, event: ServiceEvent, send: &mut SendBlock<'_>) {
-        self.begin(3, now_utc_ns);
-        self.of_system.0.write(&system::EVENT, [event as i64]);
-        self.end(send);
+        record.write(&system::STATUS, numbers);
+        outbox.push(record.finish(), send);
+        outbox.flush(send);
     }
 
     /// Sends the state of each sensor, in as many blocks as it takes.
@@ -211,19 +180,5 @@ impl StatusReports {
             blocks: system.blocks + sensors.blocks,
             ..OutgoingCounts::default()
         }
-    }
-
-    fn begin(&mut self, message: i64, now_utc_ns: i64) {
-        let record = &mut self.of_system.0;
-        items::source(record, &system::SOURCE, self.source);
-        record.write(&system::MESSAGE_TYPE, [message]);
-        items::number(record, &system::SERVICE, self.service.map(i64::from));
-        items::time_of_day(record, &system::TIME, now_utc_ns);
-    }
-
-    fn end(&mut self, send: &mut SendBlock<'_>) {
-        let (record, outbox) = &mut self.of_system;
-        outbox.push(record.finish(), send);
-        outbox.flush(send);
     }
 }

@@ -14,7 +14,6 @@
 //! | 500 | `covariance` | positions in the plane, height, velocity, rate of climb; not APW, the same in degrees |
 //!
 //! **I062/245** stays out: from ed 1.16 on the document says that it shall not be used, since I062/380 has the call sign.
-//! Receivers that read nothing else get it with [`with_target_identification`](SystemReports::with_target_identification).
 //! **I062/136**, the last flight level measured, stays out since a fused height is calculated; I062/135 is for that.
 //! **I062/200** stays out: fusion estimates no acceleration. **I062/510** is for systems that share tracks.
 //!
@@ -53,7 +52,6 @@ const CARTESIAN_POSITION: Elements<2> = elements(CAT062, "100", ["X", "Y"]);
 const VELOCITY: Elements<2> = elements(CAT062, "185", ["VX", "VY"]);
 const CODE: Field = field(CAT062, &["060", "MODE3A"]);
 const MODE_3A: Frn = item(CAT062, "060");
-const IDENTIFICATION: Elements<1> = elements(CAT062, "245", ["CHR"]);
 const TRACK_NUMBER: Elements<1> = whole(CAT062, "040");
 const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT062, "130");
 /// Not corrected by the local pressure.
@@ -193,7 +191,6 @@ struct Form {
     kinds: u8,
     height: HeightReference,
     simulated: bool,
-    with_identification: bool,
     /// Whether I062/080 can say that a target is on the ground.
     has_surface_flag: bool,
     /// Whether I062/080 can say that multilateration no longer supports a track.
@@ -245,7 +242,6 @@ impl SystemReports {
                 technologies,
                 height: HeightReference::default(),
                 simulated: false,
-                with_identification: false,
                 has_surface_flag: table.edition >= SFC.since,
                 has_multilateration_flag: table.edition >= MLAT.since,
             },
@@ -274,13 +270,6 @@ impl SystemReports {
         self
     }
 
-    /// With the call sign in I062/245 too, against the document, for receivers that read it only there.
-    #[must_use]
-    pub fn with_target_identification(mut self) -> Self {
-        self.form.with_identification = true;
-        self
-    }
-
     /// With every track marked as simulated.
     #[must_use]
     pub fn marked_simulated(mut self) -> Self {
@@ -300,11 +289,6 @@ impl SystemReports {
     /// Hands over the block that is being filled.
     pub fn flush(&mut self, send: &mut SendBlock<'_>) {
         self.outbox.flush(send);
-    }
-
-    /// Forgets all tracks: for when fusion has begun to number its tracks anew.
-    pub fn forget_tracks(&mut self) {
-        self.numbers.clear();
     }
 
     /// What has been sent and refused.
@@ -393,7 +377,7 @@ impl Form {
         if let Some(code) = track.identity.mode_3a() {
             record.item(MODE_3A).put(CODE, code & 0o7777);
         }
-        self.identification(track, record);
+        identification(track, record);
         record.write(&TRACK_NUMBER, [i64::from(report.number)]);
         self.status(report, record);
         ages(report, record);
@@ -401,19 +385,6 @@ impl Form {
             self.vertical(report, record);
         }
         self.accuracies(report, record);
-    }
-
-    fn identification(&self, track: &SystemTrack, record: &mut RecordWriter) {
-        let call_sign = items::call_sign(&track.identity);
-        if self.with_identification {
-            items::number(record, &IDENTIFICATION, call_sign); // sent by the target
-        }
-        if let Some(address) = items::address(&track.identity) {
-            record.subitem(AIRCRAFT, ADR).put(ADDRESS, address);
-        }
-        if let Some(call_sign) = call_sign {
-            record.subitem(AIRCRAFT, ID).put(CALL_SIGN, call_sign);
-        }
     }
 
     /// Writes I062/080.
@@ -494,6 +465,16 @@ impl Form {
                 .subitem(ACCURACIES, ARC)
                 .put(SIGMA_CLIMB, quantity::capped_deviation(SIGMA_CLIMB, climb));
         }
+    }
+}
+
+/// Writes I062/380: address and call sign.
+fn identification(track: &SystemTrack, record: &mut RecordWriter) {
+    if let Some(address) = items::address(&track.identity) {
+        record.subitem(AIRCRAFT, ADR).put(ADDRESS, address);
+    }
+    if let Some(call_sign) = items::call_sign(&track.identity) {
+        record.subitem(AIRCRAFT, ID).put(CALL_SIGN, call_sign);
     }
 }
 

@@ -85,13 +85,6 @@ impl<T: Default> TrackNumbers<T> {
         Some(entry)
     }
 
-    /// Forgets every track.
-    pub(super) fn clear(&mut self) {
-        self.tracks.clear();
-        self.taken.fill(0);
-        self.sweep_from_ns = i64::MIN;
-    }
-
     fn free_number(&mut self, track: u32, now_ns: i64) -> Option<u16> {
         if self.tracks.len() >= self.tracks_max {
             self.sweep(now_ns);

@@ -15,12 +15,13 @@ use proptest::sample::select;
 use crate::files;
 use crate::generator::Entropy;
 use crate::sample::{PLOT_OR_TRACK, SAMPLE, block};
+use crate::values::profiles;
 
 /// Every profile of every registered table, and of the invented ones.
 static PROFILES: LazyLock<Vec<(&Category, &Uap)>> = LazyLock::new(|| {
     let tables = registry::REGISTRY.iter().copied().chain([&SAMPLE, &PLOT_OR_TRACK]);
     tables
-        .flat_map(|table| table.uaps().map(move |uap| (table, uap)))
+        .flat_map(|table| profiles(table).into_iter().map(move |uap| (table, uap)))
         .collect()
 });
 

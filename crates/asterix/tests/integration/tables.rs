@@ -6,13 +6,15 @@ use asterix::categories::*;
 use asterix::table::{Content, Item, Layout, MAX_FRN, Part, TextCoding};
 use asterix::{Edition, registry};
 
+use crate::values::profiles;
+
 #[test]
 fn item_names_are_unique_and_every_item_has_its_place_in_a_profile() {
     for table in registry::REGISTRY {
         let names: HashSet<_> = table.items.iter().map(|item| item.name).collect();
         assert_eq!(names.len(), table.items.len(), "{table}: an item name twice");
         let mut placed = HashSet::new();
-        for uap in table.uaps() {
+        for uap in profiles(table) {
             let entries: Vec<_> = uap.order.iter().filter(|name| !name.is_empty()).collect();
             let distinct: HashSet<_> = entries.iter().collect();
             assert_eq!(distinct.len(), entries.len(), "{table}: an item twice in a profile");
@@ -157,7 +159,7 @@ fn editions_that_only_add_have_the_same_field_reference_numbers() {
         CAT001, CAT002, CAT020, CAT021_V2, CAT023, CAT034, CAT048, CAT062, CAT063, CAT065,
     ] {
         for table in family {
-            for (uap, first) in table.uaps().zip(family[0].uaps()) {
+            for (uap, first) in profiles(table).into_iter().zip(profiles(family[0])) {
                 assert_eq!(uap.order, first.order, "{table}");
             }
         }

@@ -211,3 +211,11 @@ fn set(value: &mut Value, element: &str, number: u64) {
     let member = members.iter_mut().find(|(name, _)| *name == element);
     member.expect("the deciding element").1 = number.into();
 }
+
+/// The profiles of a table, one or several.
+pub(crate) fn profiles(table: &'static Category) -> Vec<&'static Uap> {
+    match &table.profile {
+        Profile::Single(uap) => vec![uap],
+        Profile::Depends { cases, .. } => cases.iter().map(|(_, uap)| uap).collect(),
+    }
+}

@@ -46,7 +46,6 @@ struct Site {
     axes: [Axis; 3],
     height: HeightReference,
     simulated: bool,
-    rotation_ns: Option<i64>,
 }
 
 /// How a category says it.
@@ -96,7 +95,6 @@ impl SensorReports {
                 axes: place::axes(&sensor, [0.0; 3]),
                 height: HeightReference::default(),
                 simulated: false,
-                rotation_ns: None,
             },
             form,
         })
@@ -106,13 +104,6 @@ impl SensorReports {
     #[must_use]
     pub fn with_height(mut self, height: HeightReference) -> Self {
         self.site.height = height;
-        self
-    }
-
-    /// With this period of the antenna in a radar's status messages, nanoseconds.
-    #[must_use]
-    pub fn with_rotation(mut self, rotation_ns: i64) -> Self {
-        self.site.rotation_ns = Some(rotation_ns);
         self
     }
 
@@ -174,11 +165,6 @@ impl SensorReports {
             radar::sector_crossing(&self.site, now_utc_ns, azimuth_rad, &mut self.status.0);
             self.send_status(send);
         }
-    }
-
-    /// Forgets all tracks: for when the sensor has begun to number its tracks anew.
-    pub fn forget_tracks(&mut self) {
-        self.numbers.clear();
     }
 
     /// What has been sent, status messages included, and what was refused.

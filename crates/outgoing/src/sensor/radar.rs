@@ -68,7 +68,6 @@ mod service {
     pub(super) const MESSAGE_TYPE: Elements<1> = whole(CAT034, "000");
     pub(super) const TIME: Elements<1> = whole(CAT034, "030");
     pub(super) const SECTOR: Elements<1> = whole(CAT034, "020");
-    pub(super) const ROTATION: Elements<1> = whole(CAT034, "041");
 }
 
 /// A boundary between sectors, calculated, may be this much of a sector before itself.
@@ -247,7 +246,6 @@ fn deviations(site: &Site, report: &Report<'_>) -> Option<[i64; 4]> {
 /// The antenna points north.
 pub(super) fn north_marker(site: &Site, now_utc_ns: i64, record: &mut RecordWriter) {
     service_message(site, 1, now_utc_ns, record);
-    rotation(site, record);
 }
 
 /// The antenna crosses into a sector, which is numbered by the eight most significant bits of its azimuth.
@@ -256,17 +254,10 @@ pub(super) fn sector_crossing(site: &Site, now_utc_ns: i64, azimuth_rad: f64, re
     let sector = (circles.rem_euclid(1.0) * 256.0 + SECTOR_SLACK) as i64 % 256;
     service_message(site, 2, now_utc_ns, record);
     record.write(&service::SECTOR, [sector]);
-    rotation(site, record);
 }
 
 fn service_message(site: &Site, message: i64, now_utc_ns: i64, record: &mut RecordWriter) {
     items::source(record, &service::SOURCE, site.source);
     record.write(&service::MESSAGE_TYPE, [message]);
     items::time_of_day(record, &service::TIME, now_utc_ns);
-}
-
-fn rotation(site: &Site, record: &mut RecordWriter) {
-    if let Some(rotation_ns) = site.rotation_ns {
-        items::quantities(record, &service::ROTATION, [frames::time::seconds(rotation_ns)]);
-    }
 }

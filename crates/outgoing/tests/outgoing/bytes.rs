@@ -140,11 +140,11 @@ fn cat048() {
 
 #[test]
 fn cat034() {
-    let mut sender = sensor(&CAT048_V1_31).with_rotation(4_000_000_000);
+    let mut sender = sensor(&CAT048_V1_31);
     let north = block(|send| sender.status(TIME_NS, send));
-    assert_lines(&north, "22 00 0C E8 07 09 01 00 01 00 02 00");
+    assert_lines(&north, "22 00 0A E0 07 09 01 00 01 00");
     let east = block(|send| sender.sector(TIME_NS, std::f64::consts::FRAC_PI_2, send));
-    assert_lines(&east, "22 00 0D F8 07 09 02 00 01 00 40 02 00");
+    assert_lines(&east, "22 00 0B F0 07 09 02 00 01 00 40");
 }
 
 #[test]

@@ -63,7 +63,6 @@ struct Case {
     height: HeightReference,
     has_kind: Vec<bool>,
     with_tentative: bool,
-    with_identification: bool,
 }
 
 impl Case {
@@ -73,9 +72,6 @@ impl Case {
             .with_height(self.height);
         if self.with_tentative {
             sender = sender.with_tentative();
-        }
-        if self.with_identification {
-            sender = sender.with_target_identification();
         }
         let mut histories = HashMap::<u32, History>::new();
         let mut sent_before = 0;
@@ -194,10 +190,7 @@ impl Case {
         assert_eq!(sent.has(&["380", "ADR"]), identity.address().is_some());
         sent.is(&["380", "ADR"], identity.address().unwrap_or(0));
         assert_eq!(sent.text(&["380", "ID"]), call_sign.as_deref());
-        assert_eq!(
-            sent.text(&["245", "CHR"]),
-            call_sign.as_deref().filter(|_| self.with_identification)
-        );
+        assert!(!sent.has(&["245"]));
     }
 
     fn check_status(&self, sent: &Sent<'_>, expected: &Expected<'_>) {
@@ -298,10 +291,10 @@ proptest! {
     fn records_say_what_the_tracks_say(
         world in world(), tracks in prop::collection::vec(system_track(), 1..16),
         barometric in any::<bool>(), has_kind in prop::collection::vec(any::<bool>(), 5),
-        with_tentative in any::<bool>(), with_identification in any::<bool>(),
+        with_tentative in any::<bool>(),
     ) {
         let height = if barometric { HeightReference::Barometric } else { HeightReference::Geometric };
-        let case = Case { world, height, has_kind, with_tentative, with_identification };
+        let case = Case { world, height, has_kind, with_tentative };
         for table in registry::editions(62) {
             case.run(table, &tracks);
         }
@@ -378,15 +371,4 @@ fn track_numbers_run_out_and_come_back() {
         refused + 1,
         "and is free"
     );
-    sender.forget_tracks();
-    let mut report = |track_number: u32| {
-        let track = SystemTrack {
-            track_number,
-            state: TrackState::Confirmed as u8,
-            ..SystemTrack::default()
-        };
-        sender.report(&track, &mut |_| ());
-    };
-    report(1);
-    assert_eq!(sender.counts().refused_number, refused + 1);
 }
