@@ -1,8 +1,8 @@
 //! Where an element lies and what its bits count, looked up in the tables while the program is compiled.
 //!
-//! A reader of one category names what it reads, [`field`] finds octets, shift, width, sign and least significant bit of
-//! it in the tables of all the editions that the reader reads, and the compiled program holds nothing but these numbers. A
-//! name that no table has, or a place in which two editions differ, fails the build:
+//! A reader of one category names what it reads, [`field`] finds octets, shift, width, sign and least significant bit
+//! of it in the tables of all the editions that the reader reads, and the compiled program holds nothing but these
+//! numbers. A name that no table has, or a place in which two editions differ, fails the build:
 //!
 //! ```
 //! use asterix::categories::CAT048;
@@ -48,9 +48,9 @@ const KNOT_M_S: f64 = NAUTICAL_MILE_M / 3600.0;
 
 /// An element of an item: where its bits lie in the item's octets, and what they count.
 ///
-/// The octets passed to its methods are those of the item, [`Record::octets`](crate::Record::octets), or, of an element in
-/// a compound item, those of the subitem. Where they end before the element, as they do if the item or an extension of it
-/// was not sent, the methods give `None` or `false`.
+/// The octets passed to its methods are those of the item, [`Record::octets`](crate::Record::octets), or, of an element
+/// in a compound item, those of the subitem. Where they end before the element, as they do if the item or an extension
+/// of it was not sent, the methods give `None` or `false`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
     /// First octet of the item that has bits of the element.
@@ -63,8 +63,8 @@ pub struct Field {
     pub bits: u32,
     /// Whether the number is in two's complement.
     pub signed: bool,
-    /// Least significant bit in SI units: metres, seconds, radians and what is made of them; the document's unit where it
-    /// is none of length, time, speed and angle. 1 for codes.
+    /// Least significant bit in SI units: metres, seconds, radians and what is made of them; the document's unit where
+    /// it is none of length, time, speed and angle. 1 for codes.
     pub lsb: f64,
     /// First of the editions passed that has the element.
     pub since: Edition,
@@ -281,7 +281,8 @@ pub const fn subitem(editions: &[&Category], item: &str, name: &str) -> usize {
 }
 
 /// An element of an item: the item's name, then the names of subitem, group and element as far as there are any. In a
-/// constant, it does not compile where an edition lacks the element, or where two differ in its place, width, sign or LSB.
+/// constant, it does not compile where an edition lacks the element, or where two differ in its place, width, sign or
+/// LSB.
 ///
 /// # Panics
 /// Where it would not compile in a constant.
@@ -295,8 +296,8 @@ pub const fn field(editions: &[&Category], path: &[&str]) -> Field {
     field
 }
 
-/// The same for an element that came in with one of the editions, which are passed oldest first: a reader has to look at
-/// [`since`](Field::since) before it reads the bits, which were spare before.
+/// The same for an element that came in with one of the editions, which are passed oldest first: a reader has to look
+/// at [`since`](Field::since) before it reads the bits, which were spare before.
 ///
 /// # Panics
 /// Where it would not compile in a constant.

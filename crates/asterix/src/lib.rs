@@ -53,6 +53,9 @@
 
 #![forbid(unsafe_code)]
 
+#[macro_use]
+mod notation;
+
 pub mod block;
 pub mod categories;
 pub mod decoder;

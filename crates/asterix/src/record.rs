@@ -87,8 +87,8 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// The subitems present in a compound item, in the order sent: the position of each in the item's FSPEC, counted from
-    /// 1, and its octets. Empty where the record has no such item.
+    /// The subitems present in a compound item, in the order sent: the position of each in the item's FSPEC, counted
+    /// from 1, and its octets. Empty where the record has no such item.
     #[inline]
     pub fn subitems(&self, frn: Frn) -> impl Iterator<Item = (usize, &'a [u8])> + use<'a> {
         let (uap, category) = (self.uap, self.table.number);

@@ -2,8 +2,8 @@
 //!
 //! The sender gives numbers for elements; where they go the tables say, through [`Field`]. An item begins as zeros, as
 //! many octets as its layout has at least, and so spare bits and elements that are not put are zero. An extended item
-//! grows by the extensions that the numbers need. The writer sets the FSPEC as short as the last item allows, and in debug
-//! builds checks that items come in the profile's order and that numbers fit.
+//! grows by the extensions that the numbers need. The writer sets the FSPEC as short as the last item allows, and in
+//! debug builds checks that items come in the profile's order and that numbers fit.
 //!
 //! ```
 //! use asterix::categories::CAT034;
@@ -104,8 +104,8 @@ impl RecordWriter {
         self.begin_octets(subitem.expect("the edition has the subitem"))
     }
 
-    /// Puts the number of an element, which its bits can hold, into the item or subitem begun last. An extension is sent
-    /// only for a number other than 0.
+    /// Puts the number of an element, which its bits can hold, into the item or subitem begun last. An extension is
+    /// sent only for a number other than 0.
     pub fn put(&mut self, field: Field, number: impl Into<i64>) -> &mut Self {
         let number = number.into();
         debug_assert!(field.holds(number), "{}: {number} in {} bits", self.table, field.bits);

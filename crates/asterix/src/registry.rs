@@ -1,37 +1,13 @@
-//! The tables there are: one line for each category.
+//! Tables by category and edition.
 
-use super::categories::*;
 use super::expansion::Expansion;
-use super::field::elements;
+use super::field::{elements, whole};
 use super::record::SENDER;
 use super::table::{Category, Edition};
 
-/// Every table, by category. The first of a category is its default edition.
-#[rustfmt::skip]
-pub static REGISTRY: &[&Category] = &[
-    &CAT001_V1_4, &CAT001_V1_3, &CAT001_V1_2,
-    &CAT002_V1_2, &CAT002_V1_1, &CAT002_V1_0,
-    &CAT010_V1_1,
-    &CAT019_V1_3,
-    &CAT020_V1_9, &CAT020_V1_10, &CAT020_V1_11,
-    &CAT021_V2_4, &CAT021_V2_1, &CAT021_V2_2, &CAT021_V2_3, &CAT021_V2_5, &CAT021_V2_6, &CAT021_V2_7,
-    &CAT021_V0_23, &CAT021_V0_24, &CAT021_V0_25, &CAT021_V0_26,
-    &CAT023_V1_3, &CAT023_V1_2,
-    &CAT034_V1_29, &CAT034_V1_28, &CAT034_V1_27,
-    &CAT048_V1_31, &CAT048_V1_32, &CAT048_V1_30, &CAT048_V1_29, &CAT048_V1_28, &CAT048_V1_27,
-    &CAT062_V1_18, &CAT062_V1_21, &CAT062_V1_20, &CAT062_V1_19, &CAT062_V1_17, &CAT062_V1_16,
-    &CAT063_V1_6, &CAT063_V1_7,
-    &CAT065_V1_5, &CAT065_V1_6, &CAT065_V1_4,
-];
+pub use super::categories::{EXPANSIONS, REGISTRY};
 
-/// What is known of the content of reserved expansion fields.
-#[rustfmt::skip]
-pub static EXPANSIONS: &[&Expansion] = &[
-    &CAT021_RE_V1_4, &CAT021_RE_V1_5,
-    &CAT048_RE_V1_11, &CAT048_RE_V1_12, &CAT048_RE_V1_13,
-    &CAT062_RE_V1_2, &CAT062_RE_V1_3,
-];
-
+// Makes sure of what is relied on in every table: the sender comes first, and times of day have one form.
 const _: () = {
     let mut i = 0;
     while i < REGISTRY.len() {
@@ -42,6 +18,16 @@ const _: () = {
             sac.byte == 0 && sac.bits == 8 && sic.byte == 1 && sic.bits == 8,
             "the sender is not two octets"
         );
+        let times = REGISTRY[i].times;
+        let mut j = 0;
+        while j < times.len() {
+            let [time] = whole(&[REGISTRY[i]], times[j]).fields;
+            assert!(
+                time.bits == 24 && time.lsb == 1.0 / 128.0,
+                "a time of day is in ticks of 1/128 s"
+            );
+            j += 1;
+        }
         i += 1;
     }
 };

@@ -29,11 +29,33 @@ pub struct Category {
     pub document: &'static str,
     /// Every item, in the document's order.
     pub items: &'static [Item],
+    /// Items with a record's time of day, 24 bits of 1/128 s; of several, the first that a record has counts.
+    pub times: &'static [&'static str],
     /// Which item each FSPEC bit stands for.
     pub profile: Profile,
 }
 
 impl Category {
+    /// A category of one profile: its number, edition, title and document, items, the order of these in the profile,
+    /// and the items that hold the time of day.
+    pub(crate) const fn new(
+        number: u8,
+        edition: Edition,
+        [title, document]: [&'static str; 2],
+        (items, order): (&'static [Item], &'static [&'static str]),
+        times: &'static [&'static str],
+    ) -> Self {
+        Self {
+            number,
+            edition,
+            title,
+            document,
+            items,
+            times,
+            profile: Profile::Single(Uap::new(items, order)),
+        }
+    }
+
     /// The item of this name.
     pub fn item(&self, name: &str) -> Option<&'static Item> {
         self.items.iter().find(|item| item.name == name)

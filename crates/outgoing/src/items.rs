@@ -66,8 +66,8 @@ pub(super) fn address(identity: &Identity) -> Option<i64> {
     identity.address().map(|address| i64::from(address & 0x00FF_FFFF))
 }
 
-/// The call sign as eight characters of six bits; `None` where there is none. Small letters become capitals, and what the
-/// alphabet does not have becomes the code that stands for nothing.
+/// The call sign as eight characters of six bits; `None` where there is none. Small letters become capitals, and what
+/// the alphabet does not have becomes the code that stands for nothing.
 pub(super) fn call_sign(identity: &Identity) -> Option<i64> {
     if identity.valid & identity_bits::CALLSIGN == 0 {
         return None;

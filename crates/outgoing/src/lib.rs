@@ -1,34 +1,34 @@
 //! From the pipeline's tracks to ASTERIX data blocks.
 //!
-//! Fused tracks leave as CAT062, with CAT065 and CAT063 saying how the system and its sensors are; sensor tracks leave in
-//! a category that the sensor itself would send, to feed other systems with them.
+//! Fused tracks leave as CAT062, with CAT065 and CAT063 saying how the system and its sensors are; sensor tracks leave
+//! in a category that the sensor itself would send, to feed other systems with them.
 //!
 //! ```text
 //! SystemTrack ── SystemReports ──► CAT062                          what the system knows ── StatusReports ──► CAT065, 063
 //! SensorTrack ── SensorReports ──► CAT048, 020, 021 or 010; status ──► CAT034, 019, 023 or 010
 //! ```
 //!
-//! Records are collected into blocks of one category; a full block is handed to the caller's closure, `flush` hands over
-//! the last one. Nothing here reads a clock, sends a datagram or, once warm, allocates.
+//! Records are collected into blocks of one category; a full block is handed to the caller's closure, `flush` hands
+//! over the last one. Nothing here reads a clock, sends a datagram or, once warm, allocates.
 //!
 //! # What is said, and what is not
 //!
-//! A data block is a statement to strangers, who can not ask back. So an item is sent only if the track knows its content
-//! and the edition has a place for it; what an item must hold besides is set to the value that claims least, and where
-//! even that would claim something, the item stays out. Numbers are the nearest multiple of their LSB. A quantity
-//! beyond its bits is left out, not cut, unless the document says that the greatest number means "or more". Where an
-//! accuracy is told by class, it is the best class that holds, never a better one.
+//! A data block is a statement to strangers, who can not ask back. So an item is sent only if the track knows its
+//! content and the edition has a place for it; what an item must hold besides is set to the value that claims least,
+//! and where even that would claim something, the item stays out. Numbers are the nearest multiple of their LSB. A
+//! quantity beyond its bits is left out, not cut, unless the document says that the greatest number means "or more".
+//! Where an accuracy is told by class, it is the best class that holds, never a better one.
 //!
-//! Track numbers are shortened to what the category has; a track keeps its number while it lives, and nobody else gets it
-//! for a minute after.
+//! Track numbers are shortened to what the category has; a track keeps its number while it lives, and nobody else gets
+//! it for a minute after.
 //!
 //! # Heights
 //!
-//! The pipeline's height is metric: the third coordinate of a place, which is a height above the ellipsoid. What sources
-//! measure is mostly pressure altitude, which the pipeline takes as if the atmosphere were the standard one and mean sea
-//! level the ellipsoid. Which of the two a given deployment's heights are, no track says. [`HeightReference`] does: it
-//! chooses between the items for geometric heights, which is what the frame's definition makes of them, and those for
-//! flight levels.
+//! The pipeline's height is metric: the third coordinate of a place, which is a height above the ellipsoid. What
+//! sources measure is mostly pressure altitude, which the pipeline takes as if the atmosphere were the standard one and
+//! mean sea level the ellipsoid. Which of the two a given deployment's heights are, no track says. [`HeightReference`]
+//! does: it chooses between the items for geometric heights, which is what the frame's definition makes of them, and
+//! those for flight levels.
 
 #![forbid(unsafe_code)]
 

@@ -5,8 +5,8 @@
 //! geographical north at the target", for rates of climb, and for heights above the ellipsoid, so vectors are turned
 //! into the east, north and up of the target's own place: at 250 m/s the difference is 17 m/s.
 //!
-//! Where a source observes no height, the vertical component of a velocity says nothing. The target is then taken to fly
-//! level above the ellipsoid, not level above the system's plane.
+//! Where a source observes no height, the vertical component of a velocity says nothing. The target is then taken to
+//! fly level above the ellipsoid, not level above the system's plane.
 
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::Covariance;

@@ -1,9 +1,9 @@
 //! Quantities as whole numbers of a least significant bit (LSB).
 //!
-//! A number sent is the nearest multiple of the LSB ([`Field::nearest`]), so what is read differs by half an LSB at most.
-//! A quantity that its bits can not hold has no number, and the caller leaves the item out; cutting it to the greatest
-//! number would be another quantity. Only where the document says that the greatest number means "this or more" is it
-//! [`capped`].
+//! A number sent is the nearest multiple of the LSB ([`Field::nearest`]), so what is read differs by half an LSB at
+//! most. A quantity that its bits can not hold has no number, and the caller leaves the item out; cutting it to the
+//! greatest number would be another quantity. Only where the document says that the greatest number means "this or
+//! more" is it [`capped`].
 
 use std::f64::consts::{PI, TAU};
 

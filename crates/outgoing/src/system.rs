@@ -13,23 +13,23 @@
 //! | 290 | contributions | ages of the last update by each kind of source |
 //! | 500 | `covariance` | positions in the plane, height, velocity, rate of climb; not APW, the same in degrees |
 //!
-//! **I062/245** stays out: from ed 1.16 on the document says that it shall not be used, since I062/380 has the call sign.
-//! **I062/136**, the last flight level measured, stays out since a fused height is calculated; I062/135 is for that.
-//! **I062/200** stays out: fusion estimates no acceleration. **I062/510** is for systems that share tracks.
+//! **I062/245** stays out: from ed 1.16 on the document says that it shall not be used, since I062/380 has the call
+//! sign. **I062/136**, the last flight level measured, stays out since a fused height is calculated; I062/135 is for
+//! that. **I062/200** stays out: fusion estimates no acceleration. **I062/510** is for systems that share tracks.
 //!
 //! # Track status
 //!
 //! CNF is sent with tentative tracks, TSB with the first message of a track and TSE with the last, CST while it coasts.
 //! PSR, SSR, MDS, ADS and (from ed 1.20) MLAT are set where the system has such a source and none of them supports the
 //! track now. SDS says whether co-operative sources support it. SPI and EMS come from the alerts; a transponder's alert
-//! for a changed code and a resolution advisory have no place in CAT062 that could be filled truly (I062/380 COM and ACS
-//! want what no track knows) and are not sent. SFC, from ed 1.18 on, says that the target is on the ground; before, there
-//! is no place for it. ME and MI are military and stay 0.
+//! for a changed code and a resolution advisory have no place in CAT062 that could be filled truly (I062/380 COM and
+//! ACS want what no track knows) and are not sent. SFC, from ed 1.18 on, says that the target is on the ground; before,
+//! there is no place for it. ME and MI are military and stay 0.
 //!
 //! # Ages
 //!
-//! A system track lists the sources that support it now. So that ages go on while it coasts, the last time of each kind of
-//! source is remembered with the track's number. The track's own age, TRK, counts from a birth that no state tells.
+//! A system track lists the sources that support it now. So that ages go on while it coasts, the last time of each kind
+//! of source is remembered with the track's number. The track's own age, TRK, counts from a birth that no state tells.
 
 use frames::SystemFrame;
 use frames::time::NS_PER_S;
@@ -210,12 +210,12 @@ struct Report<'t> {
 }
 
 impl SystemReports {
-    /// A sender of CAT062 in the given edition, from a system with these codes (SAC, SIC), frame and sources, in blocks of
-    /// at most `block_octets_max` octets.
+    /// A sender of CAT062 in the given edition, from a system with these codes (SAC, SIC), frame and sources, in blocks
+    /// of at most `block_octets_max` octets.
     ///
     /// # Errors
-    /// If the table is not one of CAT062, or the block size is not between [`BLOCK_OCTETS_LEAST`](super::BLOCK_OCTETS_LEAST)
-    /// and [`BLOCK_OCTETS_MOST`](super::BLOCK_OCTETS_MOST).
+    /// If the table is not one of CAT062, or the block size is not between
+    /// [`BLOCK_OCTETS_LEAST`](super::BLOCK_OCTETS_LEAST) and [`BLOCK_OCTETS_MOST`](super::BLOCK_OCTETS_MOST).
     pub fn new(
         table: &'static Category,
         sac: u8,

@@ -1,8 +1,8 @@
 //! Short numbers for tracks.
 //!
-//! The pipeline numbers tracks with 32 bits and never uses a number again; ASTERIX gives a track 12 or 16 bits. A receiver
-//! tells tracks apart by these alone, so no two live tracks may have the same, a track must keep its own, and the number
-//! of a track that ended must rest for a while, or the receiver joins two targets into one.
+//! The pipeline numbers tracks with 32 bits and never uses a number again; ASTERIX gives a track 12 or 16 bits. A
+//! receiver tells tracks apart by these alone, so no two live tracks may have the same, a track must keep its own, and
+//! the number of a track that ended must rest for a while, or the receiver joins two targets into one.
 //!
 //! A track gets its own number where that is short enough and free, else the next free one after what is left of it;
 //! numbers of consecutive tracks so come back only when all others have been used. The table has a fixed size. Ended
@@ -56,8 +56,8 @@ impl<T: Default> TrackNumbers<T> {
         }
     }
 
-    /// The entry of a track that reports at `now_ns`, a new one at its first report; `None` if the table is full. A track
-    /// that ended begins again under its number.
+    /// The entry of a track that reports at `now_ns`, a new one at its first report; `None` if the table is full. A
+    /// track that ended begins again under its number.
     pub(super) fn report(&mut self, track: u32, now_ns: i64) -> Option<&mut Track<T>> {
         if !self.tracks.contains_key(&track) {
             let number = self.free_number(track, now_ns)?;

@@ -7,164 +7,116 @@
 //! and has to be completed by the receiver.
 
 use super::{MODE_C, PULSE_QUALITY, RFS, SP};
-use crate::table::Layout::{Element, Extended, Group, RepetitiveFx};
 use crate::table::*;
 
-const I010: Item = Item::new(
-    "010",
-    "Data Source Identifier",
-    Group(&[
-        element("SAC", 8, RAW), // system area code
-        element("SIC", 8, RAW), // system identification code
-    ]),
-);
+items! {
+    I010 "010" "Data Source Identifier" {
+        SAC: 8, // system area code
+        SIC: 8, // system identification code
+    }
 
-const I020: Item = Item::new(
-    "020",
-    "Target Report Descriptor",
-    Extended(&[
-        &[
-            flag("TYP"),               // 0 plot, 1 track: decides between the two profiles
-            flag("SIM"),               // simulated
-            element("SSRPSR", 2, RAW), // 0 no detection, 1 PSR, 2 SSR, 3 both
-            flag("ANT"),               // 0 antenna 1, 1 antenna 2
-            flag("SPI"),               // special position identification
-            flag("RAB"),               // from a field monitor, a fixed transponder
-        ],
-        &[
-            flag("TST"),               // test target
-            element("DS1DS2", 2, RAW), // 0 none, 1 code 7500, 2 code 7600, 3 code 7700
-            flag("ME"),                // military emergency
-            flag("MI"),                // military identification
-            spare(2),
-        ],
-    ]),
-);
+    I020 "020" "Target Report Descriptor" [
+        {
+            TYP: 1,    // 0 plot, 1 track: decides between the two profiles
+            SIM: 1,    // simulated
+            SSRPSR: 2, // 0 no detection, 1 PSR, 2 SSR, 3 both
+            ANT: 1,    // 0 antenna 1, 1 antenna 2
+            SPI: 1,    // special position identification
+            RAB: 1,    // from a field monitor, a fixed transponder
+        }
+        {
+            TST: 1,    // test target
+            DS1DS2: 2, // 0 none, 1 code 7500, 2 code 7600, 3 code 7700
+            ME: 1,     // military emergency
+            MI: 1,     // military identification
+            _: 2,
+        }
+    ]
 
-// 1 garbled, 2 reflection, 3 side lobe, 4 split plot, 5 second time around, 6 angels, 7 vehicles, …
-const I030: Item = Item::new("030", "Warning/Error Conditions", RepetitiveFx(&Element(7, RAW)));
+    // 1 garbled, 2 reflection, 3 side lobe, 4 split plot, 5 second time around, 6 angels, 7 vehicles, …
+    I030 "030" "Warning/Error Conditions" (repetitive_fx (7))
 
-const I040: Item = Item::new(
-    "040",
-    "Measured Position in Polar Co-ordinates",
-    Group(&[
-        element("RHO", 16, unsigned(1.0 / pow2(7), "NM")),
-        element("THETA", 16, unsigned(360.0 / pow2(16), "°")),
-    ]),
-);
+    I040 "040" "Measured Position in Polar Co-ordinates" {
+        RHO: 16 unsigned(1.0 / pow2(7), "NM"),
+        THETA: 16 unsigned(360.0 / pow2(16), "°"),
+    }
 
-const I042: Item = Item::new(
-    "042",
-    "Calculated Position in Cartesian Co-ordinates",
-    Group(&[
-        element("X", 16, signed(1.0 / pow2(6), "NM")),
-        element("Y", 16, signed(1.0 / pow2(6), "NM")),
-    ]),
-);
+    I042 "042" "Calculated Position in Cartesian Co-ordinates" {
+        X: 16 signed(1.0 / pow2(6), "NM"),
+        Y: 16 signed(1.0 / pow2(6), "NM"),
+    }
 
-const I050: Item = Item::new(
-    "050",
-    "Mode-2 Code in Octal Representation",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        flag("L"), // 1 smoothed by a local tracker
-        spare(1),
-        element("MODE2", 12, OCTAL),
-    ]),
-);
+    I050 "050" "Mode-2 Code in Octal Representation" {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        L: 1, // 1 smoothed by a local tracker
+        _: 1,
+        MODE2: 12 OCTAL,
+    }
 
-const I060: Item = Item::new("060", "Mode-2 Code Confidence Indicator", Group(PULSE_QUALITY));
+    I060 "060" "Mode-2 Code Confidence Indicator" (= Layout::Group(PULSE_QUALITY))
 
-const I070: Item = Item::new(
-    "070",
-    "Mode-3/A Code in Octal Representation",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        flag("L"), // 1 smoothed by a local tracker
-        spare(1),
-        element("MODE3A", 12, OCTAL),
-    ]),
-);
+    I070 "070" "Mode-3/A Code in Octal Representation" {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        L: 1, // 1 smoothed by a local tracker
+        _: 1,
+        MODE3A: 12 OCTAL,
+    }
 
-const I080: Item = Item::new("080", "Mode-3/A Code Confidence Indicator", Group(PULSE_QUALITY));
+    I080 "080" "Mode-3/A Code Confidence Indicator" (= Layout::Group(PULSE_QUALITY))
 
-const I090: Item = Item::new(
-    "090",
-    "Mode-C Code in Binary Representation",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        element("HGT", 14, signed(1.0 / pow2(2), "FL")),
-    ]),
-);
+    I090 "090" "Mode-C Code in Binary Representation" {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        HGT: 14 signed(1.0 / pow2(2), "FL"),
+    }
 
-const I100: Item = Item::new("100", "Mode-C Code and Code Confidence Indicator", Group(MODE_C));
+    I100 "100" "Mode-C Code and Code Confidence Indicator" (= Layout::Group(MODE_C))
+    I120 "120" "Measured Radial Doppler Speed" (8 signed(1.0 / pow2(8), "NM/s"))
 
-const I120: Item = Item::new(
-    "120",
-    "Measured Radial Doppler Speed",
-    Element(8, signed(1.0 / pow2(8), "NM/s")),
-);
+    // plot's run length, power, …: as the station defines
+    I130 "130" "Radar Plot Characteristics" (repetitive_fx (7))
 
-// plot's run length, power, …: as the station defines
-const I130: Item = Item::new("130", "Radar Plot Characteristics", RepetitiveFx(&Element(7, RAW)));
+    I131 "131" "Received Power" (8 signed(1.0, "dBm"))
 
-const I131: Item = Item::new("131", "Received Power", Element(8, signed(1.0, "dBm")));
+    // within the current 512 s
+    I141 "141" "Truncated Time of Day" (16 unsigned(1.0 / pow2(7), "s"))
 
-// within the current 512 s
-const I141: Item = Item::new(
-    "141",
-    "Truncated Time of Day",
-    Element(16, unsigned(1.0 / pow2(7), "s")),
-);
+    I150 "150" "Presence of X-Pulse" {
+        XA: 1, // in the Mode 3/A reply
+        _: 1,
+        XC: 1, // in the Mode C reply
+        _: 2,
+        X2: 1, // in the Mode 2 reply
+        _: 2,
+    }
 
-const I150: Item = Item::new(
-    "150",
-    "Presence of X-Pulse",
-    Group(&[
-        flag("XA"), // in the Mode 3/A reply
-        spare(1),
-        flag("XC"), // in the Mode C reply
-        spare(2),
-        flag("X2"), // in the Mode 2 reply
-        spare(2),
-    ]),
-);
+    I161 "161" "Track Plot Number" (16) // of the plot or track
 
-const I161: Item = Item::new("161", "Track Plot Number", Element(16, RAW)); // of the plot or track
+    I170 "170" "Track Status" [
+        {
+            CON: 1,  // 0 confirmed, 1 being initialised
+            RAD: 1,  // 0 PSR, 1 SSR or combined
+            MAN: 1,  // manoeuvring
+            DOU: 1,  // doubtful association of plot to track
+            RDPC: 1, // radar data processing: 0 chain 1, 1 chain 2
+            _: 1,
+            GHO: 1, // ghost
+        }
+        {
+            TRE: 1, // last report of the track
+            _: 6,
+        }
+    ]
 
-const I170: Item = Item::new(
-    "170",
-    "Track Status",
-    Extended(&[
-        &[
-            flag("CON"),  // 0 confirmed, 1 being initialised
-            flag("RAD"),  // 0 PSR, 1 SSR or combined
-            flag("MAN"),  // manoeuvring
-            flag("DOU"),  // doubtful association of plot to track
-            flag("RDPC"), // radar data processing: 0 chain 1, 1 chain 2
-            spare(1),
-            flag("GHO"), // ghost
-        ],
-        &[
-            flag("TRE"), // last report of the track
-            spare(6),
-        ],
-    ]),
-);
+    I200 "200" "Calculated Track Velocity in Polar Co-ordinates" {
+        GSP: 16 unsigned(1.0 / pow2(14), "NM/s"),
+        HDG: 16 unsigned(360.0 / pow2(16), "°"),
+    }
 
-const I200: Item = Item::new(
-    "200",
-    "Calculated Track Velocity in Polar Co-ordinates",
-    Group(&[
-        element("GSP", 16, unsigned(1.0 / pow2(14), "NM/s")),
-        element("HDG", 16, unsigned(360.0 / pow2(16), "°")),
-    ]),
-);
-
-const I210: Item = Item::new("210", "Track Quality", RepetitiveFx(&Element(7, RAW))); // as the station defines
+    I210 "210" "Track Quality" (repetitive_fx (7)) // as the station defines
+}
 
 /// In the document's order.
 #[rustfmt::skip]
@@ -199,6 +151,7 @@ const fn edition(minor: u8) -> Category {
         title: "Transmission of Monoradar Data Target Reports",
         document: "EUROCONTROL-SPEC-0149-2a",
         items: ITEMS,
+        times: &[], // it has only the last 512 s of it
         profile: Profile::Depends {
             item: "020",
             element: "TYP",

@@ -4,71 +4,52 @@
 //! layout.
 
 use super::{RFS, SP};
-use crate::table::Layout::{Element, Group, Repetitive, RepetitiveFx};
 use crate::table::*;
 
-// 1 north marker, 2 sector crossing, 3 south marker, 8 and 9 blind zone filter begins and ends
-const I000: Item = Item::new("000", "Message Type", Element(8, RAW));
+items! {
+    // 1 north marker, 2 sector crossing, 3 south marker, 8 and 9 blind zone filter begins and ends
+    I000 "000" "Message Type" (8)
 
-const I010: Item = Item::new(
-    "010",
-    "Data Source Identifier",
-    Group(&[
-        element("SAC", 8, RAW), // system area code
-        element("SIC", 8, RAW), // system identification code
-    ]),
-);
+    I010 "010" "Data Source Identifier" {
+        SAC: 8, // system area code
+        SIC: 8, // system identification code
+    }
 
-// azimuth of its begin; 0 is north
-const I020: Item = Item::new("020", "Sector Number", Element(8, unsigned(360.0 / pow2(8), "°")));
+    // azimuth of its begin; 0 is north
+    I020 "020" "Sector Number" (8 unsigned(360.0 / pow2(8), "°"))
 
-const I030: Item = Item::new("030", "Time of Day", Element(24, unsigned(1.0 / pow2(7), "s")));
+    I030 "030" "Time of Day" (24 unsigned(1.0 / pow2(7), "s"))
 
-// time of one rotation
-const I041: Item = Item::new(
-    "041",
-    "Antenna Rotation Speed",
-    Element(16, unsigned(1.0 / pow2(7), "s")),
-);
+    // time of one rotation
+    I041 "041" "Antenna Rotation Speed" (16 unsigned(1.0 / pow2(7), "s"))
 
-// as the station defines
-const I050: Item = Item::new("050", "Station Configuration Status", RepetitiveFx(&Element(7, RAW)));
+    // as the station defines
+    I050 "050" "Station Configuration Status" (repetitive_fx (7))
 
-// as the station defines
-const I060: Item = Item::new("060", "Station Processing Mode", RepetitiveFx(&Element(7, RAW)));
+    // as the station defines
+    I060 "060" "Station Processing Mode" (repetitive_fx (7))
 
-const I070: Item = Item::new(
-    "070",
-    "Plot Count Values",
-    Repetitive(&Group(&[
-        flag("A"),                // 0 antenna 1, 1 antenna 2
-        element("IDENT", 5, RAW), // 1 PSR plots, 2 SSR plots, 3 combined plots
-        element("COUNTER", 10, NUMBER),
-    ])),
-);
+    I070 "070" "Plot Count Values" (repetitive {
+        A: 1,     // 0 antenna 1, 1 antenna 2
+        IDENT: 5, // 1 PSR plots, 2 SSR plots, 3 combined plots
+        COUNTER: 10 NUMBER,
+    })
 
-// as the station defines
-const I080: Item = Item::new("080", "Warning/Error Conditions", RepetitiveFx(&Element(7, RAW)));
+    // as the station defines
+    I080 "080" "Warning/Error Conditions" (repetitive_fx (7))
 
-const I090: Item = Item::new(
-    "090",
-    "Collimation Error",
-    Group(&[
-        element("RE", 8, signed(1.0 / pow2(7), "NM")),   // of range
-        element("AE", 8, signed(360.0 / pow2(14), "°")), // of azimuth
-    ]),
-);
+    I090 "090" "Collimation Error" {
+        RE: 8 signed(1.0 / pow2(7), "NM"),   // of range
+        AE: 8 signed(360.0 / pow2(14), "°"), // of azimuth
+    }
 
-const I100: Item = Item::new(
-    "100",
-    "Dynamic Window Type 1",
-    Group(&[
-        element("RS", 16, unsigned(1.0 / pow2(7), "NM")),   // range from …
-        element("RE", 16, unsigned(1.0 / pow2(7), "NM")),   // … to
-        element("TS", 16, unsigned(360.0 / pow2(16), "°")), // azimuth from …
-        element("TE", 16, unsigned(360.0 / pow2(16), "°")), // … to
-    ]),
-);
+    I100 "100" "Dynamic Window Type 1" {
+        RS: 16 unsigned(1.0 / pow2(7), "NM"),   // range from …
+        RE: 16 unsigned(1.0 / pow2(7), "NM"),   // … to
+        TS: 16 unsigned(360.0 / pow2(16), "°"), // azimuth from …
+        TE: 16 unsigned(360.0 / pow2(16), "°"), // … to
+    }
+}
 
 /// In the document's order.
 #[rustfmt::skip]
@@ -83,25 +64,9 @@ const ORDER: &[&str] = &[
     "070", "100", "090", "080", SPARE, "SP",  "RFS", //      8 to 14
 ];
 
-const fn edition(minor: u8) -> Category {
-    Category {
-        number: 2,
-        edition: Edition::new(1, minor),
-        title: "Transmission of Monoradar Service Messages",
-        document: "EUROCONTROL-SPEC-0149-2b",
-        items: ITEMS,
-        profile: Profile::Single(Uap::new(ITEMS, ORDER)),
-    }
+editions! {
+    CAT002 2 "Transmission of Monoradar Service Messages" "EUROCONTROL-SPEC-0149-2b" ["030"]
+    CAT002_V1_0 1 0 (ITEMS, ORDER)
+    CAT002_V1_1 1 1 (ITEMS, ORDER)
+    CAT002_V1_2 1 2 (ITEMS, ORDER)
 }
-
-/// Radar service messages, ed 1.0.
-pub static CAT002_V1_0: Category = edition(0);
-
-/// Radar service messages, ed 1.1.
-pub static CAT002_V1_1: Category = edition(1);
-
-/// Radar service messages, ed 1.2.
-pub static CAT002_V1_2: Category = edition(2);
-
-/// Every edition of the category.
-pub static CAT002: &[&Category] = &[&CAT002_V1_0, &CAT002_V1_1, &CAT002_V1_2];

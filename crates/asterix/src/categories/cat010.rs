@@ -12,227 +12,166 @@
 //! 3.7 times I010/210 at 2^-4 (correlation 0.89). This table has 2^-2 for both.
 
 use super::{RE, SP};
-use crate::table::Layout::{Element, Extended, Group, Repetitive};
 use crate::table::*;
 
-const I000: Item = Item::new("000", "Message Type", Element(8, RAW)); // 1 target report, 2 update cycle, 3 and 4 status
+items! {
+    I000 "000" "Message Type" (8) // 1 target report, 2 update cycle, 3 and 4 status
 
-const I010: Item = Item::new(
-    "010",
-    "Data Source Identifier",
-    Group(&[
-        element("SAC", 8, RAW), // system area code, 0 for data local to an airport
-        element("SIC", 8, RAW), // system identification code
-    ]),
-);
+    I010 "010" "Data Source Identifier" {
+        SAC: 8, // system area code, 0 for data local to an airport
+        SIC: 8, // system identification code
+    }
 
-const I020: Item = Item::new(
-    "020",
-    "Target Report Descriptor",
-    Extended(&[
-        &[
-            element("TYP", 3, RAW), // 0 SSR mlat, 1 Mode S mlat, 2 ADS-B, 3 PSR, 4 loop, 5 HF mlat, 7 other
-            flag("DCR"),            // differential correction (ADS-B)
-            flag("CHN"),            // 0 chain 1, 1 chain 2
-            flag("GBS"),            // transponder's ground bit set
-            flag("CRT"),            // corrupted replies in multilateration
-        ],
-        &[
-            flag("SIM"),            // simulated
-            flag("TST"),            // test target
-            flag("RAB"),            // from a field monitor, a fixed transponder
-            element("LOP", 2, RAW), // 0 undetermined, 1 loop start, 2 loop finish
-            element("TOT", 2, RAW), // 0 undetermined, 1 aircraft, 2 ground vehicle, 3 helicopter
-        ],
-        &[
-            flag("SPI"), // special position identification
-            spare(6),
-        ],
-    ]),
-);
+    I020 "020" "Target Report Descriptor" [
+        {
+            TYP: 3, // 0 SSR mlat, 1 Mode S mlat, 2 ADS-B, 3 PSR, 4 loop, 5 HF mlat, 7 other
+            DCR: 1, // differential correction (ADS-B)
+            CHN: 1, // 0 chain 1, 1 chain 2
+            GBS: 1, // transponder's ground bit set
+            CRT: 1, // corrupted replies in multilateration
+        }
+        {
+            SIM: 1, // simulated
+            TST: 1, // test target
+            RAB: 1, // from a field monitor, a fixed transponder
+            LOP: 2, // 0 undetermined, 1 loop start, 2 loop finish
+            TOT: 2, // 0 undetermined, 1 aircraft, 2 ground vehicle, 3 helicopter
+        }
+        {
+            SPI: 1, // special position identification
+            _: 6,
+        }
+    ]
 
-const I040: Item = Item::new(
-    "040",
-    "Measured Position in Polar Co-ordinates",
-    Group(&[
-        element("RHO", 16, unsigned(1.0, "m")),
-        element("TH", 16, unsigned(360.0 / pow2(16), "°")),
-    ]),
-);
+    I040 "040" "Measured Position in Polar Co-ordinates" {
+        RHO: 16 unsigned(1.0, "m"),
+        TH: 16 unsigned(360.0 / pow2(16), "°"),
+    }
 
-const I041: Item = Item::new(
-    "041",
-    "Position in WGS-84 Co-ordinates",
-    Group(&[
-        element("LAT", 32, signed(180.0 / pow2(31), "°")),
-        element("LON", 32, signed(180.0 / pow2(31), "°")),
-    ]),
-);
+    I041 "041" "Position in WGS-84 Co-ordinates" {
+        LAT: 32 signed(180.0 / pow2(31), "°"),
+        LON: 32 signed(180.0 / pow2(31), "°"),
+    }
 
-const I042: Item = Item::new(
-    "042",
-    "Position in Cartesian Co-ordinates",
-    Group(&[element("X", 16, signed(1.0, "m")), element("Y", 16, signed(1.0, "m"))]),
-);
+    I042 "042" "Position in Cartesian Co-ordinates" {
+        X: 16 signed(1.0, "m"),
+        Y: 16 signed(1.0, "m"),
+    }
 
-const I060: Item = Item::new(
-    "060",
-    "Mode-3/A Code in Octal Representation",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        flag("L"), // 1 not extracted during the last scan
-        spare(1),
-        element("MODE3A", 12, OCTAL),
-    ]),
-);
+    I060 "060" "Mode-3/A Code in Octal Representation" {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        L: 1, // 1 not extracted during the last scan
+        _: 1,
+        MODE3A: 12 OCTAL,
+    }
 
-const I090: Item = Item::new(
-    "090",
-    "Flight Level in Binary Representation",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        element("FL", 14, signed(1.0 / pow2(2), "FL")),
-    ]),
-);
+    I090 "090" "Flight Level in Binary Representation" {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        FL: 14 signed(1.0 / pow2(2), "FL"),
+    }
 
-const I091: Item = Item::new("091", "Measured Height", Element(16, signed(6.25, "ft")));
+    I091 "091" "Measured Height" (16 signed(6.25, "ft"))
+    I131 "131" "Amplitude of Primary Plot" (8) // 0 is the least detectable
+    I140 "140" "Time of Day" (24 unsigned(1.0 / pow2(7), "s"))
 
-const I131: Item = Item::new("131", "Amplitude of Primary Plot", Element(8, RAW)); // 0 is the least detectable
+    I161 "161" "Track Number" {
+        _: 4,
+        TRK: 12,
+    }
 
-const I140: Item = Item::new("140", "Time of Day", Element(24, unsigned(1.0 / pow2(7), "s")));
+    I170 "170" "Track Status" [
+        {
+            CNF: 1, // 0 confirmed, 1 being initialised
+            TRE: 1, // last report of the track
+            CST: 2, // extrapolated: 0 no, 1 between scans, 2 in masked area, 3 unpredictable
+            MAH: 1, // horizontal manoeuvre
+            TCC: 1, // 0 sensor plane, 1 slant range corrected and projected
+            STH: 1, // 0 measured position, 1 smoothed
+        }
+        {
+            TOM: 2, // movement: 0 unknown, 1 taking off, 2 landing, 3 other
+            DOU: 3, // doubt, 0 none
+            MRS: 2, // 0 undetermined, 1 merged by and 2 not by association to plot, 3 split
+        }
+        {
+            GHO: 1, // ghost
+            _: 6,
+        }
+    ]
 
-const I161: Item = Item::new("161", "Track Number", Group(&[spare(4), element("TRK", 12, RAW)]));
+    I200 "200" "Calculated Track Velocity in Polar Co-ordinates" {
+        GSP: 16 unsigned(1.0 / pow2(14), "NM/s"),
+        TRA: 16 unsigned(360.0 / pow2(16), "°"),
+    }
 
-const I170: Item = Item::new(
-    "170",
-    "Track Status",
-    Extended(&[
-        &[
-            flag("CNF"),            // 0 confirmed, 1 being initialised
-            flag("TRE"),            // last report of the track
-            element("CST", 2, RAW), // extrapolated: 0 no, 1 between scans, 2 in masked area, 3 unpredictable
-            flag("MAH"),            // horizontal manoeuvre
-            flag("TCC"),            // 0 sensor plane, 1 slant range corrected and projected
-            flag("STH"),            // 0 measured position, 1 smoothed
-        ],
-        &[
-            element("TOM", 2, RAW), // movement: 0 unknown, 1 taking off, 2 landing, 3 other
-            element("DOU", 3, RAW), // doubt, 0 none
-            element("MRS", 2, RAW), // 0 undetermined, 1 merged by and 2 not by association to plot, 3 split
-        ],
-        &[
-            flag("GHO"), // ghost
-            spare(6),
-        ],
-    ]),
-);
+    I202 "202" "Calculated Track Velocity in Cartesian Co-ordinates" {
+        VX: 16 signed(1.0 / pow2(2), "m/s"), // not 2^-4, see above
+        VY: 16 signed(1.0 / pow2(2), "m/s"),
+    }
 
-const I200: Item = Item::new(
-    "200",
-    "Calculated Track Velocity in Polar Co-ordinates",
-    Group(&[
-        element("GSP", 16, unsigned(1.0 / pow2(14), "NM/s")),
-        element("TRA", 16, unsigned(360.0 / pow2(16), "°")),
-    ]),
-);
+    I210 "210" "Calculated Acceleration" {
+        AX: 8 signed(1.0 / pow2(2), "m/s²"), // not 2^-4, see above
+        AY: 8 signed(1.0 / pow2(2), "m/s²"),
+    }
 
-const I202: Item = Item::new(
-    "202",
-    "Calculated Track Velocity in Cartesian Co-ordinates",
-    Group(&[
-        element("VX", 16, signed(1.0 / pow2(2), "m/s")), // not 2^-4, see above
-        element("VY", 16, signed(1.0 / pow2(2), "m/s")),
-    ]),
-);
+    I220 "220" "Target Address" (24)
 
-const I210: Item = Item::new(
-    "210",
-    "Calculated Acceleration",
-    Group(&[
-        element("AX", 8, signed(1.0 / pow2(2), "m/s²")), // not 2^-4, see above
-        element("AY", 8, signed(1.0 / pow2(2), "m/s²")),
-    ]),
-);
-
-const I220: Item = Item::new("220", "Target Address", Element(24, RAW));
-
-const I245: Item = Item::new(
-    "245",
-    "Target Identification",
-    Group(&[
+    I245 "245" "Target Identification" {
         // 0 call sign or registration downlinked, 1 call sign not downlinked, 2 registration not downlinked.
         // Beware: CAT020 numbers them otherwise, and systems that send both categories may use one numbering.
-        element("STI", 2, RAW),
-        spare(6),
-        element("CHR", 48, ICAO),
-    ]),
-);
+        STI: 2,
+        _: 6,
+        CHR: 48 ICAO,
+    }
 
-const I250: Item = Item::new(
-    "250",
-    "Mode S MB Data",
-    Repetitive(&Group(&[
-        element("MBDATA", 56, RAW), // Comm-B message
-        element("BDS1", 4, RAW),    // register number, first digit
-        element("BDS2", 4, RAW),    // second digit
-    ])),
-);
+    I250 "250" "Mode S MB Data" (repetitive {
+        MBDATA: 56, // Comm-B message
+        BDS1: 4,    // register number, first digit
+        BDS2: 4,    // second digit
+    })
 
-const I270: Item = Item::new(
-    "270",
-    "Target Size and Orientation",
-    Extended(&[
-        &[element("LENGTH", 7, unsigned(1.0, "m"))],
-        &[element("ORIENTATION", 7, unsigned(360.0 / pow2(7), "°"))], // of the nose, from geographical north
-        &[element("WIDTH", 7, unsigned(1.0, "m"))],
-    ]),
-);
+    I270 "270" "Target Size and Orientation" [
+        {
+            LENGTH: 7 unsigned(1.0, "m"),
+        }
+        {
+            ORIENTATION: 7 unsigned(360.0 / pow2(7), "°"),
+        } // of the nose, from geographical north
+        {
+            WIDTH: 7 unsigned(1.0, "m"),
+        }
+    ]
 
-const I280: Item = Item::new(
-    "280",
-    "Presence",
-    Repetitive(&Group(&[
-        element("DRHO", 8, signed(1.0, "m")), // from the centre of the plot
-        element("DTHETA", 8, signed(0.15, "°")),
-    ])),
-);
+    I280 "280" "Presence" (repetitive {
+        DRHO: 8 signed(1.0, "m"), // from the centre of the plot
+        DTHETA: 8 signed(0.15, "°"),
+    })
 
-// 0 unknown, 3 fire, 16 follow me, …
-const I300: Item = Item::new("300", "Vehicle Fleet Identification", Element(8, RAW));
+    // 0 unknown, 3 fire, 16 follow me, …
+    I300 "300" "Vehicle Fleet Identification" (8)
 
-const I310: Item = Item::new(
-    "310",
-    "Pre-programmed Message",
-    Group(&[
-        flag("TRB"), // in trouble
-        element("MSG", 7, RAW),
-    ]),
-);
+    I310 "310" "Pre-programmed Message" {
+        TRB: 1, // in trouble
+        MSG: 7,
+    }
 
-const I500: Item = Item::new(
-    "500",
-    "Standard Deviation of Position",
-    Group(&[
-        element("DEVX", 8, unsigned(1.0 / pow2(2), "m")),
-        element("DEVY", 8, unsigned(1.0 / pow2(2), "m")),
-        element("COVXY", 16, signed(1.0 / pow2(2), "m²")),
-    ]),
-);
+    I500 "500" "Standard Deviation of Position" {
+        DEVX: 8 unsigned(1.0 / pow2(2), "m"),
+        DEVY: 8 unsigned(1.0 / pow2(2), "m"),
+        COVXY: 16 signed(1.0 / pow2(2), "m²"),
+    }
 
-const I550: Item = Item::new(
-    "550",
-    "System Status",
-    Group(&[
-        element("NOGO", 2, RAW), // 0 operational, 1 degraded, 2 do not use
-        flag("OVL"),             // overload
-        flag("TSV"),             // time source invalid
-        flag("DIV"),             // diversity degraded
-        flag("TTF"),             // test target failure
-        spare(2),
-    ]),
-);
+    I550 "550" "System Status" {
+        NOGO: 2, // 0 operational, 1 degraded, 2 do not use
+        OVL: 1,  // overload
+        TSV: 1,  // time source invalid
+        DIV: 1,  // diversity degraded
+        TTF: 1,  // test target failure
+        _: 2,
+    }
+}
 
 /// In the document's order.
 #[rustfmt::skip]
@@ -251,15 +190,7 @@ const ORDER: &[&str] = &[
     "500", "280", "131", "210", SPARE, "SP", "RE",   //     22 to 28
 ];
 
-/// Surface movement data, ed 1.1.
-pub static CAT010_V1_1: Category = Category {
-    number: 10,
-    edition: Edition::new(1, 1),
-    title: "Transmission of Monosensor Surface Movement Data",
-    document: "EUROCONTROL-SPEC-0149-7",
-    items: ITEMS,
-    profile: Profile::Single(Uap::new(ITEMS, ORDER)),
-};
-
-/// Every edition of the category.
-pub static CAT010: &[&Category] = &[&CAT010_V1_1];
+editions! {
+    CAT010 10 "Transmission of Monosensor Surface Movement Data" "EUROCONTROL-SPEC-0149-7" ["140"]
+    CAT010_V1_1 1 1 (ITEMS, ORDER)
+}

@@ -4,296 +4,204 @@
 //! order of items: the later ones add a part to I020/020, use spare bits of I020/230 and rename an element of I020/250.
 
 use super::{MODE_C, RE, SP};
-use crate::table::Layout::{Compound, Element, Extended, Group, Repetitive, RepetitiveFx};
 use crate::table::*;
 
-const I010: Item = Item::new(
-    "010",
-    "Data Source Identifier",
-    Group(&[
-        element("SAC", 8, RAW), // system area code
-        element("SIC", 8, RAW), // system identification code
-    ]),
-);
+items! {
+    I010 "010" "Data Source Identifier" {
+        SAC: 8, // system area code
+        SIC: 8, // system identification code
+    }
 
-const I020_PART_1: &[Part] = &[
-    flag("SSR"),  // non-Mode S 1090 MHz multilateration
-    flag("MS"),   // Mode S 1090 MHz multilateration
-    flag("HF"),   // HF multilateration
-    flag("VDL4"), // VDL Mode 4 multilateration
-    flag("UAT"),  // UAT multilateration
-    flag("DME"),  // DME/TACAN multilateration
-    flag("OT"),   // other technology
-];
+    parts I020_PART_1 {
+        SSR: 1,  // non-Mode S 1090 MHz multilateration
+        MS: 1,   // Mode S 1090 MHz multilateration
+        HF: 1,   // HF multilateration
+        VDL4: 1, // VDL Mode 4 multilateration
+        UAT: 1,  // UAT multilateration
+        DME: 1,  // DME/TACAN multilateration
+        OT: 1,   // other technology
+    }
 
-const I020_PART_2: &[Part] = &[
-    flag("RAB"), // from a field monitor
-    flag("SPI"), // special position identification
-    flag("CHN"), // 0 chain 1, 1 chain 2
-    flag("GBS"), // transponder's ground bit set
-    flag("CRT"), // corrupted replies
-    flag("SIM"), // simulated
-    flag("TST"), // test target
-];
+    parts I020_PART_2 {
+        RAB: 1, // from a field monitor
+        SPI: 1, // special position identification
+        CHN: 1, // 0 chain 1, 1 chain 2
+        GBS: 1, // transponder's ground bit set
+        CRT: 1, // corrupted replies
+        SIM: 1, // simulated
+        TST: 1, // test target
+    }
 
-const I020: Item = Item::new("020", "Target Report Descriptor", Extended(&[I020_PART_1, I020_PART_2]));
+    I020 "020" "Target Report Descriptor" [I020_PART_1 I020_PART_2]
 
-const I020_V1_10: Item = Item::new(
-    "020",
-    "Target Report Descriptor",
-    Extended(&[
-        I020_PART_1,
-        I020_PART_2,
-        &[
-            element("CF", 2, RAW), // address: 0 ICAO, 1 not ICAO, 2 no ADS-B message, 3 unknown
-            spare(5),
-        ],
-    ]),
-);
+    I020_V1_10 "020" "Target Report Descriptor" [
+        I020_PART_1
+        I020_PART_2
+        {
+            CF: 2, // address: 0 ICAO, 1 not ICAO, 2 no ADS-B message, 3 unknown
+            _: 5,
+        }
+    ]
 
-const I030: Item = Item::new("030", "Warning/Error Conditions", RepetitiveFx(&Element(7, RAW)));
+    I030 "030" "Warning/Error Conditions" (repetitive_fx (7))
 
-const I041: Item = Item::new(
-    "041",
-    "Position In WGS-84 Coordinates",
-    Group(&[
-        element("LAT", 32, signed(180.0 / pow2(25), "°")),
-        element("LON", 32, signed(180.0 / pow2(25), "°")),
-    ]),
-);
+    I041 "041" "Position In WGS-84 Coordinates" {
+        LAT: 32 signed(180.0 / pow2(25), "°"),
+        LON: 32 signed(180.0 / pow2(25), "°"),
+    }
 
-const I042: Item = Item::new(
-    "042",
-    "Position in Cartesian Coordinates",
-    Group(&[element("X", 24, signed(0.5, "m")), element("Y", 24, signed(0.5, "m"))]),
-);
+    I042 "042" "Position in Cartesian Coordinates" {
+        X: 24 signed(0.5, "m"),
+        Y: 24 signed(0.5, "m"),
+    }
 
-const I050: Item = Item::new(
-    "050",
-    "Mode-2 Code in Octal Representation",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        flag("L"), // 1 smoothed by a local tracker
-        spare(1),
-        element("MODE2", 12, OCTAL),
-    ]),
-);
+    I050 "050" "Mode-2 Code in Octal Representation" {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        L: 1, // 1 smoothed by a local tracker
+        _: 1,
+        MODE2: 12 OCTAL,
+    }
 
-const I055: Item = Item::new(
-    "055",
-    "Mode-1 Code in Octal Representation",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        flag("L"), // 1 smoothed by a local tracker
-        element("MODE1", 5, RAW),
-    ]),
-);
+    I055 "055" "Mode-1 Code in Octal Representation" {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        L: 1, // 1 smoothed by a local tracker
+        MODE1: 5,
+    }
 
-const I070: Item = Item::new(
-    "070",
-    "Mode-3/A Code in Octal Representation",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        flag("L"), // 1 not extracted during the last update period
-        spare(1),
-        element("MODE3A", 12, OCTAL),
-    ]),
-);
+    I070 "070" "Mode-3/A Code in Octal Representation" {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        L: 1, // 1 not extracted during the last update period
+        _: 1,
+        MODE3A: 12 OCTAL,
+    }
 
-const I090: Item = Item::new(
-    "090",
-    "Flight Level in Binary Representation",
-    Group(&[
-        flag("V"), // 1 not validated
-        flag("G"), // 1 garbled
-        element("FL", 14, signed(1.0 / pow2(2), "FL")),
-    ]),
-);
+    I090 "090" "Flight Level in Binary Representation" {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        FL: 14 signed(1.0 / pow2(2), "FL"),
+    }
 
-const I100: Item = Item::new("100", "Mode C Code", Group(MODE_C));
+    I100 "100" "Mode C Code" (= Layout::Group(MODE_C))
+    I105 "105" "Geometric Height (WGS-84)" (16 signed(6.25, "ft"))
+    I110 "110" "Measured Height (Local Cartesian Coordinates)" (16 signed(6.25, "ft"))
+    I140 "140" "Time of Day" (24 unsigned(1.0 / pow2(7), "s"))
 
-const I105: Item = Item::new("105", "Geometric Height (WGS-84)", Element(16, signed(6.25, "ft")));
+    I161 "161" "Track Number" {
+        _: 4,
+        TRN: 12,
+    }
 
-const I110: Item = Item::new(
-    "110",
-    "Measured Height (Local Cartesian Coordinates)", // above the system reference point of I019/610
-    Element(16, signed(6.25, "ft")),
-);
+    I170 "170" "Track Status" [
+        {
+            CNF: 1, // 0 confirmed, 1 being initialised
+            TRE: 1, // last report of the track
+            CST: 1, // extrapolated
+            CDM: 2, // 0 maintaining, 1 climbing, 2 descending, 3 invalid
+            MAH: 1, // horizontal manoeuvre
+            STH: 1, // 0 measured position, 1 smoothed
+        }
+        {
+            GHO: 1, // ghost
+            _: 6,
+        }
+    ]
 
-const I140: Item = Item::new("140", "Time of Day", Element(24, unsigned(1.0 / pow2(7), "s")));
+    I202 "202" "Calculated Track Velocity in Cartesian Coordinates" {
+        VX: 16 signed(1.0 / pow2(2), "m/s"),
+        VY: 16 signed(1.0 / pow2(2), "m/s"),
+    }
 
-const I161: Item = Item::new("161", "Track Number", Group(&[spare(4), element("TRN", 12, RAW)]));
+    I210 "210" "Calculated Acceleration" {
+        AX: 8 signed(1.0 / pow2(2), "m/s²"),
+        AY: 8 signed(1.0 / pow2(2), "m/s²"),
+    }
 
-const I170: Item = Item::new(
-    "170",
-    "Track Status",
-    Extended(&[
-        &[
-            flag("CNF"),            // 0 confirmed, 1 being initialised
-            flag("TRE"),            // last report of the track
-            flag("CST"),            // extrapolated
-            element("CDM", 2, RAW), // 0 maintaining, 1 climbing, 2 descending, 3 invalid
-            flag("MAH"),            // horizontal manoeuvre
-            flag("STH"),            // 0 measured position, 1 smoothed
-        ],
-        &[
-            flag("GHO"), // ghost
-            spare(6),
-        ],
-    ]),
-);
+    I220 "220" "Target Address" (24)
 
-const I202: Item = Item::new(
-    "202",
-    "Calculated Track Velocity in Cartesian Coordinates",
-    Group(&[
-        element("VX", 16, signed(1.0 / pow2(2), "m/s")),
-        element("VY", 16, signed(1.0 / pow2(2), "m/s")),
-    ]),
-);
+    I230 "230" "Communications/ACAS Capability and Flight Status" {
+        COM: 3,  // communications capability
+        STAT: 3, // alert, special position identification, airborne or on ground
+        _: 2,
+        MSSC: 1, // Mode S specific services
+        ARC: 1,  // altitude reported in steps of: 0 100 ft, 1 25 ft
+        AIC: 1,  // aircraft identification
+        B1A: 1,  // BDS 1,0 bit 16
+        B1B: 4,  // BDS 1,0 bits 37 to 40
+    }
 
-const I210: Item = Item::new(
-    "210",
-    "Calculated Acceleration",
-    Group(&[
-        element("AX", 8, signed(1.0 / pow2(2), "m/s²")),
-        element("AY", 8, signed(1.0 / pow2(2), "m/s²")),
-    ]),
-);
+    I230_V1_11 "230" "Communications/ACAS Capability and Flight Status" {
+        COM: 3,    // communications capability
+        STAT: 3,   // alert, special position identification, airborne or on ground
+        CASEVN: 2, // extended version of ACAS: 0 none, 1 Xa, 2 Xu
+        MSSC: 1,   // Mode S specific services
+        ARC: 1,    // altitude reported in steps of: 0 100 ft, 1 25 ft
+        AIC: 1,    // aircraft identification
+        B1A: 1,    // BDS 1,0 bit 16
+        B1B: 4,    // BDS 1,0 bits 37 to 40
+    }
 
-const I220: Item = Item::new("220", "Target Address", Element(24, RAW));
+    I245 "245" "Target Identification" {
+        STI: 2, // 0 not downlinked, 1 registration downlinked, 2 call sign downlinked
+        _: 6,
+        CHR: 48 ICAO,
+    }
 
-const I230: Item = Item::new(
-    "230",
-    "Communications/ACAS Capability and Flight Status",
-    Group(&[
-        element("COM", 3, RAW),  // communications capability
-        element("STAT", 3, RAW), // alert, special position identification, airborne or on ground
-        spare(2),
-        flag("MSSC"),           // Mode S specific services
-        flag("ARC"),            // altitude reported in steps of: 0 100 ft, 1 25 ft
-        flag("AIC"),            // aircraft identification
-        flag("B1A"),            // BDS 1,0 bit 16
-        element("B1B", 4, RAW), // BDS 1,0 bits 37 to 40
-    ]),
-);
+    I250 "250" "Mode S MB Data" (repetitive {
+        MBDATA: 56, // Comm-B message
+        BDS1: 4,    // register number, first digit
+        BDS2: 4,    // second digit
+    })
 
-const I230_V1_11: Item = Item::new(
-    "230",
-    "Communications/ACAS Capability and Flight Status",
-    Group(&[
-        element("COM", 3, RAW),    // communications capability
-        element("STAT", 3, RAW),   // alert, special position identification, airborne or on ground
-        element("CASEVN", 2, RAW), // extended version of ACAS: 0 none, 1 Xa, 2 Xu
-        flag("MSSC"),              // Mode S specific services
-        flag("ARC"),               // altitude reported in steps of: 0 100 ft, 1 25 ft
-        flag("AIC"),               // aircraft identification
-        flag("B1A"),               // BDS 1,0 bit 16
-        element("B1B", 4, RAW),    // BDS 1,0 bits 37 to 40
-    ]),
-);
+    I250_V1_10 "250" "BDS Register Data" (repetitive {
+        BDSREGISTER: 56, // Comm-B message
+        BDS1: 4,         // register number, first digit
+        BDS2: 4,         // second digit
+    })
 
-const I245: Item = Item::new(
-    "245",
-    "Target Identification",
-    Group(&[
-        element("STI", 2, RAW), // 0 not downlinked, 1 registration downlinked, 2 call sign downlinked
-        spare(6),
-        element("CHR", 48, ICAO),
-    ]),
-);
+    I250_V1_11 "250" "BDS Register Data" (repetitive {
+        BDSDATA: 56, // Comm-B message
+        BDS1: 4,     // register number, first digit
+        BDS2: 4,     // second digit
+    })
 
-const I250: Item = Item::new(
-    "250",
-    "Mode S MB Data",
-    Repetitive(&Group(&[
-        element("MBDATA", 56, RAW), // Comm-B message
-        element("BDS1", 4, RAW),    // register number, first digit
-        element("BDS2", 4, RAW),    // second digit
-    ])),
-);
+    I260 "260" "ACAS Resolution Advisory Report" (56)
 
-const I250_V1_10: Item = Item::new(
-    "250",
-    "BDS Register Data",
-    Repetitive(&Group(&[
-        element("BDSREGISTER", 56, RAW), // Comm-B message
-        element("BDS1", 4, RAW),         // register number, first digit
-        element("BDS2", 4, RAW),         // second digit
-    ])),
-);
+    // 0 unknown, 3 fire, 16 follow me, …
+    I300 "300" "Vehicle Fleet Identification" (8)
 
-const I250_V1_11: Item = Item::new(
-    "250",
-    "BDS Register Data",
-    Repetitive(&Group(&[
-        element("BDSDATA", 56, RAW), // Comm-B message
-        element("BDS1", 4, RAW),     // register number, first digit
-        element("BDS2", 4, RAW),     // second digit
-    ])),
-);
+    I310 "310" "Pre-programmed Message" {
+        TRB: 1, // in trouble
+        MSG: 7,
+    }
 
-const I260: Item = Item::new("260", "ACAS Resolution Advisory Report", Element(56, RAW));
+    I400 "400" "Contributing Devices" (repetitive {
+        BIT1: 1, // element names count from the left
+        BIT2: 1,
+        BIT3: 1,
+        BIT4: 1,
+        BIT5: 1,
+        BIT6: 1,
+        BIT7: 1,
+        BIT8: 1,
+    })
 
-// 0 unknown, 3 fire, 16 follow me, …
-const I300: Item = Item::new("300", "Vehicle Fleet Identification", Element(8, RAW));
-
-const I310: Item = Item::new(
-    "310",
-    "Pre-programmed Message",
-    Group(&[
-        flag("TRB"), // in trouble
-        element("MSG", 7, RAW),
-    ]),
-);
-
-const I400: Item = Item::new(
-    "400",
-    "Contributing Devices", // devices are numbered from the last bit of the last octet: the last octet has 8 … 1
-    Repetitive(&Group(&[
-        flag("BIT1"), // element names count from the left
-        flag("BIT2"),
-        flag("BIT3"),
-        flag("BIT4"),
-        flag("BIT5"),
-        flag("BIT6"),
-        flag("BIT7"),
-        flag("BIT8"),
-    ])),
-);
-
-const I500: Item = Item::new(
-    "500",
-    "Position Accuracy",
-    Compound(&[
-        subitem(
-            "DOP",
-            "DOP of Position",
-            Group(&[
-                element("X", 16, unsigned(1.0 / pow2(2), "")),
-                element("Y", 16, unsigned(1.0 / pow2(2), "")),
-                element("XY", 16, unsigned(1.0 / pow2(2), "")),
-            ]),
-        ),
-        subitem(
-            "SDP",
-            "Standard Deviation of Position",
-            Group(&[
-                element("X", 16, unsigned(1.0 / pow2(2), "m")),
-                element("Y", 16, unsigned(1.0 / pow2(2), "m")),
-                element("XY", 16, unsigned(1.0 / pow2(2), "")), // correlation; see I020/RE for a usable one
-            ]),
-        ),
-        subitem(
-            "SDH",
-            "Standard Deviation of Geometric Height (WGS 84)",
-            Element(16, unsigned(0.5, "m")),
-        ),
-    ]),
-);
+    I500 "500" "Position Accuracy" (compound [
+        DOP "DOP of Position" {
+            X: 16 unsigned(1.0 / pow2(2), ""),
+            Y: 16 unsigned(1.0 / pow2(2), ""),
+            XY: 16 unsigned(1.0 / pow2(2), ""),
+        },
+        SDP "Standard Deviation of Position" {
+            X: 16 unsigned(1.0 / pow2(2), "m"),
+            Y: 16 unsigned(1.0 / pow2(2), "m"),
+            XY: 16 unsigned(1.0 / pow2(2), ""), // correlation; see I020/RE for a usable one
+        },
+        SDH "Standard Deviation of Geometric Height (WGS 84)" (16 unsigned(0.5, "m")),
+    ])
+}
 
 /// The items of an edition; those passed are not the same in all.
 #[rustfmt::skip]
@@ -314,25 +222,9 @@ const ORDER: &[&str] = &[
     "230", "260", "030", "055", "050", "RE", "SP",   //     22 to 28
 ];
 
-const fn edition(minor: u8, items: &'static [Item]) -> Category {
-    Category {
-        number: 20,
-        edition: Edition::new(1, minor),
-        title: "Multilateration Target Reports",
-        document: "EUROCONTROL-SPEC-0149-14",
-        items,
-        profile: Profile::Single(Uap::new(items, ORDER)),
-    }
+editions! {
+    CAT020 20 "Multilateration Target Reports" "EUROCONTROL-SPEC-0149-14" ["140"]
+    CAT020_V1_9 1 9 (&items(I020, I230, I250), ORDER)
+    CAT020_V1_10 1 10 (&items(I020_V1_10, I230, I250_V1_10), ORDER)
+    CAT020_V1_11 1 11 (&items(I020_V1_10, I230_V1_11, I250_V1_11), ORDER)
 }
-
-/// Multilateration target reports, ed 1.9.
-pub static CAT020_V1_9: Category = edition(9, &items(I020, I230, I250));
-
-/// Multilateration target reports, ed 1.10.
-pub static CAT020_V1_10: Category = edition(10, &items(I020_V1_10, I230, I250_V1_10));
-
-/// Multilateration target reports, ed 1.11.
-pub static CAT020_V1_11: Category = edition(11, &items(I020_V1_10, I230_V1_11, I250_V1_11));
-
-/// Every edition of the category.
-pub static CAT020: &[&Category] = &[&CAT020_V1_9, &CAT020_V1_10, &CAT020_V1_11];

@@ -3,87 +3,64 @@
 //! EUROCONTROL-SPEC-0149-16, ed 1.2 and 1.3 (September 2021), of one layout.
 
 use super::{RE, SP};
-use crate::table::Layout::{Element, Extended, Group, Repetitive};
 use crate::table::*;
 
-// 1 ground station status, 2 service status, 3 service statistics
-const I000: Item = Item::new("000", "Report Type", Element(8, RAW));
+items! {
+    // 1 ground station status, 2 service status, 3 service statistics
+    I000 "000" "Report Type" (8)
 
-const I010: Item = Item::new(
-    "010",
-    "Data Source Identifier",
-    Group(&[
-        element("SAC", 8, RAW), // system area code
-        element("SIC", 8, RAW), // system identification code
-    ]),
-);
+    I010 "010" "Data Source Identifier" {
+        SAC: 8, // system area code
+        SIC: 8, // system identification code
+    }
 
-const I015: Item = Item::new(
-    "015",
-    "Service Type and Identification",
-    Group(&[
-        element("SID", 4, RAW),  // number of the service
-        element("STYP", 4, RAW), // ADS-B: 1 VDL 4, 2 1090 MHz, 3 UAT; 4 to 6 TIS-B, 7 FIS-B, 8 GRAS, 9 multilateration
-    ]),
-);
+    I015 "015" "Service Type and Identification" {
+        SID: 4,  // number of the service
+        STYP: 4, // ADS-B: 1 VDL 4, 2 1090 MHz, 3 UAT; 4 to 6 TIS-B, 7 FIS-B, 8 GRAS, 9 multilateration
+    }
 
-const I070: Item = Item::new("070", "Time of Day", Element(24, unsigned(1.0 / pow2(7), "s")));
+    I070 "070" "Time of Day" (24 unsigned(1.0 / pow2(7), "s"))
 
-const I100: Item = Item::new(
-    "100",
-    "Ground Station Status",
-    Extended(&[
-        &[
-            flag("NOGO"), // 1 not to be used operationally
-            flag("ODP"),  // data processor overloaded
-            flag("OXT"),  // transmission overloaded
-            flag("MSC"),  // monitoring system connected
-            flag("TSV"),  // time source invalid
-            flag("SPO"),  // possible spoofing
-            flag("RN"),   // track numbers begin anew
-        ],
-        &[
-            element("GSSP", 7, unsigned(1.0, "s")), // status is reported every so often
-        ],
-    ]),
-);
+    I100 "100" "Ground Station Status" [
+        {
+            NOGO: 1, // 1 not to be used operationally
+            ODP: 1,  // data processor overloaded
+            OXT: 1,  // transmission overloaded
+            MSC: 1,  // monitoring system connected
+            TSV: 1,  // time source invalid
+            SPO: 1,  // possible spoofing
+            RN: 1,   // track numbers begin anew
+        }
+        {
+            GSSP: 7 unsigned(1.0, "s"), // status is reported every so often
+        }
+    ]
 
-const I101: Item = Item::new(
-    "101",
-    "Service Configuration",
-    Extended(&[
-        &[
-            element("RP", 8, unsigned(0.5, "s")), // target reports every so often; 0: on every event
-            element("SC", 3, RAW),                // class of service: 0 unknown, 1 non-radar area
-            spare(4),
-        ],
-        &[
-            element("SSRP", 7, unsigned(1.0, "s")), // status is reported every so often
-        ],
-    ]),
-);
+    I101 "101" "Service Configuration" [
+        {
+            RP: 8 unsigned(0.5, "s"), // target reports every so often; 0: on every event
+            SC: 3,                    // class of service: 0 unknown, 1 non-radar area
+            _: 4,
+        }
+        {
+            SSRP: 7 unsigned(1.0, "s"), // status is reported every so often
+        }
+    ]
 
-const I110: Item = Item::new(
-    "110",
-    "Service Status",
-    Extended(&[&[
-        spare(4),
-        element("STAT", 3, RAW), // 0 unknown, 1 failed, 2 disabled, 3 degraded, 4 normal, 5 initialising
-    ]]),
-);
+    I110 "110" "Service Status" [{
+        _: 4,
+        STAT: 3, // 0 unknown, 1 failed, 2 disabled, 3 degraded, 4 normal, 5 initialising
+    }]
 
-const I120: Item = Item::new(
-    "120",
-    "Service Statistics",
-    Repetitive(&Group(&[
-        element("TYPE", 8, RAW), // 0 unknown messages, 1 too old, 2 not converted, 3 received, 4 transmitted, …
-        flag("REF"),             // counted from: 0 midnight, 1 the last report
-        spare(7),
-        element("CV", 32, RAW), // count
-    ])),
-);
+    I120 "120" "Service Statistics" (repetitive {
+        TYPE: 8, // 0 unknown messages, 1 too old, 2 not converted, 3 received, 4 transmitted, …
+        REF: 1,  // counted from: 0 midnight, 1 the last report
+        _: 7,
+        CV: 32, // count
+    })
 
-const I200: Item = Item::new("200", "Operational Range", Element(8, unsigned(1.0, "NM")));
+    I200 "200" "Operational Range" (8 unsigned(1.0, "NM"))
+}
 
 /// In the document's order.
 #[rustfmt::skip]
@@ -98,22 +75,8 @@ const ORDER: &[&str] = &[
     "110", "120", SPARE, SPARE, SPARE, "RE",  "SP",  //      8 to 14
 ];
 
-const fn edition(minor: u8) -> Category {
-    Category {
-        number: 23,
-        edition: Edition::new(1, minor),
-        title: "CNS/ATM Ground Station and Service Status Reports",
-        document: "EUROCONTROL-SPEC-0149-16",
-        items: ITEMS,
-        profile: Profile::Single(Uap::new(ITEMS, ORDER)),
-    }
+editions! {
+    CAT023 23 "CNS/ATM Ground Station and Service Status Reports" "EUROCONTROL-SPEC-0149-16" ["070"]
+    CAT023_V1_2 1 2 (ITEMS, ORDER)
+    CAT023_V1_3 1 3 (ITEMS, ORDER)
 }
-
-/// Ground station and service status, ed 1.2.
-pub static CAT023_V1_2: Category = edition(2);
-
-/// Ground station and service status, ed 1.3.
-pub static CAT023_V1_3: Category = edition(3);
-
-/// Every edition of the category.
-pub static CAT023: &[&Category] = &[&CAT023_V1_2, &CAT023_V1_3];

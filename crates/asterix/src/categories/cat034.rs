@@ -4,179 +4,115 @@
 //! message types.
 
 use super::{RE, SP};
-use crate::table::Layout::{Compound, Element, Group, Repetitive};
 use crate::table::*;
 
-// 1 north marker, 2 sector crossing, 3 geographical filter, 4 jamming, 5 solar storm, 6 SSR and 7 Mode S jamming
-const I000: Item = Item::new("000", "Message Type", Element(8, RAW));
+items! {
+    // 1 north marker, 2 sector crossing, 3 geographical filter, 4 jamming, 5 solar storm, 6 SSR and 7 Mode S jamming
+    I000 "000" "Message Type" (8)
 
-const I010: Item = Item::new(
-    "010",
-    "Data Source Identifier",
-    Group(&[
-        element("SAC", 8, RAW), // system area code
-        element("SIC", 8, RAW), // system identification code
-    ]),
-);
+    I010 "010" "Data Source Identifier" {
+        SAC: 8, // system area code
+        SIC: 8, // system identification code
+    }
 
-// azimuth of its begin; 0 is north
-const I020: Item = Item::new("020", "Sector Number", Element(8, unsigned(360.0 / pow2(8), "°")));
+    // azimuth of its begin; 0 is north
+    I020 "020" "Sector Number" (8 unsigned(360.0 / pow2(8), "°"))
 
-const I030: Item = Item::new("030", "Time of Day", Element(24, unsigned(1.0 / pow2(7), "s")));
+    I030 "030" "Time of Day" (24 unsigned(1.0 / pow2(7), "s"))
+    I041 "041" "Antenna Rotation Speed" (16 unsigned(1.0 / pow2(7), "s"))
 
-const I041: Item = Item::new(
-    "041",
-    "Antenna Rotation Speed",
-    Element(16, unsigned(1.0 / pow2(7), "s")),
-);
+    I050 "050" "System Configuration and Status" (compound [
+        COM "Common Part" {
+            NOGO: 1,   // 1 not to be used operationally
+            RDPC: 1,   // radar data processor chain: 0 first, 1 second
+            RDPR: 1,   // 1 reset: expect new track numbers
+            OVLRDP: 1, // radar data processor overloaded
+            OVLXMT: 1, // transmission overloaded
+            MSC: 1,    // monitoring system disconnected
+            TSV: 1,    // time source invalid
+            _: 1,
+        },
+        _,
+        _,
+        PSR "Specific Status Information for a PSR Sensor" {
+            ANT: 1,  // 0 antenna 1, 1 antenna 2
+            CHAB: 2, // channel: 0 none, 1 A, 2 B, 3 both (diversity)
+            OVL: 1,  // overload
+            MSC: 1,  // monitoring system disconnected
+            _: 3,
+        },
+        SSR "Specific Status Information for a SSR Sensor" {
+            ANT: 1,
+            CHAB: 2, // channel: 0 none, 1 A, 2 B, 3 invalid
+            OVL: 1,
+            MSC: 1,
+            _: 3,
+        },
+        MDS "Specific Status Information for a Mode S Sensor" {
+            ANT: 1,
+            CHAB: 2,   // channel: 0 none, 1 A, 2 B, 3 invalid
+            OVLSUR: 1, // overload
+            MSC: 1,
+            SCF: 1,    // surveillance co-ordination function: 0 channel A, 1 channel B
+            DLF: 1,    // data link function: 0 channel A, 1 channel B
+            OVLSCF: 1, // surveillance co-ordination overloaded
+            OVLDLF: 1, // data link overloaded
+            _: 7,
+        },
+    ])
 
-const I050: Item = Item::new(
-    "050",
-    "System Configuration and Status",
-    Compound(&[
-        subitem(
-            "COM",
-            "Common Part",
-            Group(&[
-                flag("NOGO"),   // 1 not to be used operationally
-                flag("RDPC"),   // radar data processor chain: 0 first, 1 second
-                flag("RDPR"),   // 1 reset: expect new track numbers
-                flag("OVLRDP"), // radar data processor overloaded
-                flag("OVLXMT"), // transmission overloaded
-                flag("MSC"),    // monitoring system disconnected
-                flag("TSV"),    // time source invalid
-                spare(1),
-            ]),
-        ),
-        None,
-        None,
-        subitem(
-            "PSR",
-            "Specific Status Information for a PSR Sensor",
-            Group(&[
-                flag("ANT"),             // 0 antenna 1, 1 antenna 2
-                element("CHAB", 2, RAW), // channel: 0 none, 1 A, 2 B, 3 both (diversity)
-                flag("OVL"),             // overload
-                flag("MSC"),             // monitoring system disconnected
-                spare(3),
-            ]),
-        ),
-        subitem(
-            "SSR",
-            "Specific Status Information for a SSR Sensor",
-            Group(&[
-                flag("ANT"),
-                element("CHAB", 2, RAW), // channel: 0 none, 1 A, 2 B, 3 invalid
-                flag("OVL"),
-                flag("MSC"),
-                spare(3),
-            ]),
-        ),
-        subitem(
-            "MDS",
-            "Specific Status Information for a Mode S Sensor",
-            Group(&[
-                flag("ANT"),
-                element("CHAB", 2, RAW), // channel: 0 none, 1 A, 2 B, 3 invalid
-                flag("OVLSUR"),          // overload
-                flag("MSC"),
-                flag("SCF"),    // surveillance co-ordination function: 0 channel A, 1 channel B
-                flag("DLF"),    // data link function: 0 channel A, 1 channel B
-                flag("OVLSCF"), // surveillance co-ordination overloaded
-                flag("OVLDLF"), // data link overloaded
-                spare(7),
-            ]),
-        ),
-    ]),
-);
+    I060 "060" "System Processing Mode" (compound [
+        COM "Common Part" {
+            _: 1,
+            REDRDP: 3, // steps of load reduction, radar data processor; 0 none
+            REDXMT: 3, // the same, transmission
+            _: 1,
+        },
+        _,
+        _,
+        PSR "Specific Processing Mode Information for a PSR Sensor" {
+            POL: 1,    // polarisation: 0 linear, 1 circular
+            REDRAD: 3, // steps of load reduction; 0 none
+            STC: 2,    // sensitivity time control map, counted from 0
+            _: 2,
+        },
+        SSR "Specific Processing Mode Information for a SSR Sensor" {
+            REDRAD: 3, // steps of load reduction; 0 none
+            _: 5,
+        },
+        MDS "Specific Processing Mode Information for a Mode S Sensor" {
+            REDRAD: 3, // steps of load reduction; 0 none
+            CLU: 1,    // cluster: 0 autonomous, 1 not autonomous
+            _: 4,
+        },
+    ])
 
-const I060: Item = Item::new(
-    "060",
-    "System Processing Mode",
-    Compound(&[
-        subitem(
-            "COM",
-            "Common Part",
-            Group(&[
-                spare(1),
-                element("REDRDP", 3, RAW), // steps of load reduction, radar data processor; 0 none
-                element("REDXMT", 3, RAW), // the same, transmission
-                spare(1),
-            ]),
-        ),
-        None,
-        None,
-        subitem(
-            "PSR",
-            "Specific Processing Mode Information for a PSR Sensor",
-            Group(&[
-                flag("POL"),               // polarisation: 0 linear, 1 circular
-                element("REDRAD", 3, RAW), // steps of load reduction; 0 none
-                element("STC", 2, RAW),    // sensitivity time control map, counted from 0
-                spare(2),
-            ]),
-        ),
-        subitem(
-            "SSR",
-            "Specific Processing Mode Information for a SSR Sensor",
-            Group(&[
-                element("REDRAD", 3, RAW), // steps of load reduction; 0 none
-                spare(5),
-            ]),
-        ),
-        subitem(
-            "MDS",
-            "Specific Processing Mode Information for a Mode S Sensor",
-            Group(&[
-                element("REDRAD", 3, RAW), // steps of load reduction; 0 none
-                flag("CLU"),               // cluster: 0 autonomous, 1 not autonomous
-                spare(4),
-            ]),
-        ),
-    ]),
-);
+    I070 "070" "Message Count Values" (repetitive {
+        TYP: 5, // 0 no detection, 1 PSR, 2 SSR, 3 both, 4 all-call, 5 roll-call, 6 and 7 with PSR, …
+        COUNT: 11 NUMBER,
+    })
 
-const I070: Item = Item::new(
-    "070",
-    "Message Count Values",
-    Repetitive(&Group(&[
-        element("TYP", 5, RAW), // 0 no detection, 1 PSR, 2 SSR, 3 both, 4 all-call, 5 roll-call, 6 and 7 with PSR, …
-        element("COUNT", 11, NUMBER),
-    ])),
-);
+    I090 "090" "Collimation Error" {
+        RNG: 8 signed(1.0 / pow2(7), "NM"),
+        AZM: 8 signed(360.0 / pow2(14), "°"),
+    }
 
-const I090: Item = Item::new(
-    "090",
-    "Collimation Error",
-    Group(&[
-        element("RNG", 8, signed(1.0 / pow2(7), "NM")),
-        element("AZM", 8, signed(360.0 / pow2(14), "°")),
-    ]),
-);
+    I100 "100" "Generic Polar Window" {
+        RHOST: 16 unsigned(1.0 / pow2(8), "NM"),
+        RHOEND: 16 unsigned(1.0 / pow2(8), "NM"),
+        THETAST: 16 unsigned(360.0 / pow2(16), "°"),
+        THETAEND: 16 unsigned(360.0 / pow2(16), "°"),
+    }
 
-const I100: Item = Item::new(
-    "100",
-    "Generic Polar Window",
-    Group(&[
-        element("RHOST", 16, unsigned(1.0 / pow2(8), "NM")),
-        element("RHOEND", 16, unsigned(1.0 / pow2(8), "NM")),
-        element("THETAST", 16, unsigned(360.0 / pow2(16), "°")),
-        element("THETAEND", 16, unsigned(360.0 / pow2(16), "°")),
-    ]),
-);
+    // what is filtered out: 1 weather, 2 jamming strobes, 3 PSR, 4 SSR and Mode S, 5 both, …
+    I110 "110" "Data Filter" (8)
 
-// what is filtered out: 1 weather, 2 jamming strobes, 3 PSR, 4 SSR and Mode S, 5 both, …
-const I110: Item = Item::new("110", "Data Filter", Element(8, RAW));
-
-const I120: Item = Item::new(
-    "120",
-    "3D-Position Of Data Source",
-    Group(&[
-        element("HGT", 16, signed(1.0, "m")),
-        element("LAT", 24, signed(180.0 / pow2(23), "°")),
-        element("LON", 24, signed(180.0 / pow2(23), "°")),
-    ]),
-);
+    I120 "120" "3D-Position Of Data Source" {
+        HGT: 16 signed(1.0, "m"),
+        LAT: 24 signed(180.0 / pow2(23), "°"),
+        LON: 24 signed(180.0 / pow2(23), "°"),
+    }
+}
 
 /// In the document's order.
 #[rustfmt::skip]
@@ -191,25 +127,9 @@ const ORDER: &[&str] = &[
     "070", "100", "110", "120", "090", "RE",  "SP",  //      8 to 14
 ];
 
-const fn edition(minor: u8) -> Category {
-    Category {
-        number: 34,
-        edition: Edition::new(1, minor),
-        title: "Transmission of Monoradar Service Messages",
-        document: "EUROCONTROL-SPEC-0149-2b",
-        items: ITEMS,
-        profile: Profile::Single(Uap::new(ITEMS, ORDER)),
-    }
+editions! {
+    CAT034 34 "Transmission of Monoradar Service Messages" "EUROCONTROL-SPEC-0149-2b" ["030"]
+    CAT034_V1_27 1 27 (ITEMS, ORDER)
+    CAT034_V1_28 1 28 (ITEMS, ORDER)
+    CAT034_V1_29 1 29 (ITEMS, ORDER)
 }
-
-/// Monoradar service messages, ed 1.27.
-pub static CAT034_V1_27: Category = edition(27);
-
-/// Monoradar service messages, ed 1.28.
-pub static CAT034_V1_28: Category = edition(28);
-
-/// Monoradar service messages, ed 1.29.
-pub static CAT034_V1_29: Category = edition(29);
-
-/// Every edition of the category.
-pub static CAT034: &[&Category] = &[&CAT034_V1_27, &CAT034_V1_28, &CAT034_V1_29];

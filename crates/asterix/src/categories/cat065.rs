@@ -3,42 +3,33 @@
 //! EUROCONTROL-SPEC-0149-15, ed 1.4 to 1.6 (March 2023). Their layouts are the same; later editions added codes.
 
 use super::{RE, SP};
-use crate::table::Layout::{Element, Group};
 use crate::table::*;
 
-// 1 system status, 2 end of batch, 3 service status
-const I000: Item = Item::new("000", "Message Type", Element(8, RAW));
+items! {
+    // 1 system status, 2 end of batch, 3 service status
+    I000 "000" "Message Type" (8)
 
-const I010: Item = Item::new(
-    "010",
-    "Data Source Identifier",
-    Group(&[
-        element("SAC", 8, RAW), // system area code
-        element("SIC", 8, RAW), // system identification code
-    ]),
-);
+    I010 "010" "Data Source Identifier" {
+        SAC: 8, // system area code
+        SIC: 8, // system identification code
+    }
 
-const I015: Item = Item::new("015", "Service Identification", Element(8, RAW)); // chosen by the system
+    I015 "015" "Service Identification" (8) // chosen by the system
+    I020 "020" "Batch Number" (8 NUMBER)
+    I030 "030" "Time of Message" (24 unsigned(1.0 / pow2(7), "s"))
 
-const I020: Item = Item::new("020", "Batch Number", Element(8, NUMBER));
+    I040 "040" "SDPS Configuration and Status" {
+        NOGO: 2, // 0 operational, 1 degraded, 2 not connected, 3 unknown
+        OVL: 1,  // overload
+        TSV: 1,  // time source invalid
+        PSS: 2,  // processing system: 1, 2 or 3
+        STTN: 1, // flips whenever tracks are numbered anew
+        _: 1,
+    }
 
-const I030: Item = Item::new("030", "Time of Message", Element(24, unsigned(1.0 / pow2(7), "s")));
-
-const I040: Item = Item::new(
-    "040",
-    "SDPS Configuration and Status",
-    Group(&[
-        element("NOGO", 2, RAW), // 0 operational, 1 degraded, 2 not connected, 3 unknown
-        flag("OVL"),             // overload
-        flag("TSV"),             // time source invalid
-        element("PSS", 2, RAW),  // processing system: 1, 2 or 3
-        flag("STTN"),            // flips whenever tracks are numbered anew
-        spare(1),
-    ]),
-);
-
-// 1 degradation, 2 its end, 3 main radar out of service, 4 to 8 interruption and restart, …
-const I050: Item = Item::new("050", "Service Status Report", Element(8, RAW));
+    // 1 degradation, 2 its end, 3 main radar out of service, 4 to 8 interruption and restart, …
+    I050 "050" "Service Status Report" (8)
+}
 
 /// In the document's order.
 #[rustfmt::skip]
@@ -53,25 +44,9 @@ const ORDER: &[&str] = &[
     SPARE, SPARE, SPARE, SPARE, SPARE, "RE",  "SP",  //      8 to 14
 ];
 
-const fn edition(minor: u8) -> Category {
-    Category {
-        number: 65,
-        edition: Edition::new(1, minor),
-        title: "SDPS Service Status Reports",
-        document: "EUROCONTROL-SPEC-0149-15",
-        items: ITEMS,
-        profile: Profile::Single(Uap::new(ITEMS, ORDER)),
-    }
+editions! {
+    CAT065 65 "SDPS Service Status Reports" "EUROCONTROL-SPEC-0149-15" ["030"]
+    CAT065_V1_4 1 4 (ITEMS, ORDER)
+    CAT065_V1_5 1 5 (ITEMS, ORDER)
+    CAT065_V1_6 1 6 (ITEMS, ORDER)
 }
-
-/// System service status reports, ed 1.4.
-pub static CAT065_V1_4: Category = edition(4);
-
-/// System service status reports, ed 1.5.
-pub static CAT065_V1_5: Category = edition(5);
-
-/// System service status reports, ed 1.6.
-pub static CAT065_V1_6: Category = edition(6);
-
-/// Every edition of the category.
-pub static CAT065: &[&Category] = &[&CAT065_V1_4, &CAT065_V1_5, &CAT065_V1_6];

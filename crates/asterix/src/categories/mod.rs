@@ -8,7 +8,8 @@
 //! from its items, so that the last lines show in what the editions differ.
 //!
 //! The editions in one list, such as [`CAT048`], have the same field reference numbers; their items only gained parts,
-//! names for spare bits and the like, so that one reader can be written for all of them. [`CAT021_V0`] is the exception.
+//! names for spare bits and the like, so that one reader can be written for all of them. [`CAT021_V0`] is the
+//! exception.
 //!
 //! # What tables do not say
 //!
@@ -44,30 +45,57 @@ pub use cat062::*;
 pub use cat063::*;
 pub use cat065::*;
 
+use crate::expansion::Expansion;
 use crate::table::*;
 
-const RE: Item = Item::new("RE", "Reserved Expansion Field", Layout::Explicit);
-const SP: Item = Item::new("SP", "Special Purpose Field", Layout::Explicit);
-const RFS: Item = Item::new("RFS", "Random Field Sequencing", Layout::RandomSequence);
+items! {
+    RE "RE" "Reserved Expansion Field" (= Layout::Explicit)
+    SP "SP" "Special Purpose Field" (= Layout::Explicit)
+    RFS "RFS" "Random Field Sequencing" (= Layout::RandomSequence)
 
-/// Quality of the pulses of a Mode 2 or Mode 3/A code: 1 low.
+    // Quality of the pulses of a Mode 2 or Mode 3/A code: 1 low.
+    parts PULSE_QUALITY {
+        _: 4,
+        QA4: 1, QA2: 1, QA1: 1,
+        QB4: 1, QB2: 1, QB1: 1,
+        QC4: 1, QC2: 1, QC1: 1,
+        QD4: 1, QD2: 1, QD1: 1,
+    }
+
+    // A Mode C code and the quality of its pulses, which are in another order.
+    parts MODE_C {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        _: 2,
+        MODEC: 12, // Gray code
+        _: 4,
+        QC1: 1, QA1: 1, QC2: 1, QA2: 1, QC4: 1, QA4: 1,
+        QB1: 1, QD1: 1, QB2: 1, QD2: 1, QB4: 1, QD4: 1,
+    }
+}
+
+/// Every table, by category. The first of a category is its default edition.
 #[rustfmt::skip]
-const PULSE_QUALITY: &[Part] = &[
-    spare(4),
-    flag("QA4"), flag("QA2"), flag("QA1"),
-    flag("QB4"), flag("QB2"), flag("QB1"),
-    flag("QC4"), flag("QC2"), flag("QC1"),
-    flag("QD4"), flag("QD2"), flag("QD1"),
+pub static REGISTRY: &[&Category] = &[
+    &CAT001_V1_4, &CAT001_V1_3, &CAT001_V1_2,
+    &CAT002_V1_2, &CAT002_V1_1, &CAT002_V1_0,
+    &CAT010_V1_1,
+    &CAT019_V1_3,
+    &CAT020_V1_9, &CAT020_V1_10, &CAT020_V1_11,
+    &CAT021_V2_4, &CAT021_V2_1, &CAT021_V2_2, &CAT021_V2_3, &CAT021_V2_5, &CAT021_V2_6, &CAT021_V2_7,
+    &CAT021_V0_23, &CAT021_V0_24, &CAT021_V0_25, &CAT021_V0_26,
+    &CAT023_V1_3, &CAT023_V1_2,
+    &CAT034_V1_29, &CAT034_V1_28, &CAT034_V1_27,
+    &CAT048_V1_31, &CAT048_V1_32, &CAT048_V1_30, &CAT048_V1_29, &CAT048_V1_28, &CAT048_V1_27,
+    &CAT062_V1_18, &CAT062_V1_21, &CAT062_V1_20, &CAT062_V1_19, &CAT062_V1_17, &CAT062_V1_16,
+    &CAT063_V1_6, &CAT063_V1_7,
+    &CAT065_V1_5, &CAT065_V1_6, &CAT065_V1_4,
 ];
 
-/// A Mode C code and the quality of its pulses, which are in another order.
+/// What is known of the content of reserved expansion fields.
 #[rustfmt::skip]
-const MODE_C: &[Part] = &[
-    flag("V"), // 1 not validated
-    flag("G"), // 1 garbled
-    spare(2),
-    element("MODEC", 12, RAW), // Gray code
-    spare(4),
-    flag("QC1"), flag("QA1"), flag("QC2"), flag("QA2"), flag("QC4"), flag("QA4"),
-    flag("QB1"), flag("QD1"), flag("QB2"), flag("QD2"), flag("QB4"), flag("QD4"),
+pub static EXPANSIONS: &[&Expansion] = &[
+    &CAT021_RE_V1_4, &CAT021_RE_V1_5,
+    &CAT048_RE_V1_11, &CAT048_RE_V1_12, &CAT048_RE_V1_13,
+    &CAT062_RE_V1_2, &CAT062_RE_V1_3,
 ];

@@ -1,8 +1,8 @@
 //! Blocks of recordings, damaged: bits flipped, lengths changed, ends cut off, halves of two blocks joined.
 //!
-//! Random bytes hardly ever get past the FSPEC; a recorded block with one wrong bit goes deep, and is what a bad line or
-//! a wrong edition makes. Each mutation has a number and is made from that number alone, so one that fails can be made
-//! again. `KOSEKI_MUTATIONS` sets how many there are:
+//! Random bytes hardly ever get past the FSPEC; a recorded block with one wrong bit goes deep, and is what a bad line
+//! or a wrong edition makes. Each mutation has a number and is made from that number alone, so one that fails can be
+//! made again. `KOSEKI_MUTATIONS` sets how many there are:
 //!
 //! ```text
 //! KOSEKI_MUTATIONS=3000000 cargo test --release -p asterix --test integration mutated

@@ -106,6 +106,7 @@ pub(crate) static SAMPLE: Category = Category {
     title: "Sample",
     document: "none",
     items: ITEMS,
+    times: &[],
     profile: Profile::Single(Uap::new(ITEMS, ORDER)),
 };
 
@@ -123,6 +124,7 @@ pub(crate) static PLOT_OR_TRACK: Category = Category {
     title: "Plots and tracks",
     document: "none",
     items: PLOT_OR_TRACK_ITEMS,
+    times: &[],
     profile: Profile::Depends {
         item: "020",
         element: "TYP",

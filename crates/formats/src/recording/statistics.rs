@@ -16,22 +16,6 @@ use serde::Serialize;
 use crate::containers::TimeStamp;
 use asterix::Record;
 
-/// The item with a record's time of day, 24 bits of 1/128 s; of several, the first that is present counts. CAT001 has
-/// only the last 512 s of it.
-const TIME_ITEMS: &[(u8, &[&str])] = &[
-    (2, &["030"]),
-    (10, &["140"]),
-    (19, &["140"]),
-    (20, &["140"]),
-    (21, &["030", "077", "073", "071"]), // ed 0 has the first, ed 2 the others
-    (23, &["070"]),
-    (34, &["030"]),
-    (48, &["140"]),
-    (62, &["070"]),
-    (63, &["030"]),
-    (65, &["030"]),
-];
-
 /// A sender of records of one category.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Sender {
@@ -94,7 +78,7 @@ impl Statistics {
     pub fn add(&mut self, record: &Record<'_>, time_stamp: Option<TimeStamp>) {
         let sender = Sender {
             category: record.table().number,
-            source: source(record),
+            source: record.sender(),
         };
         let tally = self.senders.entry(sender).or_default();
         tally.records += 1;
@@ -153,18 +137,9 @@ impl Times {
     }
 }
 
-fn source(record: &Record<'_>) -> Option<(u8, u8)> {
-    match record.item_named("010")? {
-        &[area, identification] => Some((area, identification)),
-        _ => None,
-    }
-}
-
 /// The time of day that a record carries, in ns.
 fn time_of_day(record: &Record<'_>) -> Option<i64> {
-    let category = record.table().number;
-    let (_, items) = TIME_ITEMS.iter().find(|(number, _)| *number == category)?;
-    let octets = items.iter().find_map(|item| record.item_named(item))?;
+    let octets = record.table().times.iter().find_map(|item| record.item_named(item))?;
     let &[high, middle, low] = octets else { return None };
     Some(time_of_day_ns(u32::from_be_bytes([0, high, middle, low])))
 }

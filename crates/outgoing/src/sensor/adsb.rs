@@ -1,6 +1,7 @@
 //! An ADS-B ground station: target reports in CAT021 from ed 2.1 on, status in CAT023.
 //!
-//! A report tells what a transmitter has sent, so there is none without an address, and none for a coasted or ended track.
+//! A report tells what a transmitter has sent, so there is none without an address, and none for a coasted or ended
+//! track.
 //!
 //! | item | from | |
 //! | --- | --- | --- |
@@ -16,16 +17,16 @@
 //! | 161 | `track_number` | shortened to 12 bits |
 //! | 200, 008 | alerts | where any is raised |
 //!
-//! I021/160 is the *airborne* ground vector; the one for the surface is in the reserved expansion field, in steps of 2.8°.
-//! Its content is as true on the ground, and many stations send it there; so does this one. I021/020 stays out: a track
-//! does not know what kind of aircraft it is.
+//! I021/160 is the *airborne* ground vector; the one for the surface is in the reserved expansion field, in steps of
+//! 2.8°. Its content is as true on the ground, and many stations send it there; so does this one. I021/020 stays out: a
+//! track does not know what kind of aircraft it is.
 //!
 //! # Quality
 //!
 //! A transmitter tells its accuracy by class. NACp, NACv and GVA are classes of 95 % bounds of horizontal position,
-//! horizontal velocity and geometric altitude, with the bounds of ED-102A/DO-260B, whose version I021/210 names. Each is
-//! the best class whose bound holds for the track's covariance, by the longest axis of its ellipse. Integrity (NIC, SIL,
-//! PIC) says how surely bounds hold; no covariance tells that, and it is sent as not known.
+//! horizontal velocity and geometric altitude, with the bounds of ED-102A/DO-260B, whose version I021/210 names. Each
+//! is the best class whose bound holds for the track's covariance, by the longest axis of its ellipse. Integrity (NIC,
+//! SIL, PIC) says how surely bounds hold; no covariance tells that, and it is sent as not known.
 
 use messages::alert_bits;
 

@@ -68,8 +68,9 @@ struct Report<'t> {
 }
 
 impl SensorReports {
-    /// A sender in this edition of CAT048, 020, 021 or 010, from a sensor with these codes (SAC, SIC), in blocks of at most
-    /// `block_octets_max` octets. Status messages are sent in the category that belongs to it: CAT034, 019, 023 or 010.
+    /// A sender in this edition of CAT048, 020, 021 or 010, from a sensor with these codes (SAC, SIC), in blocks of at
+    /// most `block_octets_max` octets. Status messages are sent in the category that belongs to it: CAT034, 019, 023 or
+    /// 010.
     ///
     /// # Errors
     /// If the table is of another category, or the block size is not between
@@ -123,8 +124,8 @@ impl SensorReports {
         self.outbox.push(self.record.finish(), send);
     }
 
-    /// Sends a radar's plot: what it measured at `time_ns` (UTC, nanoseconds), at a place in the system frame, whose height
-    /// it knows from the target's reply or not at all. Other sensors report no plots.
+    /// Sends a radar's plot: what it measured at `time_ns` (UTC, nanoseconds), at a place in the system frame, whose
+    /// height it knows from the target's reply or not at all. Other sensors report no plots.
     pub fn plot(&mut self, time_ns: i64, position_m: [f64; 3], height_known: bool, send: &mut SendBlock<'_>) {
         let place = Place::new(&self.site.system, position_m).ok_or(Unsent::Position);
         let written = match &self.form {
@@ -158,8 +159,8 @@ impl SensorReports {
         self.send_status(send);
     }
 
-    /// Says that a radar's antenna crosses into the sector at this azimuth (rad, clockwise from the sensor's north), behind
-    /// all reports before it. Other sensors have no antenna that turns, and send nothing.
+    /// Says that a radar's antenna crosses into the sector at this azimuth (rad, clockwise from the sensor's north),
+    /// behind all reports before it. Other sensors have no antenna that turns, and send nothing.
     pub fn sector(&mut self, now_utc_ns: i64, azimuth_rad: f64, send: &mut SendBlock<'_>) {
         if let Form::Radar(_) = self.form {
             radar::sector_crossing(&self.site, now_utc_ns, azimuth_rad, &mut self.status.0);

@@ -16,16 +16,16 @@
 //! A plot has the first four of these items (010, 140, 020, 040) and its flight level, if it has one.
 //!
 //! **Type of detection.** A sensor track does not say which part of the radar saw it, but its identity does: an address
-//! comes from Mode S, a code or a height from a reply to secondary radar, and without any of them it was primary radar. A
-//! coasted track is "no detection", with its extrapolated position. That a primary radar saw the target too is not known
-//! and not said.
+//! comes from Mode S, a code or a height from a reply to secondary radar, and without any of them it was primary radar.
+//! A coasted track is "no detection", with its extrapolated position. That a primary radar saw the target too is not
+//! known and not said.
 //!
-//! **Radar plane.** I048/042 is either the slant range turned down into the plane, or a projection of the ground, whichever
-//! I048/170 says. Which projection that is the document leaves open, and at 200 km two usual ones are 300 m apart for a
-//! high aircraft; the slant range has one meaning.
+//! **Radar plane.** I048/042 is either the slant range turned down into the plane, or a projection of the ground,
+//! whichever I048/170 says. Which projection that is the document leaves open, and at 200 km two usual ones are 300 m
+//! apart for a high aircraft; the slant range has one meaning.
 //!
-//! **Flight levels below zero** have two's complement numbers from ed 1.32 on. Earlier editions say nothing of a sign and
-//! their tables have none, so such a level would be read as one above 4000: it is left out.
+//! **Flight levels below zero** have two's complement numbers from ed 1.32 on. Earlier editions say nothing of a sign
+//! and their tables have none, so such a level would be read as one above 4000: it is left out.
 //!
 //! Positions farther than 256 NM from the antenna are beyond I048/040 and 042; such reports are refused.
 

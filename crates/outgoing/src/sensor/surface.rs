@@ -14,8 +14,8 @@
 //! | 500 | `covariance` | where deviations (to 63.75 m) and covariance fit |
 //!
 //! **Type.** An address is taken for Mode S multilateration, a code alone for SSR multilateration, neither for primary
-//! radar: surface movement radars have no identities, and what has them on an airport locates by time differences. Alerts
-//! other than SPI have no place in the category.
+//! radar: surface movement radars have no identities, and what has them on an airport locates by time differences.
+//! Alerts other than SPI have no place in the category.
 
 use messages::sensor_track_bits as bits;
 

@@ -89,7 +89,8 @@ impl Sent<'_> {
         );
     }
 
-    /// A standard deviation: near, but at least one LSB, and at most the greatest number of the bits where it is capped.
+    /// A standard deviation: near, but at least one LSB, and at most the greatest number of the bits where it is
+    /// capped.
     pub(crate) fn near_sigma(&self, path: &[&str], sigma: f64, lsb: f64, greatest: u64) {
         self.near(path, sigma.clamp(lsb, greatest as f64 * lsb), lsb);
     }

@@ -1,8 +1,8 @@
 //! What aircraft say of how well they navigate: small numbers that stand for radii.
 //!
 //! Aircraft of the first generation send an uncertainty category for position (NUCp); later ones an accuracy category
-//! (NACp), the radius that holds 95 % of the errors, beside an integrity category (NIC), the radius that an error leaves
-//! unnoticed hardly ever. All of them send a category for velocity (NUCr, later NACv).
+//! (NACp), the radius that holds 95 % of the errors, beside an integrity category (NIC), the radius that an error
+//! leaves unnoticed hardly ever. All of them send a category for velocity (NUCr, later NACv).
 
 use asterix::field::NAUTICAL_MILE_M;
 use observations::{Quality, RADIUS95_SIGMAS};

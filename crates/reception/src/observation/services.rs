@@ -13,29 +13,29 @@ struct Messages {
     turn: Option<(Elements<1>, u64)>,
 }
 
-const fn messages(editions: &'static [&'static Category], time: &str) -> Messages {
+const fn messages(editions: &'static [&'static Category]) -> Messages {
     Messages {
         editions,
-        time: whole(editions, time),
+        time: whole(editions, editions[0].times[0]),
         turn: None,
     }
 }
 
-const fn with_turns(editions: &'static [&'static Category], time: &str, turn_begins: u64) -> Messages {
+const fn with_turns(editions: &'static [&'static Category], turn_begins: u64) -> Messages {
     Messages {
         turn: Some((whole(editions, "000"), turn_begins)),
-        ..messages(editions, time)
+        ..messages(editions)
     }
 }
 
 /// The messages of radars begin a turn when the antenna points north.
 const MESSAGES: &[Messages] = &[
-    with_turns(CAT002, "030", 1),
-    with_turns(CAT019, "140", 1),
-    messages(CAT023, "070"),
-    with_turns(CAT034, "030", 1),
-    messages(CAT063, "030"),
-    messages(CAT065, "030"),
+    with_turns(CAT002, 1),
+    with_turns(CAT019, 1),
+    messages(CAT023),
+    with_turns(CAT034, 1),
+    messages(CAT063),
+    messages(CAT065),
 ];
 
 pub(super) fn read(record: &Record<'_>) -> Option<Reading> {

@@ -318,8 +318,8 @@ fn ads_b_times_fall_back_on_what_there_is() {
     assert_eq!(midnight.time_of_day_ns, Some(86_399 * NS_PER_S + 3 * NS_PER_S / 4));
 }
 
-/// A system track of CAT062: I062/010, /070, /105 or not, /100, /185 | /060, /380, /040, /080 | /136, /130, /135, /220 |
-/// /500.
+/// A system track of CAT062: I062/010, /070, /105 or not, /100, /185 | /060, /380, /040, /080 | /136, /130, /135, /220
+/// | /500.
 fn system_track(geodetic: bool, status: &[u8], barometric: [u8; 2], accuracy: &[u8]) -> Observation {
     let place: &[u8] = if geodetic {
         &[0x00, 0x80, 0, 0, 0xFF, 0, 0, 0]

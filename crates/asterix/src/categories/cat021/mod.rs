@@ -9,47 +9,36 @@ mod re;
 mod v0;
 mod v2;
 
-use crate::table::Layout::{Compound, Extended, Group, Repetitive};
 use crate::table::*;
 
 pub use re::{CAT021_RE_V1_4, CAT021_RE_V1_5};
 pub use v0::{CAT021_V0, CAT021_V0_23, CAT021_V0_24, CAT021_V0_25, CAT021_V0_26};
 pub use v2::{CAT021_V2, CAT021_V2_1, CAT021_V2_2, CAT021_V2_3, CAT021_V2_4, CAT021_V2_5, CAT021_V2_6, CAT021_V2_7};
 
-/// The same in all editions.
-const I110: Item = Item::new(
-    "110",
-    "Trajectory Intent",
-    Compound(&[
-        subitem(
-            "TIS",
-            "Trajectory Intent Status",
-            Extended(&[&[
-                flag("NAV"), // 1 not available
-                flag("NVB"), // 1 not valid
-                spare(5),
-            ]]),
-        ),
-        subitem(
-            "TID",
-            "Trajectory Intent Data",
-            Repetitive(&Group(&[
-                flag("TCA"),             // 1 number of the change point not available
-                flag("NC"),              // 1 the aircraft will not fly this path
-                element("TCPN", 6, RAW), // number of the change point
-                element("ALT", 16, signed(10.0, "ft")),
-                element("LAT", 24, signed(180.0 / pow2(23), "°")),
-                element("LON", 24, signed(180.0 / pow2(23), "°")),
-                element("PT", 4, RAW), // kind of point: 1 fly by, 2 fly over, … 7 top of climb, …
-                element("TD", 2, RAW), // turn: 1 right, 2 left, 3 none
-                flag("TRA"),           // turn radius available
-                flag("TOA"),           // 1 time over point not available
-                element("TOV", 24, unsigned(1.0, "s")), // time over point, since midnight
-                element("TTR", 16, unsigned(0.01, "NM")), // turn radius
-            ])),
-        ),
-    ]),
-);
+items! {
+    // The same in all editions.
+    I110 "110" "Trajectory Intent" (compound [
+        TIS "Trajectory Intent Status" [{
+            NAV: 1, // 1 not available
+            NVB: 1, // 1 not valid
+            _: 5,
+        }],
+        TID "Trajectory Intent Data" (repetitive {
+            TCA: 1,  // 1 number of the change point not available
+            NC: 1,   // 1 the aircraft will not fly this path
+            TCPN: 6, // number of the change point
+            ALT: 16 signed(10.0, "ft"),
+            LAT: 24 signed(180.0 / pow2(23), "°"),
+            LON: 24 signed(180.0 / pow2(23), "°"),
+            PT: 4,                        // kind of point: 1 fly by, 2 fly over, … 7 top of climb, …
+            TD: 2,                        // turn: 1 right, 2 left, 3 none
+            TRA: 1,                       // turn radius available
+            TOA: 1,                       // 1 time over point not available
+            TOV: 24 unsigned(1.0, "s"),   // time over point, since midnight
+            TTR: 16 unsigned(0.01, "NM"), // turn radius
+        }),
+    ])
+}
 
 /// Of which the flag before it says whether it is an indicated air speed or a Mach number.
 const AIR_SPEED: Content = Content::Depends {

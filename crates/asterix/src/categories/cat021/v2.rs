@@ -2,431 +2,310 @@
 
 use super::{AIR_SPEED, I110};
 use crate::categories::{RE, SP};
-use crate::table::Layout::{Compound, Element, Extended, Group, Repetitive};
 use crate::table::*;
 
-const I008: Item = Item::new(
-    "008",
-    "Aircraft Operational Status",
-    Group(&[
-        flag("RA"),            // TCAS resolution advisory active
-        element("TC", 2, RAW), // trajectory change reports: 0 none, 1 TC+0, 2 several
-        flag("TS"),            // capable of target state reports
-        flag("ARV"),           // capable of air-referenced velocity
-        flag("CDTIA"),         // cockpit display of traffic information operational
-        flag("NOTTCAS"),       // 1 TCAS not operational
-        flag("SA"),            // single antenna
-    ]),
-);
+items! {
+    I008 "008" "Aircraft Operational Status" {
+        RA: 1,      // TCAS resolution advisory active
+        TC: 2,      // trajectory change reports: 0 none, 1 TC+0, 2 several
+        TS: 1,      // capable of target state reports
+        ARV: 1,     // capable of air-referenced velocity
+        CDTIA: 1,   // cockpit display of traffic information operational
+        NOTTCAS: 1, // 1 TCAS not operational
+        SA: 1,      // single antenna
+    }
 
-const I010: Item = Item::new(
-    "010",
-    "Data Source Identification",
-    Group(&[
-        element("SAC", 8, RAW), // system area code
-        element("SIC", 8, RAW), // system identification code
-    ]),
-);
+    I010 "010" "Data Source Identification" {
+        SAC: 8, // system area code
+        SIC: 8, // system identification code
+    }
 
-const I015: Item = Item::new("015", "Service Identification", Element(8, RAW)); // chosen by the ground station
+    I015 "015" "Service Identification" (8) // chosen by the ground station
 
-// report period; 0: on every event
-const I016: Item = Item::new("016", "Service Management", Element(8, unsigned(0.5, "s")));
+    // report period; 0: on every event
+    I016 "016" "Service Management" (8 unsigned(0.5, "s"))
 
-// 0 unknown, 1 light … 5 heavy, 10 rotorcraft, 20 and 21 vehicles
-const I020: Item = Item::new("020", "Emitter Category", Element(8, RAW));
+    // 0 unknown, 1 light … 5 heavy, 10 rotorcraft, 20 and 21 vehicles
+    I020 "020" "Emitter Category" (8)
 
-const I040_PART_1: &[Part] = &[
-    element("ATP", 3, RAW), // address: 0 ICAO, 1 duplicate, 2 surface vehicle, 3 anonymous
-    element("ARC", 2, RAW), // altitude in steps of: 0 25 ft, 1 100 ft, 2 unknown
-    flag("RC"),             // passed the range check, CPR validation pending
-    flag("RAB"),            // from a field monitor, a fixed transponder
-];
+    parts I040_PART_1 {
+        ATP: 3, // address: 0 ICAO, 1 duplicate, 2 surface vehicle, 3 anonymous
+        ARC: 2, // altitude in steps of: 0 25 ft, 1 100 ft, 2 unknown
+        RC: 1,  // passed the range check, CPR validation pending
+        RAB: 1, // from a field monitor, a fixed transponder
+    }
 
-const I040_PART_2: &[Part] = &[
-    flag("DCR"),           // differential correction
-    flag("GBS"),           // ground bit set
-    flag("SIM"),           // simulated
-    flag("TST"),           // test target
-    flag("SAA"),           // 1 not able to provide selected altitude
-    element("CL", 2, RAW), // confidence: 0 valid, 1 suspect, 2 no information
-];
+    parts I040_PART_2 {
+        DCR: 1, // differential correction
+        GBS: 1, // ground bit set
+        SIM: 1, // simulated
+        TST: 1, // test target
+        SAA: 1, // 1 not able to provide selected altitude
+        CL: 2,  // confidence: 0 valid, 1 suspect, 2 no information
+    }
 
-const I040_PART_3: &[Part] = &[
-    spare(1),
-    flag("LLC"),  // failed the list lookup
-    flag("IPC"),  // failed the independent position check
-    flag("NOGO"), // 1 the ground station says not to use it
-    flag("CPR"),  // failed the CPR validation
-    flag("LDPJ"), // position jumped in local decoding
-    flag("RCF"),  // failed the range check
-];
+    parts I040_PART_3 {
+        _: 1,
+        LLC: 1,  // failed the list lookup
+        IPC: 1,  // failed the independent position check
+        NOGO: 1, // 1 the ground station says not to use it
+        CPR: 1,  // failed the CPR validation
+        LDPJ: 1, // position jumped in local decoding
+        RCF: 1,  // failed the range check
+    }
 
-const I040: Item = Item::new(
-    "040",
-    "Target Report Descriptor",
-    Extended(&[
-        I040_PART_1,
-        I040_PART_2,
-        &[
-            spare(2),
-            flag("IPC"),  // failed the independent position check
-            flag("NOGO"), // 1 the ground station says not to use it
-            flag("CPR"),  // failed the CPR validation
-            flag("LDPJ"), // position jumped in local decoding
-            flag("RCF"),  // failed the range check
-        ],
-    ]),
-);
+    I040 "040" "Target Report Descriptor" [
+        I040_PART_1
+        I040_PART_2
+        {
+            _: 2,
+            IPC: 1,  // failed the independent position check
+            NOGO: 1, // 1 the ground station says not to use it
+            CPR: 1,  // failed the CPR validation
+            LDPJ: 1, // position jumped in local decoding
+            RCF: 1,  // failed the range check
+        }
+    ]
 
-const I040_V2_3: Item = Item::new(
-    "040",
-    "Target Report Descriptor",
-    Extended(&[I040_PART_1, I040_PART_2, I040_PART_3]),
-);
+    I040_V2_3 "040" "Target Report Descriptor" [I040_PART_1 I040_PART_2 I040_PART_3]
 
-const I040_V2_6: Item = Item::new(
-    "040",
-    "Target Report Descriptor",
-    Extended(&[
-        I040_PART_1,
-        I040_PART_2,
-        I040_PART_3,
-        &[
-            group("TBC", &[flag("EP"), element("VAL", 6, NUMBER)]), // total bits corrected
-        ],
-        &[
-            group("MBC", &[flag("EP"), element("VAL", 6, NUMBER)]), // most bits corrected in a message
-        ],
-    ]),
-);
+    I040_V2_6 "040" "Target Report Descriptor" [
+        I040_PART_1
+        I040_PART_2
+        I040_PART_3
+        {
+            TBC: { EP: 1, VAL: 6 NUMBER }, // total bits corrected
+        }
+        {
+            MBC: { EP: 1, VAL: 6 NUMBER }, // most bits corrected in a message
+        }
+    ]
 
-const I070: Item = Item::new(
-    "070",
-    "Mode 3/A Code in Octal Representation",
-    Group(&[spare(4), element("MODE3A", 12, OCTAL)]),
-);
+    I070 "070" "Mode 3/A Code in Octal Representation" {
+        _: 4,
+        MODE3A: 12 OCTAL,
+    }
 
-// that the position in I021/130 and 131 is valid for
-const I071: Item = Item::new(
-    "071",
-    "Time of Applicability for Position",
-    Element(24, unsigned(1.0 / pow2(7), "s")),
-);
+    // that the position in I021/130 and 131 is valid for
+    I071 "071" "Time of Applicability for Position" (24 unsigned(1.0 / pow2(7), "s"))
 
-const I072: Item = Item::new(
-    "072",
-    "Time of Applicability for Velocity",
-    Element(24, unsigned(1.0 / pow2(7), "s")),
-);
+    I072 "072" "Time of Applicability for Velocity" (24 unsigned(1.0 / pow2(7), "s"))
+    I073 "073" "Time of Message Reception for Position" (24 unsigned(1.0 / pow2(7), "s"))
 
-const I073: Item = Item::new(
-    "073",
-    "Time of Message Reception for Position",
-    Element(24, unsigned(1.0 / pow2(7), "s")),
-);
+    I074 "074" "Time of Message Reception of Position-High Precision" {
+        FSI: 2, // whole seconds of I021/073: 0 as they are, 1 plus one, 2 minus one
+        TOMRP: 30 unsigned(1.0 / pow2(30), "s"),
+    }
 
-const I074: Item = Item::new(
-    "074",
-    "Time of Message Reception of Position-High Precision",
-    Group(&[
-        element("FSI", 2, RAW), // whole seconds of I021/073: 0 as they are, 1 plus one, 2 minus one
-        element("TOMRP", 30, unsigned(1.0 / pow2(30), "s")),
-    ]),
-);
+    I075 "075" "Time of Message Reception for Velocity" (24 unsigned(1.0 / pow2(7), "s"))
 
-const I075: Item = Item::new(
-    "075",
-    "Time of Message Reception for Velocity",
-    Element(24, unsigned(1.0 / pow2(7), "s")),
-);
+    I076 "076" "Time of Message Reception of Velocity-High Precision" {
+        FSI: 2, // whole seconds of I021/075: 0 as they are, 1 plus one, 2 minus one
+        TOMRP: 30 unsigned(1.0 / pow2(30), "s"),
+    }
 
-const I076: Item = Item::new(
-    "076",
-    "Time of Message Reception of Velocity-High Precision",
-    Group(&[
-        element("FSI", 2, RAW), // whole seconds of I021/075: 0 as they are, 1 plus one, 2 minus one
-        element("TOMRP", 30, unsigned(1.0 / pow2(30), "s")),
-    ]),
-);
+    I077 "077" "Time of ASTERIX Report Transmission" (24 unsigned(1.0 / pow2(7), "s"))
+    I080 "080" "Target Address" (24)
 
-const I077: Item = Item::new(
-    "077",
-    "Time of ASTERIX Report Transmission",
-    Element(24, unsigned(1.0 / pow2(7), "s")),
-);
+    parts I090_PART_1 {
+        NUCRNACV: 3, // version 0: uncertainty, later: accuracy category for velocity
+        NUCPNIC: 4,  // version 0: uncertainty, later: integrity category for position
+    }
 
-const I080: Item = Item::new("080", "Target Address", Element(24, RAW));
+    parts I090_PART_2 {
+        NICBARO: 1, // barometric altitude cross-checked
+        SIL: 2,     // surveillance or source integrity level
+        NACP: 4,    // accuracy category for position
+    }
 
-const I090_PART_1: &[Part] = &[
-    element("NUCRNACV", 3, RAW), // version 0: uncertainty, later: accuracy category for velocity
-    element("NUCPNIC", 4, RAW),  // version 0: uncertainty, later: integrity category for position
-];
+    parts I090_PART_3 {
+        _: 2,
+        SILS: 1, // SIL per: 0 flight hour, 1 sample
+        SDA: 2,  // design assurance level
+        GVA: 2,  // geometric altitude accuracy
+    }
 
-const I090_PART_2: &[Part] = &[
-    flag("NICBARO"),         // barometric altitude cross-checked
-    element("SIL", 2, RAW),  // surveillance or source integrity level
-    element("NACP", 4, RAW), // accuracy category for position
-];
+    I090 "090" "Quality Indicators" [
+        I090_PART_1
+        I090_PART_2
+        I090_PART_3
+        {
+            PIC: 4, // position integrity category
+            _: 3,
+        }
+    ]
 
-const I090_PART_3: &[Part] = &[
-    spare(2),
-    flag("SILS"),           // SIL per: 0 flight hour, 1 sample
-    element("SDA", 2, RAW), // design assurance level
-    element("GVA", 2, RAW), // geometric altitude accuracy
-];
+    I090_V2_7 "090" "Quality Indicators" [
+        I090_PART_1
+        I090_PART_2
+        I090_PART_3
+        {
+            PIC: 4, // position integrity category
+            SRC: 1, // of PIC: 0 type code and NIC supplements, 1 received as such
+            _: 2,
+        }
+        {
+            _: 2,
+            VALSTATE: { EP: 1, VAL: 2 }, // 0 not done, 1 undecided, 2 passed, 3 failed
+            VD: 1,                       // validation distance follows
+            VQ: 1,                       // quality of the validation distance follows
+        }
+        {
+            VALDISTP1: 7 unsigned(128.0, "m"), // the distance is the sum of both
+        }
+        {
+            VALDISTP2: 7 unsigned(1.0, "m"),
+        }
+        {
+            VALDISTQUALP1: 7 unsigned(128.0, "m"),
+        }
+        {
+            VALDISTQUALP2: 7 unsigned(1.0, "m"),
+        }
+    ]
 
-const I090: Item = Item::new(
-    "090",
-    "Quality Indicators",
-    Extended(&[
-        I090_PART_1,
-        I090_PART_2,
-        I090_PART_3,
-        &[
-            element("PIC", 4, RAW), // position integrity category
-            spare(3),
-        ],
-    ]),
-);
+    I130 "130" "Position in WGS-84 Co-ordinates" {
+        LAT: 24 signed(180.0 / pow2(23), "°"),
+        LON: 24 signed(180.0 / pow2(23), "°"),
+    }
 
-const I090_V2_7: Item = Item::new(
-    "090",
-    "Quality Indicators",
-    Extended(&[
-        I090_PART_1,
-        I090_PART_2,
-        I090_PART_3,
-        &[
-            element("PIC", 4, RAW), // position integrity category
-            flag("SRC"),            // of PIC: 0 type code and NIC supplements, 1 received as such
-            spare(2),
-        ],
-        &[
-            spare(2),
-            group("VALSTATE", &[flag("EP"), element("VAL", 2, RAW)]), // 0 not done, 1 undecided, 2 passed, 3 failed
-            flag("VD"),                                               // validation distance follows
-            flag("VQ"),                                               // quality of the validation distance follows
-        ],
-        &[
-            element("VALDISTP1", 7, unsigned(128.0, "m")), // the distance is the sum of both
-        ],
-        &[element("VALDISTP2", 7, unsigned(1.0, "m"))],
-        &[element("VALDISTQUALP1", 7, unsigned(128.0, "m"))],
-        &[element("VALDISTQUALP2", 7, unsigned(1.0, "m"))],
-    ]),
-);
+    I131 "131" "High-Resolution Position in WGS-84 Co-ordinates" {
+        LAT: 32 signed(180.0 / pow2(30), "°"),
+        LON: 32 signed(180.0 / pow2(30), "°"),
+    }
 
-const I130: Item = Item::new(
-    "130",
-    "Position in WGS-84 Co-ordinates",
-    Group(&[
-        element("LAT", 24, signed(180.0 / pow2(23), "°")),
-        element("LON", 24, signed(180.0 / pow2(23), "°")),
-    ]),
-);
+    I132 "132" "Message Amplitude" (8 signed(1.0, "dBm"))
+    I140 "140" "Geometric Height" (16 signed(6.25, "ft"))
+    I145 "145" "Flight Level" (16 signed(1.0 / pow2(2), "FL"))
 
-const I131: Item = Item::new(
-    "131",
-    "High-Resolution Position in WGS-84 Co-ordinates",
-    Group(&[
-        element("LAT", 32, signed(180.0 / pow2(30), "°")),
-        element("LON", 32, signed(180.0 / pow2(30), "°")),
-    ]),
-);
+    I146 "146" "Selected Altitude" {
+        SAS: 1, // source given
+        S: 2,   // 0 unknown, 1 aircraft altitude, 2 MCP/FCU, 3 FMS
+        ALT: 13 signed(25.0, "ft"),
+    }
 
-const I132: Item = Item::new("132", "Message Amplitude", Element(8, signed(1.0, "dBm")));
+    I148 "148" "Final State Selected Altitude" {
+        MV: 1, // manage vertical mode active
+        AH: 1, // altitude hold mode active
+        AM: 1, // approach mode active
+        ALT: 13 signed(25.0, "ft"),
+    }
 
-const I140: Item = Item::new("140", "Geometric Height", Element(16, signed(6.25, "ft")));
+    I150 "150" "Air Speed" {
+        IM: 1, // 0 indicated air speed, 1 Mach number
+        AS: 15 AIR_SPEED,
+    }
 
-const I145: Item = Item::new("145", "Flight Level", Element(16, signed(1.0 / pow2(2), "FL")));
+    I151 "151" "True Airspeed" {
+        RE: 1, // 1 beyond the range
+        TAS: 15 unsigned(1.0, "kt"),
+    }
 
-const I146: Item = Item::new(
-    "146",
-    "Selected Altitude",
-    Group(&[
-        flag("SAS"),          // source given
-        element("S", 2, RAW), // 0 unknown, 1 aircraft altitude, 2 MCP/FCU, 3 FMS
-        element("ALT", 13, signed(25.0, "ft")),
-    ]),
-);
+    I152 "152" "Magnetic Heading" (16 unsigned(360.0 / pow2(16), "°"))
 
-const I148: Item = Item::new(
-    "148",
-    "Final State Selected Altitude",
-    Group(&[
-        flag("MV"), // manage vertical mode active
-        flag("AH"), // altitude hold mode active
-        flag("AM"), // approach mode active
-        element("ALT", 13, signed(25.0, "ft")),
-    ]),
-);
+    I155 "155" "Barometric Vertical Rate" {
+        RE: 1, // 1 beyond the range
+        BVR: 15 signed(6.25, "ft/min"),
+    }
 
-const I150: Item = Item::new(
-    "150",
-    "Air Speed",
-    Group(&[
-        flag("IM"), // 0 indicated air speed, 1 Mach number
-        element("AS", 15, AIR_SPEED),
-    ]),
-);
+    I157 "157" "Geometric Vertical Rate" {
+        RE: 1, // 1 beyond the range
+        GVR: 15 signed(6.25, "ft/min"),
+    }
 
-const I151: Item = Item::new(
-    "151",
-    "True Airspeed",
-    Group(&[
-        flag("RE"), // 1 beyond the range
-        element("TAS", 15, unsigned(1.0, "kt")),
-    ]),
-);
+    I160 "160" "Airborne Ground Vector" {
+        RE: 1, // 1 beyond the range
+        GS: 15 unsigned(1.0 / pow2(14), "NM/s"),
+        TA: 16 unsigned(360.0 / pow2(16), "°"),
+    }
 
-const I152: Item = Item::new("152", "Magnetic Heading", Element(16, unsigned(360.0 / pow2(16), "°")));
+    I161 "161" "Track Number" {
+        _: 4,
+        TRNUM: 12,
+    }
 
-const I155: Item = Item::new(
-    "155",
-    "Barometric Vertical Rate",
-    Group(&[
-        flag("RE"), // 1 beyond the range
-        element("BVR", 15, signed(6.25, "ft/min")),
-    ]),
-);
+    I165 "165" "Track Angle Rate" {
+        _: 6,
+        TAR: 10 signed(1.0 / pow2(5), "°/s"),
+    }
 
-const I157: Item = Item::new(
-    "157",
-    "Geometric Vertical Rate",
-    Group(&[
-        flag("RE"), // 1 beyond the range
-        element("GVR", 15, signed(6.25, "ft/min")),
-    ]),
-);
+    I170 "170" "Target Identification" (48 ICAO)
 
-const I160: Item = Item::new(
-    "160",
-    "Airborne Ground Vector",
-    Group(&[
-        flag("RE"), // 1 beyond the range
-        element("GS", 15, unsigned(1.0 / pow2(14), "NM/s")),
-        element("TA", 16, unsigned(360.0 / pow2(16), "°")),
-    ]),
-);
+    I200 "200" "Target Status" {
+        ICF: 1,  // intent change
+        LNAV: 1, // 0 lateral navigation engaged, 1 not
+        _: 1,
+        PS: 3, // emergency: 0 none, 1 general, 2 medical, 3 fuel, 4 radio, 5 unlawful, 6 downed
+        SS: 2, // 0 nothing, 1 permanent alert, 2 temporary alert, 3 special position identification
+    }
 
-const I161: Item = Item::new("161", "Track Number", Group(&[spare(4), element("TRNUM", 12, RAW)]));
+    I200_V2_2 "200" "Target Status" {
+        ICF: 1,  // intent change
+        LNAV: 1, // 0 lateral navigation engaged, 1 not
+        ME: 1,   // military emergency
+        PS: 3,   // emergency: 0 none, 1 general, 2 medical, 3 fuel, 4 radio, 5 unlawful, 6 downed
+        SS: 2,   // 0 nothing, 1 permanent alert, 2 temporary alert, 3 special position identification
+    }
 
-const I165: Item = Item::new(
-    "165",
-    "Track Angle Rate",
-    Group(&[spare(6), element("TAR", 10, signed(1.0 / pow2(5), "°/s"))]),
-);
+    I210 "210" "MOPS Version" {
+        _: 1,
+        VNS: 1, // version not supported by the ground station
+        VN: 3,  // 0 DO-260, 1 DO-260A, 2 DO-260B, 3 DO-260C
+        LTT: 3, // 0 other, 1 UAT, 2 1090 MHz extended squitter, 3 VDL 4
+    }
 
-const I170: Item = Item::new("170", "Target Identification", Element(48, ICAO));
+    I220 "220" "Met Information" (compound [
+        WS "Wind Speed" (16 unsigned(1.0, "kt")),
+        WD "Wind Direction" (16 unsigned(1.0, "°")),
+        TMP "Temperature" (16 signed(1.0 / pow2(2), "°C")),
+        TRB "Turbulence" (8 NUMBER), // 0 to 15
+    ])
 
-const I200: Item = Item::new(
-    "200",
-    "Target Status",
-    Group(&[
-        flag("ICF"),  // intent change
-        flag("LNAV"), // 0 lateral navigation engaged, 1 not
-        spare(1),
-        element("PS", 3, RAW), // emergency: 0 none, 1 general, 2 medical, 3 fuel, 4 radio, 5 unlawful, 6 downed
-        element("SS", 2, RAW), // 0 nothing, 1 permanent alert, 2 temporary alert, 3 special position identification
-    ]),
-);
+    I230 "230" "Roll Angle" (16 signed(0.01, "°")) // negative: left wing down
 
-const I200_V2_2: Item = Item::new(
-    "200",
-    "Target Status",
-    Group(&[
-        flag("ICF"),           // intent change
-        flag("LNAV"),          // 0 lateral navigation engaged, 1 not
-        flag("ME"),            // military emergency
-        element("PS", 3, RAW), // emergency: 0 none, 1 general, 2 medical, 3 fuel, 4 radio, 5 unlawful, 6 downed
-        element("SS", 2, RAW), // 0 nothing, 1 permanent alert, 2 temporary alert, 3 special position identification
-    ]),
-);
+    // 56 bits of message, 8 of register number
+    I250 "250" "Mode S MB Data" (repetitive (64))
 
-const I210: Item = Item::new(
-    "210",
-    "MOPS Version",
-    Group(&[
-        spare(1),
-        flag("VNS"),            // version not supported by the ground station
-        element("VN", 3, RAW),  // 0 DO-260, 1 DO-260A, 2 DO-260B, 3 DO-260C
-        element("LTT", 3, RAW), // 0 other, 1 UAT, 2 1090 MHz extended squitter, 3 VDL 4
-    ]),
-);
+    I260 "260" "ACAS Resolution Advisory Report" {
+        TYP: 5,  // 28 in a version 2 squitter
+        STYP: 3, // 2 in a version 2 squitter
+        ARA: 14, // active resolution advisories
+        RAC: 4,  // complements
+        RAT: 1,  // terminated
+        MTE: 1,  // more than one threat
+        TTI: 2,  // what TID holds
+        TID: 26, // identity of the threat
+    }
 
-const I220: Item = Item::new(
-    "220",
-    "Met Information",
-    Compound(&[
-        subitem("WS", "Wind Speed", Element(16, unsigned(1.0, "kt"))),
-        subitem("WD", "Wind Direction", Element(16, unsigned(1.0, "°"))),
-        subitem("TMP", "Temperature", Element(16, signed(1.0 / pow2(2), "°C"))),
-        subitem("TRB", "Turbulence", Element(8, NUMBER)), // 0 to 15
-    ]),
-);
+    parts I271_PART_1 {
+        _: 2,
+        POA: 1,   // 1 the position is that of the ADS-B reference point
+        CDTIS: 1, // cockpit display of traffic information operational
+        B2LOW: 1, // transmits with less than 70 W
+        RAS: 1,   // receiving ATC services
+        IDENT: 1, // IDENT switch active
+    }
 
-const I230: Item = Item::new("230", "Roll Angle", Element(16, signed(0.01, "°"))); // negative: left wing down
-
-// 56 bits of message, 8 of register number
-const I250: Item = Item::new("250", "Mode S MB Data", Repetitive(&Element(64, RAW)));
-
-const I260: Item = Item::new(
-    "260",
-    "ACAS Resolution Advisory Report",
-    Group(&[
-        element("TYP", 5, RAW),  // 28 in a version 2 squitter
-        element("STYP", 3, RAW), // 2 in a version 2 squitter
-        element("ARA", 14, RAW), // active resolution advisories
-        element("RAC", 4, RAW),  // complements
-        flag("RAT"),             // terminated
-        flag("MTE"),             // more than one threat
-        element("TTI", 2, RAW),  // what TID holds
-        element("TID", 26, RAW), // identity of the threat
-    ]),
-);
-
-const I271_PART_1: &[Part] = &[
-    spare(2),
-    flag("POA"),   // 1 the position is that of the ADS-B reference point
-    flag("CDTIS"), // cockpit display of traffic information operational
-    flag("B2LOW"), // transmits with less than 70 W
-    flag("RAS"),   // receiving ATC services
-    flag("IDENT"), // IDENT switch active
-];
-
-const I271: Item = Item::new(
-    "271",
-    "Surface Capabilities and Characteristics",
-    Extended(&[
-        I271_PART_1,
-        &[
+    I271 "271" "Surface Capabilities and Characteristics" [
+        I271_PART_1
+        {
             // The only part of an extended item that has no FX bit.
-            spare(4),
-            element("LW", 4, RAW), // length and width, as a code
-        ],
-    ]),
-);
+            _: 4,
+            LW: 4, // length and width, as a code
+        }
+    ]
 
-const I271_V2_2: Item = Item::new(
-    "271",
-    "Surface Capabilities and Characteristics",
-    Extended(&[
-        I271_PART_1,
-        &[
-            element("LW", 4, RAW), // length and width, as a code
-            spare(3),
-        ],
-    ]),
-);
+    I271_V2_2 "271" "Surface Capabilities and Characteristics" [
+        I271_PART_1
+        {
+            LW: 4, // length and width, as a code
+            _: 3,
+        }
+    ]
 
-const I295: Item = Item::new(
-    "295",
-    "Data Ages",
-    Compound(&ages(age("ISA", "Intermediate State Selected Altitude Age"))),
-);
-
-const I295_V2_6: Item = Item::new("295", "Data Ages", Compound(&ages(age("SAL", "Selected Altitude Age"))));
+    I295 "295" "Data Ages" (= Layout::Compound(&ages(age("ISA", "Intermediate State Selected Altitude Age"))))
+    I295_V2_6 "295" "Data Ages" (= Layout::Compound(&ages(age("SAL", "Selected Altitude Age"))))
+}
 
 const fn ages(selected_altitude: Option<Item>) -> [Option<Item>; 23] {
     [
@@ -457,10 +336,12 @@ const fn ages(selected_altitude: Option<Item>) -> [Option<Item>; 23] {
 }
 
 const fn age(name: &'static str, title: &'static str) -> Option<Item> {
-    subitem(name, title, Element(8, unsigned(0.1, "s")))
+    subitem(name, title, Layout::Element(8, unsigned(0.1, "s")))
 }
 
-const I400: Item = Item::new("400", "Receiver ID", Element(8, RAW));
+items! {
+    I400 "400" "Receiver ID" (8)
+}
 
 /// The items of an edition, in the document's order; those passed are not the same in all.
 #[rustfmt::skip]
@@ -486,45 +367,13 @@ const ORDER: &[&str] = &[
     SPARE, SPARE, SPARE, SPARE, SPARE, "RE",  "SP",  //     43 to 49
 ];
 
-const fn edition(minor: u8, items: &'static [Item]) -> Category {
-    Category {
-        number: 21,
-        edition: Edition::new(2, minor),
-        title: "ADS-B Target Reports",
-        document: "EUROCONTROL-SPEC-0149-12",
-        items,
-        profile: Profile::Single(Uap::new(items, ORDER)),
-    }
+editions! {
+    CAT021_V2 21 "ADS-B Target Reports" "EUROCONTROL-SPEC-0149-12" ["077", "073", "071"]
+    CAT021_V2_1 2 1 (&items(I040, I090, I200, I271, I295), ORDER)
+    CAT021_V2_2 2 2 (&items(I040, I090, I200_V2_2, I271_V2_2, I295), ORDER)
+    CAT021_V2_3 2 3 (&items(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295), ORDER)
+    CAT021_V2_4 2 4 (&items(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295), ORDER)
+    CAT021_V2_5 2 5 (&items(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295), ORDER)
+    CAT021_V2_6 2 6 (&items(I040_V2_6, I090, I200_V2_2, I271_V2_2, I295_V2_6), ORDER)
+    CAT021_V2_7 2 7 (&items(I040_V2_6, I090_V2_7, I200_V2_2, I271_V2_2, I295_V2_6), ORDER)
 }
-
-/// ADS-B target reports, ed 2.1.
-pub static CAT021_V2_1: Category = edition(1, &items(I040, I090, I200, I271, I295));
-
-/// ADS-B target reports, ed 2.2.
-pub static CAT021_V2_2: Category = edition(2, &items(I040, I090, I200_V2_2, I271_V2_2, I295));
-
-/// ADS-B target reports, ed 2.3.
-pub static CAT021_V2_3: Category = edition(3, &items(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295));
-
-/// ADS-B target reports, ed 2.4.
-pub static CAT021_V2_4: Category = edition(4, &items(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295));
-
-/// ADS-B target reports, ed 2.5.
-pub static CAT021_V2_5: Category = edition(5, &items(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295));
-
-/// ADS-B target reports, ed 2.6.
-pub static CAT021_V2_6: Category = edition(6, &items(I040_V2_6, I090, I200_V2_2, I271_V2_2, I295_V2_6));
-
-/// ADS-B target reports, ed 2.7.
-pub static CAT021_V2_7: Category = edition(7, &items(I040_V2_6, I090_V2_7, I200_V2_2, I271_V2_2, I295_V2_6));
-
-/// Every edition from the second on.
-pub static CAT021_V2: &[&Category] = &[
-    &CAT021_V2_1,
-    &CAT021_V2_2,
-    &CAT021_V2_3,
-    &CAT021_V2_4,
-    &CAT021_V2_5,
-    &CAT021_V2_6,
-    &CAT021_V2_7,
-];

@@ -1,5 +1,5 @@
-//! Whole recordings of an airport's sensors and of an en-route radar, and single messages of other systems: known totals
-//! and worked examples.
+//! Whole recordings of an airport's sensors and of an en-route radar, and single messages of other systems: known
+//! totals and worked examples.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,5 @@
-//! Records of any table with any content, all the way into sensor tracks: nothing panics, and what comes out can be used.
+//! Records of any table with any content, all the way into sensor tracks: nothing panics, and what comes out can be
+//! used.
 
 use asterix::{Decoder, Mode, registry};
 use frames::{Geodetic, SensorFrame, SystemFrame};
