@@ -13,7 +13,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use adapter::recording::Recording;
+use adapter::recorded_source::RecordedSource;
 use configuration::{Config, Input};
 use fusion::{Engine, Settings};
 use messages::{FusionRule, SensorTrack, SystemTrack, TrackState};
@@ -46,7 +46,7 @@ fn recorded(data: &Path) -> Recorded {
             panic!("not recorded")
         };
         let bytes = std::fs::read(data.join(&recorded.file)).unwrap();
-        reports.extend(Recording::new(bytes, recorded, source, config.first_day_ns.unwrap()).unwrap());
+        reports.extend(RecordedSource::new(bytes, recorded, source, config.first_day_ns.unwrap()).unwrap());
     }
     reports.sort_by_key(|report| report.time_of_measurement_ns);
     Recorded {

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use adapter::recording::Recording;
+use adapter::recorded_source::RecordedSource;
 use configuration::{Config, Input};
 use messages::{Counter, SensorTrack, TrackState};
 use rustix::process::Signal;
@@ -71,7 +71,7 @@ fn decode_inputs(data: &Path) -> Inputs {
             panic!("not recorded")
         };
         let bytes = std::fs::read(data.join(&recorded.file)).unwrap();
-        let mut recording = Recording::new(bytes, recorded, source, first_day_ns).unwrap();
+        let mut recording = RecordedSource::new(bytes, recorded, source, first_day_ns).unwrap();
         let mut reports: Vec<SensorTrack> = recording.by_ref().collect();
         for report in &mut reports {
             report.time_of_measurement_ns -= first_day_ns;

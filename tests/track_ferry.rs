@@ -1,6 +1,6 @@
 //! Two boats in a harbour, seen from a ferry by lidar, radar and two cameras: all sensors into one tracker (HT-12).
 //!
-//! `koseki track` reads the recordings as they are, with `config/autoferry.toml`. What is judged are its pictures at whole
+//! `koseki track` reads the recordings as they are, with `examples/autoferry.toml`. What is judged are its pictures at whole
 //! seconds.
 //!
 //! A target is *visible* at a second if within the five seconds before it some sensor that measures positions had a
@@ -112,7 +112,7 @@ fn pictures(folder: &Folder, json: &Value, sensors: &[Sensor]) -> BTreeMap<i64, 
     let own = |entry: &&Value| sensors.iter().any(|sensor| entry["sensorID"] == sensor.id());
     let of_sensors: Vec<&Value> = json.as_array().unwrap().iter().filter(own).collect();
     folder.write("detections.json", serde_json::to_vec(&of_sensors).unwrap());
-    let config = repository("config/autoferry.toml");
+    let config = repository("examples/autoferry.toml");
     let said = folder.json(&format!(
         "track --detections detections.json --config {} --period 1 --out tracks.csv --json",
         config.display()

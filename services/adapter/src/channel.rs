@@ -1,14 +1,15 @@
 //! One source's way from observations to its topics.
 
-use bus::{BusError, Mark, Payload, Publisher, SharedMemory, Subscriber};
+use bus::{BusError, Mark, SharedMemory, Subscriber};
 use configuration::{Process, Source};
-use messages::{Counter, Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, Topic, WideArea};
+use messages::{Counter, Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
 use observations::{Bearing, Observation, Sampled, Service, WideAreaReport};
 use runtime::HealthEntry;
 use runtime::clock::mono_ns;
 use sources::{Pipeline, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
+use crate::outlet::Outlet;
 use crate::processing;
 
 /// Reports that are gathered before they are published, at most: those of one batch of datagrams.
@@ -16,94 +17,92 @@ const GATHERED_MAX: usize = 4096;
 /// Slices taken at a time of what a tracker listens to.
 const SLICES_PER_LOOK: usize = 64;
 
-/// Hands what is observed to the source's pipeline, gathers what comes out, and publishes it in slices, in the order in which it
-/// came.
+/// Hands what is observed to the source's pipeline, gathers what comes out, and publishes it in slices.
 #[derive(Debug)]
 pub(crate) struct Channel {
     source: u16,
     name: String,
     pipeline: Pipeline,
-    publisher: Publisher<SharedMemory, SensorTrack>,
-    /// For sources whose tracks are made of detections.
-    detections: Option<Publisher<SharedMemory, SensorDetection>>,
-    /// For sources whose tracks are made of bearings: these, and where their platform was.
-    bearings: Option<Publisher<SharedMemory, SensorBearing>>,
-    platforms: Option<Publisher<SharedMemory, PlatformState>>,
-    /// For sources that are told where to look next.
-    cues: Option<Publisher<SharedMemory, Cue>>,
-    /// What the tracker listens to: wide-area sensors.
+    /// Wide-area sensors that the source's tracker listens to.
     counts: Vec<Subscriber<SharedMemory, WideArea>>,
-    /// And direction finders, which hear emissions.
+    /// Direction finders whose emissions it hears.
     emissions: Vec<Subscriber<SharedMemory, SensorBearing>>,
     gathered: Samples,
+    outlets: Outlets,
 }
 
-/// A publisher of what comes from the sensor of `source`.
-fn publisher<T: Payload>(
-    process: &Process,
-    source: &Source,
-    topic: &Topic<T>,
-) -> Result<Publisher<SharedMemory, T>, BusError> {
-    let publisher = process.bus.publisher(topic, process.incarnation)?;
-    Ok(publisher.of_sensor(source.uid))
+/// Topics of a source.
+#[derive(Debug)]
+struct Outlets {
+    detections: Outlet<SensorDetection>,
+    platforms: Outlet<PlatformState>,
+    bearings: Outlet<SensorBearing>,
+    tracks: Outlet<SensorTrack>,
+    cues: Outlet<Cue>,
+}
+
+impl Outlets {
+    fn open(process: &Process, source: &Source) -> Result<Self, BusError> {
+        let (name, uid) = (source.name.as_str(), source.uid);
+        let (has_detections, has_bearings) = (source.tracker.is_some(), source.locator.is_some());
+        let has_cues = source.tracker.as_ref().is_some_and(|tracker| tracker.cues);
+        Ok(Self {
+            detections: Outlet::open(process, &messages::sensor_detections(name), uid, has_detections)?,
+            platforms: Outlet::open(process, &messages::platform_states(name), uid, has_bearings)?,
+            bearings: Outlet::open(process, &messages::sensor_bearings(name), uid, has_bearings)?,
+            tracks: Outlet::open(process, &messages::sensor_tracks(name), uid, true)?,
+            cues: Outlet::open(process, &messages::cues(name), uid, has_cues)?,
+        })
+    }
+
+    /// Publishes samples in the order in which readers are to hear of them.
+    fn send(&mut self, mark: Mark, samples: &mut Samples) -> Result<(), BusError> {
+        self.detections.send(mark, &mut samples.detections)?;
+        self.platforms.send(mark, &mut samples.platforms)?;
+        self.bearings.send(mark, &mut samples.bearings)?;
+        self.tracks.send(mark, &mut samples.tracks)?;
+        self.cues.send(mark, &mut samples.cues)
+    }
 }
 
 impl Channel {
     pub(crate) fn open(process: &Process, source: &Source) -> anyhow::Result<Self> {
-        let topic = messages::sensor_tracks(&source.name);
-        let detections = messages::sensor_detections(&source.name);
-        let open = |_| publisher(process, source, &detections);
-        let (bearings, platforms) = (
-            messages::sensor_bearings(&source.name),
-            messages::platform_states(&source.name),
-        );
-        let open_bearings = |_| publisher(process, source, &bearings);
-        let open_platforms = |_| publisher(process, source, &platforms);
+        let config = &process.config;
         let listens_to = source.tracker.iter().flat_map(|tracker| &tracker.wide_area_sensors);
         let counts = listens_to.map(|number| {
-            let sensor = &process.config.wide_area_sensors[usize::from(*number)];
-            let topic = messages::wide_area(&sensor.name);
+            let topic = messages::wide_area(&config.wide_area_sensors[usize::from(*number)].name);
             process.bus.subscriber(&topic, || process.incarnation)
         });
         let finders = source.tracker.iter().flat_map(|tracker| &tracker.emissions);
         let emissions = finders.map(|number| {
-            let finder = &process.config.sources[usize::from(*number)];
-            let topic = messages::sensor_bearings(&finder.name);
+            let topic = messages::sensor_bearings(&config.sources[usize::from(*number)].name);
             process.bus.subscriber(&topic, || process.incarnation)
         });
-        let cues = messages::cues(&source.name);
-        let cued = source.tracker.as_ref().filter(|tracker| tracker.cues);
+        let first_day_ns = process.first_day_ns();
+        let pipeline = Pipeline::new(source.model, &processing(source), first_day_ns, Arrivals::new());
         Ok(Self {
             counts: counts.collect::<Result<_, _>>()?,
             emissions: emissions.collect::<Result<_, _>>()?,
-            cues: cued.map(|_| publisher(process, source, &cues)).transpose()?,
             source: source.number,
             name: source.name.clone(),
-            pipeline: Pipeline::new(
-                source.model,
-                &processing(source),
-                process.first_day_ns(),
-                Arrivals::new(),
-            )?,
-            publisher: publisher(process, source, &topic)?,
-            detections: source.tracker.as_ref().map(open).transpose()?,
-            bearings: source.locator.as_ref().map(open_bearings).transpose()?,
-            platforms: source.locator.as_ref().map(open_platforms).transpose()?,
+            pipeline: pipeline?,
             gathered: Samples {
                 tracks: Vec::with_capacity(GATHERED_MAX),
                 ..Samples::default()
             },
+            outlets: Outlets::open(process, source)?,
         })
     }
 
-    /// What follows was received at `received_ns` (UTC, nanoseconds).
-    pub(crate) fn received(&mut self, received_ns: i64) {
+    /// Gets ready for data that were received at `received_ns` (UTC, nanoseconds): to be called before each piece of them, so
+    /// that no report of a wide-area sensor that has come waits for the scan after the one that it is for.
+    pub(crate) fn received(&mut self, received_ns: i64) -> anyhow::Result<()> {
         self.pipeline.received(received_ns);
+        self.listen()
     }
 
     /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
     pub(crate) fn take(&mut self, observation: &Observation, ingested_ns: i64) -> anyhow::Result<()> {
-        self.listen()?;
         self.pipeline.take(observation, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
@@ -116,28 +115,8 @@ impl Channel {
 
     /// Takes a record that speaks of the sensor.
     pub(crate) fn service(&mut self, service: &Service, ingested_ns: i64) -> anyhow::Result<()> {
-        self.listen()?;
         self.pipeline.service(service, ingested_ns, &mut self.gathered);
         self.publish_many()
-    }
-
-    /// Hands the pipeline what wide-area sensors and direction finders have said: before each piece of data, so that nothing that has come waits for the
-    /// scan after the one that it is for.
-    fn listen(&mut self) -> anyhow::Result<()> {
-        let pipeline = &mut self.pipeline;
-        for sensor in &mut self.counts {
-            sensor.take(SLICES_PER_LOOK, |_, samples| {
-                for report in samples.iter().filter_map(WideAreaReport::of_sample) {
-                    pipeline.wide_area(report);
-                }
-            })?;
-        }
-        for finder in &mut self.emissions {
-            finder.take(SLICES_PER_LOOK, |_, bearings| {
-                bearings.iter().for_each(|bearing| pipeline.emission(bearing))
-            })?;
-        }
-        Ok(())
     }
 
     /// Publishes what has been gathered.
@@ -148,62 +127,10 @@ impl Channel {
             sent_ns: mono_ns(),
             end: false,
         };
-        let Samples {
-            tracks,
-            detections,
-            bearings,
-            platforms,
-            cues,
-        } = &self.gathered;
-        if let Some(publisher) = self.detections.as_mut().filter(|_| !detections.is_empty()) {
-            publisher.send(mark, detections.len(), |index, sequence| {
-                let mut detection = detections[index];
-                detection.sequence = sequence;
-                detection.stages.published_ns = mark.sent_ns;
-                detection
-            })?;
-        }
-        if let Some(publisher) = self.platforms.as_mut().filter(|_| !platforms.is_empty()) {
-            publisher.send(mark, platforms.len(), |index, sequence| {
-                let mut platform = platforms[index];
-                platform.sequence = sequence;
-                platform.stages.published_ns = mark.sent_ns;
-                platform
-            })?;
-        }
-        if let Some(publisher) = self.bearings.as_mut().filter(|_| !bearings.is_empty()) {
-            publisher.send(mark, bearings.len(), |index, sequence| {
-                let mut bearing = bearings[index];
-                bearing.sequence = sequence;
-                bearing.stages.published_ns = mark.sent_ns;
-                bearing
-            })?;
-        }
-        if !tracks.is_empty() {
-            self.publisher.send(mark, tracks.len(), |index, sequence| {
-                let mut report = tracks[index];
-                report.sequence = sequence;
-                report.stages.published_ns = mark.sent_ns;
-                report
-            })?;
-        }
-        if let Some(publisher) = self.cues.as_mut().filter(|_| !cues.is_empty()) {
-            publisher.send(mark, cues.len(), |index, sequence| {
-                let mut cue = cues[index];
-                cue.sequence = sequence;
-                cue.stages.published_ns = mark.sent_ns;
-                cue
-            })?;
-        }
-        self.gathered.cues.clear();
-        self.gathered.tracks.clear();
-        self.gathered.detections.clear();
-        self.gathered.bearings.clear();
-        self.gathered.platforms.clear();
-        Ok(())
+        Ok(self.outlets.send(mark, &mut self.gathered)?)
     }
 
-    /// How the source is; `decoded` is what its decoder has counted, indexed by [`Counter`].
+    /// How the source is; `decoded` is what its decoder has counted.
     pub(crate) fn health(&self, decoded: &Counters) -> HealthEntry {
         let mut entry = HealthEntry {
             source: self.source,
@@ -214,7 +141,7 @@ impl Channel {
             ..HealthEntry::default()
         };
         entry.counters += decoded;
-        entry.set(Counter::Published, self.publisher.counts().samples);
+        entry.set(Counter::Published, self.outlets.tracks.sent());
         let lost = self.counts.iter().map(|sensor| sensor.counts());
         let lost = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
         entry.set(Counter::WideAreaLost, lost);
@@ -222,6 +149,23 @@ impl Channel {
         let lost: u64 = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
         entry.counters[Counter::EmissionsRejected] += lost;
         entry
+    }
+
+    /// Hands the pipeline what wide-area sensors and direction finders have said.
+    fn listen(&mut self) -> anyhow::Result<()> {
+        let pipeline = &mut self.pipeline;
+        for sensor in &mut self.counts {
+            sensor.take(SLICES_PER_LOOK, |_, samples| {
+                let reports = samples.iter().filter_map(WideAreaReport::of_sample);
+                reports.for_each(|report| pipeline.wide_area(report));
+            })?;
+        }
+        for finder in &mut self.emissions {
+            finder.take(SLICES_PER_LOOK, |_, bearings| {
+                bearings.iter().for_each(|bearing| pipeline.emission(bearing));
+            })?;
+        }
+        Ok(())
     }
 
     fn publish_many(&mut self) -> anyhow::Result<()> {

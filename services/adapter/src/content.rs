@@ -7,12 +7,13 @@ use asterix::{Decoder, blocks};
 use configuration::{Recorded, RecordedFormat};
 use csv_table::CsvError;
 use formats::containers::{Container, datagrams};
-use formats::sbs::{Merger, Rejection, SbsSettings};
+use formats::sbs::{Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::{Counter, Counters};
 use reception::observation::{self, Reading};
 
-use crate::recording::Intake;
+use crate::counted::{decoded, merged};
+use crate::recorded_source::Intake;
 
 /// A recorded file, and how far it has been read.
 #[derive(Debug)]
@@ -67,32 +68,14 @@ impl Content {
         }
     }
 
-    /// Adds what has been counted so far, indexed by [`Counter`].
+    /// Adds what has been counted so far.
     pub(crate) fn count(&self, counters: &mut Counters) {
-        let mut add = |counter: Counter, count: u64| counters[counter] += count;
         match self {
-            Self::Asterix(_, decoder) => {
-                let decoded = decoder.counts();
-                add(Counter::Records, decoded.records);
-                add(Counter::BytesRejected, decoded.octets_skipped);
-                add(
-                    Counter::BlocksRejected,
-                    decoded.blocks_refused + decoded.blocks_cut + decoded.blocks_without_table,
-                );
-            }
-            Self::Lines(lines) => {
-                let counted = lines.merger.counters();
-                add(Counter::Records, counted.messages);
-                add(Counter::RejectedNoPosition, counted.without_position);
-                add(Counter::TracksDropped, counted.refused_aircraft);
-                add(
-                    Counter::BlocksRejected,
-                    Rejection::ALL.iter().map(|reason| counted.rejected(*reason)).sum(),
-                );
-            }
+            Self::Asterix(_, decoder) => *counters += &decoded(decoder.counts()),
+            Self::Lines(lines) => *counters += &merged(&lines.merger),
             Self::Tracks(tracks) => {
-                add(Counter::Records, tracks.rows);
-                add(Counter::BlocksRejected, tracks.refused);
+                counters[Counter::Records] += tracks.rows;
+                counters[Counter::BlocksRejected] += tracks.rejected;
             }
         }
     }
@@ -125,7 +108,7 @@ impl Lines {
 pub(crate) struct Tracks {
     reader: Option<Box<Rows>>,
     rows: u64,
-    refused: u64,
+    rejected: u64,
 }
 
 type Rows = SensorTrackReader<Cursor<Vec<u8>>, fn(u32) -> Option<u16>>;
@@ -137,7 +120,7 @@ impl Tracks {
         Ok(Self {
             reader: Some(Box::new(reader)),
             rows: 0,
-            refused: 0,
+            rejected: 0,
         })
     }
 
@@ -147,7 +130,7 @@ impl Tracks {
                 self.rows += 1;
                 intake.track(track);
             }
-            Some(Err(_)) => self.refused += 1,
+            Some(Err(_)) => self.rejected += 1,
             None => self.reader = None,
         }
     }

@@ -1,20 +1,24 @@
 //! The adapter process: one per sensor or per network input, it turns sensors' data into sensor tracks and publishes
 //! them.
 //!
-//! Where the data come from is one file each: `recording` and `content` decode a recorded file, and `replay` paces it by its own
-//! times; `datagrams`, `lines` and `bearings` receive from the network. What they share is the way from there: the source's
-//! pipeline makes samples of what was observed ([`sources`]), and, for live sources, `channel` publishes them. Sensors that
-//! only count are in `wide_area`, from the network or a recording to what is published.
+//! Live data come in datagrams (`receiver`), which hold ASTERIX (`blocks`), bearings or counts (`tables`), or in lines over a
+//! connection (`lines`). The source's pipeline makes samples of what was observed ([`sources`]), and `channel` publishes them.
+//! Recorded data are read whole: a source's decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's as
+//! counts; `replay` publishes either, paced by its own times. Sensors that only count are in `wide_area`.
 
 #![forbid(unsafe_code)]
 
 mod bearings;
+mod blocks;
 mod channel;
 mod content;
-mod datagrams;
+mod counted;
 mod lines;
-pub mod recording;
+mod outlet;
+mod receiver;
+pub mod recorded_source;
 mod replay;
+mod tables;
 mod wide_area;
 
 use anyhow::Context as _;
@@ -23,8 +27,9 @@ use runtime::Agent;
 use sources::{Outputs, Processing, TrackerSettings};
 
 use crate::bearings::Bearings;
-use crate::datagrams::Datagrams;
+use crate::blocks::Blocks;
 use crate::lines::Lines;
+use crate::receiver::Receiver;
 
 /// Runs the adapter that the process is named after (of the receiver of that name, of the recorded source, or of a wide-area
 /// sensor) until it has finished or is told to stop.
@@ -40,11 +45,11 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     if let Some(receiver) = config.receiver(name) {
         let has_bearings = sources.iter().any(|source| source.locator.is_some());
         let mut agent: Box<dyn Agent> = match &receiver.transport {
-            Transport::Udp(settings) if has_bearings => Box::new(Bearings::new(process, settings, &sources)?),
-            Transport::Loopback { port } if has_bearings => Box::new(Bearings::loopback(process, *port, &sources)?),
-            Transport::Udp(settings) => Box::new(Datagrams::new(process, settings, &sources)?),
-            Transport::Loopback { port } => Box::new(Datagrams::loopback(process, *port, &sources)?),
             Transport::Sbs { server, settings } => Box::new(Lines::new(process, *server, *settings, &sources)?),
+            transport if has_bearings => {
+                Box::new(Receiver::open(process, transport, Bearings::new(process, &sources)?)?)
+            }
+            transport => Box::new(Receiver::open(process, transport, Blocks::new(process, &sources)?)?),
         };
         return runtime::service::run(process, agent.as_mut());
     }
@@ -56,7 +61,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         let path = config.path.display();
         format!("{path}: no receiver and no recorded source is named \"{name}\"")
     })?;
-    runtime::service::run(process, &mut replay::Replay::new(process, source, recorded)?)
+    runtime::service::run(process, &mut recorded_source::replay(process, source, recorded)?)
 }
 
 /// How the tracks of `source` come about.

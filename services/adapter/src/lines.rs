@@ -7,12 +7,13 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use configuration::{Process, Source};
-use formats::sbs::{Merger, Rejection, SbsSettings};
-use messages::{Counter, Counters};
+use formats::sbs::{Merger, SbsSettings};
+use messages::Counter;
 use net::{LinesSettings, TcpLines};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::channel::Channel;
+use crate::counted::merged;
 
 /// Longest wait for a line in one turn: health messages must be said, and a stop be heard.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -51,8 +52,9 @@ impl Agent for Lines {
             let read = Now::read();
             // A line that was rejected has been counted by reason.
             if let Ok(Some(observed)) = merger.take(line, read.utc_ns) {
-                channel.received(read.utc_ns);
-                let taken = channel.take(&observed, read.mono_ns);
+                let taken = channel
+                    .received(read.utc_ns)
+                    .and_then(|()| channel.take(&observed, read.mono_ns));
                 if failed.is_ok() {
                     failed = taken;
                 }
@@ -64,16 +66,8 @@ impl Agent for Lines {
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
-        let (counted, lines) = (self.merger.counters(), self.client.counters());
-        let mut decoded = Counters::default();
-        decoded[Counter::Records] = counted.messages;
-        decoded[Counter::BlocksRejected] = Rejection::ALL
-            .iter()
-            .map(|reason| counted.rejected(*reason))
-            .sum::<u64>()
-            + lines.oversized;
-        decoded[Counter::RejectedNoPosition] = counted.without_position;
-        decoded[Counter::TracksDropped] = counted.refused_aircraft;
+        let (mut decoded, lines) = (merged(&self.merger), self.client.counters());
+        decoded[Counter::BlocksRejected] += lines.oversized;
         let of_source = self.channel.health(&decoded);
         let mut whole = HealthEntry {
             progress_ns: of_source.progress_ns,

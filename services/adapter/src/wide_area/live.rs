@@ -1,37 +1,29 @@
-//! A wide-area sensor on the network: one socket, and the sensor behind it.
+//! A wide-area sensor behind a receiver of datagrams.
 
-use std::net::{IpAddr, SocketAddr};
-use std::time::Duration;
-
-use anyhow::Context as _;
 use bus::{Mark, Publisher, SharedMemory};
-use configuration::{Process, WideAreaSensor};
-use messages::{Counter, Counters, StageTimes, WideArea};
-use net::{ReceiverSettings, UdpReceiver};
+use configuration::{Process, WideAreaInput, WideAreaSensor};
+use messages::{Counter, StageTimes, WideArea};
 use observations::Sampled;
 use runtime::clock::mono_ns;
-use runtime::{Agent, HealthEntry, Now, Turn};
+use runtime::{HealthEntry, Now};
 use tracking::wide_area::WideAreaReport;
 
 use super::rows::Rows;
 use super::tracks::Tracks;
-
-/// Longest wait for a datagram in one turn: health messages must be said, and a stop be heard.
-const PATIENCE: Duration = Duration::from_millis(50);
+use crate::receiver::{Datagrams, Received};
 
 /// What reads the datagrams.
 #[derive(Debug)]
-pub(super) enum Reader {
+enum Reader {
     /// Rows of counts.
     Rows(Rows),
     /// Another system's tracks.
     Tracks(Box<Tracks>),
 }
 
-/// The agent of a wide-area sensor behind a receiver.
+/// Counts in datagrams.
 #[derive(Debug)]
 pub(super) struct Live {
-    receiver: UdpReceiver,
     reader: Reader,
     sensor: u16,
     publisher: Publisher<SharedMemory, WideArea>,
@@ -41,43 +33,37 @@ pub(super) struct Live {
 }
 
 impl Live {
-    pub(super) fn new(
-        process: &Process,
-        settings: &ReceiverSettings,
-        sensor: &WideAreaSensor,
-        reader: Reader,
-    ) -> anyhow::Result<Self> {
-        let receiver = UdpReceiver::open(settings).with_context(|| {
-            let address = SocketAddr::new(settings.address, settings.port);
-            format!("receiving at {address}")
-        })?;
+    pub(super) fn new(process: &Process, sensor: &WideAreaSensor) -> anyhow::Result<Self> {
+        let topic = messages::wide_area(&sensor.name);
         Ok(Self {
-            receiver,
-            reader,
+            reader: match &sensor.input {
+                WideAreaInput::Tracks(tracks) => Reader::Tracks(Box::new(Tracks::new(tracks, process.first_day_ns()))),
+                _ => Reader::Rows(Rows::default()),
+            },
             sensor: sensor.number,
-            publisher: process
-                .bus
-                .publisher(&messages::wide_area(&sensor.name), process.incarnation)?,
+            publisher: process.bus.publisher(&topic, process.incarnation)?,
             reports: Vec::new(),
             arrived_ns: i64::MIN,
         })
     }
+}
 
-    /// The receiver of a simulated sensor, at `port` of the deployment's own loopback address.
-    pub(super) fn loopback(
-        process: &Process,
-        port: u16,
-        sensor: &WideAreaSensor,
-        reader: Reader,
-    ) -> anyhow::Result<Self> {
-        let address = IpAddr::V4(process.loopback);
-        Self::new(process, &ReceiverSettings::new(address, port), sensor, reader)
+impl Datagrams for Live {
+    fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()> {
+        match &mut self.reader {
+            Reader::Rows(rows) => rows.take(bytes, received.utc_ns, &mut self.reports),
+            Reader::Tracks(tracks) => tracks.take(bytes, Some(received.utc_ns), &mut self.reports),
+        }
+        Ok(())
     }
 
-    fn publish(&mut self, now: Now) -> anyhow::Result<()> {
-        if self.reports.is_empty() {
-            return Ok(());
+    fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()> {
+        if let (0, Reader::Tracks(tracks)) = (count, &mut self.reader) {
+            tracks.silent(now.utc_ns, &mut self.reports);
         }
+        let Some(latest_ns) = self.reports.iter().map(|report| report.arrival_ns).max() else {
+            return Ok(());
+        };
         let mark = Mark {
             progress_ns: i64::MIN,
             sent_ns: mono_ns(),
@@ -99,51 +85,17 @@ impl Live {
                 ..report.sample(sensor, stages)
             }
         })?;
-        let latest_ns = reports.iter().map(|report| report.arrival_ns).max();
-        self.arrived_ns = self.arrived_ns.max(latest_ns.unwrap_or(i64::MIN));
+        self.arrived_ns = self.arrived_ns.max(latest_ns);
         self.reports.clear();
         Ok(())
     }
-}
 
-impl Agent for Live {
-    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        let (reader, reports) = (&mut self.reader, &mut self.reports);
-        let received = self.receiver.receive(PATIENCE, |datagram| {
-            let received_ns = datagram.received_utc_ns;
-            match reader {
-                Reader::Rows(rows) => rows.take(datagram.bytes, received_ns, reports),
-                Reader::Tracks(tracks) => tracks.take(datagram.bytes, Some(received_ns), reports),
-            }
-        })?;
-        if let (0, Reader::Tracks(tracks)) = (received, reader) {
-            tracks.silent(now.utc_ns, reports);
-        }
-        self.publish(now)?;
-        Ok(Turn::Worked)
-    }
-
-    fn health(&self, entries: &mut Vec<HealthEntry>) {
-        let mut counters = Counters::default();
+    fn health(&self, whole: &mut HealthEntry, _sources: &mut Vec<HealthEntry>) {
         match &self.reader {
-            Reader::Rows(rows) => rows.count(&mut counters),
-            Reader::Tracks(tracks) => tracks.count(&mut counters),
+            Reader::Rows(rows) => rows.count(&mut whole.counters),
+            Reader::Tracks(tracks) => tracks.count(&mut whole.counters),
         }
-        let mut whole = HealthEntry {
-            progress_ns: self.arrived_ns,
-            note: self.receiver.warning().unwrap_or_default().to_owned(),
-            counters,
-            ..HealthEntry::default()
-        };
+        whole.progress_ns = self.arrived_ns;
         whole.set(Counter::Published, self.publisher.counts().samples);
-        let counted = self.receiver.counters();
-        whole.set(Counter::Datagrams, counted.datagrams);
-        whole.set(Counter::DatagramsRejected, counted.refused_senders);
-        whole.set(
-            Counter::DatagramsRejectedLength,
-            counted.empty + counted.oversized + counted.unstamped,
-        );
-        whole.set(Counter::DatagramsDropped, counted.kernel_drops);
-        entries.push(whole);
     }
 }

@@ -1,8 +1,8 @@
 //! Wide-area sensors: their reports come in, are checked, and are published for the trackers that listen (WA-2).
 //!
-//! A report is a count and no track, so it goes neither through a stage nor to fusion. What comes live is read in datagrams
+//! A report is a count and no track, so it goes neither through a pipeline nor to fusion. What comes live is read in datagrams
 //! ([`live`]), as rows of counts ([`rows`]) or as another system's tracks that are counted ([`tracks`]). A recording is read
-//! whole ([`recorded`]) and published in the order of arrivals ([`replay`]), for the recorder and other readers.
+//! whole ([`recorded`]) and published in the order of arrivals, for the recorder and other readers.
 //!
 //! A tracker of a recorded source does not wait for what is published: it reads the recording itself, so that its tracks
 //! do not depend on which process is faster. That of a live source takes what has been published
@@ -10,19 +10,18 @@
 
 mod live;
 pub(crate) mod recorded;
-mod replay;
 mod rows;
 mod tracks;
 
-use configuration::{Process, Transport, WideAreaInput, WideAreaSensor};
-use messages::{Counter, Counters};
+use anyhow::Context as _;
+use configuration::{Process, WideAreaSensor};
+use messages::{Counter, Counters, Stream, StreamId};
 use runtime::Agent;
 use tracking::wide_area::{ReportRefusal, WideAreaReport, fault_in};
 
-use self::live::{Live, Reader};
-use self::replay::Replay;
-use self::rows::Rows;
-use self::tracks::Tracks;
+use self::live::Live;
+use crate::receiver::Receiver;
+use crate::replay::{Published, Replay};
 
 /// The agent of a wide-area sensor.
 ///
@@ -30,22 +29,29 @@ use self::tracks::Tracks;
 /// If its input cannot be read, or shared memory fails.
 pub(crate) fn agent(process: &Process, sensor: &WideAreaSensor) -> anyhow::Result<Box<dyn Agent>> {
     if sensor.recording().is_some() {
-        return Ok(Box::new(Replay::new(process, sensor)?));
+        let recording = recorded::read(sensor, &process.options.data, process.first_day_ns())?;
+        let published = Published {
+            topic: &messages::wide_area(&sensor.name),
+            stream: StreamId {
+                stream: Stream::WideArea,
+                number: sensor.number,
+            },
+            sensor_uid: None,
+        };
+        return Ok(Box::new(Replay::new(
+            process,
+            recording,
+            published.open(process, &[])?,
+            None,
+        )?));
     }
-    let reader = match &sensor.input {
-        WideAreaInput::Tracks(tracks) => Reader::Tracks(Box::new(Tracks::new(tracks, process.first_day_ns()))),
-        _ => Reader::Rows(Rows::default()),
-    };
     let receiver = sensor.receiver().and_then(|name| process.config.receiver(name));
-    let live = match receiver.map(|receiver| &receiver.transport) {
-        Some(Transport::Udp(settings)) => Live::new(process, settings, sensor, reader),
-        Some(Transport::Loopback { port }) => Live::loopback(process, *port, sensor, reader),
-        _ => anyhow::bail!("wide-area sensor {} is behind no receiver of datagrams", sensor.name),
-    };
-    Ok(Box::new(live?))
+    let receiver = receiver.with_context(|| format!("wide-area sensor {} is behind no receiver", sensor.name))?;
+    let live = Live::new(process, sensor)?;
+    Ok(Box::new(Receiver::open(process, &receiver.transport, live)?))
 }
 
-/// What a check has refused, by reason.
+/// Reports that a check has rejected, by reason.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rejected {
     place: u64,

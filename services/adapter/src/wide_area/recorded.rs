@@ -7,21 +7,24 @@ use anyhow::Context as _;
 use configuration::{WideAreaInput, WideAreaSensor};
 use csv_table::CsvError;
 use formats::wide_area_csv::WideAreaReader;
-use messages::{Counter, Counters};
+use messages::{Counter, Counters, StageTimes, WideArea};
+use observations::Sampled;
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::arrivals::order;
 
 use super::Rejected;
 use super::tracks::Tracks;
 use crate::content::Packed;
+use crate::replay::Replayed;
 
-/// What a recording held.
+/// A recording's reports, in the order of their arrival.
 #[derive(Debug)]
 pub(crate) struct Recorded {
-    /// In the order of their arrival.
+    sensor: u16,
     pub(crate) reports: Vec<WideAreaReport>,
-    /// What was counted and refused, indexed by [`Counter`].
-    pub(crate) counters: Counters,
+    counters: Counters,
+    /// Place of the next report that is to be published.
+    next: usize,
 }
 
 /// Reads the recording of `sensor`, in the folder `data`, whose first day begins at `first_day_ns` (UTC, nanoseconds). What cannot
@@ -33,8 +36,10 @@ pub(crate) fn read(sensor: &WideAreaSensor, data: &Path, first_day_ns: i64) -> a
     let file = sensor.recording().context("the wide-area sensor has no recording")?;
     let path = data.join(file);
     let mut read = Recorded {
+        sensor: sensor.number,
         reports: Vec::new(),
         counters: Counters::default(),
+        next: 0,
     };
     let done = match &sensor.input {
         WideAreaInput::Tracks(tracks) => read.tracks(Tracks::new(tracks, first_day_ns), &path),
@@ -43,6 +48,29 @@ pub(crate) fn read(sensor: &WideAreaSensor, data: &Path, first_day_ns: i64) -> a
     done.with_context(|| format!("reading {}", path.display()))?;
     read.reports.sort_by(order);
     Ok(read)
+}
+
+impl Replayed for Recorded {
+    type Sample = WideArea;
+    const WAITS_FOR: &'static str = "the recorder";
+
+    fn due_ns(&self, ahead: usize) -> Option<i64> {
+        self.reports.get(self.next + ahead).map(|report| report.arrival_ns)
+    }
+
+    fn next(&mut self) -> Option<(u64, WideArea)> {
+        let report = self.reports.get(self.next)?;
+        self.next += 1;
+        Some((self.next as u64 - 1, report.sample(self.sensor, StageTimes::default())))
+    }
+
+    fn skip_to(&mut self, first_needed: u64) {
+        self.next = (first_needed as usize).min(self.reports.len());
+    }
+
+    fn counters(&self) -> Counters {
+        self.counters
+    }
 }
 
 impl Recorded {

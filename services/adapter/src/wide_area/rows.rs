@@ -7,43 +7,29 @@
 //! later, as of a sender that says from when on its report may be used. So nothing is used before it was there.
 
 use formats::wide_area_csv::WideAreaReader;
-use frames::time::{DayUnroller, NS_PER_DAY};
-use messages::{Counter, Counters};
+use messages::Counters;
 use tracking::wide_area::WideAreaReport;
 
 use super::Rejected;
+use crate::tables::{Tables, utc_ns};
 
 /// How far after its receipt a report may say that it arrives, nanoseconds.
 const AHEAD_MAX_NS: i64 = 60_000_000_000;
 
-/// See the module's documentation.
+/// See the module's header.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
-    rows: u64,
-    rows_refused: u64,
-    octets_refused: u64,
+    tables: Tables,
     rejected: Rejected,
 }
 
 impl Rows {
     /// Takes the rows of a datagram that was received at `received_ns` (UTC, nanoseconds).
     pub(super) fn take(&mut self, bytes: &[u8], received_ns: i64, reports: &mut Vec<WideAreaReport>) {
-        let Ok(rows) = WideAreaReader::new(bytes, 0) else {
-            self.octets_refused += bytes.len() as u64;
-            self.rows_refused += 1;
-            return;
-        };
-        let days = DayUnroller::near(received_ns);
-        let utc_ns = |time_ns: i64| days.utc_ns(time_ns.rem_euclid(NS_PER_DAY));
-        for row in rows {
-            self.rows += 1;
-            let Ok(row) = row else {
-                self.rows_refused += 1;
-                continue;
-            };
+        for row in self.tables.rows(bytes, WideAreaReader::new) {
             let stated = WideAreaReport {
-                time_ns: utc_ns(row.time_ns),
-                arrival_ns: utc_ns(row.arrival_ns),
+                time_ns: utc_ns(received_ns, row.time_ns),
+                arrival_ns: utc_ns(received_ns, row.arrival_ns),
                 ..row
             };
             if !self.rejected.passes(&stated) {
@@ -61,9 +47,7 @@ impl Rows {
     }
 
     pub(super) fn count(&self, counters: &mut Counters) {
-        counters[Counter::Records] += self.rows;
-        counters[Counter::BlocksRejected] += self.rows_refused;
-        counters[Counter::BytesRejected] += self.octets_refused;
+        self.tables.count(counters);
         self.rejected.count(counters);
     }
 }
@@ -71,6 +55,9 @@ impl Rows {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+
+    use frames::time::NS_PER_DAY;
+    use messages::Counter;
 
     use super::*;
 

@@ -14,6 +14,8 @@ use reception::observation::{self, Reading};
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::counting::{CountedTrack, Counting};
 
+use crate::counted::decoded;
+
 /// See the module's documentation.
 #[derive(Debug)]
 pub(super) struct Tracks {
@@ -23,8 +25,8 @@ pub(super) struct Tracks {
     counting: Counting,
     /// Arrival of the latest track, UTC, nanoseconds.
     arrived_ns: Option<i64>,
-    blocks_refused: u64,
-    octets_refused: u64,
+    blocks_rejected: u64,
+    bytes_rejected: u64,
 }
 
 impl Tracks {
@@ -36,8 +38,8 @@ impl Tracks {
             converter: Converter::new(settings.model, first_day_ns),
             counting: Counting::new(settings.period_ns, settings.group_m),
             arrived_ns: None,
-            blocks_refused: 0,
-            octets_refused: 0,
+            blocks_rejected: 0,
+            bytes_rejected: 0,
         }
     }
 
@@ -51,8 +53,8 @@ impl Tracks {
             let block = match block {
                 Ok(block) => block,
                 Err(error) => {
-                    self.blocks_refused += 1;
-                    self.octets_refused += (bytes.len() - error.offset()) as u64;
+                    self.blocks_rejected += 1;
+                    self.bytes_rejected += (bytes.len() - error.offset()) as u64;
                     return;
                 }
             };
@@ -100,14 +102,11 @@ impl Tracks {
 
     pub(super) fn count(&self, counters: &mut Counters) {
         *counters += self.converter.counters();
-        let (decoded, counts) = (self.decoder.counts(), self.counting.counts());
+        *counters += &decoded(self.decoder.counts());
+        let counts = self.counting.counts();
         for (counter, count) in [
-            (Counter::Records, decoded.records),
-            (Counter::BytesRejected, decoded.octets_skipped + self.octets_refused),
-            (
-                Counter::BlocksRejected,
-                decoded.blocks_refused + decoded.blocks_cut + decoded.blocks_without_table + self.blocks_refused,
-            ),
+            (Counter::BytesRejected, self.bytes_rejected),
+            (Counter::BlocksRejected, self.blocks_rejected),
             (Counter::RejectedLate, counts.late),
             (Counter::TracksDropped, counts.crowded_out),
         ] {

@@ -5,22 +5,25 @@
 
 use std::collections::VecDeque;
 
-use configuration::{Recorded, Source};
-use messages::{Counter, Counters, SensorDetection, SensorTrack};
+use anyhow::Context as _;
+use configuration::{Process, Recorded, Source};
+use messages::{Counter, Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
 use observations::{Observation, Service};
 use reception::Reorder;
-use sources::{Pipeline, Samples};
+use sources::Pipeline;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::content::Content;
 use crate::processing;
+use crate::replay::{Published, Replay, Replayed};
+use crate::wide_area::recorded;
 
 /// Reports that are decoded ahead: more than any slice holds.
 pub(crate) const AHEAD: usize = 128;
 
 /// A recording, decoded as it is asked for.
 #[derive(Debug)]
-pub struct Recording {
+pub struct RecordedSource {
     content: Content,
     intake: Intake,
     ready: VecDeque<SensorTrack>,
@@ -35,7 +38,7 @@ pub struct Recording {
 pub(crate) struct Intake {
     source: u16,
     pipeline: Pipeline,
-    samples: Samples,
+    samples: sources::Samples,
     reorder: Reorder,
     late: u64,
     tracks: u64,
@@ -82,7 +85,61 @@ impl Intake {
     }
 }
 
-impl Recording {
+/// The agent that replays a recorded source.
+///
+/// # Errors
+/// If the recording cannot be read, or shared memory fails.
+pub(crate) fn replay(
+    process: &Process,
+    source: &Source,
+    recorded: &Recorded,
+) -> anyhow::Result<Replay<RecordedSource>> {
+    let path = process.options.data.join(&recorded.file);
+    let bytes = std::fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
+    let first_day_ns = process.first_day_ns();
+    let recording = RecordedSource::supported(bytes, recorded, source, first_day_ns, counts(process, source)?);
+    let (number, sensor_uid) = (source.number, Some(source.uid));
+    let tracks = Published {
+        topic: &messages::sensor_tracks(&source.name),
+        stream: StreamId {
+            stream: Stream::SensorTracks,
+            number,
+        },
+        sensor_uid,
+    };
+    assert!(
+        tracks.topic.capacity.slice_len < AHEAD,
+        "the next report's time must be known"
+    );
+    let detections = Published {
+        topic: &messages::sensor_detections(&source.name),
+        stream: StreamId {
+            stream: Stream::Detections,
+            number,
+        },
+        sensor_uid,
+    };
+    let detections = source.tracker.as_ref().map(|_| detections.open(process, &[]));
+    Replay::new(
+        process,
+        recording.with_context(|| path.display().to_string())?,
+        tracks.open(process, &[ProcessKind::Fusion])?,
+        detections.transpose()?,
+    )
+}
+
+/// What the wide-area sensors that the source's tracker listens to have counted: read here, and not taken from their
+/// topics, so that the tracks do not depend on who is faster.
+fn counts(process: &Process, source: &Source) -> anyhow::Result<Arrivals> {
+    let mut reports = Vec::new();
+    for number in source.tracker.iter().flat_map(|tracker| &tracker.wide_area_sensors) {
+        let sensor = &process.config.wide_area_sensors[usize::from(*number)];
+        reports.extend(recorded::read(sensor, &process.options.data, process.first_day_ns())?.reports);
+    }
+    Ok(Arrivals::of(reports))
+}
+
+impl RecordedSource {
     /// The recording in `bytes` of `source`, whose first report is of the day that begins at `first_day_ns` (UTC,
     /// nanoseconds).
     ///
@@ -108,7 +165,7 @@ impl Recording {
             intake: Intake {
                 source: source.number,
                 pipeline: Pipeline::new(source.model, &processing(source), first_day_ns, counts)?,
-                samples: Samples::default(),
+                samples: sources::Samples::default(),
                 reorder: Reorder::new(recorded.reorder_ns),
                 late: 0,
                 tracks: 0,
@@ -122,27 +179,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// The next report without taking it; `None` at the end.
-    pub fn peek(&self) -> Option<&SensorTrack> {
-        self.ready.front()
-    }
-
-    /// The report `ahead` places after the next.
-    pub fn peek_nth(&self, ahead: usize) -> Option<&SensorTrack> {
-        self.ready.get(ahead)
-    }
-
-    /// The next detection without taking it: of those that the tracks decoded so far were made of.
-    pub(crate) fn peek_detection(&self) -> Option<&SensorDetection> {
-        self.detections.front()
-    }
-
-    /// The next detection.
-    pub(crate) fn next_detection(&mut self) -> Option<SensorDetection> {
-        self.detections.pop_front()
-    }
-
-    /// What has been counted so far, indexed by [`Counter`].
+    /// What has been counted so far.
     pub fn counters(&self) -> Counters {
         let intake = &self.intake;
         let mut counters = intake.pipeline.counters();
@@ -159,7 +196,10 @@ impl Recording {
             if self.content.is_exhausted() {
                 self.intake.end();
             }
-            for mut detection in self.intake.samples.detections.drain(..) {
+            let samples = &mut self.intake.samples;
+            // A recorded sensor cannot be told where to look.
+            samples.cues.clear();
+            for mut detection in samples.detections.drain(..) {
                 detection.sequence = self.next_detection;
                 self.next_detection += 1;
                 self.detections.push_back(detection);
@@ -173,7 +213,38 @@ impl Recording {
     }
 }
 
-impl Iterator for Recording {
+impl Replayed for RecordedSource {
+    type Sample = SensorTrack;
+    const WAITS_FOR: &'static str = "fusion and recorder";
+
+    fn due_ns(&self, ahead: usize) -> Option<i64> {
+        self.ready.get(ahead).map(|report| report.time_of_measurement_ns)
+    }
+
+    fn next(&mut self) -> Option<(u64, SensorTrack)> {
+        Iterator::next(self).map(|report| (report.sequence, report))
+    }
+
+    fn skip_to(&mut self, first_needed: u64) {
+        while self.ready.front().is_some_and(|report| report.sequence < first_needed) {
+            Iterator::next(self);
+        }
+    }
+
+    fn peek_detection(&self) -> Option<&SensorDetection> {
+        self.detections.front()
+    }
+
+    fn next_detection(&mut self) -> Option<SensorDetection> {
+        self.detections.pop_front()
+    }
+
+    fn counters(&self) -> Counters {
+        self.counters()
+    }
+}
+
+impl Iterator for RecordedSource {
     type Item = SensorTrack;
 
     fn next(&mut self) -> Option<SensorTrack> {

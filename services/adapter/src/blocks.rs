@@ -1,0 +1,112 @@
+//! ASTERIX in datagrams, and the sensors behind one socket.
+//!
+//! A control centre receives many radars on one multicast group. Each data block says which sensor it is from (system
+//! area code and system identification code, the first item of every category), so it is handed to the source of that
+//! sensor and read by the editions that the source is configured with. What is from a sensor that no source has, what is
+//! no block, what comes from a sender that is not on the list: counted, and passed over.
+
+use anyhow::Context as _;
+use asterix::{Decoder, blocks};
+use configuration::{Asterix, Input, Process, Source};
+use messages::Counter;
+use reception::observation::{self, Reading};
+use runtime::{HealthEntry, Now};
+
+use crate::channel::Channel;
+use crate::counted::decoded;
+use crate::receiver::{Datagrams, Received};
+
+/// The sources behind the socket, and what could not be given to one of them.
+#[derive(Debug)]
+pub(crate) struct Blocks {
+    /// For each source its SAC and SIC; `None` takes what no other source has.
+    senders: Vec<Option<(u8, u8)>>,
+    decoders: Vec<Decoder>,
+    channels: Vec<Channel>,
+    strangers: u64,
+    blocks_rejected: u64,
+    bytes_rejected: u64,
+}
+
+impl Blocks {
+    pub(crate) fn new(process: &Process, sources: &[&Source]) -> anyhow::Result<Self> {
+        let mut all = Self {
+            senders: Vec::new(),
+            decoders: Vec::new(),
+            channels: Vec::new(),
+            strangers: 0,
+            blocks_rejected: 0,
+            bytes_rejected: 0,
+        };
+        for source in sources {
+            let asterix = asterix(source).context("a source of datagrams is live or simulated")?;
+            all.senders.push(source.model.sac_sic);
+            all.decoders.push(asterix.decoder());
+            all.channels.push(Channel::open(process, source)?);
+        }
+        Ok(all)
+    }
+}
+
+/// The source of this sender, or else the one that takes everyone's.
+fn find(senders: &[Option<(u8, u8)>], sender: Option<(u8, u8)>) -> Option<usize> {
+    let of = |wanted| senders.iter().position(|sender| *sender == wanted);
+    sender.and_then(|sender| of(Some(sender))).or_else(|| of(None))
+}
+
+fn asterix(source: &Source) -> Option<&Asterix> {
+    match &source.input {
+        Input::Live(live) => Some(&live.asterix),
+        Input::Simulated(simulated) => Some(&simulated.live.asterix),
+        Input::Recorded(_) | Input::External => None,
+    }
+}
+
+impl Datagrams for Blocks {
+    fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()> {
+        for block in blocks(bytes) {
+            let Ok(block) = block.inspect_err(|error| {
+                self.blocks_rejected += 1;
+                self.bytes_rejected += (bytes.len() - error.offset()) as u64;
+            }) else {
+                break;
+            };
+            let sender = block.sender();
+            let Some(index) = find(&self.senders, sender) else {
+                self.strangers += 1;
+                continue;
+            };
+            self.channels[index].received(received.utc_ns)?;
+            for record in self.decoders[index].records(block.bytes).flatten() {
+                match observation::read(&record) {
+                    Reading::Target(observed) if observed.sac_sic == sender => {
+                        self.channels[index].take(&observed, received.mono_ns)?;
+                    }
+                    Reading::Target(observed) => {
+                        // A block may hold reports of several sensors. That of a stranger goes to the block's own source,
+                        // which rejects and counts it.
+                        let own = find(&self.senders, observed.sac_sic).unwrap_or(index);
+                        self.channels[own].received(received.utc_ns)?;
+                        self.channels[own].take(&observed, received.mono_ns)?;
+                    }
+                    Reading::Service(service) => self.channels[index].service(&service, received.mono_ns)?,
+                    Reading::Other => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn publish(&mut self, _count: usize, _now: Now) -> anyhow::Result<()> {
+        self.channels.iter_mut().try_for_each(Channel::publish)
+    }
+
+    fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {
+        let decoders = self.decoders.iter().map(|decoder| decoded(decoder.counts()));
+        let health = self.channels.iter().zip(decoders);
+        sources.extend(health.map(|(channel, decoded)| channel.health(&decoded)));
+        whole.set(Counter::RejectedSource, self.strangers);
+        whole.set(Counter::BlocksRejected, self.blocks_rejected);
+        whole.set(Counter::BytesRejected, self.bytes_rejected);
+    }
+}

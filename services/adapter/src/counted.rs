@@ -1,0 +1,26 @@
+//! What readers of data have counted, as counters.
+
+use asterix::Counts;
+use formats::sbs::{Merger, Rejection};
+use messages::{Counter, Counters};
+
+/// Counters of a decoder of ASTERIX.
+pub(crate) fn decoded(counts: &Counts) -> Counters {
+    let mut counters = Counters::default();
+    counters[Counter::Records] = counts.records;
+    counters[Counter::BytesRejected] = counts.octets_skipped;
+    counters[Counter::BlocksRejected] = counts.blocks_refused + counts.blocks_cut + counts.blocks_without_table;
+    counters
+}
+
+/// Counters of what merges lines of SBS-1.
+pub(crate) fn merged(merger: &Merger) -> Counters {
+    let counted = merger.counters();
+    let rejected = Rejection::ALL.iter().map(|reason| counted.rejected(*reason));
+    let mut counters = Counters::default();
+    counters[Counter::Records] = counted.messages;
+    counters[Counter::BlocksRejected] = rejected.sum();
+    counters[Counter::RejectedNoPosition] = counted.without_position;
+    counters[Counter::TracksDropped] = counted.refused_aircraft;
+    counters
+}

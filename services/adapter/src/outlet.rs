@@ -1,0 +1,144 @@
+//! The way out of samples of one kind.
+
+use bus::{BusError, Mark, Payload, Publisher, SharedMemory};
+use configuration::Process;
+use messages::{
+    Cue, PlatformState, ProcessKind, SensorBearing, SensorDetection, SensorTrack, StreamId, Topic, WideArea,
+};
+use runtime::flow::Flow;
+
+/// A sample that an adapter publishes.
+pub(crate) trait Outgoing: Payload + Default {
+    /// Says in the sample which one of its publisher it is, and when it was published (monotonic, nanoseconds).
+    fn leave(&mut self, sequence: u64, sent_ns: i64);
+
+    /// Says in the sample when what it was made of came in (monotonic, nanoseconds).
+    fn came_in(&mut self, ingested_ns: i64);
+}
+
+macro_rules! outgoing {
+    ($($sample:ty),* $(,)?) => {
+        $(impl Outgoing for $sample {
+            fn leave(&mut self, sequence: u64, sent_ns: i64) {
+                self.sequence = sequence;
+                self.stages.published_ns = sent_ns;
+            }
+
+            fn came_in(&mut self, ingested_ns: i64) {
+                self.stages.ingested_ns = ingested_ns;
+            }
+        })*
+    };
+}
+
+outgoing!(
+    Cue,
+    PlatformState,
+    SensorBearing,
+    SensorDetection,
+    SensorTrack,
+    WideArea
+);
+
+/// Publisher of a topic that not every source has.
+#[derive(Debug)]
+pub(crate) struct Outlet<T: Payload>(Option<Publisher<SharedMemory, T>>);
+
+impl<T: Outgoing> Outlet<T> {
+    /// Opens `topic`, if the source is to have it; `sensor_uid` is the identity of the source's sensor.
+    pub(crate) fn open(
+        process: &Process,
+        topic: &Topic<T>,
+        sensor_uid: u32,
+        is_wanted: bool,
+    ) -> Result<Self, BusError> {
+        let publisher = || process.bus.publisher(topic, process.incarnation);
+        let publisher = is_wanted.then(publisher).transpose()?;
+        Ok(Self(publisher.map(|publisher| publisher.of_sensor(sensor_uid))))
+    }
+
+    /// Publishes samples, and forgets them.
+    pub(crate) fn send(&mut self, mark: Mark, samples: &mut Vec<T>) -> Result<(), BusError> {
+        if let Some(publisher) = self.0.as_mut().filter(|_| !samples.is_empty()) {
+            publisher.send(mark, samples.len(), |index, sequence| {
+                let mut sample = samples[index];
+                sample.leave(sequence, mark.sent_ns);
+                sample
+            })?;
+        }
+        samples.clear();
+        Ok(())
+    }
+
+    /// Number of samples that have been published.
+    pub(crate) fn sent(&self) -> u64 {
+        self.0.as_ref().map_or(0, |publisher| publisher.counts().samples)
+    }
+}
+
+/// Publisher of a recording's topic, which never sends more than its consumers can take.
+#[derive(Debug)]
+pub(crate) struct PacedOutlet<T: Payload> {
+    publisher: Publisher<SharedMemory, T>,
+    flow: Flow<SharedMemory>,
+}
+
+impl<T: Outgoing> PacedOutlet<T> {
+    pub(crate) fn open(
+        process: &Process,
+        topic: &Topic<T>,
+        stream: StreamId,
+        sensor_uid: Option<u32>,
+        consumers: &[ProcessKind],
+    ) -> anyhow::Result<Self> {
+        let publisher = process.bus.publisher(topic, process.incarnation)?;
+        let depth = topic.capacity.depth;
+        Ok(Self {
+            publisher: match sensor_uid {
+                Some(uid) => publisher.of_sensor(uid),
+                None => publisher,
+            },
+            flow: Flow::new(&process.bus, process.incarnation, stream, depth, consumers)?,
+        })
+    }
+
+    /// Reads what the consumers have said.
+    pub(crate) fn update(&mut self) -> anyhow::Result<()> {
+        self.flow.update(self.publisher.counts().slices)
+    }
+
+    /// Whether every consumer has room for another slice.
+    pub(crate) fn may_send(&self) -> bool {
+        self.flow.may_send(self.publisher.counts().slices)
+    }
+
+    /// Publishes `count` samples that keep their numbers, and came in at `ingested_ns` (monotonic, nanoseconds): a recorded
+    /// one comes in when it is due.
+    pub(crate) fn send(
+        &mut self,
+        mark: Mark,
+        count: usize,
+        ingested_ns: i64,
+        mut next: impl FnMut() -> (u64, T),
+    ) -> Result<(), BusError> {
+        self.publisher.send(mark, count, |_, _| {
+            let (sequence, mut sample) = next();
+            sample.leave(sequence, mark.sent_ns);
+            sample.came_in(ingested_ns);
+            sample
+        })
+    }
+
+    pub(crate) fn flow(&self) -> &Flow<SharedMemory> {
+        &self.flow
+    }
+
+    pub(crate) fn slice_len(&self) -> usize {
+        self.publisher.slice_len()
+    }
+
+    /// Number of samples that have been published.
+    pub(crate) fn sent(&self) -> u64 {
+        self.publisher.counts().samples
+    }
+}

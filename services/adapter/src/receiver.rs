@@ -1,0 +1,104 @@
+//! Datagrams from the network: one socket, and what reads them.
+//!
+//! Waiting for the next datagram is part of a turn, as the socket hands over what it has waited for. Data have come in when
+//! the kernel took their datagram from the network; with that time begins their way through the stages, and by it the
+//! sensor's time of day is judged.
+
+use std::borrow::Cow;
+use std::fmt::Debug;
+use std::net::{IpAddr, SocketAddr};
+use std::time::Duration;
+
+use anyhow::Context as _;
+use configuration::{Process, Transport};
+use messages::Counter;
+use net::{ReceiverSettings, UdpReceiver};
+use runtime::{Agent, HealthEntry, Now, Turn};
+
+/// Longest wait for a datagram in one turn: health messages must be said, and a stop be heard.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Reads datagrams and publishes what is in them.
+pub(crate) trait Datagrams: Debug {
+    /// Takes a datagram.
+    fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()>;
+
+    /// Publishes what has been made of the datagrams of a turn, `count` in number.
+    fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()>;
+
+    /// How the whole is, beside its socket, and how each source behind it is.
+    fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>);
+}
+
+/// Time at which a datagram was received.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Received {
+    /// UTC, nanoseconds.
+    pub(crate) utc_ns: i64,
+    /// Monotonic, nanoseconds.
+    pub(crate) mono_ns: i64,
+}
+
+/// The agent of a receiver of datagrams.
+#[derive(Debug)]
+pub(crate) struct Receiver<D> {
+    socket: UdpReceiver,
+    reader: D,
+}
+
+impl<D: Datagrams> Receiver<D> {
+    pub(crate) fn open(process: &Process, transport: &Transport, reader: D) -> anyhow::Result<Self> {
+        let settings = match transport {
+            Transport::Udp(settings) => Cow::Borrowed(settings),
+            // A simulated sensor sends to the deployment's own loopback address.
+            Transport::Loopback { port } => Cow::Owned(ReceiverSettings::new(IpAddr::V4(process.loopback), *port)),
+            Transport::Sbs { server, .. } => anyhow::bail!("{server} sends lines and no datagrams"),
+        };
+        let socket = UdpReceiver::open(&settings).with_context(|| {
+            let address = SocketAddr::new(settings.address, settings.port);
+            format!("receiving at {address}")
+        })?;
+        Ok(Self { socket, reader })
+    }
+}
+
+impl<D: Datagrams> Agent for Receiver<D> {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        let (socket, reader) = (&mut self.socket, &mut self.reader);
+        let to_mono_ns = now.mono_ns - now.utc_ns;
+        let mut failed = Ok(());
+        let count = socket.receive(PATIENCE, |datagram| {
+            let utc_ns = datagram.received_utc_ns;
+            let mono_ns = utc_ns + to_mono_ns;
+            let taken = reader.take(datagram.bytes, Received { utc_ns, mono_ns });
+            if failed.is_ok() {
+                failed = taken;
+            }
+        })?;
+        failed?;
+        reader.publish(count, now)?;
+        Ok(Turn::Worked)
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let (mut whole, mut sources) = (HealthEntry::default(), Vec::new());
+        self.reader.health(&mut whole, &mut sources);
+        if let Some(progress_ns) = sources.iter().map(|source| source.progress_ns).max() {
+            whole.progress_ns = progress_ns;
+        }
+        for counter in [Counter::Records, Counter::Reports, Counter::Published] {
+            whole.counters[counter] += sources.iter().map(|source| source.counters[counter]).sum::<u64>();
+        }
+        whole.note = self.socket.warning().unwrap_or_default().to_owned();
+        let counted = self.socket.counters();
+        whole.set(Counter::Datagrams, counted.datagrams);
+        whole.set(Counter::DatagramsRejected, counted.refused_senders);
+        whole.set(
+            Counter::DatagramsRejectedLength,
+            counted.empty + counted.oversized + counted.unstamped,
+        );
+        whole.set(Counter::DatagramsDropped, counted.kernel_drops);
+        entries.push(whole);
+        entries.extend(sources);
+    }
+}
