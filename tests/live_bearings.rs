@@ -1,7 +1,7 @@
 //! Transmitters located from bearings in a running deployment: real processes, from the direction finder's datagrams to
 //! system tracks that join what is heard with what a radar sees (EL-11).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use bus::{Bus, SharedMemory};
 use messages::{SensorTrack, SystemTrack, TrackState};
@@ -53,8 +53,6 @@ bearing_sigma_rad = 0.0005
 [source.locator]
 [fusion.registration]
 enabled = false
-[recorder]
-enabled = false
 "#;
 
 /// The same without processes: bearings simulated into a file, and located from it.
@@ -99,7 +97,7 @@ fn simulated_bearings_are_located_from_a_file() {
 fn what_is_heard_and_what_is_seen_become_one_track() {
     let home = Home::new();
     std::fs::write(home.path("site.toml"), SITE).unwrap();
-    let running = home.start(&["up", "site.toml", "--instance", "test", "--seed", "5"]);
+    let running = home.start(&["up", "site.toml", "--instance", "test", "--seed", "5", "--out", "out"]);
     running.until_said("instance test runs");
     let bus = Bus::<SharedMemory>::open(&home.root("test"), "reader").unwrap();
     let open = || mono_ns() as u64;
@@ -136,4 +134,34 @@ fn what_is_heard_and_what_is_seen_become_one_track() {
     let (status, said) = running.end();
     assert_eq!(status.code(), Some(0), "{said}");
     home.assert_nothing_is_left("test");
+    the_record_is_located_again(&home, heard, states);
+}
+
+/// `koseki locate` makes the tracks again, to the last digit, of the bearings that the recorder has written.
+fn the_record_is_located_again(home: &Home, heard: usize, states: usize) {
+    let rows = |name: &str| -> Vec<Vec<String>> {
+        let text = std::fs::read_to_string(home.path(name)).unwrap();
+        let cells = |line: &str| line.split(',').map(str::to_owned).collect();
+        text.lines().skip(1).map(cells).collect()
+    };
+    let (bearings, platform) = (rows("out/bearings_finder.csv"), rows("out/platform_states_finder.csv"));
+    assert!(
+        bearings.len() >= heard && platform.len() >= states,
+        "less than a reader has heard"
+    );
+    assert_eq!(
+        platform[0][2..5],
+        bearings[0][4..7],
+        "where the first bearing was measured from"
+    );
+    let output = home.run(&["locate", "--bearings", "out/bearings_finder.csv", "--out", "again.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    // Time, number and place; a sensor track has its sensor between the first two.
+    let again: BTreeSet<Vec<String>> = rows("again.csv").into_iter().map(|row| row[..5].to_vec()).collect();
+    let published = rows("out/sensor_tracks_finder.csv");
+    assert!(published.len() > 30, "{} tracks", published.len());
+    for row in published {
+        let made = [&row[..1], &row[2..6]].concat();
+        assert!(again.contains(&made), "{made:?} is not among {} fixes", again.len());
+    }
 }

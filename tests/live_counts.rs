@@ -331,6 +331,9 @@ fn cues_and_even_times_in_a_running_deployment() {
     let output = site.home.run(&arguments);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let looks = site.read("looks.csv");
+    let recorded = site.read("out/cues_radar.csv");
+    assert!(looks.starts_with(&recorded), "{recorded}");
+    assert!(recorded.lines().count() > cues.len(), "less than a reader has heard");
     let looks: Vec<Vec<f64>> = looks
         .lines()
         .skip(1)

@@ -1,6 +1,7 @@
 //! The parts of a deployment that every process needs.
 
 use bus::BusError;
+use messages::{Stream, StreamId};
 use runtime::Deployment;
 use runtime::ground::Visit;
 
@@ -16,22 +17,44 @@ impl Deployment for Config {
     }
 
     fn each_input_topic(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError> {
-        for source in &self.sources {
-            visit.visit(&messages::sensor_tracks(&source.name), publishers)?;
-            if source.tracker.is_some() {
-                visit.visit(&messages::sensor_detections(&source.name), publishers)?;
+        for (id, name) in self.input_streams() {
+            match id.stream {
+                Stream::SensorTracks => visit.visit(&messages::sensor_tracks(name), publishers)?,
+                Stream::Detections => visit.visit(&messages::sensor_detections(name), publishers)?,
+                Stream::Bearings => visit.visit(&messages::sensor_bearings(name), publishers)?,
+                Stream::PlatformStates => visit.visit(&messages::platform_states(name), publishers)?,
+                Stream::Cues => visit.visit(&messages::cues(name), publishers)?,
+                Stream::WideArea => visit.visit(&messages::wide_area(name), publishers)?,
+                Stream::SystemTracks => {}
             }
-            if source.tracker.as_ref().is_some_and(|tracker| tracker.cues) {
-                visit.visit(&messages::cues(&source.name), publishers)?;
-            }
-            if source.locator.is_some() {
-                visit.visit(&messages::sensor_bearings(&source.name), publishers)?;
-                visit.visit(&messages::platform_states(&source.name), publishers)?;
-            }
-        }
-        for sensor in &self.wide_area_sensors {
-            visit.visit(&messages::wide_area(&sensor.name), publishers)?;
         }
         Ok(())
+    }
+}
+
+impl Config {
+    /// Data streams that adapters and processes outside of the deployment publish, each with the name of its source or
+    /// sensor: source by source, the wide-area sensors last.
+    pub fn input_streams(&self) -> impl Iterator<Item = (StreamId, &str)> {
+        let of_sources = self.sources.iter().flat_map(|source| {
+            let locates = source.locator.is_some();
+            let streams = [
+                (Stream::SensorTracks, true),
+                (Stream::Detections, source.tracker.is_some()),
+                (
+                    Stream::Cues,
+                    source.tracker.as_ref().is_some_and(|tracker| tracker.cues),
+                ),
+                (Stream::Bearings, locates),
+                (Stream::PlatformStates, locates),
+            ];
+            let there = streams.into_iter().filter(|(_, is_there)| *is_there);
+            there.map(|(stream, _)| (stream, source.number, source.name.as_str()))
+        });
+        let sensors = self.wide_area_sensors.iter();
+        let of_sensors = sensors.map(|sensor| (Stream::WideArea, sensor.number, sensor.name.as_str()));
+        of_sources
+            .chain(of_sensors)
+            .map(|(stream, number, name)| (StreamId { stream, number }, name))
     }
 }

@@ -11,7 +11,7 @@
 #define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x2e86ce3ebba8ca15) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x9adee01cc67eb8ad) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x2dfda4c3dd95c740) /* BatchHeader.schema of its slices. */
-#define KOSEKI_CUE_SCHEMA UINT64_C(0xaf1e6d717b9bb525) /* BatchHeader.schema of its slices. */
+#define KOSEKI_CUE_SCHEMA UINT64_C(0x533817797a6d4cd1) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x934307e9dc3c0033) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0xcf4b0ce1093881cc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0x2ee1a77c420b678) /* BatchHeader.schema of its slices. */
@@ -377,6 +377,7 @@ static_assert(offsetof(KosekiWideArea, valid) == 126, "offset");
 
 typedef struct KosekiCue {
     int64_t time_ns; /* Time of the look, UTC, nanoseconds since 1970. */
+    int64_t made_ns; /* Time of the scan after which it was made, UTC, nanoseconds since 1970. */
     uint64_t sequence; /* The cue's sequence number at its publisher. */
     KosekiStageTimes stages; /* Stages passed so far. */
     double position_m[3]; /* Predicted position east, north, up, metres. */
@@ -387,17 +388,18 @@ typedef struct KosekiCue {
     uint16_t source; /* The source that is to look: its number in the configuration (TI-2). */
     uint16_t reserved; /* Reserved, 0. */
 } KosekiCue;
-static_assert(sizeof(KosekiCue) == 128, "size");
+static_assert(sizeof(KosekiCue) == 136, "size");
 static_assert(offsetof(KosekiCue, time_ns) == 0, "offset");
-static_assert(offsetof(KosekiCue, sequence) == 8, "offset");
-static_assert(offsetof(KosekiCue, stages) == 16, "offset");
-static_assert(offsetof(KosekiCue, position_m) == 48, "offset");
-static_assert(offsetof(KosekiCue, velocity_mps) == 72, "offset");
-static_assert(offsetof(KosekiCue, half_axes_m) == 96, "offset");
-static_assert(offsetof(KosekiCue, orientation_rad) == 112, "offset");
-static_assert(offsetof(KosekiCue, track_number) == 120, "offset");
-static_assert(offsetof(KosekiCue, source) == 124, "offset");
-static_assert(offsetof(KosekiCue, reserved) == 126, "offset");
+static_assert(offsetof(KosekiCue, made_ns) == 8, "offset");
+static_assert(offsetof(KosekiCue, sequence) == 16, "offset");
+static_assert(offsetof(KosekiCue, stages) == 24, "offset");
+static_assert(offsetof(KosekiCue, position_m) == 56, "offset");
+static_assert(offsetof(KosekiCue, velocity_mps) == 80, "offset");
+static_assert(offsetof(KosekiCue, half_axes_m) == 104, "offset");
+static_assert(offsetof(KosekiCue, orientation_rad) == 120, "offset");
+static_assert(offsetof(KosekiCue, track_number) == 128, "offset");
+static_assert(offsetof(KosekiCue, source) == 132, "offset");
+static_assert(offsetof(KosekiCue, reserved) == 134, "offset");
 
 typedef struct KosekiContribution {
     int64_t time_of_measurement_ns; /* Time of measurement of the source's latest report, UTC, nanoseconds. */

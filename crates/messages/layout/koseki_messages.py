@@ -10,7 +10,7 @@ SENSOR_DETECTION_SCHEMA = 0x3f3924826fb216c0  # BatchHeader.schema of its slices
 SENSOR_BEARING_SCHEMA = 0x2e86ce3ebba8ca15  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x9adee01cc67eb8ad  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x2dfda4c3dd95c740  # BatchHeader.schema of its slices.
-CUE_SCHEMA = 0xaf1e6d717b9bb525  # BatchHeader.schema of its slices.
+CUE_SCHEMA = 0x533817797a6d4cd1  # BatchHeader.schema of its slices.
 SYSTEM_TRACK_SCHEMA = 0x934307e9dc3c0033  # BatchHeader.schema of its slices.
 CONTRIBUTOR_SET_SCHEMA = 0xcf4b0ce1093881cc  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0x2ee1a77c420b678  # BatchHeader.schema of its slices.
@@ -474,6 +474,7 @@ assert WideArea.valid.offset == 126
 class Cue(ctypes.Structure):
     _fields_ = [
         ("time_ns", ctypes.c_int64),  # Time of the look, UTC, nanoseconds since 1970.
+        ("made_ns", ctypes.c_int64),  # Time of the scan after which it was made, UTC, nanoseconds since 1970.
         ("sequence", ctypes.c_uint64),  # The cue's sequence number at its publisher.
         ("stages", StageTimes),  # Stages passed so far.
         ("position_m", ctypes.c_double * 3),  # Predicted position east, north, up, metres.
@@ -490,17 +491,18 @@ class Cue(ctypes.Structure):
         return "Cue"
 
 
-assert ctypes.sizeof(Cue) == 128
+assert ctypes.sizeof(Cue) == 136
 assert Cue.time_ns.offset == 0
-assert Cue.sequence.offset == 8
-assert Cue.stages.offset == 16
-assert Cue.position_m.offset == 48
-assert Cue.velocity_mps.offset == 72
-assert Cue.half_axes_m.offset == 96
-assert Cue.orientation_rad.offset == 112
-assert Cue.track_number.offset == 120
-assert Cue.source.offset == 124
-assert Cue.reserved.offset == 126
+assert Cue.made_ns.offset == 8
+assert Cue.sequence.offset == 16
+assert Cue.stages.offset == 24
+assert Cue.position_m.offset == 56
+assert Cue.velocity_mps.offset == 80
+assert Cue.half_axes_m.offset == 104
+assert Cue.orientation_rad.offset == 120
+assert Cue.track_number.offset == 128
+assert Cue.source.offset == 132
+assert Cue.reserved.offset == 134
 
 
 class Contribution(ctypes.Structure):

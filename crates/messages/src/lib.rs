@@ -58,8 +58,8 @@ pub use system_track::{
 };
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Capacity, Stream, StreamId, Topic, TopicName, contributors, control, cues, health, platform_states, progress,
-    sensor_bearings, sensor_detections, sensor_tracks, system_tracks, wide_area,
+    Capacity, Stream, StreamId, Streamed, Topic, TopicName, contributors, control, cues, health, platform_states,
+    progress, sensor_bearings, sensor_detections, sensor_tracks, system_tracks, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 

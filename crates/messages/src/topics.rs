@@ -6,6 +6,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use crate::codes;
+use crate::layout::Sample;
 use crate::{
     ContributorSet, Control, Cue, Health, PlatformState, Progress, SensorBearing, SensorDetection, SensorTrack,
     SystemTrack, WideArea,
@@ -70,6 +71,13 @@ pub struct StreamId {
     pub number: u16,
 }
 
+impl Stream {
+    /// Whether a recorded input delivers it again, to the end and nothing twice. The others follow from those.
+    pub const fn is_replayed(self) -> bool {
+        matches!(self, Self::SensorTracks | Self::Detections | Self::WideArea)
+    }
+}
+
 impl StreamId {
     /// System tracks.
     pub const SYSTEM_TRACKS: Self = Self {
@@ -96,6 +104,51 @@ impl<T> Topic<T> {
             sample: PhantomData,
         }
     }
+}
+
+/// A sample of one of the data streams.
+pub trait Streamed: Sample {
+    /// The stream.
+    const STREAM: Stream;
+
+    /// Topic of the source or sensor called `name`; there is one of the system tracks only.
+    fn topic(name: &str) -> Topic<Self>;
+
+    /// Sequence number at its publisher.
+    fn sequence(&self) -> u64;
+
+    /// Time of the data, UTC, nanoseconds since 1970.
+    fn time_ns(&self) -> i64;
+}
+
+macro_rules! streamed {
+    ($( $sample:ident: $stream:ident, $topic:expr, $time:ident; )*) => {
+        $( impl Streamed for $sample {
+            const STREAM: Stream = Stream::$stream;
+
+            fn topic(name: &str) -> Topic<Self> {
+                $topic(name)
+            }
+
+            fn sequence(&self) -> u64 {
+                self.sequence
+            }
+
+            fn time_ns(&self) -> i64 {
+                self.$time
+            }
+        } )*
+    };
+}
+
+streamed! {
+    SensorTrack: SensorTracks, sensor_tracks, time_of_measurement_ns;
+    SensorDetection: Detections, sensor_detections, time_of_measurement_ns;
+    SensorBearing: Bearings, sensor_bearings, time_of_measurement_ns;
+    PlatformState: PlatformStates, platform_states, time_ns;
+    Cue: Cues, cues, time_ns;
+    WideArea: WideArea, wide_area, time_of_observation_ns;
+    SystemTrack: SystemTracks, |_| system_tracks(), reference_time_ns;
 }
 
 /// Sensor tracks of one source: one topic per source, so that a flood of one cannot displace another's reports.

@@ -40,9 +40,11 @@ sample! {
 
 sample! {
     /// Where and when a sensor should look for one track (WA-12): an ellipse around the predicted position.
-    Cue, size 128 {
+    Cue, size 136 {
         /// Time of the look, UTC, nanoseconds since 1970.
         time_ns: i64,
+        /// Time of the scan after which it was made, UTC, nanoseconds since 1970.
+        made_ns: i64,
         /// The cue's sequence number at its publisher.
         sequence: u64,
         /// Stages passed so far.

@@ -308,4 +308,27 @@ mod tests {
         assert!(!flow.all_done(1));
         assert_eq!(flow.first_needed(), 900, "where it resumes");
     }
+
+    #[test]
+    fn streams_of_one_number_are_told_apart() {
+        let bench = Bench::new("streams");
+        let detections = StreamId {
+            stream: Stream::Detections,
+            number: 3,
+        };
+        let mut flow = Flow::new(&bench.bus, 7, detections, 40, &[ProcessKind::Fusion]).unwrap();
+        let streams = [stream(3), detections];
+        let mut fusion = Reached::new(&bench.bus, 100, ProcessKind::Fusion, &streams).unwrap();
+        fusion.say(NOW).unwrap();
+        flow.update(0).unwrap();
+        fusion.done(0, &slice(7), 640);
+        fusion.say(NOW).unwrap();
+        flow.update(1).unwrap();
+        assert!(flow.all_present() && !flow.all_done(1));
+        fusion.done(1, &slice(7), 64);
+        fusion.say(NOW).unwrap();
+        flow.update(1).unwrap();
+        assert!(flow.all_done(1));
+        assert_eq!(flow.first_needed(), 64);
+    }
 }

@@ -234,11 +234,12 @@ impl TrackSink for Publishing<'_> {
         }
     }
 
-    fn cues(&mut self, _scan_ns: i64, cues: &[Cue]) {
+    fn cues(&mut self, scan_ns: i64, cues: &[Cue]) {
         *self.cues += cues.len() as u64;
-        let samples = cues
-            .iter()
-            .map(|cue| cue.sample(self.source, ingested(self.ingested_ns)));
+        let samples = cues.iter().map(|cue| messages::Cue {
+            made_ns: scan_ns,
+            ..cue.sample(self.source, ingested(self.ingested_ns))
+        });
         self.samples.cues.extend(samples);
     }
 }

@@ -1,197 +1,186 @@
 //! One topic written to one file, a row per sample.
 //!
 //! Samples of a recording are numbered from 0, and each is one row; so a file says by its rows how far it has got, and
-//! what is published again after a restart is recognised.
+//! what is published again after a restart is recognised. System tracks are not: a restarted fusion makes new ones.
 
+use std::fmt::Debug;
 use std::fs::File;
 use std::io::{self, BufWriter};
+use std::path::Path;
 
 use anyhow::Context as _;
-use bus::{Bus, Payload, Subscriber, Transport, Waiter};
-use formats::detections_csv::DetectionWriter;
-use formats::tracks_csv::SensorTrackWriter;
-use formats::wide_area_csv::WideAreaWriter;
-use messages::{BatchHeader, SensorDetection, SensorTrack, Topic, WideArea};
-use observations::{Detection, Sampled, WideAreaReport};
+use bus::{Bus, Subscriber, SubscriberCounts, Transport, Waiter};
+use formats::rows::RowWriter;
+use messages::{BatchHeader, StreamId};
 
-use crate::recovery::Opened;
+use crate::recorded::Recorded;
+use crate::recovery::{self, Opened};
 
 /// Slices taken from one topic before the next one's turn.
-pub(crate) const SLICES_PER_TOPIC: usize = 64;
+const SLICES_PER_TOPIC: usize = 64;
 
-type Out = BufWriter<File>;
-
-/// Writes samples of one kind as rows.
-pub(crate) trait Rows: Sized {
-    type Sample: Payload;
-    /// What they are, for errors.
-    const WHAT: &'static str;
-
-    fn begin(out: Out, first_day_ns: i64) -> io::Result<Self>;
-    fn resume(out: Out, first_day_ns: i64) -> Self;
-    fn sequence(sample: &Self::Sample) -> u64;
-    /// Writes the row of a sample of the source or sensor `number`; whether there is one.
-    fn write(&mut self, number: u16, sample: &Self::Sample) -> io::Result<bool>;
-    fn flush(&mut self) -> io::Result<()>;
-}
-
-/// See the module's documentation.
+/// Where files are made, and of what.
 #[derive(Debug)]
-pub(crate) struct TopicFile<S: Transport, W: Rows> {
-    /// The source or sensor.
-    pub(crate) number: u16,
-    pub(crate) subscriber: Subscriber<S, W::Sample>,
-    writer: W,
-    /// Samples of a recording below this have been written, whoever publishes them again.
-    next_sequence: u64,
-    /// Samples of a recording that were published but are in no row: a recorder died with them.
-    pub(crate) missed: u64,
-    pub(crate) rows: u64,
-    pub(crate) ended: bool,
+pub(crate) struct Place<'a, S: Transport> {
+    pub(crate) bus: &'a Bus<S>,
+    /// Woken by every topic that is opened.
+    pub(crate) waiter: &'a mut Waiter<S>,
+    pub(crate) folder: &'a Path,
+    /// Whether files that are there are continued.
+    pub(crate) resume: bool,
+    /// Monotonic start time of the recorder.
+    pub(crate) incarnation: u64,
+    pub(crate) first_day_ns: i64,
+    /// Whether the inputs are recordings.
+    pub(crate) replays: bool,
 }
 
-impl<S: Transport, W: Rows> TopicFile<S, W> {
+/// A file of whatever stream.
+pub(crate) trait StreamFile: Debug {
+    /// The stream.
+    fn id(&self) -> StreamId;
+
+    /// Writes what has arrived; whether there was anything. `done` hears of each slice and of how far the file has got.
+    fn write_arrived(&mut self, done: &mut dyn FnMut(&BatchHeader, u64)) -> anyhow::Result<bool>;
+
+    /// Whether something has arrived.
+    fn has_slices(&self) -> bool;
+
+    /// What has been counted.
+    fn counts(&self) -> FileCounts;
+
+    /// Whether the publisher has said that nothing follows.
+    fn has_ended(&self) -> bool;
+
+    /// Hands everything to the system.
+    fn flush(&mut self) -> anyhow::Result<()>;
+}
+
+/// What is counted of one file.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FileCounts {
+    pub(crate) subscriber: SubscriberCounts,
+    /// Samples that are in no file: lost on the way, or with a recorder that died.
+    pub(crate) lost: u64,
+    pub(crate) rows: u64,
+    /// Latest time of the data, UTC, nanoseconds; `i64::MIN` before the first sample.
+    pub(crate) progress_ns: i64,
+}
+
+/// File of samples `T`.
+#[derive(Debug)]
+pub(crate) struct TopicFile<S: Transport, T: Recorded> {
+    id: StreamId,
+    path: String,
+    subscriber: Subscriber<S, T>,
+    writer: RowWriter<T::Row, BufWriter<File>>,
+    /// Whether the samples are numbered over all their publishers.
+    is_replay: bool,
+    /// Samples of a replay below this have been written, whoever publishes them again.
+    next_sequence: u64,
+    /// Samples of a replay that were published but are in no row: a recorder died with them.
+    missed: u64,
+    rows: u64,
+    progress_ns: i64,
+    ended: bool,
+}
+
+impl<S: Transport, T: Recorded> TopicFile<S, T> {
+    /// Opens the file `<stem>_<name>.csv`, or `<stem>.csv` where there is no name.
     pub(crate) fn open(
-        (bus, waiter): (&Bus<S>, &mut Waiter<S>),
-        incarnation: u64,
-        topic: &Topic<W::Sample>,
-        number: u16,
-        Opened { file, rows }: Opened,
-        first_day_ns: i64,
-    ) -> anyhow::Result<Self> {
-        waiter.watch(bus, topic)?;
+        place: &mut Place<'_, S>,
+        id: StreamId,
+        name: &str,
+        stem: &str,
+    ) -> anyhow::Result<Box<dyn StreamFile>> {
+        let file = match name {
+            "" => format!("{stem}.csv"),
+            name => format!("{stem}_{name}.csv"),
+        };
+        let path = place.folder.join(file);
+        let topic = T::topic(name);
+        let Opened { file, rows } = recovery::open(&path, place.resume)?;
         let file = BufWriter::new(file);
-        Ok(Self {
-            number,
-            subscriber: bus.subscriber(topic, || incarnation)?,
+        place.waiter.watch(place.bus, &topic)?;
+        Ok(Box::new(Self {
+            id,
+            path: path.display().to_string(),
+            subscriber: place.bus.subscriber(&topic, || place.incarnation)?,
             writer: match rows {
-                0 => W::begin(file, first_day_ns)?,
-                _ => W::resume(file, first_day_ns),
+                0 => RowWriter::begin(file, place.first_day_ns)?,
+                _ => RowWriter::resume(file, place.first_day_ns),
             },
+            is_replay: place.replays && id.stream.is_replayed(),
             next_sequence: rows,
             missed: 0,
             rows: 0,
+            progress_ns: i64::MIN,
             ended: false,
-        })
+        }))
+    }
+}
+
+impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
+    fn id(&self) -> StreamId {
+        self.id
     }
 
-    /// Writes what has arrived; whether there was anything. `done` hears of each slice and of how far the file has got.
-    pub(crate) fn write_arrived(
-        &mut self,
-        recorded: bool,
-        mut done: impl FnMut(&BatchHeader, u64),
-    ) -> anyhow::Result<bool> {
+    fn write_arrived(&mut self, done: &mut dyn FnMut(&BatchHeader, u64)) -> anyhow::Result<bool> {
         let Self {
-            number,
+            id,
+            path,
             subscriber,
             writer,
+            is_replay,
             next_sequence,
             missed,
             rows,
+            progress_ns,
             ended,
         } = self;
-        let mut failed: io::Result<()> = Ok(());
+        let mut written: io::Result<()> = Ok(());
         let taken = subscriber.take(SLICES_PER_TOPIC, |header, samples| {
             for sample in samples {
-                let sequence = W::sequence(sample);
-                if recorded && sequence < *next_sequence {
+                let sequence = sample.sequence();
+                if *is_replay && sequence < *next_sequence {
                     continue;
                 }
-                *missed += if recorded { sequence - *next_sequence } else { 0 };
-                *next_sequence = sequence + 1;
-                failed = std::mem::replace(&mut failed, Ok(())).and_then(|()| {
-                    *rows += u64::from(writer.write(*number, sample)?);
-                    Ok(())
-                });
+                *missed += if *is_replay { sequence - *next_sequence } else { 0 };
+                *next_sequence = sequence.saturating_add(1);
+                *progress_ns = (*progress_ns).max(sample.time_ns());
+                let Some(row) = sample.row(id.number) else { continue };
+                if written.is_ok() {
+                    written = writer.write(&row);
+                    *rows += 1;
+                }
             }
             *ended |= header.flags & BatchHeader::END != 0;
             done(header, *next_sequence);
         })?;
-        failed.with_context(|| format!("writing {}", W::WHAT))?;
+        written.with_context(|| format!("writing {path}"))?;
         Ok(taken > 0)
     }
 
-    pub(crate) fn flush(&mut self) -> anyhow::Result<()> {
-        self.writer.flush().with_context(|| format!("writing {}", W::WHAT))
-    }
-}
-
-impl Rows for SensorTrackWriter<Out> {
-    type Sample = SensorTrack;
-    const WHAT: &'static str = "sensor tracks";
-
-    fn begin(out: Out, first_day_ns: i64) -> io::Result<Self> {
-        Self::begin(out, first_day_ns)
+    fn has_slices(&self) -> bool {
+        self.subscriber.has_slices()
     }
 
-    fn resume(out: Out, first_day_ns: i64) -> Self {
-        Self::resume(out, first_day_ns)
+    fn counts(&self) -> FileCounts {
+        let subscriber = self.subscriber.counts();
+        FileCounts {
+            subscriber,
+            // The numbers of a replay's samples tell more than those of its slices: what a dead recorder had taken too.
+            lost: if self.is_replay { self.missed } else { subscriber.lost },
+            rows: self.rows,
+            progress_ns: self.progress_ns,
+        }
     }
 
-    fn sequence(sample: &SensorTrack) -> u64 {
-        sample.sequence
+    fn has_ended(&self) -> bool {
+        self.ended
     }
 
-    fn write(&mut self, number: u16, sample: &SensorTrack) -> io::Result<bool> {
-        let source = number;
-        Self::write(self, &SensorTrack { source, ..*sample }).map(|()| true)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Self::flush(self)
-    }
-}
-
-impl Rows for DetectionWriter<Out> {
-    type Sample = SensorDetection;
-    const WHAT: &'static str = "detections";
-
-    fn begin(out: Out, first_day_ns: i64) -> io::Result<Self> {
-        Self::begin(out, first_day_ns)
-    }
-
-    fn resume(out: Out, first_day_ns: i64) -> Self {
-        Self::resume(out, first_day_ns)
-    }
-
-    fn sequence(sample: &SensorDetection) -> u64 {
-        sample.sequence
-    }
-
-    fn write(&mut self, number: u16, sample: &SensorDetection) -> io::Result<bool> {
-        let source = number;
-        // A kind that is not known is of another schema, whose slices are not taken.
-        let detection = Detection::of_sample(&SensorDetection { source, ..*sample });
-        detection.map_or(Ok(false), |detection| Self::write(self, &detection).map(|()| true))
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Self::flush(self)
-    }
-}
-
-impl Rows for WideAreaWriter<Out> {
-    type Sample = WideArea;
-    const WHAT: &'static str = "wide-area reports";
-
-    fn begin(out: Out, first_day_ns: i64) -> io::Result<Self> {
-        Self::begin(out, first_day_ns)
-    }
-
-    fn resume(out: Out, first_day_ns: i64) -> Self {
-        Self::resume(out, first_day_ns)
-    }
-
-    fn sequence(sample: &WideArea) -> u64 {
-        sample.sequence
-    }
-
-    fn write(&mut self, _: u16, sample: &WideArea) -> io::Result<bool> {
-        let report = WideAreaReport::of_sample(sample);
-        report.map_or(Ok(false), |report| Self::write(self, &report).map(|()| true))
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Self::flush(self)
+    fn flush(&mut self) -> anyhow::Result<()> {
+        self.writer.flush().with_context(|| format!("writing {}", self.path))
     }
 }

@@ -1,13 +1,14 @@
 //! What comes out of the tracker, as tables and figures: the tracks after each scan or at even times (WA-11), and where each
 //! sensor should look next (WA-12). What the columns of cues mean stands in docs/wide-area.md.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use csv_table::write_time;
-use formats::rows::{Reference, Row, RowWriter};
+use formats::cues_csv::CueRow;
+use formats::rows::{Row, RowWriter};
 use formats::tracks_csv::TrackerTrack;
+use messages::StageTimes;
+use observations::Sampled as _;
 use sources::{Scan, TrackSink};
 use tracking::wide_area::cue::Cue;
 use tracking::wide_area::{EmissionRefusal, ReportRefusal};
@@ -36,31 +37,6 @@ struct Table<T> {
     path: PathBuf,
     writer: RowWriter<T, OutputFile>,
     rows: u64,
-}
-
-/// Where a sensor should look, and after which scan that was said.
-#[derive(Debug)]
-struct CueRow {
-    made_ns: i64,
-    cue: Cue,
-}
-
-impl Row for CueRow {
-    fn columns() -> String {
-        "made_s,time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,longer_m,shorter_m,orientation_rad".to_owned()
-    }
-
-    fn write(&self, out: &mut impl io::Write, _: &Reference) -> io::Result<()> {
-        let Self { made_ns, cue } = self;
-        write_time(out, *made_ns)?;
-        write!(out, ",")?;
-        write_time(out, cue.time_ns)?;
-        write!(out, ",{},{}", cue.sensor_id, cue.track_number)?;
-        for value in cue.position_m.iter().chain(&cue.velocity_mps).chain(&cue.half_axes_m) {
-            write!(out, ",{value:.3}")?;
-        }
-        write!(out, ",{:.6}", cue.orientation_rad)
-    }
 }
 
 impl<T: Row> Table<T> {
@@ -148,8 +124,11 @@ impl TrackSink for Written {
 
     fn cues(&mut self, scan_ns: i64, cues: &[Cue]) {
         let row = |cue: &Cue| CueRow {
-            made_ns: scan_ns,
-            cue: *cue,
+            sensor_id: cue.sensor_id,
+            cue: messages::Cue {
+                made_ns: scan_ns,
+                ..cue.sample(0, StageTimes::default())
+            },
         };
         self.attempt(|written| match &mut written.cues {
             Some(table) => cues.iter().try_for_each(|cue| table.write(&row(cue))),

@@ -1,0 +1,100 @@
+//! What is recorded: one line per kind of topic.
+//!
+//! A row of a file is made of a sample alone and of the number under which the configuration knows its source: what a sample
+//! says of its own source need not be true, its topic is.
+
+use std::fmt::Debug;
+
+use bus::{Payload, Transport};
+use formats::cues_csv::CueRow;
+use formats::rows::Row;
+use messages::{
+    Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream, StreamId, Streamed, SystemTrack, WideArea,
+};
+use observations::{Bearing, Detection, Sampled as _, WideAreaReport, sensor_id};
+
+use crate::topic_file::{Place, StreamFile, TopicFile};
+
+/// A sample of which rows are made.
+pub(crate) trait Recorded: Streamed + Payload {
+    type Row: Row + Debug;
+
+    /// Row of a sample of the source or sensor `number`; `None` for a code of another schema.
+    fn row(&self, number: u16) -> Option<Self::Row>;
+}
+
+/// Opens the file of a stream, whose source or sensor is called `name`.
+pub(crate) fn open<S: Transport>(
+    place: &mut Place<'_, S>,
+    id: StreamId,
+    name: &str,
+) -> anyhow::Result<Box<dyn StreamFile>> {
+    Ok(match id.stream {
+        Stream::SensorTracks => TopicFile::<S, SensorTrack>::open(place, id, name, "sensor_tracks")?,
+        Stream::Detections => TopicFile::<S, SensorDetection>::open(place, id, name, "detections")?,
+        Stream::Bearings => TopicFile::<S, SensorBearing>::open(place, id, name, "bearings")?,
+        Stream::PlatformStates => TopicFile::<S, PlatformState>::open(place, id, name, "platform_states")?,
+        Stream::Cues => TopicFile::<S, Cue>::open(place, id, name, "cues")?,
+        Stream::WideArea => TopicFile::<S, WideArea>::open(place, id, name, "wide_area")?,
+        Stream::SystemTracks => TopicFile::<S, SystemTrack>::open(place, id, name, "system_tracks")?,
+    })
+}
+
+impl Recorded for SensorTrack {
+    type Row = Self;
+
+    fn row(&self, source: u16) -> Option<Self> {
+        Some(Self { source, ..*self })
+    }
+}
+
+impl Recorded for SensorDetection {
+    type Row = Detection;
+
+    fn row(&self, source: u16) -> Option<Detection> {
+        Detection::of_sample(&Self { source, ..*self })
+    }
+}
+
+impl Recorded for SensorBearing {
+    type Row = Bearing;
+
+    fn row(&self, _: u16) -> Option<Bearing> {
+        Bearing::of_sample(self)
+    }
+}
+
+impl Recorded for PlatformState {
+    type Row = Self;
+
+    fn row(&self, source: u16) -> Option<Self> {
+        Some(Self { source, ..*self })
+    }
+}
+
+impl Recorded for Cue {
+    type Row = CueRow;
+
+    fn row(&self, source: u16) -> Option<CueRow> {
+        Some(CueRow {
+            sensor_id: sensor_id(source),
+            cue: *self,
+        })
+    }
+}
+
+impl Recorded for WideArea {
+    type Row = WideAreaReport;
+
+    fn row(&self, _: u16) -> Option<WideAreaReport> {
+        WideAreaReport::of_sample(self)
+    }
+}
+
+impl Recorded for SystemTrack {
+    type Row = Self;
+
+    fn row(&self, _: u16) -> Option<Self> {
+        Some(*self)
+    }
+}
