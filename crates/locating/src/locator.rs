@@ -109,6 +109,8 @@ struct Emitter {
     /// Whether its bearings carry its number.
     is_labelled: bool,
     frequency_hz: f64,
+    /// Time of its first bearing: what is worked out in seconds counts from there, so that the day does not matter.
+    first_ns: i64,
     last: LineOfBearing,
     last_heading_rad: Option<f64>,
     turning_since_ns: Option<i64>,
@@ -202,9 +204,9 @@ impl Locator {
         let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
         emitter.bank.add(line, after_s, turning_since_ns, models, &mut notes);
         emitter.last = *line;
-        let (number, time_ns) = (emitter.number, line.time_ns);
+        let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, line.time_ns);
         let fix = emitter.bank.fix_at(time_ns);
-        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns)));
+        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns)));
         for (kind, value, limit) in notes.iter() {
             self.decide(time_ns, number, kind, value, limit);
         }
@@ -275,6 +277,7 @@ impl Locator {
                 number,
                 is_labelled,
                 frequency_hz: ANY_FREQUENCY_HZ,
+                first_ns: line.time_ns,
                 last: *line,
                 last_heading_rad: None,
                 turning_since_ns: None,
@@ -293,7 +296,7 @@ impl Locator {
         emitter.number = number;
         emitter.is_labelled = is_labelled;
         emitter.frequency_hz = bearing.frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
-        emitter.last = *line;
+        (emitter.first_ns, emitter.last) = (line.time_ns, *line);
         (emitter.last_heading_rad, emitter.turning_since_ns) = (None, None);
         if let Err(place) = self.place(is_labelled, number) {
             self.index.insert(place, (is_labelled, number, slot as u32));
@@ -395,9 +398,9 @@ fn fault(bearing: &Bearing) -> Option<&'static str> {
     }
 }
 
-fn selectable(raw: &RawFix, time_ns: i64) -> Fix {
+fn selectable(raw: &RawFix, after_ns: i64) -> Fix {
     Fix {
-        time_s: time_ns as f64 * 1e-9,
+        time_s: after_ns as f64 * 1e-9,
         position_m: [raw.position_m[0], raw.position_m[1], 0.0],
         velocity_mps: [raw.velocity_mps[0], raw.velocity_mps[1], 0.0],
         variance_m2: raw.variance_m2(),
