@@ -3,7 +3,7 @@
 use bus::BusError;
 use messages::{Stream, StreamId};
 use runtime::Deployment;
-use runtime::ground::Visit;
+use runtime::instance::Visit;
 
 use super::Config;
 

@@ -23,13 +23,16 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use bus::{Bus, SharedMemory, Subscriber};
+use bus::{Bus, Root, SharedMemory, Subscriber};
 use crossbeam_queue::ArrayQueue;
-use messages::{Control, LifeState};
+use messages::{Control, Health, LifeState};
 
+use crate::agent::Agent;
 use crate::clock::{Now, mono_ns};
 use crate::cores;
-use crate::service::{Agent, Deployment, HealthEntry, Process, Reporter};
+use crate::health::{HealthEntry, Reporter};
+use crate::instance::Deployment;
+use crate::process::Process;
 
 /// Orders that wait for the loop.
 const ORDERS_MAX: usize = 16;
@@ -84,6 +87,16 @@ impl Housekeeper {
         entries_max: usize,
         orders: Arc<Orders>,
     ) -> anyhow::Result<Self> {
+        let house = House {
+            root: process.bus.root().clone(),
+            name: format!("{}-{}-housekeeping", process.kind.word(), process.name),
+            incarnation: process.incarnation,
+            blank: process.blank_health(),
+        };
+        Self::start_in(house, core, entries_max, orders)
+    }
+
+    fn start_in(house: House, core: Option<usize>, entries_max: usize, orders: Arc<Orders>) -> anyhow::Result<Self> {
         let desk = Arc::new(Desk {
             spare: ArrayQueue::new(BUFFERS),
             said: ArrayQueue::new(BUFFERS),
@@ -96,8 +109,6 @@ impl Housekeeper {
             let _ = desk.spare.push(Vec::with_capacity(entries_max));
         }
         let (ready, is_ready) = mpsc::channel();
-        let (root, blank, incarnation) = (process.bus.root().clone(), process.blank_health(), process.incarnation);
-        let name = format!("{}-{}-housekeeping", process.kind.word(), process.name);
         let thread_desk = Arc::clone(&desk);
         let thread = std::thread::Builder::new()
             .name("housekeeping".to_owned())
@@ -105,16 +116,7 @@ impl Housekeeper {
                 if let Some(core) = core {
                     cores::stay_away_from(core);
                 }
-                let opened = || -> anyhow::Result<_> {
-                    let bus: Bus<SharedMemory> = Bus::open(&root, &name)?;
-                    let reporter = Reporter::new(&bus, incarnation, blank)?;
-                    let control = bus.subscriber(&messages::control(), || mono_ns() as u64)?;
-                    Ok((bus, reporter, control))
-                };
-                let (_bus, reporter, control) = opened()?;
-                // Whoever started this waits for it.
-                let _ = ready.send(());
-                keep_house(&thread_desk, reporter, control)
+                house.keep(&thread_desk, &ready)
             })
             .context("starting the housekeeping thread")?;
         let mut housekeeper = Self {
@@ -172,6 +174,26 @@ impl Drop for Housekeeper {
     fn drop(&mut self) {
         // Only where nobody closed it: an error is on its way already.
         let _ = self.join();
+    }
+}
+
+/// What the housekeeper's own thread opens its topics with.
+struct House {
+    root: Root,
+    name: String,
+    incarnation: u64,
+    blank: Health,
+}
+
+impl House {
+    /// Opens the topics, says that it is `ready` to whoever waits for it, and works until the desk is closed.
+    fn keep(self, desk: &Desk, ready: &mpsc::Sender<()>) -> anyhow::Result<()> {
+        let bus: Bus<SharedMemory> = Bus::open(&self.root, &self.name)?;
+        let reporter = Reporter::new(&bus, self.incarnation, self.blank)?;
+        let control = bus.subscriber(&messages::control(), || mono_ns() as u64)?;
+        // Whoever started this waits for it.
+        let _ = ready.send(());
+        keep_house(desk, reporter, control)
     }
 }
 

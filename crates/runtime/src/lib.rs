@@ -6,14 +6,21 @@
 
 #![forbid(unsafe_code)]
 
+mod agent;
 pub mod clock;
 pub mod cores;
 pub mod flow;
-pub mod ground;
+mod health;
 pub mod housekeeping;
+pub mod instance;
 mod loopback;
+mod process;
 pub mod service;
 pub mod signals;
 
+pub use agent::{Agent, Turn};
 pub use clock::Now;
-pub use service::{Agent, Deployment, HealthEntry, Options, Process, Rest, Speed, Turn};
+pub use health::HealthEntry;
+pub use instance::Deployment;
+pub use process::{Options, Process, Speed};
+pub use service::Rest;

@@ -4,10 +4,10 @@ use hdrhistogram::Histogram;
 use runtime::signals::Stop;
 use telemetry::table::{Align, Table, count, duration};
 
+use crate::distributions::stamps;
 use crate::engine_time::{self, EngineTimes};
 use crate::figures::{Figures, median};
-use crate::latency::stamps;
-use crate::machine::Machine;
+use crate::machine::{self, Machine};
 use crate::outputs::Outputs;
 use crate::progress::say;
 use crate::recorder::histogram;
@@ -24,7 +24,7 @@ pub fn run(settings: &Settings, outputs: &Outputs) -> anyhow::Result<String> {
     outputs.check()?;
     let stop = Stop::on_signals()?;
     let mut machine = Machine::read();
-    let notes = text::notes(settings, &machine);
+    let notes = machine::notes(settings, &machine);
     for note in &notes {
         say(note);
     }

@@ -23,6 +23,7 @@
 #![forbid(unsafe_code)]
 
 mod compare;
+mod distributions;
 mod drive;
 mod engine;
 mod engine_time;

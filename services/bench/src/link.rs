@@ -20,6 +20,12 @@ pub(crate) fn source_name(number: u16) -> String {
     format!("source-{number}")
 }
 
+/// Reports that wait in the sources' topics before the oldest are dropped.
+pub(crate) fn queues(settings: &Settings) -> usize {
+    let depth = messages::sensor_tracks(&source_name(0)).capacity.depth;
+    usize::from(settings.sources) * depth * settings.batch
+}
+
 /// What both ends of the relay's services agree upon.
 pub(crate) fn relay_settings(slice_len: usize, events: bool) -> BareSettings {
     BareSettings {

@@ -4,9 +4,9 @@ use std::fs;
 
 use serde::{Deserialize, Serialize};
 
+use crate::pinned;
 use crate::progress::say;
-use crate::settings::Settings;
-use crate::{pinned, text};
+use crate::settings::{Settings, Wait};
 
 /// What a figure must not be read without.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -36,11 +36,37 @@ pub struct Machine {
 /// Looks at the machine before a measurement; says what figures must not be read without, and returns it.
 pub(crate) fn begin(settings: &Settings) -> (Machine, Vec<String>) {
     let machine = Machine::read();
-    let mut notes = text::notes(settings, &machine);
+    let mut notes = self::notes(settings, &machine);
     let refused = pinned::refusals(settings.bench_place()).into_iter();
     notes.extend(refused.map(|what| format!("bench: {what}")));
     notes.iter().for_each(|note| say(note));
     (machine, notes)
+}
+
+/// Reasons not to believe the figures, or to read them with care, one sentence each.
+pub(crate) fn notes(settings: &Settings, machine: &Machine) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !machine.optimised {
+        notes.push("this executable is not optimised: build with --release".to_owned());
+    }
+    if machine.virtual_machine {
+        notes.push("this is a virtual machine: other guests take part in every tail".to_owned());
+    }
+    if machine.load_before > 0.5 * machine.cores.len() as f64 {
+        notes.push(format!(
+            "load {:.1} on {} cores before it began: other processes take part in every tail",
+            machine.load_before,
+            machine.cores.len()
+        ));
+    }
+    if settings.realtime_priority.is_some() && settings.wait == Wait::Spin {
+        notes.push(
+            "at real-time priority all of them rest, lest the kernel make them: bench and relay where the schedule has a \
+             gap for it, fusion 60 µs in each millisecond, which shows in its p90"
+                .to_owned(),
+        );
+    }
+    notes
 }
 
 impl Machine {

@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use hdrhistogram::Histogram;
 use telemetry::write_percentiles;
 
-use crate::latency::Distributions;
+use crate::distributions::Distributions;
 use crate::picture;
 use crate::recorder::STAGES;
 use crate::report::Report;

@@ -9,7 +9,7 @@ use hdrhistogram::Histogram;
 use plotters::prelude::*;
 use telemetry::table::{count, duration};
 
-use crate::latency::Distributions;
+use crate::distributions::Distributions;
 
 const SIZE: (u32, u32) = (960, 600);
 /// Values per curve: more than anyone sees.

@@ -16,7 +16,7 @@ use bus::{Bus, Root, SharedMemory, Subscriber};
 use configuration::Config;
 use messages::{Health, LifeState, NO_SOURCE, ProcessKind};
 use runtime::clock::{instant, mono_ns};
-use runtime::ground::Ground;
+use runtime::instance::Instance;
 use runtime::signals::Stop;
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -41,7 +41,7 @@ const PERIOD_MAX_S: f64 = 600.0;
 /// See the module's documentation.
 #[derive(Debug)]
 pub(crate) struct Site {
-    ground: Option<Ground>,
+    instance: Option<Instance>,
     folder: tempfile::TempDir,
     root: Root,
     executable: PathBuf,
@@ -62,7 +62,7 @@ impl Site {
         )?
         .1;
         Ok(Self {
-            ground: Some(Ground::prepare(&config, &instance, PROCESSES, stop, progress::say)?),
+            instance: Some(Instance::prepare(&config, &instance, PROCESSES, stop, progress::say)?),
             folder,
             root: Root::new(&instance)?,
             executable: std::env::current_exe().context("finding this executable")?,
@@ -79,7 +79,7 @@ impl Site {
     }
 
     fn bus(&self) -> &Bus<SharedMemory> {
-        self.ground.as_ref().expect("it is there until dropped").bus()
+        self.instance.as_ref().expect("it is there until dropped").bus()
     }
 
     /// Starts a process of this executable in the instance.
@@ -121,8 +121,8 @@ impl Site {
 
 impl Drop for Site {
     fn drop(&mut self) {
-        if let Some(ground) = self.ground.take()
-            && let Err(error) = ground.clear()
+        if let Some(instance) = self.instance.take()
+            && let Err(error) = instance.clear()
         {
             progress::say(&format!("{error:#}"));
         }

@@ -6,40 +6,12 @@ use telemetry::Stage;
 use telemetry::table::{Align, Table, count, duration};
 
 use crate::figures::{Figures, median, range};
-use crate::machine::Machine;
+use crate::link::queues;
 use crate::recorder::STAGES;
 use crate::report::{Account, JitterFigures, Overload, Point, Report, Run};
-use crate::settings::{Settings, Wait};
-use crate::throughput::queues;
 
 /// A bench that is later than this at the end of a run has fallen behind, nanoseconds.
 const BENCH_LATE_NS: i64 = 20_000_000;
-
-/// What should be known before any figure is believed.
-pub(crate) fn notes(settings: &Settings, machine: &Machine) -> Vec<String> {
-    let mut notes = Vec::new();
-    if !machine.optimised {
-        notes.push("this executable is not optimised: build with --release".to_owned());
-    }
-    if machine.virtual_machine {
-        notes.push("this is a virtual machine: other guests take part in every tail".to_owned());
-    }
-    if machine.load_before > 0.5 * machine.cores.len() as f64 {
-        notes.push(format!(
-            "load {:.1} on {} cores before it began: other processes take part in every tail",
-            machine.load_before,
-            machine.cores.len()
-        ));
-    }
-    if settings.realtime_priority.is_some() && settings.wait == Wait::Spin {
-        notes.push(
-            "at real-time priority all of them rest, lest the kernel make them: bench and relay where the schedule has a \
-             gap for it, fusion 60 µs in each millisecond, which shows in its p90"
-                .to_owned(),
-        );
-    }
-    notes
-}
 
 /// Everything that a search for the highest rate says.
 pub(crate) fn throughput(report: &Report) -> String {

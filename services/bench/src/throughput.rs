@@ -13,10 +13,10 @@ use runtime::signals::Stop;
 use telemetry::Stage;
 use telemetry::table::{count, duration};
 
+use crate::distributions::{Distributions, account, point, run_of, stamps};
 use crate::engine_time;
 use crate::figures::Figures;
-use crate::latency::{Distributions, account, point, run_of, stamps};
-use crate::link::source_name;
+use crate::link::queues;
 use crate::machine;
 use crate::measure::{self, Measured, Plan};
 use crate::outputs::Outputs;
@@ -119,12 +119,6 @@ pub fn run(settings: &Settings, probe_seconds: f64, outputs: &Outputs) -> anyhow
     };
     outputs.write(&report, &[merged], Some(&single))?;
     Ok(text::throughput(&report))
-}
-
-/// Reports that wait in the sources' topics before the oldest are dropped.
-pub(crate) fn queues(settings: &Settings) -> usize {
-    let depth = messages::sensor_tracks(&source_name(0)).capacity.depth;
-    usize::from(settings.sources) * depth * settings.batch
 }
 
 struct Bench<'a> {

@@ -5,7 +5,7 @@
 //! dies, and a general service manager does not know that dead processes leave places and memory in shared memory that
 //! their successors need. The launcher does four things, in this order:
 //!
-//! 1. **It prepares the ground** (`runtime::ground`): claims the instance, so that nobody else runs it; removes what a killed run
+//! 1. **It prepares the instance** (`runtime::instance`): claims the instance, so that nobody else runs it; removes what a killed run
 //!    left; makes sure that the shared memory is large enough; creates every topic, and keeps them in existence.
 //! 2. **It starts the processes** (`part`, `child`): the monitor and the recorder first, so that they miss nothing, with
 //!    them fusion and the gateways; when these say that they run, the adapters, and the simulator last. All are children of the same executable.
@@ -14,7 +14,7 @@
 //!    while it keeps failing. What cannot be cured by starting again (a configuration that a child refuses, a child that
 //!    fails again and again at once) ends the deployment with an error.
 //! 4. **It stops them**, sources first and the monitor last, because its final report tells of all the others; and
-//!    clears the ground.
+//!    clears the instance.
 //!
 //! How often each child was restarted is part of the launcher's own health messages (`board`), so every monitor and
 //! status display can show it. Standard error gets one line per event; standard output belongs to the monitor.
@@ -39,7 +39,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use configuration::Config;
 use runtime::Options;
-use runtime::ground::{self, Ground};
+use runtime::instance::{self, Instance};
 use runtime::signals::Stop;
 
 pub use supervisor::ChildRefused;
@@ -64,15 +64,16 @@ pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
     let processes = part::parts(config).len();
-    let ground = Ground::prepare(config, &orders.options.instance, processes, &stop, say)?;
-    // The supervisor's ports must be gone before the ground can be cleared.
-    let result = supervisor::Supervisor::new(config, orders, &ground, stop, wake).and_then(supervisor::Supervisor::run);
-    result.and(ground.clear())
+    let instance = Instance::prepare(config, &orders.options.instance, processes, &stop, say)?;
+    // The supervisor's ports must be gone before the instance can be cleared.
+    let result =
+        supervisor::Supervisor::new(config, orders, &instance, stop, wake).and_then(supervisor::Supervisor::run);
+    result.and(instance.clear())
 }
 
 /// Most bytes that a deployment takes in shared memory.
 pub fn needed_bytes(config: &Config) -> u64 {
-    ground::needed_bytes(config, part::parts(config).len())
+    instance::needed_bytes(config, part::parts(config).len())
 }
 
 /// One line about one event. Standard error may be closed; that is no reason to end a deployment.

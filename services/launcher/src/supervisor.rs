@@ -9,7 +9,7 @@ use configuration::Config;
 use messages::ProcessKind;
 use runtime::Now;
 use runtime::clock::instant;
-use runtime::ground::Ground;
+use runtime::instance::Instance;
 use runtime::signals::Stop;
 
 use crate::backoff::FAILURES_MAX;
@@ -40,7 +40,7 @@ pub struct ChildRefused {
 pub(crate) struct Supervisor<'a> {
     config: &'a Config,
     orders: &'a Orders,
-    ground: &'a Ground,
+    instance: &'a Instance,
     executable: PathBuf,
     children: Vec<Child>,
     board: Board,
@@ -58,17 +58,17 @@ impl<'a> Supervisor<'a> {
     pub(crate) fn new(
         config: &'a Config,
         orders: &'a Orders,
-        ground: &'a Ground,
+        instance: &'a Instance,
         stop: Stop,
         wake: Wake,
     ) -> anyhow::Result<Self> {
         Ok(Self {
             config,
             orders,
-            ground,
+            instance,
             executable: std::env::current_exe().context("finding the executable")?,
             children: parts(config).into_iter().map(Child::new).collect(),
-            board: Board::new(ground.bus())?,
+            board: Board::new(instance.bus())?,
             stop,
             wake,
             dead_left: false,
@@ -137,7 +137,7 @@ impl<'a> Supervisor<'a> {
             }
         }
         if self.dead_left {
-            let dead = self.ground.bus().remove_dead();
+            let dead = self.instance.bus().remove_dead();
             self.dead_left = dead.failed > 0;
         }
         for index in 0..self.children.len() {
@@ -277,7 +277,7 @@ impl<'a> Supervisor<'a> {
         }
         let _ = self.board.say_end(Now::read(), &self.children);
         if !problems.is_empty() {
-            self.ground.bus().remove_dead();
+            self.instance.bus().remove_dead();
             anyhow::bail!("{}", problems.join("; "));
         }
         Ok(())

@@ -1,16 +1,17 @@
-//! What must be there before the first process starts, and gone after the last one has ended.
+//! The instance of a deployment: its name, claimed for one launcher, and its topics in shared memory.
 //!
-//! Whoever starts the processes of a deployment (the launcher; the bench for its own) claims the instance, makes sure
-//! that the shared memory is large enough, and holds every topic as long as they run.
+//! Both must be there before the first process starts, and gone after the last one has ended. Whoever starts the
+//! processes of a deployment (the launcher; the bench for its own) claims the instance, makes sure that the shared memory
+//! is large enough, and holds every topic as long as they run.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, BusError, Claim, Held, Payload, Root, SharedMemory};
 use messages::Topic;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-use crate::service::Deployment;
+use crate::clock;
 use crate::signals::Stop;
 
 /// How long the processes of a launcher that was killed may take to notice, before this start is refused.
@@ -29,7 +30,7 @@ const PROGRESS_PUBLISHERS: usize = 4;
 
 /// A claimed instance with all its topics.
 #[derive(Debug)]
-pub struct Ground {
+pub struct Instance {
     // In the order in which they must go.
     _held: Vec<Held>,
     bus: Bus<SharedMemory>,
@@ -37,7 +38,7 @@ pub struct Ground {
     say: fn(&str),
 }
 
-impl Ground {
+impl Instance {
     /// Claims the instance and creates every topic of the deployment, which is going to have so many `processes`.
     /// `say` is told, one line each, what was found and is waited for.
     ///
@@ -90,7 +91,7 @@ impl Ground {
         drop(_held);
         drop(bus);
         let root = claim.root();
-        let start = Instant::now();
+        let start = clock::instant();
         while start.elapsed() < LEAVE_PATIENCE && !root.processes()?.is_empty() {
             std::thread::sleep(PAUSE);
         }
@@ -117,7 +118,22 @@ pub fn needed_bytes(deployment: &impl Deployment, processes: usize) -> u64 {
     need.0
 }
 
-/// Something that is done with every topic of a deployment.
+/// The parts of a deployment's configuration that every process needs, whatever its work.
+pub trait Deployment {
+    /// Core that fusion has for itself; `None` if it shares one.
+    fn fusion_core(&self) -> Option<usize>;
+
+    /// Midnight of the recordings' first day, UTC, nanoseconds since 1970; `None` without recordings.
+    fn first_day_ns(&self) -> Option<i64>;
+
+    /// Visits each topic of the sources and wide-area sensors, every one with so many `publishers`.
+    ///
+    /// # Errors
+    /// The first one of `visit`.
+    fn each_input_topic(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError>;
+}
+
+/// An action that is done with every topic of a deployment.
 pub trait Visit {
     /// Does it with `topic`, which can have so many publishers at a time.
     ///
@@ -158,7 +174,7 @@ impl Visit for Hold<'_> {
 
 /// Claims the instance. Processes that an earlier, killed launcher had started are given time to end.
 fn claim(root: &Root, stop: &Stop, say: fn(&str)) -> anyhow::Result<Claim> {
-    let start = Instant::now();
+    let start = clock::instant();
     let mut said = false;
     loop {
         match root.claim() {

@@ -1,0 +1,135 @@
+//! A process of a deployment: what it is started with, and its connection to shared memory.
+
+use std::net::Ipv4Addr;
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use bus::{Bus, Root, SharedMemory};
+use messages::{Health, ProcessKind};
+
+use crate::clock::mono_ns;
+use crate::cores;
+use crate::health::Reporter;
+use crate::instance::Deployment;
+use crate::loopback::loopback_of;
+use crate::signals::{self, Stop};
+
+/// How fast recordings are replayed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Speed {
+    /// Seconds of the recording per second.
+    Factor(f64),
+    /// As fast as the consumers can follow.
+    Max,
+}
+
+/// What the processes of a deployment are started with, beside its configuration file.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Values that replace those of the file: `key.path=value`.
+    pub overrides: Vec<String>,
+    /// Name under which the deployment runs; several can run side by side under different names.
+    pub instance: String,
+    /// Folder with recordings.
+    pub data: PathBuf,
+    /// Folder for what is recorded.
+    pub out: PathBuf,
+    /// Replay speed of recorded inputs.
+    pub speed: Speed,
+    /// Seed of the simulated world.
+    pub seed: u64,
+    /// When the simulated world began, UTC, nanoseconds.
+    pub scenario_start_ns: i64,
+    /// Process number of the launcher, if one started this process.
+    pub launcher: Option<u32>,
+}
+
+/// One process of a deployment, connected and ready.
+#[derive(Debug)]
+pub struct Process<D> {
+    /// Its deployment.
+    pub config: D,
+    /// How it was started.
+    pub options: Options,
+    /// Its kind.
+    pub kind: ProcessKind,
+    /// Its name: that of its source for an adapter, else that of its kind.
+    pub name: String,
+    /// Its connection to shared memory.
+    pub bus: Bus<SharedMemory>,
+    /// Monotonic start time, nanoseconds: tells it from an earlier process of the same name.
+    pub incarnation: u64,
+    /// The loopback address that belongs to its deployment.
+    pub loopback: Ipv4Addr,
+    pub(crate) stop: Stop,
+}
+
+impl<D: Deployment> Process<D> {
+    /// Connects a process to its deployment. From now on it ends when its launcher does.
+    ///
+    /// # Errors
+    /// If the deployment does not run, or the operating system refuses something.
+    pub fn connect(config: D, options: Options, kind: ProcessKind, name: &str) -> anyhow::Result<Self> {
+        let stop = follow(options.launcher)?;
+        // Fusion's core is for fusion alone.
+        if kind != ProcessKind::Fusion
+            && let Some(core) = config.fusion_core()
+        {
+            cores::stay_away_from(core);
+        }
+        let bus = open(&options.instance, kind, name)?;
+        Ok(Self {
+            config,
+            options,
+            kind,
+            name: name.to_owned(),
+            incarnation: mono_ns() as u64,
+            loopback: loopback_of(bus.root().path()),
+            bus,
+            stop,
+        })
+    }
+
+    /// A health message of this process, with nothing in it yet.
+    pub(crate) fn blank_health(&self) -> Health {
+        let blank = Health {
+            incarnation: self.incarnation,
+            process_id: std::process::id(),
+            kind: self.kind as u8,
+            ..Health::default()
+        };
+        blank.with_name(&self.name)
+    }
+
+    /// Opens the publisher of its health.
+    pub(crate) fn reporter(&self) -> anyhow::Result<Reporter> {
+        Reporter::new(&self.bus, self.incarnation, self.blank_health())
+    }
+
+    /// Midnight of the day that files count their seconds from, UTC, nanoseconds.
+    pub fn first_day_ns(&self) -> i64 {
+        let live = || self.options.scenario_start_ns.div_euclid(frames::time::NS_PER_DAY) * frames::time::NS_PER_DAY;
+        self.config.first_day_ns().unwrap_or_else(live)
+    }
+}
+
+/// Listens for requests to stop. If `launcher` started this process, its end is one, too.
+fn follow(launcher: Option<u32>) -> anyhow::Result<Stop> {
+    let stop = Stop::on_signals().context("catching signals")?;
+    if let Some(launcher) = launcher
+        && !signals::stop_with_parent(launcher).context("following the launcher")?
+    {
+        anyhow::bail!("the launcher (process {launcher}) is gone");
+    }
+    Ok(stop)
+}
+
+fn open(instance: &str, kind: ProcessKind, name: &str) -> anyhow::Result<Bus<SharedMemory>> {
+    let root = Root::new(instance)?;
+    let process = format!("{}-{name}", kind.word());
+    // Fusion reads one publisher per topic, and again and again.
+    Ok(match kind {
+        ProcessKind::Fusion => Bus::open_for_few(&root, &process)?,
+        _ => Bus::open(&root, &process)?,
+    })
+}
