@@ -1,7 +1,7 @@
 //! What one bearing costs in the locator: all models, choice and selection, without any file or bus.
 //!
-//! `cargo bench -p koseki --bench locating`. A thousand emitters with ten bearings a second each are 10,000 bearings a second;
-//! the cost must not grow with how long they have been heard.
+//! `cargo bench -p koseki --bench locating`. A thousand emitters with ten bearings a second each are 10,000 bearings a
+//! second; the cost must not grow with how long they have been heard.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use locating::settings::FilterChoice;

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Arguments: records per second of both sensors together, seconds, and the file for the gateway's blocks. Targets fly
-//! straight on in a grid; each is reported by both sensors in turn. Records are sent when they are due, however late that
-//! is: a sender that is held up catches up, it does not leave out.
+//! straight on in a grid; each is reported by both sensors in turn. Records are sent when they are due, however late
+//! that is: a sender that is held up catches up, it does not leave out.
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};

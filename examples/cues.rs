@@ -1,7 +1,7 @@
 //! Where a sensor should look next: what the controller of a steerable sensor needs to read from Koseki (WA-12).
 //!
-//! A source with `[source.tracker] cues = true` says after each scan where its sensor will find each confirmed track at the
-//! next look, and how far around it has to search.
+//! A source with `[source.tracker] cues = true` says after each scan where its sensor will find each confirmed track at
+//! the next look, and how far around it has to search.
 //!
 //! ```text
 //! koseki demo --set 'source[4].tracker.cues=true'   # in one terminal; the source called radar-south

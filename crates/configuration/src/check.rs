@@ -221,7 +221,8 @@ fn check_tracker(index: usize, raw: &SourceTable, input: &Input, network: &Netwo
     source_tracker(tracker, index as u16, raw.period_s).map(Some)
 }
 
-/// A direction finder has bearings and nothing else, whether it is simulated or said to be one by its `[source.locator]`.
+/// A direction finder has bearings and nothing else, whether it is simulated or said to be one by its
+/// `[source.locator]`.
 fn check_locator(
     index: usize,
     raw: &SourceTable,

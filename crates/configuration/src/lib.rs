@@ -175,7 +175,8 @@ settings::words! {
 }
 
 settings::words! {
-    /// What to do with a recording that ends in the middle of a data block: its recorder was killed, or its copy cut short.
+    /// What to do with a recording that ends in the middle of a data block: its recorder was killed, or its copy cut
+    /// short.
     pub enum Truncated {
         /// Refuse it before anything starts: more than one block may be missing.
         Refuse = "refuse",
@@ -316,8 +317,8 @@ impl Config {
         self.gateways.iter().find(|gateway| gateway.name == name)
     }
 
-    /// The names of the adapter processes, in the order of their first sources, then of the wide-area sensors. External ones
-    /// have none.
+    /// The names of the adapter processes, in the order of their first sources, then of the wide-area sensors. External
+    /// ones have none.
     pub fn adapters(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for source in self

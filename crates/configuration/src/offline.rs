@@ -1,9 +1,9 @@
 //! The configuration of fusion on files: `[fusion]` as in a deployment, and what is known of each sensor.
 //!
-//! Somebody who has a file of sensor tracks knows neither the place of the sensors nor how often they report. So nothing
-//! has to be configured: a first pass over the files tells which sensors there are, their period, how accurate they say
-//! they are, and how many tracks live at a time; the engine's settings follow from that. What is known better stands in
-//! a file:
+//! Somebody who has a file of sensor tracks knows neither the place of the sensors nor how often they report. So
+//! nothing has to be configured: a first pass over the files tells which sensors there are, their period, how accurate
+//! they say they are, and how many tracks live at a time; the engine's settings follow from that. What is known better
+//! stands in a file:
 //!
 //! ```toml
 //! [fusion.rule]

@@ -57,8 +57,8 @@ settings::settings! {
 
     /// Time of recordings, and order of fusion.
     pub struct TimeTable {
-        /// Order in which fusion takes reports: `arrival`, lowest latency; `time`, by time of measurement, merged with each source's
-        /// progress, so that the result does not depend on scheduling. For recordings only.
+        /// Order in which fusion takes reports: `arrival`, lowest latency; `time`, by time of measurement, merged with
+        /// each source's progress, so that the result does not depend on scheduling. For recordings only.
         order: Order = Order::Arrival;
         /// First day of the recordings (UTC), as in `"2016-05-10"`: they carry the time of day only.
         date: Option<String> = None, usually "must be given with recordings";
@@ -112,7 +112,8 @@ settings::settings! {
         ceiling_m: Option<f64> = None;
         /// Technology by which it observes.
         technology: Option<Technology> = None, usually "what it sends tells";
-        /// Height of targets without one, for slant ranges: between the low fliers without transponder and the high ones.
+        /// Height of targets without one, for slant ranges: between the low fliers without transponder and the high
+        /// ones.
         assumed_height_m: f64 = 5000.0, in [-500, 20e3];
         /// Pressure at sea level, for pressure altitudes. The extremes that were ever measured are 870 and 1084 hPa.
         qnh_hpa: f64 = STANDARD_PRESSURE_HPA, in [850, 1100];
@@ -274,8 +275,8 @@ settings::settings! {
         refresh_s: Seconds = Seconds::of(1.0), in [0, 3600];
         /// Time between two status messages.
         status_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
-        /// Most octets in a datagram: by default what fits into one frame of Ethernet beside the headers of IPv4 and UDP, at most
-        /// what a datagram can carry over IPv4.
+        /// Most octets in a datagram: by default what fits into one frame of Ethernet beside the headers of IPv4 and
+        /// UDP, at most what a datagram can carry over IPv4.
         block_bytes: usize = 1472, in [256, 65_507];
         /// Reference of the heights of its tracks, and so the items that carry them.
         heights: HeightReference = HeightReference::Barometric;
@@ -287,10 +288,11 @@ settings::settings! {
         interval_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
         /// Whether it writes its files (histogram log, percentiles, JSON).
         files: bool = true;
-        /// How it waits for system tracks: woken for each slice, or by looking now and then, which costs fusion nothing.
+        /// How it waits for system tracks: woken for each slice, or by looking now and then, which costs fusion
+        /// nothing.
         wait: Option<MonitorWord> = None, usually "event if fusion waits by event, else poll";
-        /// Pause between two looks. System tracks that wait in its queue for longer give way to newer ones, even where there are
-        /// few.
+        /// Pause between two looks. System tracks that wait in its queue for longer give way to newer ones, even where
+        /// there are few.
         poll_ms: f64 = 5.0, in [0.5, 100];
         /// Time that each stage may take.
         deadline_us: DeadlineTable = DeadlineTable::default();
@@ -300,8 +302,8 @@ settings::settings! {
         prometheus_public: bool = false;
     }
 
-    /// Deadlines of the stages, in microseconds. What takes longer than the histograms reach is no latency, and would never be a
-    /// miss.
+    /// Deadlines of the stages, in microseconds. What takes longer than the histograms reach is no latency, and would
+    /// never be a miss.
     pub struct DeadlineTable {
         /// In the adapter: from the report's last byte to its hand-over to shared memory.
         ingest_to_publish: Option<f64> = None, in [0.1, LATENCY_MAX_US];
@@ -313,7 +315,8 @@ settings::settings! {
         fused_to_received: Option<f64> = None, in [0.1, LATENCY_MAX_US];
         /// All of these: from the report's last byte to the subscriber.
         end_to_end: Option<f64> = None, in [0.1, LATENCY_MAX_US];
-        /// Age of the data: from the measurement to the subscriber, between the sensor's clock and this machine's (UTC).
+        /// Age of the data: from the measurement to the subscriber, between the sensor's clock and this machine's
+        /// (UTC).
         age: Option<f64> = None, in [0.1, LATENCY_MAX_US];
     }
 

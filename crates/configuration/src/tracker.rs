@@ -1,7 +1,7 @@
 //! Trackers: that of `koseki track`, and those of sources.
 //!
-//! Offline, everything in the file may be left out: a pass over the detections tells which sensors there are and how large
-//! their scans are. Live, the same tables stand in `[source.tracker]`, where the one sensor is the source.
+//! Offline, everything in the file may be left out: a pass over the detections tells which sensors there are and how
+//! large their scans are. Live, the same tables stand in `[source.tracker]`, where the one sensor is the source.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -85,8 +85,8 @@ pub struct SourceTracker {
     pub output_period_ns: Option<i64>,
 }
 
-/// The tracker of the source numbered `number`, which looks around once in `period_s`. Its links are found when all sources and
-/// sensors are known.
+/// The tracker of the source numbered `number`, which looks around once in `period_s`. Its links are found when all
+/// sources and sensors are known.
 pub(crate) fn source_tracker(
     table: &SourceTrackerTable,
     number: u16,

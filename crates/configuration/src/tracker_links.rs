@@ -53,8 +53,8 @@ pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: 
     Ok(())
 }
 
-/// The numbers of these names, ascending, so that the order in which they are named does not matter. `known` are the names of
-/// a kind of thing with their numbers.
+/// The numbers of these names, ascending, so that the order in which they are named does not matter. `known` are the
+/// names of a kind of thing with their numbers.
 fn numbers_of(key: &str, names: &[String], kind: &str, known: &[(&str, u16)]) -> Checked<Vec<u16>> {
     let mut numbers = Vec::new();
     for name in names {

@@ -1,7 +1,7 @@
 //! Wide-area sensors: who knows how many targets there are (WA), and which trackers listen to them.
 //!
-//! A wide-area sensor is no source: it has no tracks that fusion could weigh, and no number among the sources. Its reports
-//! are counts, and go to the trackers of sources that name it. What it delivers is one of three: rows of counts
+//! A wide-area sensor is no source: it has no tracks that fusion could weigh, and no number among the sources. Its
+//! reports are counts, and go to the trackers of sources that name it. What it delivers is one of three: rows of counts
 //! (FM-6) as datagrams or as a recording, the tracks of another system (ASTERIX CAT062), which are counted by place, or
 //! what a process of the integrator's own publishes. A simulated one sends rows of counts as datagrams.
 //!

@@ -3,13 +3,13 @@
 //! Each tracker lags behind the same manoeuvre, so its error contains the same process noise as every other's. For
 //! filters in steady state the cross-covariance X solves X = B₁·(F·X·Fᵀ + Q)·B₂ᵀ with Bⱼ = I − Kⱼ·H (Y. Bar-Shalom, L.
 //! Campo, 1986): a linear equation in four unknowns per axis. A source tells its covariance but not its gain. For a
-//! steady filter of nearly constant velocity the two belong together: with p the variance of its position, q the density
-//! of the noise and T its period, u = √(1 − α) is the one root of 4·(1 − u)³ = (q·T³/p)·u²·(1 + u) in (0, 1), and
-//! β = 2·(1 − u)² (from Kalata's relations; piecewise-constant acceleration of variance q/T).
+//! steady filter of nearly constant velocity the two belong together: with p the variance of its position, q the
+//! density of the noise and T its period, u = √(1 − α) is the one root of 4·(1 − u)³ = (q·T³/p)·u²·(1 + u) in (0, 1),
+//! and β = 2·(1 − u)² (from Kalata's relations; piecewise-constant acceleration of variance q/T).
 //!
 //! Limits: steady state, one period for all trackers, the same q in all of them, measurement noises independent. At
-//! short periods (q·T³ ≪ p) the correlations of equal trackers tend to 1/4 in position and 3/4 in velocity; at manoeuvring
-//! index 1 they are 1/9 and 2/3.
+//! short periods (q·T³ ≪ p) the correlations of equal trackers tend to 1/4 in position and 3/4 in velocity; at
+//! manoeuvring index 1 they are 1/9 and 2/3.
 
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 

@@ -1,14 +1,15 @@
-//! The Autoferry data set: a ferry in a harbour with lidar, radar and two cameras, and two targets with satellite receivers.
+//! The Autoferry data set: a ferry in a harbour with lidar, radar and two cameras, and two targets with satellite
+//! receivers.
 //!
 //! One of the few public recordings of detections, rather than tracks, with known truth (Helgesen and others,
-//! "Heterogeneous multi-sensor tracking for an autonomous surface vehicle in a littoral environment", Ocean Engineering 252,
-//! 2022). Each scenario is a JSON list of scans and, in a second file, one list of true positions per scan, joined by
-//! their place.
+//! "Heterogeneous multi-sensor tracking for an autonomous surface vehicle in a littoral environment", Ocean Engineering
+//! 252, 2022). Each scenario is a JSON list of scans and, in a second file, one list of true positions per scan, joined
+//! by their place.
 //!
-//! What a scan measured has as many shapes as the tool that wrote it found convenient. A camera gives bearings: a list, an
-//! empty list, or for a single one the number itself. Lidar and radar give positions: an empty list, for a single one a
-//! flat list (north, east), and for several a list of all norths followed by a list of all easts. Their positions count
-//! from the ferry, parallel to north and east, so the ferry's own position is added; bearings need nothing, being
+//! What a scan measured has as many shapes as the tool that wrote it found convenient. A camera gives bearings: a list,
+//! an empty list, or for a single one the number itself. Lidar and radar give positions: an empty list, for a single
+//! one a flat list (north, east), and for several a list of all norths followed by a list of all easts. Their positions
+//! count from the ferry, parallel to north and east, so the ferry's own position is added; bearings need nothing, being
 //! clockwise from north. Detections read so lie within metres of the true positions, and read otherwise do not.
 //!
 //! Scans stand in the order in which they were recorded, which in some scenarios is not that of their times: a camera's

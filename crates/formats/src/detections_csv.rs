@@ -1,8 +1,8 @@
 //! Detections as CSV rows (FM-6).
 //!
 //! The measured values stand in `m0`, `m1`, `m2` in the order of their kind, the range rate in `m3`, and their standard
-//! deviations in the `s` columns below the same numbers. What a kind does not measure is left empty, and must be: a value
-//! in such a place means that columns have been mixed up. A row states all of its standard deviations or none.
+//! deviations in the `s` columns below the same numbers. What a kind does not measure is left empty, and must be: a
+//! value in such a place means that columns have been mixed up. A row states all of its standard deviations or none.
 
 use std::io::{self, Read, Write};
 

@@ -1,8 +1,8 @@
 //! Rows of text: how any kind of them is read and written.
 //!
 //! A kind of row says which columns it has and what its values are ([`Row`]), or how a value is made of them
-//! ([`Columns`]); everything else is the same for all kinds. Times are seconds since midnight (UTC) of the first day, exact
-//! to the nanosecond. What was written and read again is the same, to the last bit where a kind does not round.
+//! ([`Columns`]); everything else is the same for all kinds. Times are seconds since midnight (UTC) of the first day,
+//! exact to the nanosecond. What was written and read again is the same, to the last bit where a kind does not round.
 
 use std::io::{self, Read, Write};
 use std::marker::PhantomData;
@@ -75,7 +75,8 @@ impl<T: Row, W: Write> RowWriter<T, W> {
         }
     }
 
-    /// Shows source number n as `sensor_ids[n]` instead of [`sensor_id`]: for sources that have ids of their own in files.
+    /// Shows source number n as `sensor_ids[n]` instead of [`sensor_id`]: for sources that have ids of their own in
+    /// files.
     #[must_use]
     pub fn with_sensor_ids(mut self, sensor_ids: Vec<u32>) -> Self {
         self.reference.sensor_ids = sensor_ids;

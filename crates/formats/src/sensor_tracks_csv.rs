@@ -1,9 +1,10 @@
 //! Sensor tracks from CSV rows (FM-5); [`SensorTrackWriter`] writes them.
 //!
-//! A row is one report: time, whose track it is, state vector, the covariance's upper triangle, and the track's state. Who
-//! the target says it is, the method, the trace, and whether height and velocity were observed may follow; where those
-//! last two columns are missing, both were. So may what the track follows (`kind`: `single`, or `group` with its `members`) and
-//! the target's `type` with its `type_confidence`. A column `truth_id` is never read: fusion must not see it.
+//! A row is one report: time, whose track it is, state vector, the covariance's upper triangle, and the track's state.
+//! Who the target says it is, the method, the trace, and whether height and velocity were observed may follow; where
+//! those last two columns are missing, both were. So may what the track follows (`kind`: `single`, or `group` with its
+//! `members`) and the target's `type` with its `type_confidence`. A column `truth_id` is never read: fusion must not
+//! see it.
 
 use std::io::Read;
 

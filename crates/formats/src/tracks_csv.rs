@@ -142,8 +142,8 @@ fn write_sensor_track(
     write_description(out, track.kind, track.members, &track.target_type)
 }
 
-/// The kind of track, a group's members, the target's type and its confidence; all empty for a single target of no type. A group
-/// without members is none.
+/// The kind of track, a group's members, the target's type and its confidence; all empty for a single target of no
+/// type. A group without members is none.
 fn write_description(out: &mut impl Write, kind: u8, members: u16, target_type: &TargetType) -> io::Result<()> {
     match TrackKind::from_code(kind) {
         Some(TrackKind::Group) if members > 0 => write!(out, ",{},{members},", TrackKind::Group.word())?,

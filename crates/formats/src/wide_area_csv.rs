@@ -1,9 +1,9 @@
 //! Reports of wide-area sensors as CSV rows (FM-6).
 //!
 //! Columns: `time_s` of the observation, `arrival_s` (absolute, not before it), position and velocity of the targets'
-//! middle, their `count`, and optionally `route`: where they have been, oldest place first, east and north of each joined with
-//! `|`. Of the route the first place is kept: where they came from. Whether a report makes sense is for its user to judge;
-//! here only what is no report is refused.
+//! middle, their `count`, and optionally `route`: where they have been, oldest place first, east and north of each
+//! joined with `|`. Of the route the first place is kept: where they came from. Whether a report makes sense is for its
+//! user to judge; here only what is no report is refused.
 
 use std::io::{self, Read, Write};
 

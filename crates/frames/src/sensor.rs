@@ -5,10 +5,10 @@
 //! A radar measures the straight distance to a target and its azimuth, not its elevation; the height comes from the
 //! target itself. To place the target, the line of sight is turned up until its end has that height above the earth.
 //! On a sphere of radius R that is the triangle of the earth's centre, the sensor and the target, whose three sides are
-//! known: R + h₀, ρ and R + h. On the ellipsoid R depends on place and azimuth, so the triangle is solved with the radius
-//! of curvature at the sensor (Euler's formula), the height of the point it gives is looked up on the ellipsoid, and what
-//! is missing is added to h; after two rounds less than a centimetre is missing at 400 km. Taking the slant range
-//! for a range along the ground instead would put an aircraft at flight level 350 and 20 km almost 3 km off.
+//! known: R + h₀, ρ and R + h. On the ellipsoid R depends on place and azimuth, so the triangle is solved with the
+//! radius of curvature at the sensor (Euler's formula), the height of the point it gives is looked up on the ellipsoid,
+//! and what is missing is added to h; after two rounds less than a centimetre is missing at 400 km. Taking the slant
+//! range for a range along the ground instead would put an aircraft at flight level 350 and 20 km almost 3 km off.
 
 use std::f64::consts::TAU;
 
@@ -88,8 +88,8 @@ impl SensorFrame {
         self.cartesian([ground_range_m * sine, ground_range_m * cosine, up_m])
     }
 
-    /// System position of a target at a straight distance (m) and azimuth (clockwise from the sensor's north, rad), at a
-    /// height above the ellipsoid (m). A range too short to reach that height is one straight up.
+    /// System position of a target at a straight distance (m) and azimuth (clockwise from the sensor's north, rad), at
+    /// a height above the ellipsoid (m). A range too short to reach that height is one straight up.
     pub fn slant(&self, slant_range_m: f64, azimuth_rad: f64, height_m: f64) -> [f64; 3] {
         let radius_m = self.radius_of_curvature(azimuth_rad + self.north_offset_rad);
         let mut triangle_height_m = height_m;
@@ -104,8 +104,8 @@ impl SensorFrame {
         position_m
     }
 
-    /// System position of a point above the sensor's plane: metres towards the sensor's own x and y, and height above the
-    /// ellipsoid (m), which the plane leaves as the earth curves away beneath it.
+    /// System position of a point above the sensor's plane: metres towards the sensor's own x and y, and height above
+    /// the ellipsoid (m), which the plane leaves as the earth curves away beneath it.
     pub fn above(&self, [x, y]: [f64; 2], height_m: f64) -> [f64; 3] {
         let radius_m = self.radius_of_curvature(x.atan2(y) + self.north_offset_rad);
         let sagitta_m = (x * x + y * y) / (2.0 * radius_m);
@@ -122,7 +122,8 @@ impl SensorFrame {
         }
     }
 
-    /// Metres towards the sensor's own x, y and up, of a system position: the inverse of [`cartesian`](Self::cartesian).
+    /// Metres towards the sensor's own x, y and up, of a system position: the inverse of
+    /// [`cartesian`](Self::cartesian).
     pub fn to_cartesian(&self, [east, north, up]: [f64; 3]) -> [f64; 3] {
         let position = coordinate!(
             e = Length::new::<meter>(east),
@@ -144,8 +145,8 @@ impl SensorFrame {
         [tip[0], tip[1]]
     }
 
-    /// Radius of the ellipsoid's curvature at the sensor in the direction of a true azimuth, metres: Euler's formula over
-    /// the radii in the meridian and across it.
+    /// Radius of the ellipsoid's curvature at the sensor in the direction of a true azimuth, metres: Euler's formula
+    /// over the radii in the meridian and across it.
     fn radius_of_curvature(&self, azimuth_rad: f64) -> f64 {
         let first = 1.0 - ECCENTRICITY_SQUARED * self.latitude_rad.sin().powi(2);
         let across_m = SEMI_MAJOR_AXIS_M / first.sqrt();

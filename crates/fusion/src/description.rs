@@ -1,8 +1,9 @@
 //! What a target is, where its sources say so: one or a group, and of which type (WA-7, WA-9).
 //!
 //! Most sources know of neither, and say nothing by saying *single* and no type. So silence does not outvote anybody: a
-//! system track is one of a group if a contribution is, with the members that the heaviest of these expects; and of the type
-//! that is stated with the greatest confidence. Of equals the source with the lowest number holds. Positions are not touched.
+//! system track is one of a group if a contribution is, with the members that the heaviest of these expects; and of the
+//! type that is stated with the greatest confidence. Of equals the source with the lowest number holds. Positions are
+//! not touched.
 
 use messages::{SensorTrack, TargetType, TrackKind};
 

@@ -1,8 +1,9 @@
 //! The engine: one report in, the states of the system tracks it changes out.
 //!
-//! A report goes through the parts in this order: [`inlet`] checks it, [`Sources`] takes its source's known errors off and
-//! finds the measurement behind it, [`Linking`] and [`Scans`] associate its sensor track with a system track, whose filter
-//! is updated here, [`Life`] confirms it, and [`Publisher`] weighs it and says so. The parts own what they learn;
+//! A report goes through the parts in this order: [`inlet`] checks it, [`Sources`] takes its source's known errors off
+//! and finds the measurement behind it, [`Linking`] and [`Scans`] associate its sensor track with a system track, whose
+//! filter is updated here, [`Life`] confirms it, and [`Publisher`] weighs it and says so. The parts own what they
+//! learn;
 //! [`Tracks`] are what they share.
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState};
@@ -99,21 +100,21 @@ impl Engine {
         (usize::from(source) < self.settings.sources.len()).then(|| self.sources.registration.of(source))
     }
 
-    /// Factor by which the covariances of `source` are being inflated, since they claim too much (BF-5): 1 if they do not,
-    /// `None` if there is no such source.
+    /// Factor by which the covariances of `source` are being inflated, since they claim too much (BF-5): 1 if they do
+    /// not, `None` if there is no such source.
     pub fn inflation(&self, source: u16) -> Option<f64> {
         self.sources.models.get(usize::from(source)).map(SourceModel::inflation)
     }
 
-    /// Lets the named condition (weather) hold from now on (TI-7); "normal" does at the start. `false`, and no change, if no
-    /// source names it.
+    /// Lets the named condition (weather) hold from now on (TI-7); "normal" does at the start. `false`, and no change,
+    /// if no source names it.
     pub fn set_condition(&mut self, name: &str) -> bool {
         self.publisher.accuracies.set_condition(&self.settings, name)
     }
 
     /// Lets time pass up to `now_ns` (UTC): no report measured before that will follow. System tracks whose
-    /// contributions have become too old coast, then end; each such change is handed to `sink`. With a refresh time set,
-    /// so is the state of every system track at each whole multiple of it.
+    /// contributions have become too old coast, then end; each such change is handed to `sink`. With a refresh time
+    /// set, so is the state of every system track at each whole multiple of it.
     ///
     /// What happens, happens at times that reports have set, in the order of these times; how often and in how large
     /// steps time passes changes nothing.
@@ -239,8 +240,8 @@ impl Engine {
         Some((sensor, measurement))
     }
 
-    /// The entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there is no entry
-    /// yet; `None` if the report is older.
+    /// The entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there is no
+    /// entry yet; `None` if the report is older.
     fn earlier(&mut self, report: &SensorTrack, known: Option<SensorSlot>) -> Option<Option<(SensorSlot, f64)>> {
         let Some(sensor) = known else {
             return Some(None);
@@ -401,8 +402,8 @@ impl Engine {
         }
     }
 
-    /// Places a sensor track that fits no system track that could take it: another part of a target that its source already
-    /// follows, or the first sight of a new one.
+    /// Places a sensor track that fits no system track that could take it: another part of a target that its source
+    /// already follows, or the first sight of a new one.
     fn place_alone(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let search = Search {
             settings: &self.settings,
@@ -433,8 +434,8 @@ impl Engine {
         }
     }
 
-    /// Updates the system track of a primary sensor track whose `report` has just been stored; `measurement` is what is new
-    /// in it.
+    /// Updates the system track of a primary sensor track whose `report` has just been stored; `measurement` is what is
+    /// new in it.
     fn update(
         &mut self,
         sensor: SensorSlot,

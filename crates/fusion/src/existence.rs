@@ -3,15 +3,16 @@
 //! Every sensor has false tracks, and a system that shows whatever any sensor shows has all of them. Requiring two
 //! sources loses the targets that only one can see. What decides is how telling the silence of the others is: where a
 //! source that follows nineteen of twenty targets in this area has nothing here, there is hardly a target; where it
-//! never follows any, its silence says nothing. So with pₖ the probability that source k follows a target at this place,
-//! learned per cell of the ground from the tracks that are confirmed (or configured), one source's claim is worth
+//! never follows any, its silence says nothing. So with pₖ the probability that source k follows a target at this
+//! place, learned per cell of the ground from the tracks that are confirmed (or configured), one source's claim is
+//! worth
 //!
 //! L = Σ ln(1 − pₖ) over the covering sources that are silent
 //!     + what the claim's persistence is worth: false tracks end, with a probability of about a fifth per scan
 //!     + what an address is worth: noise does not answer interrogations.
 //!
-//! Two sources that agree are enough by themselves. A track that was confirmed stays so until its sources *say* that they
-//! no longer see it: each miss since the last report of any of them adds ln(1 − its probability of detection).
+//! Two sources that agree are enough by themselves. A track that was confirmed stays so until its sources *say* that
+//! they no longer see it: each miss since the last report of any of them adds ln(1 − its probability of detection).
 
 use crate::settings::CoverageArea;
 

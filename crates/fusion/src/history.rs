@@ -101,7 +101,8 @@ impl Histories {
         Some(&self.stored[slot * self.length + index])
     }
 
-    /// Position and velocity at `time_ns` between the two reports on either side of it (QF-6); `None` where there are none.
+    /// Position and velocity at `time_ns` between the two reports on either side of it (QF-6); `None` where there are
+    /// none.
     pub(crate) fn interpolated(&self, slot: usize, time_ns: i64) -> Option<([f64; 3], [f64; 3])> {
         let earlier = (1..self.length).find(|back| self.nth(slot, *back).is_some_and(|r| r.time_ns <= time_ns))?;
         let (before, after) = (self.nth(slot, earlier)?, self.nth(slot, earlier - 1)?);

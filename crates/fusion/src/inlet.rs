@@ -24,7 +24,8 @@ pub(crate) fn is_valid(report: &SensorTrack, sources: usize) -> bool {
         && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
 }
 
-/// The report with its covariance, which is not positive definite, made usable; `None` if there is nothing to keep of it.
+/// The report with its covariance, which is not positive definite, made usable; `None` if there is nothing to keep of
+/// it.
 #[cold]
 pub(crate) fn repaired(report: &SensorTrack) -> Option<SensorTrack> {
     let mut full = estimation::unpacked(&report.covariance);
@@ -39,8 +40,8 @@ pub(crate) fn repaired(report: &SensorTrack) -> Option<SensorTrack> {
     Some(SensorTrack { covariance, ..*report })
 }
 
-/// The identity of a report as far as it is believed, and what is to be counted of it: an address that belongs to a target
-/// far away is not believed, for transponders are misread, and two can have the same.
+/// The identity of a report as far as it is believed, and what is to be counted of it: an address that belongs to a
+/// target far away is not believed, for transponders are misread, and two can have the same.
 pub(crate) fn believed_identity(report: &SensorTrack, systems: &SystemTracks) -> (Identity, Option<Counter>) {
     let identity = report.identity;
     let Some(system) = identity

@@ -7,8 +7,8 @@
 //!
 //! With recorded inputs, [`Merger`] first puts the reports of all sources into the order of their times.
 //!
-//! Architecture invariants: no clock, no thread, no file, no shared memory; the same reports with the same settings give
-//! the same states, bit for bit; after construction nothing is allocated; no hash map is iterated.
+//! Architecture invariants: no clock, no thread, no file, no shared memory; the same reports with the same settings
+//! give the same states, bit for bit; after construction nothing is allocated; no hash map is iterated.
 
 #![forbid(unsafe_code)]
 

@@ -141,8 +141,9 @@ impl Life {
         true
     }
 
-    /// When the deadline of a system track that was looked at at `looked_ns` must be looked at again, if until `until_ns`
-    /// nothing can bring it forward: looks lie whole multiples of the shortest time apart in which that may happen.
+    /// When the deadline of a system track that was looked at at `looked_ns` must be looked at again, if until
+    /// `until_ns` nothing can bring it forward: looks lie whole multiples of the shortest time apart in which that may
+    /// happen.
     fn look_after(&self, looked_ns: i64, until_ns: i64) -> i64 {
         let step_ns = self.shortest_fresh_ns;
         let missing_ns = until_ns.saturating_sub(looked_ns).saturating_sub(1);
@@ -155,8 +156,8 @@ impl Life {
     }
 }
 
-/// Lets a system track whose deadline has come up coast or end, unless it is too early. When the next one is due; `None`
-/// if it has ended.
+/// Lets a system track whose deadline has come up coast or end, unless it is too early. When the next one is due;
+/// `None` if it has ended.
 fn run_timer<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,
@@ -210,8 +211,8 @@ pub(crate) fn count_miss<S: Sink>(
     }
 }
 
-/// Makes a system track tentative again, since its sources say that they no longer see the target: it is not shown until
-/// one does.
+/// Makes a system track tentative again, since its sources say that they no longer see the target: it is not shown
+/// until one does.
 pub(crate) fn suppress<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,

@@ -40,8 +40,8 @@ impl Publisher {
         self.rule
     }
 
-    /// States from the filter are from now on those of one of several points per target, which lie about its middle with
-    /// this variance per axis, m².
+    /// States from the filter are from now on those of one of several points per target, which lie about its middle
+    /// with this variance per axis, m².
     pub(crate) fn set_point_spread(&mut self, spread_m2: f64) {
         self.point_spread_m2 = spread_m2;
     }
@@ -101,8 +101,8 @@ impl Publisher {
         }
     }
 
-    /// Weighs the contributions to a system track at a reference time, stores the state they yield and publishes it. The
-    /// cause is the report that made it necessary.
+    /// Weighs the contributions to a system track at a reference time, stores the state they yield and publishes it.
+    /// The cause is the report that made it necessary.
     fn weigh<S: Sink>(
         &mut self,
         settings: &Settings,

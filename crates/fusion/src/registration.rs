@@ -12,8 +12,8 @@
 //! reference source is taken as true, or the mean of all sources is.
 //!
 //! Sixty-four sources that all see the same targets make four thousand pairs, a millisecond's work, and no report shall
-//! wait that long. So a solution is worked out in steps of bounded work, and what is known of the sources changes when it is
-//! complete. For four sources one step is enough.
+//! wait that long. So a solution is worked out in steps of bounded work, and what is known of the sources changes when
+//! it is complete. For four sources one step is enough.
 //!
 //! The tracks' errors are correlated in time, and targets do not show the same point to all sources: both make the
 //! estimate less certain than the formula says. A sample counts for a quarter, and the spread of the detection points,
@@ -369,20 +369,20 @@ impl Registration {
         }
     }
 
-    /// Decides which errors are significant, once a solution is complete. `known` says for which sources the spread is known,
-    /// so that one can decide; `spread_m2` is the variance of the detection points on the targets, `targets` how many
-    /// targets several sources see; `points` whether the detection points are known to lie far apart.
+    /// Decides which errors are significant, once a solution is complete. `known` says for which sources the spread is
+    /// known, so that one can decide; `spread_m2` is the variance of the detection points on the targets, `targets` how
+    /// many targets several sources see; `points` whether the detection points are known to lie far apart.
     pub(crate) fn decide(&mut self, known: impl Fn(usize) -> bool, spread_m2: f64, targets: usize, points: bool) {
         for own in (0..self.sources.len()).filter(|own| known(*own)) {
             self.decide_for(own, spread_m2 / targets.max(1) as f64, points);
         }
     }
 
-    /// Which errors of a source are significant: the horizontal offset as one, the others each for itself. `spread_m2` is the
-    /// variance that the detection points add to a mean over all targets.
+    /// Which errors of a source are significant: the horizontal offset as one, the others each for itself. `spread_m2`
+    /// is the variance that the detection points add to a mean over all targets.
     ///
-    /// Where detection points are far apart, one that lies ahead of the others looks like a clock that is fast: then time
-    /// offsets are left alone.
+    /// Where detection points are far apart, one that lies ahead of the others looks like a clock that is fast: then
+    /// time offsets are left alone.
     fn decide_for(&mut self, own: usize, spread_m2: f64, points: bool) {
         let known = &mut self.sources[own];
         let enough = known.samples >= SAMPLES_MIN;

@@ -103,7 +103,8 @@ impl Scans {
         source.map(|source| source as u16)
     }
 
-    /// Assigns the scan of `source`, which is thereby over; as many sensor tracks as are given back can be asked for with
+    /// Assigns the scan of `source`, which is thereby over; as many sensor tracks as are given back can be asked for
+    /// with
     /// [`Self::assigned`].
     pub(crate) fn assign(&mut self, source: u16, settings: &Settings, tracks: &mut Tracks, sources: &Sources) -> usize {
         let scan = &mut self.scans[usize::from(source)];

@@ -29,8 +29,8 @@ pub struct Settings {
     /// Time between two states of a system track, nanoseconds: published at its whole multiples for every system track
     /// (QF-6). `None`: whenever a report has changed a system track.
     pub refresh_ns: Option<i64>,
-    /// How long after a refresh time its states are formed, nanoseconds. Reports measured meanwhile lie on the far side of
-    /// it, so that slow sources are interpolated where they would be extrapolated (QF-6).
+    /// How long after a refresh time its states are formed, nanoseconds. Reports measured meanwhile lie on the far side
+    /// of it, so that slow sources are interpolated where they would be extrapolated (QF-6).
     pub refresh_delay_ns: i64,
 }
 
@@ -189,11 +189,11 @@ pub struct AssociationSettings {
     pub merge_reports: u32,
     /// Cell width of the neighbourhood grid, metres.
     pub cell_m: f64,
-    /// Part of the variance of a difference that two tracks of one target have in common, in [0, 1): both lag behind the
-    /// same manoeuvres.
+    /// Part of the variance of a difference that two tracks of one target have in common, in [0, 1): both lag behind
+    /// the same manoeuvres.
     pub error_correlation: f64,
-    /// How long sensor tracks that belong nowhere yet wait for the rest of their scan, as a part of their source's period;
-    /// 0: each is placed at once, without regard to the others.
+    /// How long sensor tracks that belong nowhere yet wait for the rest of their scan, as a part of their source's
+    /// period; 0: each is placed at once, without regard to the others.
     pub scan_wait: f64,
 }
 
@@ -242,15 +242,16 @@ pub struct RuleSettings {
     pub mosaic: MosaicSettings,
     /// What covariance intersection makes small.
     pub intersection: Intersection,
-    /// Spectral density of the process noise that the sources' errors have in common, m²/s³; `None`: that with which fusion
-    /// carries states forward.
+    /// Spectral density of the process noise that the sources' errors have in common, m²/s³; `None`: that with which
+    /// fusion carries states forward.
     pub common_noise_m2ps3: Option<f64>,
 }
 
 /// How the output passes from one source to another (TI-13 … TI-16).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HandOverSettings {
-    /// eta_0 of the new source at the first refresh and those that follow, rising; after the last it is 1. Empty: at once.
+    /// eta_0 of the new source at the first refresh and those that follow, rising; after the last it is 1. Empty: at
+    /// once.
     pub ramp: Vec<f64>,
     /// Ordered pairs of sources with ramps of their own.
     pub pairs: Vec<PairRamp>,

@@ -1,10 +1,10 @@
 //! How the tables of track numbers, and of addresses, are hashed.
 //!
-//! A hash that scatters is right for keys of which nothing is known. Track numbers are known: a source counts them up and
-//! reports them in much the same order every time, and scattered over a table of megabytes each look-up would go to
-//! another corner of memory. So numbers of one source that follow each other lie next to each other, and the sources lie
-//! as far apart as the table allows (bit-reversed, so that this holds for however many there are). Only numbers far apart
-//! are scattered, by blocks: a source may number by multiples of anything.
+//! A hash that scatters is right for keys of which nothing is known. Track numbers are known: a source counts them up
+//! and reports them in much the same order every time, and scattered over a table of megabytes each look-up would go to
+//! another corner of memory. So numbers of one source that follow each other lie next to each other, and the sources
+//! lie as far apart as the table allows (bit-reversed, so that this holds for however many there are). Only numbers far
+//! apart are scattered, by blocks: a source may number by multiples of anything.
 //!
 //! Limit: numbers chosen with bad intent can make look-ups slow, as with any hash without a secret.
 

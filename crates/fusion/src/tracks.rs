@@ -128,8 +128,8 @@ impl Tracks {
         }
     }
 
-    /// Makes a sensor track the primary one of its source, if there is no other one that is fresh: one speaks for a source,
-    /// and goes on doing so while it is fresh.
+    /// Makes a sensor track the primary one of its source, if there is no other one that is fresh: one speaks for a
+    /// source, and goes on doing so while it is fresh.
     pub(crate) fn assign_role(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         let (system, source, now_ns) = (entry.system, entry.source, entry.time_ns);

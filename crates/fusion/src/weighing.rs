@@ -61,8 +61,8 @@ impl Weighed {
         &self.shares[..self.len]
     }
 
-    /// Lets a rule weigh the contributions that were gathered at `reference_ns` for a target whose state so far is `last`.
-    /// `None` if it can use none of them.
+    /// Lets a rule weigh the contributions that were gathered at `reference_ns` for a target whose state so far is
+    /// `last`. `None` if it can use none of them.
     pub(crate) fn fuse(
         &mut self,
         rule: Fuse,
@@ -167,7 +167,8 @@ impl Weigher<'_> {
         }
     }
 
-    /// The latest report of `member` at `reference_ns`: interpolated where later ones are there, else extrapolated (QF-6).
+    /// The latest report of `member` at `reference_ns`: interpolated where later ones are there, else extrapolated
+    /// (QF-6).
     fn state(&self, member: SensorSlot, reported: &State, reference_ns: i64) -> State {
         let between = || {
             self.tracks

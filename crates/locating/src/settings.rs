@@ -23,8 +23,8 @@ settings::settings! {
     /// How emitters may move (EL-2).
     #[derive(Copy)]
     pub struct MotionSettings {
-        /// Models that compete: `auto`, a fixed point, straight motion and manoeuvring, and the data decide; `fixed`, a fixed
-        /// point and one that wanders; `straight`, straight motion and manoeuvring.
+        /// Models that compete: `auto`, a fixed point, straight motion and manoeuvring, and the data decide; `fixed`, a
+        /// fixed point and one that wanders; `straight`, straight motion and manoeuvring.
         filter: FilterChoice = FilterChoice::Auto;
         /// Standard deviation of an unknown emitter's position about the platform, along each axis.
         range_sigma_m: f64 = 300e3, in [above 0];
@@ -32,20 +32,22 @@ settings::settings! {
         speed_sigma_mps: f64 = 30.0, in [above 0];
         /// How fixed points wander in the model that stands by in case that an emitter is no fixed point.
         wandering_noise_m2ps: f64 = 400.0, in [above 0];
-        /// Spectral density of accelerations in the model that stands by in case that an emitter does not move straight.
+        /// Spectral density of accelerations in the model that stands by in case that an emitter does not move
+        /// straight.
         manoeuvring_noise_m2ps3: f64 = 0.01, in [above 0];
-        /// A fixed point is given up for straight motion when the bearings are so much likelier by it: logarithm of the Bayes
-        /// factor, times 2.
+        /// A fixed point is given up for straight motion when the bearings are so much likelier by it: logarithm of the
+        /// Bayes factor, times 2.
         evidence_min: f64 = 20.0, in [from 0];
-        /// Number of bearings in a row for which that must hold, and for which its opposite must hold to take the fixed point
-        /// up again.
+        /// Number of bearings in a row for which that must hold, and for which its opposite must hold to take the fixed
+        /// point up again.
         evidence_bearings: u32 = 16;
     }
 
     /// When bearings are set aside.
     #[derive(Copy)]
     pub struct ConsistencySettings {
-        /// Standard deviations: bearings are set aside when the running sum of their normalised innovations exceeds so many.
+        /// Standard deviations: bearings are set aside when the running sum of their normalised innovations exceeds so
+        /// many.
         limit: f64 = 3.5, in [above 0];
         /// The same while the platform turns.
         limit_turning: f64 = 3.0, in [above 0];

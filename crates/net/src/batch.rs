@@ -7,7 +7,8 @@
 //! for control messages as the first one filled, and the count of drops, which is absent while it is zero, would never
 //! come through. (The wrapper of the crate `nix` 0.31 reuses them; therefore this module makes the call itself.)
 //!
-//! Addresses and control messages are plain octets in a documented layout (ip(7), ipv6(7), cmsg(3)), and are read as such.
+//! Addresses and control messages are plain octets in a documented layout (ip(7), ipv6(7), cmsg(3)), and are read as
+//! such.
 
 #![allow(unsafe_code)]
 

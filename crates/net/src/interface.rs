@@ -1,10 +1,10 @@
 //! Network interfaces by name or by address.
 //!
-//! A machine in a control room has several: one towards the sensors, one towards the offices. A group must be joined, and
-//! multicast be sent, on one of them; left to itself the kernel takes whichever its routes prefer, which is the wrong
-//! one on the day that matters. So an interface is always named. Its name is the same on machines of one build, its
-//! address is the same after a renaming: both are accepted. The kernel itself uses a number, looked up when a socket is
-//! opened.
+//! A machine in a control room has several: one towards the sensors, one towards the offices. A group must be joined,
+//! and multicast be sent, on one of them; left to itself the kernel takes whichever its routes prefer, which is the
+//! wrong one on the day that matters. So an interface is always named. Its name is the same on machines of one build,
+//! its address is the same after a renaming: both are accepted. The kernel itself uses a number, looked up when a
+//! socket is opened.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;

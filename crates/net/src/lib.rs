@@ -11,10 +11,10 @@
 //! - [`TcpLines`]: lines of a server, connected to again whenever the connection is lost;
 //! - [`PageServer`]: one page of text for whoever asks, which is how metrics are collected.
 //!
-//! What comes from a network is never believed to be small, whole, friendly or punctual. Every call does a bounded amount
-//! of work and waits no longer than it was told, every buffer is allocated when the socket is opened, and whatever is
-//! not handed on is counted by reason. No call reads a clock: times of receipt are the kernel's, and where a duration
-//! matters the caller says what time it is.
+//! What comes from a network is never believed to be small, whole, friendly or punctual. Every call does a bounded
+//! amount of work and waits no longer than it was told, every buffer is allocated when the socket is opened, and
+//! whatever is not handed on is counted by reason. No call reads a clock: times of receipt are the kernel's, and where
+//! a duration matters the caller says what time it is.
 
 // Without `forbid`: the system call that takes many datagrams at once has no safe form (module `batch`).
 #![deny(unsafe_code)]

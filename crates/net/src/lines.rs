@@ -2,8 +2,8 @@
 //!
 //! Servers restart, cables are pulled, and a connection whose other end has lost its power stays open in silence until
 //! somebody notices. A feed must come back by itself after all of that. [`TcpLines`] is in one of three states: it
-//! *pauses* before the next attempt, it *connects*, or it is *connected*. Each call of [`TcpLines::poll`] takes one step,
-//! within the time that the caller allows, so one thread can serve it beside other work.
+//! *pauses* before the next attempt, it *connects*, or it is *connected*. Each call of [`TcpLines::poll`] takes one
+//! step, within the time that the caller allows, so one thread can serve it beside other work.
 //!
 //! - A pause doubles with each attempt that fails, up to a limit, so that a server that is down for a night is neither
 //!   hammered nor forgotten. Only a connection that has delivered a line starts the pauses over: a server that accepts
@@ -153,9 +153,10 @@ impl TcpLines {
         })
     }
 
-    /// Takes one step from where it stands: begins an attempt to connect if it is time to, goes on with it, or takes what
-    /// the server has sent, one read at most. If there is nothing to do, waits for it as long as `timeout`. `visit` gets
-    /// each complete line without its end; their number is returned. `now_ns` is a monotonic time, nanoseconds.
+    /// Takes one step from where it stands: begins an attempt to connect if it is time to, goes on with it, or takes
+    /// what the server has sent, one read at most. If there is nothing to do, waits for it as long as `timeout`.
+    /// `visit` gets each complete line without its end; their number is returned. `now_ns` is a monotonic time,
+    /// nanoseconds.
     ///
     /// Nothing that a server does is an error here: what fails is counted and tried again later.
     pub fn poll(&mut self, now_ns: i64, timeout: Duration, mut visit: impl FnMut(&[u8])) -> usize {

@@ -1,9 +1,10 @@
 //! Serves one page of text over HTTP, to a program that collects metrics or to a browser.
 //!
-//! The requests are parsed by `httparse`; the rest of HTTP that one page needs is a status line and three headers. A whole
-//! server crate would bring a pool of threads, keep connections open, and (the small ones) wait for ever on a client that
-//! sends nothing. Here one connection is answered at a time and then closed, a request has a greatest length, and each
-//! read and write a time limit, so a client can hold up other clients for some seconds, and nobody else.
+//! The requests are parsed by `httparse`; the rest of HTTP that one page needs is a status line and three headers. A
+//! whole server crate would bring a pool of threads, keep connections open, and (the small ones) wait for ever on a
+//! client that sends nothing. Here one connection is answered at a time and then closed, a request has a greatest
+//! length, and each read and write a time limit, so a client can hold up other clients for some seconds, and nobody
+//! else.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};

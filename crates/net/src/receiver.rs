@@ -3,8 +3,9 @@
 //! **Groups.** A datagram to a multicast address (224.0.0.0/4, ff00::/8) goes to every host that has joined the group
 //! (RFC 1112, RFC 4291). Joining is done per socket and per interface, and Linux has two surprises in store. A socket
 //! bound to a port alone receives every group of that port that *any* process of the machine has joined; so the socket
-//! is bound to the group's address. And even then it receives the group's datagrams from interfaces on which only others
-//! have joined, because membership counts for the whole host unless `IP_MULTICAST_ALL` is off (ip(7)); so it is off.
+//! is bound to the group's address. And even then it receives the group's datagrams from interfaces on which only
+//! others have joined, because membership counts for the whole host unless `IP_MULTICAST_ALL` is off (ip(7)); so it is
+//! off.
 //!
 //! **Several readers.** Recorder, tracker and display may run on one machine. For a group, `SO_REUSEADDR` lets
 //! each of them bind the same address and port, and each gets every datagram. For an address of the machine itself it
@@ -14,10 +15,10 @@
 //! with a random half of the sensor's reports.
 //!
 //! **Time.** Between the wire and this process lie interrupts, queues and a scheduler that may have other plans. The
-//! kernel notes the time of each datagram when it comes in from the interface (`SO_TIMESTAMPNS`, socket(7)), so a report
-//! that waited 20 ms for its reader is known to have waited. The stamps are of the machine's UTC clock, and jump with it.
-//! The kernel turns its stamping on when the first socket of the machine asks for it; what comes in until then, some
-//! milliseconds at most, is stamped when it is read.
+//! kernel notes the time of each datagram when it comes in from the interface (`SO_TIMESTAMPNS`, socket(7)), so a
+//! report that waited 20 ms for its reader is known to have waited. The stamps are of the machine's UTC clock, and jump
+//! with it. The kernel turns its stamping on when the first socket of the machine asks for it; what comes in until
+//! then, some milliseconds at most, is stamped when it is read.
 //!
 //! **Drops.** While the reader is busy, the kernel holds datagrams in a buffer, and drops what does not fit. Nobody is
 //! told unless somebody asks: `SO_RXQ_OVFL` sends the number of drops along with the next datagram. It goes up when the
@@ -196,9 +197,9 @@ impl UdpReceiver {
         })
     }
 
-    /// Takes the datagrams that are there, [`BATCH_MAX`] at most; if there are none, waits for the first of them as long
-    /// as `timeout`. `visit` gets those that pass the checks, in order of arrival; their number is returned, and may
-    /// be 0 although something came. A signal ends the wait.
+    /// Takes the datagrams that are there, [`BATCH_MAX`] at most; if there are none, waits for the first of them as
+    /// long as `timeout`. `visit` gets those that pass the checks, in order of arrival; their number is returned, and
+    /// may be 0 although something came. A signal ends the wait.
     ///
     /// # Errors
     /// If the socket fails, which it does not because of anything that is sent to it. It may be used again.

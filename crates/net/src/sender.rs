@@ -3,8 +3,8 @@
 //! Sending promises nothing: the operating system takes a datagram or does not, and what becomes of it later is
 //! nobody's knowledge. So a failure is a number, not an event, and the next datagram is tried as if nothing had been.
 //! There is one exception to the silence. Where no process listens at the destination, its host may answer with an
-//! ICMP message, and the kernel reports that at the *next* sending, instead of sending. Such a report is counted, and the
-//! datagram sent again, so that a listener that has just started does not miss its first one.
+//! ICMP message, and the kernel reports that at the *next* sending, instead of sending. Such a report is counted, and
+//! the datagram sent again, so that a listener that has just started does not miss its first one.
 //!
 //! A multicast datagram passes as many routers as its time to live allows, less one: with 1, the default here, it stays
 //! on the local network (RFC 1112, section 6.1). With the loop-back on, processes of this machine that have joined the

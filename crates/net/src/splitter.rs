@@ -35,7 +35,8 @@ impl Splitter {
     }
 
     /// Takes the first `octets` of what was [free](Self::free), and hands out the lines that are complete now, without
-    /// their ends. Empty lines, with which some servers keep a connection alive, are not handed out. Returns their number.
+    /// their ends. Empty lines, with which some servers keep a connection alive, are not handed out. Returns their
+    /// number.
     pub(crate) fn fill(&mut self, octets: usize, visit: &mut impl FnMut(&[u8])) -> usize {
         let end = self.filled + octets;
         let (mut start, mut lines) = (0, 0);

@@ -1,8 +1,8 @@
 //! One bearing of an emitter, as seen from a moving platform at one time (FM-7).
 //!
-//! A direction finder says in which direction something transmits, and not how far away it is. What can be made of many of
-//! them depends on where the platform was at each, so a bearing carries that. Positions are in the system frame, east, north
-//! and up; a bearing is clockwise from north in the horizontal plane, whatever the platform's heading.
+//! A direction finder says in which direction something transmits, and not how far away it is. What can be made of many
+//! of them depends on where the platform was at each, so a bearing carries that. Positions are in the system frame,
+//! east, north and up; a bearing is clockwise from north in the horizontal plane, whatever the platform's heading.
 
 use messages::{PlatformState, SensorBearing, StageTimes, platform_state_bits, sensor_bearing_bits as bits};
 

@@ -3,8 +3,8 @@
 //! A radar plot, a lidar return or a camera's bearing says where something is, or only in which direction, and nothing
 //! about which target it belongs to. Some sensors give two coordinates, some three, some an angle alone, so a detection
 //! names its kind, and the kind names the measured quantities in their order. Positions are in the system frame, east,
-//! north and up. Angles are radians: bearings clockwise from north, elevations up from the horizontal, both as seen from
-//! where the sensor was at that moment.
+//! north and up. Angles are radians: bearings clockwise from north, elevations up from the horizontal, both as seen
+//! from where the sensor was at that moment.
 
 use messages::{DetectionKind, SensorDetection, StageTimes, sensor_detection_bits as bits};
 

@@ -5,8 +5,8 @@
 //! - [`Bearing`]: the direction of an emitter, from a direction finder that measures nothing else;
 //! - [`WideAreaReport`]: the number of targets that a wide-area sensor has seen.
 //!
-//! Formats read and write these types and algorithms work on them, and neither knows of the other. [`Sampled`] is the one
-//! way between such a value and the sample that carries it through shared memory.
+//! Formats read and write these types and algorithms work on them, and neither knows of the other. [`Sampled`] is the
+//! one way between such a value and the sample that carries it through shared memory.
 
 #![forbid(unsafe_code)]
 
@@ -28,7 +28,8 @@ pub trait Sampled: Sized {
     /// The sample.
     type Sample;
 
-    /// The sample of source or sensor number `source`; sequence number and time of publication are left to the publisher.
+    /// The sample of source or sensor number `source`; sequence number and time of publication are left to the
+    /// publisher.
     fn sample(&self, source: u16, stages: StageTimes) -> Self::Sample;
 
     /// The value of a sample, to the last bit; `None` for a code of another schema.

@@ -83,8 +83,8 @@ pub enum Axes {
     /// The sensor's own x and y.
     #[default]
     Sensor,
-    /// True east and north at the target. Meridians converge: at 45° of latitude and 300 km east of the sensor, north is
-    /// almost 3° off the sensor's.
+    /// True east and north at the target. Meridians converge: at 45° of latitude and 300 km east of the sensor, north
+    /// is almost 3° off the sensor's.
     Target,
 }
 

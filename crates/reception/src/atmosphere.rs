@@ -2,10 +2,10 @@
 //!
 //! A transponder sends the altitude at which the standard atmosphere has the pressure outside: always counted from
 //! 1013.25 hPa, whatever the pilot has set. With the real pressure at sea level (QNH) the altimeter's own formula gives
-//! a constant difference; 27 ft for each hPa near the ground. What is left is the temperature: on a day 10 °C colder than
-//! the standard one, an aircraft flies 4 % lower than that. All sources of one deployment see the same difference, so
-//! fusion does not need the correction; it matters where height decides on position, at slant ranges of a few heights,
-//! and where geometric heights are compared.
+//! a constant difference; 27 ft for each hPa near the ground. What is left is the temperature: on a day 10 °C colder
+//! than the standard one, an aircraft flies 4 % lower than that. All sources of one deployment see the same difference,
+//! so fusion does not need the correction; it matters where height decides on position, at slant ranges of a few
+//! heights, and where geometric heights are compared.
 //!
 //! ICAO Doc 7488, the standard atmosphere up to 11 km.
 

@@ -80,8 +80,8 @@ settings::settings! {
         check CovarianceModel::check;
         /// Origin: the report's own quality figures, where it has them, or the values below.
         from: CovarianceFrom = CovarianceFrom::Configuration;
-        /// Standard deviation of each horizontal position component. Where reports state a dilution of precision, per unit of
-        /// it; where they state a standard deviation, its floor.
+        /// Standard deviation of each horizontal position component. Where reports state a dilution of precision, per
+        /// unit of it; where they state a standard deviation, its floor.
         position_sigma_m: f64 = 20.0, in [1e-3, 1e5];
         /// Standard deviation of each horizontal velocity component; where reports state one, its floor.
         velocity_sigma_mps: f64 = 3.0, in [1e-3, 1e4];
@@ -91,7 +91,8 @@ settings::settings! {
         range_sigma_m: Option<f64> = None, in [1e-3, 1e5];
         /// Azimuth error of a polar sensor.
         azimuth_sigma_deg: Option<Degrees> = None, in [1e-6, 45];
-        /// Use of reports whose own quality figure says that their accuracy is unknown: with a large covariance, or not at all.
+        /// Use of reports whose own quality figure says that their accuracy is unknown: with a large covariance, or not
+        /// at all.
         poor_quality: PoorQuality = PoorQuality::Use;
     }
 }
@@ -99,8 +100,8 @@ settings::settings! {
 settings::words! {
     /// Position item that is used, of a report that carries several.
     pub enum PositionForm {
-        /// Cartesian, else range and azimuth, else geographic: a radar's track rather than its plot. The plot, where there is
-        /// one, goes along as the measurement behind the track.
+        /// Cartesian, else range and azimuth, else geographic: a radar's track rather than its plot. The plot, where
+        /// there is one, goes along as the measurement behind the track.
         Any = "any",
         /// Cartesian only.
         Cartesian = "cartesian",

@@ -1,14 +1,14 @@
 //! A position in the sensor's own terms into the system frame.
 //!
-//! Most of the work is that of [`SensorFrame`](frames::SensorFrame). What is decided here is which height to use where a
-//! radar's slant range must be turned into a place on the ground.
+//! Most of the work is that of [`SensorFrame`](frames::SensorFrame). What is decided here is which height to use where
+//! a radar's slant range must be turned into a place on the ground.
 //!
 //! # Without a height
 //!
 //! A target that sends no height may be anywhere between the ground and some 12 km. At slant range ρ from a radar at
-//! height h₀ its ground range is about g(h) = √(ρ² − (h − h₀)²), shorter than ρ by (h − h₀)²/2ρ: 120 m between ground and
-//! 5 km at 100 km, but half of everything at 14 km. One height is assumed for all; the error this makes, if every ground
-//! range between g(0) and g(12 km) is as likely as any other, has the mean square
+//! height h₀ its ground range is about g(h) = √(ρ² − (h − h₀)²), shorter than ρ by (h − h₀)²/2ρ: 120 m between ground
+//! and 5 km at 100 km, but half of everything at 14 km. One height is assumed for all; the error this makes, if every
+//! ground range between g(0) and g(12 km) is as likely as any other, has the mean square
 //!
 //! > w²/12 + (m − g(hₐ))², w = |g(0) − g(12 km)|, m = (g(0) + g(12 km))/2,
 //!
@@ -16,8 +16,8 @@
 //! height are mostly low, without transponder; the fast ones among them are not. Near the radar it would put them
 //! straight above, where no radar looks; so nothing is assumed steeper than 30°, half the slant range up.
 //!
-//! A track that had a height some seconds ago is near it still: that height is used instead, and is less certain by what
-//! the target may have climbed.
+//! A track that had a height some seconds ago is near it still: that height is used instead, and is less certain by
+//! what the target may have climbed.
 
 use frames::Geodetic;
 use messages::Counter;
@@ -118,8 +118,8 @@ pub(crate) fn place(model: &SourceModel, position: Position, height: Height) -> 
     }
 }
 
-/// Whether there is any sense in converting a position: numbers that are none, or that no antenna measures, must not get
-/// into the geometry.
+/// Whether there is any sense in converting a position: numbers that are none, or that no antenna measures, must not
+/// get into the geometry.
 fn is_possible(model: &SourceModel, position: Position) -> bool {
     let (distance_m, angle_rad) = match position {
         Position::Cartesian([x, y], _) => (x.hypot(y), 0.0),

@@ -1,9 +1,9 @@
 //! Times that are cut off.
 //!
 //! The oldest radar format sends two octets of time: 512 s of it, counted from midnight. The rest is that which brings
-//! it nearest to a time known from elsewhere, the radar's service messages or the receiver's clock; right as long as the
-//! two are less than 256 s apart. A day is no multiple of 512 s: its last period is cut short at midnight, and the count
-//! begins anew.
+//! it nearest to a time known from elsewhere, the radar's service messages or the receiver's clock; right as long as
+//! the two are less than 256 s apart. A day is no multiple of 512 s: its last period is cut short at midnight, and the
+//! count begins anew.
 
 use frames::time::NS_PER_DAY;
 use observations::TRUNCATION_NS;

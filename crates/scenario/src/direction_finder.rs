@@ -1,8 +1,9 @@
 //! A simulated direction finder: an aircraft that flies a racetrack and measures from where it hears transmitters.
 //!
-//! The flight begins with a leg. The finder measures bearings only, and knows where it is itself and where it is heading. Some of the targets carry a
-//! transmitter, each on a frequency of its own; the finder knows them apart. All bearings of a period are measured at one
-//! time. What an antenna array would make of phases is left out here: a bearing is the true one with a normal error.
+//! The flight begins with a leg. The finder measures bearings only, and knows where it is itself and where it is
+//! heading. Some of the targets carry a transmitter, each on a frequency of its own; the finder knows them apart. All
+//! bearings of a period are measured at one time. What an antenna array would make of phases is left out here: a
+//! bearing is the true one with a normal error.
 
 use messages::NS_PER_S;
 use observations::Bearing;
@@ -105,8 +106,8 @@ pub struct SimulatedDirectionFinder {
 }
 
 impl SimulatedDirectionFinder {
-    /// A finder that begins at the scenario's start, which is at `start_utc_ns` (UTC, nanoseconds since 1970), as source
-    /// number `source`.
+    /// A finder that begins at the scenario's start, which is at `start_utc_ns` (UTC, nanoseconds since 1970), as
+    /// source number `source`.
     ///
     /// # Errors
     /// A setting that cannot be used.

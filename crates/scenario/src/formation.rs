@@ -1,8 +1,9 @@
 //! Targets in formation: side by side for a part of their way, well apart before and after.
 //!
-//! A formation follows one closed path, in and back, with the half turns of a racetrack at both ends. Each member has a place
-//! in a line across the way in, and keeps it in turns too, so that all fly at the same speed. Only the distance between
-//! neighbours changes: by half a cosine wave where they join and where they part, so that no velocity has a step.
+//! A formation follows one closed path, in and back, with the half turns of a racetrack at both ends. Each member has a
+//! place in a line across the way in, and keeps it in turns too, so that all fly at the same speed. Only the distance
+//! between neighbours changes: by half a cosine wave where they join and where they part, so that no velocity has a
+//! step.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -58,7 +59,8 @@ impl Formation {
         }
     }
 
-    /// Place and velocity of member `member` beside the path, east and north, metres and m/s, at a time since a lap's start.
+    /// Place and velocity of member `member` beside the path, east and north, metres and m/s, at a time since a lap's
+    /// start.
     pub(crate) fn beside(&self, member: u32, time_s: f64) -> ([f64; 2], [f64; 2]) {
         let place = f64::from(member) - 0.5 * f64::from(self.members.saturating_sub(1));
         let (spacing_m, rate_mps) = self.spacing.at(time_s);
@@ -125,8 +127,8 @@ fn size(sizes: &[(u32, f64)], drawn: f64) -> u32 {
         .map_or(1, |(size, _)| *size)
 }
 
-/// The way in on the bearing itself, the way back to its right; and how long the lap's first turn takes, after which the way in
-/// begins.
+/// The way in on the bearing itself, the way back to its right; and how long the lap's first turn takes, after which
+/// the way in begins.
 fn path(settings: &FormationSettings, bearing_rad: f64, speed_mps: f64) -> (ClosedPath, f64) {
     let radius_m = FormationSettings::turn_radius_m(speed_mps);
     let ([far_m, near_m], descent_m) = (settings.way_m, settings.descent_m(speed_mps));

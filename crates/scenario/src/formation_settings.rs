@@ -16,8 +16,8 @@ const SIDEWAYS_MPS: f64 = 50.0;
 const VERTICAL_MPS: f64 = 20.0;
 
 settings::settings! {
-    /// Formations of one kind: targets that come from far away, each by itself, join, fly side by side towards a place, part
-    /// again, turn back beside it, and come again.
+    /// Formations of one kind: targets that come from far away, each by itself, join, fly side by side towards a place,
+    /// part again, turn back beside it, and come again.
     pub struct FormationSettings {
         check FormationSettings::check;
         /// Number of formations.
@@ -30,7 +30,8 @@ settings::settings! {
         apart_m: f64 = 3000.0, in [1, 1e5];
         /// Place that they fly to: east and north.
         position_m: [f64; 2] = [0.0; 2], in [-1e6, 1e6];
-        /// First and last bearing, from there, of where they come from, clockwise from north; formations share the sector evenly.
+        /// First and last bearing, from there, of where they come from, clockwise from north; formations share the
+        /// sector evenly.
         sector_rad: [f64; 2] = [0.0, TAU], in [-7, 14], usually "from everywhere";
         /// Farthest and nearest distance of the way in.
         way_m: [f64; 2] = [60_000.0, 10_000.0], in [0, 1e6];

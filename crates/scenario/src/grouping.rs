@@ -1,10 +1,10 @@
 //! Which of many points belong together: those joined by a chain of near ones.
 //!
-//! Of all near pairs the shortest ones are taken first, and only those that join what was not joined before: the tree of
-//! shortest links. So of four in a line there are three links, and each can break by itself.
+//! Of all near pairs the shortest ones are taken first, and only those that join what was not joined before: the tree
+//! of shortest links. So of four in a line there are three links, and each can break by itself.
 
-/// Groups of `points` (east and north, metres). Two are near if they are at most `reach_m` apart along east and `apart` says
-/// less than 1 of them; a link between near ones breaks where `breaks` says so.
+/// Groups of `points` (east and north, metres). Two are near if they are at most `reach_m` apart along east and `apart`
+/// says less than 1 of them; a link between near ones breaks where `breaks` says so.
 ///
 /// For each point the smallest place in the list of all in its group: its own if it is alone or the first.
 pub(crate) fn groups(

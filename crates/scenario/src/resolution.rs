@@ -1,12 +1,12 @@
 //! Targets that a radar cannot tell apart.
 //!
-//! A radar tells two targets apart that differ by the length of its pulse in range, or by the width of its beam in azimuth.
-//! Otherwise their echoes are one. Here, whichever are joined by a chain of such pairs give one plot in their middle, at the
-//! time at which the antenna points at the first of them; it is detected if any of them is. Now and then echoes differ
-//! enough to be told apart all the same: then a link of the chain breaks for one turn.
+//! A radar tells two targets apart that differ by the length of its pulse in range, or by the width of its beam in
+//! azimuth. Otherwise their echoes are one. Here, whichever are joined by a chain of such pairs give one plot in their
+//! middle, at the time at which the antenna points at the first of them; it is detected if any of them is. Now and then
+//! echoes differ enough to be told apart all the same: then a link of the chain breaks for one turn.
 //!
-//! Simple in this: echoes are equally strong, the middle is that of the places and errs like one target's, and false plots
-//! merge with nothing. Who is with whom is looked up once per delivery.
+//! Simple in this: echoes are equally strong, the middle is that of the places and errs like one target's, and false
+//! plots merge with nothing. Who is with whom is looked up once per delivery.
 
 use std::f64::consts::{PI, TAU};
 

@@ -34,7 +34,8 @@ settings::words! {
 }
 
 settings::settings! {
-    /// A simulated sensor. Of three defaults the first is for radar, the second for multilateration, the third for ADS-B.
+    /// A simulated sensor. Of three defaults the first is for radar, the second for multilateration, the third for
+    /// ADS-B.
     pub struct SensorSettings {
         check SensorSettings::check;
         /// How the sensor observes.
@@ -86,14 +87,15 @@ settings::settings! {
         /// Mean number of false plots per period; with `plots` only.
         false_plots_per_period: Option<f64> = None, in [0, 5000], usually "0";
         /// Range resolution: two targets that differ in range by less than this, and in azimuth by less than
-        /// `azimuth_resolution_rad`, give one plot in their middle. With `plots` only; if neither is given, one plot each.
+        /// `azimuth_resolution_rad`, give one plot in their middle. With `plots` only; if neither is given, one plot
+        /// each.
         range_resolution_m: Option<f64> = None, in [1e-3, 1e5], usually "150 if the other is given";
         /// Azimuth resolution; see `range_resolution_m`.
         azimuth_resolution_rad: Option<f64> = None, in [1e-7, 0.5], usually "0.026 if the other is given, a beam of 1.5°";
         /// Probability that two such neighbours are resolved in a turn all the same; with a resolution only.
         resolved_probability: Option<f64> = None, in [0, 1], usually "0";
-        /// Spectral density of the acceleration that the sensor's own filter allows for, east and north; a tenth of it upwards.
-        /// The usual one is honest on straight legs and in turns at 25° of bank alike.
+        /// Spectral density of the acceleration that the sensor's own filter allows for, east and north; a tenth of it
+        /// upwards. The usual one is honest on straight legs and in turns at 25° of bank alike.
         acceleration_density_m2ps3: Option<f64> = None, in [1e-6, 1e6], usually "20";
         /// Standard deviation of a velocity not yet observed; a tenth of it upwards.
         first_speed_sigma_mps: Option<f64> = None, in [1e-3, 1e4], usually "150";

@@ -12,7 +12,8 @@ settings::settings! {
     /// The targets of a scenario.
     pub struct ScenarioSettings {
         check ScenarioSettings::check;
-        /// Number of targets beside formations, at least 1 if there are none. Those that no share speaks of fly en route.
+        /// Number of targets beside formations, at least 1 if there are none. Those that no share speaks of fly en
+        /// route.
         targets: u32 = 80, in [0, TARGETS_MAX];
         /// Half the side of the square in which en-route paths have their centres.
         half_width_m: f64 = 100_000.0, in [40_000, 400_000];

@@ -1,6 +1,7 @@
 //! Which paths the targets follow, and who they are.
 //!
-//! Turn radii follow from the speed at a bank angle of 25°, as aircraft fly them; vehicles turn on tens of metres, ships on hundreds.
+//! Turn radii follow from the speed at a bank angle of 25°, as aircraft fly them; vehicles turn on tens of metres,
+//! ships on hundreds.
 
 use std::sync::Arc;
 

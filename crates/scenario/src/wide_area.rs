@@ -1,9 +1,9 @@
 //! A simulated wide-area sensor: far away, coarse, slow and late, but it knows how many targets there are (WA-2).
 //!
-//! It watches a circle and reports, once per period, each group of targets that it cannot tell apart in place: the group's
-//! middle and velocity, with large errors, and its count, which it knows because it has watched the targets since they were
-//! apart. It may say where they were when it first saw them, and for a while report none where a group was that has
-//! vanished. What is near the edge of its circle may have left instead, and of that it says nothing.
+//! It watches a circle and reports, once per period, each group of targets that it cannot tell apart in place: the
+//! group's middle and velocity, with large errors, and its count, which it knows because it has watched the targets
+//! since they were apart. It may say where they were when it first saw them, and for a while report none where a group
+//! was that has vanished. What is near the edge of its circle may have left instead, and of that it says nothing.
 //!
 //! Simple in this: it never takes one target for another, and counts groups wrong by one, never to none.
 
@@ -107,8 +107,8 @@ impl Sighting {
 }
 
 impl SimulatedWideAreaSensor {
-    /// A sensor that begins at the scenario's start, which is at `start_utc_ns` (UTC, nanoseconds since 1970). `number` sets
-    /// its random numbers apart from those of other wide-area sensors.
+    /// A sensor that begins at the scenario's start, which is at `start_utc_ns` (UTC, nanoseconds since 1970). `number`
+    /// sets its random numbers apart from those of other wide-area sensors.
     ///
     /// # Errors
     /// A setting that cannot be used.
@@ -124,8 +124,8 @@ impl SimulatedWideAreaSensor {
         })
     }
 
-    /// Begins anew, without memory of what it saw, with the first delivery at or after `time_s` seconds from the scenario's
-    /// start.
+    /// Begins anew, without memory of what it saw, with the first delivery at or after `time_s` seconds from the
+    /// scenario's start.
     pub fn restart_at(&mut self, time_s: f64) {
         let settings = &self.settings;
         let periods = (time_s - settings.delay_s - settings.phase_s) / settings.period_s;
@@ -143,8 +143,8 @@ impl SimulatedWideAreaSensor {
         self.settings.phase_s + self.period as f64 * self.settings.period_s
     }
 
-    /// Appends the reports of the next delivery, groups in the order of their first members and then those of none, and goes on
-    /// to the one after it.
+    /// Appends the reports of the next delivery, groups in the order of their first members and then those of none, and
+    /// goes on to the one after it.
     pub fn observe(&mut self, truth: &Truth, out: &mut Vec<WideAreaReport>) {
         let time_s = self.observed_s();
         self.sightings.resize(truth.len().max(self.sightings.len()), None);

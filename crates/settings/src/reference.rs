@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 
 use crate::{Key, Table, Value, unit_of};
 
-/// A document in Markdown with a section for each table of `files`, which are (title, sentence, table): name, type, unit,
-/// range, default and text of every key. A table that stands at several places is written once.
+/// A document in Markdown with a section for each table of `files`, which are (title, sentence, table): name, type,
+/// unit, range, default and text of every key. A table that stands at several places is written once.
 pub fn reference(files: &[(&str, &str, &dyn Table)]) -> String {
     let mut out = String::new();
     let mut written = BTreeMap::new();

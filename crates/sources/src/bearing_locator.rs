@@ -1,8 +1,8 @@
 //! Tracks of a source that delivers bearings: each goes through the locator ([`locating`], EL).
 //!
-//! A bearing brings along where its platform was, and is published with it, before the track that follows from it. Of an
-//! emitter whose geometry allows no fix yet there is no track. Nothing waits: a track is as old as the bearing that it follows
-//! from. An emitter that falls silent has no further reports, as with any sensor.
+//! A bearing brings along where its platform was, and is published with it, before the track that follows from it. Of
+//! an emitter whose geometry allows no fix yet there is no track. Nothing waits: a track is as old as the bearing that
+//! it follows from. An emitter that falls silent has no further reports, as with any sensor.
 
 use locating::Locator;
 use locating::settings::Settings;

@@ -1,7 +1,8 @@
 //! One source's way from observations to samples.
 //!
-//! What comes as records begins with the same checks, those of [`Converter`], whatever becomes of it. A further way to make
-//! tracks is a further kind of [`Processing`]: a file here, a variant, a line in each of the methods of [`Pipeline`].
+//! What comes as records begins with the same checks, those of [`Converter`], whatever becomes of it. A further way to
+//! make tracks is a further kind of [`Processing`]: a file here, a variant, a line in each of the methods of
+//! [`Pipeline`].
 
 use messages::{Counters, SensorBearing};
 use observations::{Bearing, Observation, Service, WideAreaReport};
@@ -41,8 +42,8 @@ enum Maker {
 }
 
 impl Pipeline {
-    /// The pipeline of a source whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds). A tracker
-    /// begins with these `reports` of wide-area sensors; more may come.
+    /// The pipeline of a source whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds). A
+    /// tracker begins with these `reports` of wide-area sensors; more may come.
     ///
     /// # Errors
     /// What is wrong with the settings.

@@ -1,8 +1,8 @@
 //! A tracker, and everything that happens round it at each scan.
 //!
-//! The order of events decides what comes out: a picture of a time must have heard all scans until then and no later one, and
-//! a report of a wide-area sensor is for the first scan after its arrival. It is the same for a live source, which works off
-//! a scan as soon as it is complete, and for files:
+//! The order of events decides what comes out: a picture of a time must have heard all scans until then and no later
+//! one, and a report of a wide-area sensor is for the first scan after its arrival. It is the same for a live source,
+//! which works off a scan as soon as it is complete, and for files:
 //!
 //! 1. the pictures before the scan are shown, where tracks are wanted at even times (WA-11);
 //! 2. the tracker is given what wide-area sensors have counted and what has been heard until the scan;

@@ -1,13 +1,13 @@
 //! One distribution as counts between fixed bounds, which is what collectors of metrics store.
 //!
-//! Percentiles cannot be added over machines or stretches of time; counts between the same bounds can, and percentiles be
-//! estimated from the sum. The price is resolution: three bounds per decade tell a latency to a factor of about two. The
-//! exact figures are in the report and in the histogram files.
+//! Percentiles cannot be added over machines or stretches of time; counts between the same bounds can, and percentiles
+//! be estimated from the sum. The price is resolution: three bounds per decade tell a latency to a factor of about two.
+//! The exact figures are in the report and in the histogram files.
 
 use hdrhistogram::Histogram;
 
-/// Upper bounds, nanoseconds: one, two and five times each power of ten from one microsecond to 100 seconds. What is longer
-/// than the last counts as well, beyond it.
+/// Upper bounds, nanoseconds: one, two and five times each power of ten from one microsecond to 100 seconds. What is
+/// longer than the last counts as well, beyond it.
 pub const BUCKET_BOUNDS_NS: [u64; 25] = {
     let mut bounds_ns = [0; 25];
     let (mut index, mut decade_ns) = (0, 1_000);

@@ -67,8 +67,8 @@ impl<W: Write> IntervalLog<W> {
             .try_for_each(|source| self.write_part(stages, Some(source), begin_utc_ns, length_ns, &source_name))
     }
 
-    /// The part of [`IntervalLog::write_interval`] that is of one source or (`None`) of all together: compressing takes its
-    /// time, and with many sources there may be something more urgent to do in between.
+    /// The part of [`IntervalLog::write_interval`] that is of one source or (`None`) of all together: compressing takes
+    /// its time, and with many sources there may be something more urgent to do in between.
     ///
     /// # Errors
     /// Those of the writer.

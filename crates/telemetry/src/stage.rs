@@ -21,9 +21,9 @@ pub enum Stage {
 
 /// What ends the journey of a state, for whoever measures it.
 ///
-/// A subscriber that is woken for every slice measures the whole journey. One that looks only now and then, to spare the
-/// publisher the waking, would measure its own pauses: for it, the journey ends where fusion has published the state, and
-/// the last stage is not measured at all.
+/// A subscriber that is woken for every slice measures the whole journey. One that looks only now and then, to spare
+/// the publisher the waking, would measure its own pauses: for it, the journey ends where fusion has published the
+/// state, and the last stage is not measured at all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum JourneyEnd {
     /// The subscriber has received the state.

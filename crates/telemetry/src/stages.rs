@@ -199,9 +199,9 @@ impl Stages {
         while self.close_next_source() {}
     }
 
-    /// Does a part of [`Stages::close_interval`]: ends the interval of one source, in some tenths of a millisecond, so that
-    /// whoever has many sources can record in between. What is recorded of a source after its part belongs to its next
-    /// interval. `false`: that was all, and only now are the figures of all sources together complete.
+    /// Does a part of [`Stages::close_interval`]: ends the interval of one source, in some tenths of a millisecond, so
+    /// that whoever has many sources can record in between. What is recorded of a source after its part belongs to its
+    /// next interval. `false`: that was all, and only now are the figures of all sources together complete.
     pub fn close_next_source(&mut self) -> bool {
         if self.next_to_close == 0 {
             for all in &mut self.all {
@@ -234,8 +234,8 @@ impl Stages {
         &self.journey
     }
 
-    /// Latencies of one stage in nanoseconds, of one source or (`None`) of all. `None` if the source has not reported, or
-    /// the stage is not measured.
+    /// Latencies of one stage in nanoseconds, of one source or (`None`) of all. `None` if the source has not reported,
+    /// or the stage is not measured.
     pub fn histogram(&self, stage: Stage, source: Option<u16>, span: Span) -> Option<&Histogram<u64>> {
         let closed = self.closed(stage, source)?;
         Some(match span {

@@ -60,8 +60,8 @@ impl fmt::Display for Table {
     }
 }
 
-/// The latency table: one line per name (a stage, a source, …) with the figures of its summary, or dashes where there is
-/// `None`, because it is not measured.
+/// The latency table: one line per name (a stage, a source, …) with the figures of its summary, or dashes where there
+/// is `None`, because it is not measured.
 pub fn latencies<N: Into<String>, S: Into<Option<Summary>>>(
     heading: &str,
     rows: impl IntoIterator<Item = (N, S)>,

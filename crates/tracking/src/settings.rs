@@ -54,11 +54,13 @@ settings::settings! {
         check SensorSettings::check;
         /// Number by which detections name it.
         sensor_id as "id": u32;
-        /// Standard deviations of detections that state none, of the measured quantities in their order: 1 to 3 of them.
+        /// Standard deviations of detections that state none, of the measured quantities in their order: 1 to 3 of
+        /// them.
         sigmas: Option<Vec<f64>> = None, in [1e-9, 1e6];
         /// Standard deviation of range rates of detections that state none; needs `sigmas` beside it.
         range_rate_sigma_mps: Option<f64> = None, in [1e-9, 1e6];
-        /// Of scans at the same time (`selection.same_time_s`) only those of the sensor with the highest priority are used.
+        /// Of scans at the same time (`selection.same_time_s`) only those of the sensor with the highest priority are
+        /// used.
         priority: u32 = 0;
     }
 
@@ -67,12 +69,14 @@ settings::settings! {
     pub struct SensorModel {
         /// Probability that a target in the field of view is detected in a scan.
         detection_probability: f64 = 0.9, in [0.01, 0.9999];
-        /// Expected false detections per scan: per m² where the sensor measures positions or ranges, per radian of bearing where
-        /// it measures directions only. Learned from detections outside the gates of confirmed tracks if it is not given.
+        /// Expected false detections per scan: per m² where the sensor measures positions or ranges, per radian of
+        /// bearing where it measures directions only. Learned from detections outside the gates of confirmed tracks if
+        /// it is not given.
         clutter_density: Option<f64> = None, in [1e-30, 1e6], usually "learned";
         /// Where it sees targets. What is missing outside was not missed.
         field_of_view: Option<FieldOfView> = None, usually "everywhere";
-        /// Detections of a scan nearer to each other than this are of one target; a target gives only one if it is not given.
+        /// Detections of a scan nearer to each other than this are of one target; a target gives only one if it is not
+        /// given.
         resolution_m: Option<f64> = None, in [1e-3, 1e5];
     }
 
@@ -86,8 +90,8 @@ settings::settings! {
     /// Which hypotheses are kept (HT-9): merging, threshold and number, in this order.
     #[derive(Copy)]
     pub struct Reduction {
-        /// Hypotheses are merged whose associations over so many scans are the same; 0: only those that consist of the same
-        /// tracks.
+        /// Hypotheses are merged whose associations over so many scans are the same; 0: only those that consist of the
+        /// same tracks.
         merge_scans: usize = 2, in [0, HISTORY_MAX];
         /// Hypotheses less reliable are dropped.
         reliability_min: f64 = 1e-3, in [0, 0.49];
@@ -98,7 +102,8 @@ settings::settings! {
     /// Assumptions on targets that split, each off or on (SP-1 … SP-7).
     #[derive(Copy)]
     pub struct Splitting {
-        /// Expected new targets per expected false detection in the gates of confirmed tracks; as elsewhere if it is off.
+        /// Expected new targets per expected false detection in the gates of confirmed tracks; as elsewhere if it is
+        /// off.
         new_target_share: Option<f64> = Some(1.0), in [1e-6, 1e3];
         /// New tracks start only in the gate of a confirmed one, in a cluster that has one (SP-1).
         start_in_confirmed_gates: bool = false;
@@ -132,8 +137,8 @@ pub enum Limit {
     Off,
     /// This number.
     Fixed(usize),
-    /// Mean number of the cluster's detections over the last [`DETECTION_COUNTS`](crate::DETECTION_COUNTS) scans less the
-    /// number of its confirmed tracks, not below 0; for SP-6, one more.
+    /// Mean number of the cluster's detections over the last [`DETECTION_COUNTS`](crate::DETECTION_COUNTS) scans less
+    /// the number of its confirmed tracks, not below 0; for SP-6, one more.
     Computed,
 }
 
@@ -200,8 +205,8 @@ impl SensorSettings {
         }
     }
 
-    /// Standard deviations of detections that state none, in the order of their quantities, and then of the range rate; `None`
-    /// if none are known. One that is not known is NaN, and makes its detection unusable, as it should.
+    /// Standard deviations of detections that state none, in the order of their quantities, and then of the range rate;
+    /// `None` if none are known. One that is not known is NaN, and makes its detection unusable, as it should.
     pub fn default_sigmas(&self) -> Option<[f64; 4]> {
         let given = self.sigmas.as_ref()?;
         let mut sigmas = [f64::NAN; 4];

@@ -1,8 +1,8 @@
 //! `koseki bench compare`: before and after.
 //!
 //! Two files can be compared if they were measured with the same settings; what differs is said. A change is called one
-//! only if the runs of one file all lie on one side of those of the other: with five runs each, chance does that once in
-//! 126 comparisons of figures that are the same. The floor is compared too: if it has changed, the machine has.
+//! only if the runs of one file all lie on one side of those of the other: with five runs each, chance does that once
+//! in 126 comparisons of figures that are the same. The floor is compared too: if it has changed, the machine has.
 
 use std::path::Path;
 

@@ -2,8 +2,8 @@
 //!
 //! Two passes, because reading the clock costs about as much as what is to be measured is uncertain. In the first, a
 //! thousand updates are timed as one, and the median of these means is the *time per update*: no single reading counts
-//! for much. In the second, each update is timed, for its tail; the cost of a reading is taken off. Both include nothing
-//! but the engine: what it takes to build the reports is measured apart, and taken off the first.
+//! for much. In the second, each update is timed, for its tail; the cost of a reading is taken off. Both include
+//! nothing but the engine: what it takes to build the reports is measured apart, and taken off the first.
 //!
 //! Limits: the engine runs at full speed here, and finds its tables in caches that, at a slow rate in a process of its
 //! own, others have used meanwhile.

@@ -1,12 +1,12 @@
 //! What the machine does by itself.
 //!
 //! A thread that does nothing but read the clock should see every time there is. Where two readings are farther apart
-//! than two readings take, something else had the core: an interrupt, another process, the host of a virtual machine. No
-//! latency can be better than that, so it is measured next to each, on the same core, at the same priority.
+//! than two readings take, something else had the core: an interrupt, another process, the host of a virtual machine.
+//! No latency can be better than that, so it is measured next to each, on the same core, at the same priority.
 //!
 //! Two distributions come of the same readings. *Gaps* are the times between successive readings beyond the
-//! usual one: how long the machine is away. *Lateness* asks at the times at which reports would have been due, how much later the
-//! next reading was: what of it a latency shows, percentile by percentile.
+//! usual one: how long the machine is away. *Lateness* asks at the times at which reports would have been due, how much
+//! later the next reading was: what of it a latency shows, percentile by percentile.
 
 use hdrhistogram::Histogram;
 

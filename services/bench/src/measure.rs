@@ -1,8 +1,8 @@
 //! One measurement: a fresh process under test, warmed up, then the load.
 //!
-//! Nothing of the warm-up is in the figures. It lasts until a whole round over all targets and sources has been answered
-//! by exactly one confirmed state for each report: then every target has its system track, every page is touched and
-//! every table filled. A short stretch at the measured rate follows, so that caches know the pace.
+//! Nothing of the warm-up is in the figures. It lasts until a whole round over all targets and sources has been
+//! answered by exactly one confirmed state for each report: then every target has its system track, every page is
+//! touched and every table filled. A short stretch at the measured rate follows, so that caches know the pace.
 
 use std::ffi::OsString;
 use std::sync::Arc;

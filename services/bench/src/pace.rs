@@ -38,8 +38,8 @@ impl Pace {
         }
     }
 
-    /// When a process that answers at once may sleep in the rests, as nanoseconds without work and nanoseconds of sleep:
-    /// nothing is due meanwhile.
+    /// When a process that answers at once may sleep in the rests, as nanoseconds without work and nanoseconds of
+    /// sleep: nothing is due meanwhile.
     pub(crate) fn idle_rest_ns(&self) -> Option<(i64, i64)> {
         self.rests?;
         let idle_ns = 1.5 * self.interval_ns + REST_MARGIN_NS;

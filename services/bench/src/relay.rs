@@ -1,8 +1,8 @@
 //! The floor: a process that does nothing but pass the payload on.
 //!
-//! It takes slices of sensor tracks and sends slices of as many system tracks, over the same shared memory, with the same
-//! hops, sizes, core, priority and way of waiting as fusion, but without engine, header, counters or health. What the
-//! pipeline takes beyond it is Koseki's own.
+//! It takes slices of sensor tracks and sends slices of as many system tracks, over the same shared memory, with the
+//! same hops, sizes, core, priority and way of waiting as fusion, but without engine, header, counters or health. What
+//! the pipeline takes beyond it is Koseki's own.
 
 use std::hint::spin_loop;
 use std::time::Duration;

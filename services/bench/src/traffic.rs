@@ -1,8 +1,8 @@
 //! The reports that the bench sends: targets on a grid, all moving, each seen by every source in turn.
 //!
 //! The grid is wide (3 km) and the targets fly nearly the same way, so that each report belongs to one system track
-//! beyond doubt, and one report yields one state of it. What is measured is then the work itself, not a traffic picture.
-//! Every second source knows the targets' addresses; the others are recognised by place.
+//! beyond doubt, and one report yields one state of it. What is measured is then the work itself, not a traffic
+//! picture. Every second source knows the targets' addresses; the others are recognised by place.
 //!
 //! What is the same in all reports of a target is built beforehand; when it is sent, time and position are filled in.
 

@@ -49,8 +49,8 @@ impl Verdict {
     }
 }
 
-/// The verdicts on one rate. Where reports are sent together (`batch` above 1), they wait for each other, and the middle is
-/// not judged.
+/// The verdicts on one rate. Where reports are sent together (`batch` above 1), they wait for each other, and the
+/// middle is not judged.
 pub(crate) fn verdicts(
     wait: Wait,
     batch: usize,

@@ -1,7 +1,7 @@
 //! `koseki bench watch`: what it costs to be watched.
 //!
-//! Something is added to a running fusion: a monitor, subscribers, one that has stopped reading; or one source sends many
-//! times as much, and what the others notice is measured. The cost is far below the
+//! Something is added to a running fusion: a monitor, subscribers, one that has stopped reading; or one source sends
+//! many times as much, and what the others notice is measured. The cost is far below the
 //! machine's noise, so runs with and without it are paired, one directly after the other, in alternating order; of each
 //! pair only the ratio counts, and of the ratios the median with the interval that it lies in at 95 % (see `Ratio`).
 

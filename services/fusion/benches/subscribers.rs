@@ -1,4 +1,5 @@
-//! What a subscriber costs fusion: its loop in this process, with so many subscribers that read and so many that do not.
+//! What a subscriber costs fusion: its loop in this process, with so many subscribers that read and so many that do
+//! not.
 //!
 //! Time varies with the machine, counted instructions do not. With valgrind installed:
 //!

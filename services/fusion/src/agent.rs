@@ -94,9 +94,9 @@ impl<S: Transport> FusionAgent<S> {
         }
     }
 
-    /// Order `arrival`: reports are worked off as they come, in rounds. A round takes one report of each source that has
-    /// some, the source first whose slice was sent first. So a source that floods costs each of the others one report's
-    /// time, and what it has no turn for waits in its own queue.
+    /// Order `arrival`: reports are worked off as they come, in rounds. A round takes one report of each source that
+    /// has some, the source first whose slice was sent first. So a source that floods costs each of the others one
+    /// report's time, and what it has no turn for waits in its own queue.
     fn work_on_arrival(&mut self, now: Now) -> anyhow::Result<bool> {
         let mut worked = 0;
         while worked < REPORTS_PER_TURN && self.begin_round()? {

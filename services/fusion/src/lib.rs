@@ -1,15 +1,16 @@
 //! The fusion process: takes sensor tracks from shared memory, lets the engine fuse them, publishes system tracks.
 //!
-//! This crate decides *when* and *which*: which source is read next, when a report's turn has come, when time has passed.
+//! This crate decides *when* and *which*: which source is read next, when a report's turn has come, when time has
+//! passed.
 //! *How* reports become system tracks is the `fusion` crate's business.
 
 #![forbid(unsafe_code)]
 
 //! # The loop
-//! Fusion answers within microseconds, so its thread does nothing else: what it counts is published, and orders are read,
-//! by a second thread (`runtime::housekeeping`). Turn after turn it takes one report of each source that has some, fuses it,
-//! publishes what came of it, and asks again. With `wait = "spin"` on a core of its own, a turn makes no system call,
-//! takes no lock and allocates nothing (tests/allocation.rs; docs/real-time.md has the trace).
+//! Fusion answers within microseconds, so its thread does nothing else: what it counts is published, and orders are
+//! read, by a second thread (`runtime::housekeeping`). Turn after turn it takes one report of each source that has
+//! some, fuses it, publishes what came of it, and asks again. With `wait = "spin"` on a core of its own, a turn makes
+//! no system call, takes no lock and allocates nothing (tests/allocation.rs; docs/real-time.md has the trace).
 
 mod agent;
 mod inputs;
@@ -24,7 +25,8 @@ use configuration::Process;
 use runtime::housekeeping::{self, Housekeeper};
 use runtime::{Rest, cores};
 
-/// How a loop rests that would otherwise never sleep: six hundredths of the time, more than the kernel would take by force.
+/// How a loop rests that would otherwise never sleep: six hundredths of the time, more than the kernel would take by
+/// force.
 const REST: Rest = Rest {
     every_ns: 1_000_000,
     for_ns: 60_000,

@@ -1,8 +1,9 @@
 //! The gateway process: sends tracks to other systems, in ASTERIX over the network.
 //!
 //! The fused picture goes out as CAT062, with the state of the fusion system (CAT065) and of its sensors (CAT063), as
-//! displays and neighbouring centres expect it. The sensor tracks of one source can go out as CAT010, 020, 021 or 048, to
-//! test other systems with. The process is a subscriber like any other: whatever happens to it, fusion does not notice.
+//! displays and neighbouring centres expect it. The sensor tracks of one source can go out as CAT010, 020, 021 or 048,
+//! to test other systems with. The process is a subscriber like any other: whatever happens to it, fusion does not
+//! notice.
 
 #![forbid(unsafe_code)]
 

@@ -1,7 +1,7 @@
 //! `koseki score`: how good tracks or fixes are against a known truth (FM-8).
 //!
-//! What the figures are is in the crate `scoring`; here files are opened, and figures are shown: a line each with what it
-//! means, or as one JSON object under the same words.
+//! What the figures are is in the crate `scoring`; here files are opened, and figures are shown: a line each with what
+//! it means, or as one JSON object under the same words.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,9 @@
 //! `koseki simulate`: what simulated sensors see of a simulated world, as files (FM-9).
 //!
 //! The world and its sensors are those of the demonstration (`scenario`), without a clock: each sensor is asked for one
-//! delivery after the other. So a run of an hour takes seconds, and the same seed gives the same bytes. Direction finders
-//! give a table of bearings (FM-7), in which a transmitter has the number of its target; wide-area sensors one of counts (FM-6).
+//! delivery after the other. So a run of an hour takes seconds, and the same seed gives the same bytes. Direction
+//! finders give a table of bearings (FM-7), in which a transmitter has the number of its target; wide-area sensors one
+//! of counts (FM-6).
 
 use std::io::Write as _;
 use std::path::Path;
@@ -119,7 +120,8 @@ fn simulated(source: &Source) -> Option<(&Source, &Instrument)> {
     }
 }
 
-/// Writes what one sensor reports and detects up to `end_s`; how much that is. One that delivers plots reports no tracks.
+/// Writes what one sensor reports and detects up to `end_s`; how much that is. One that delivers plots reports no
+/// tracks.
 fn write_sensor(
     folder: &Path,
     source: u16,

@@ -1,9 +1,9 @@
 //! When to start a child again that has ended: deciding only, apart from doing.
 //!
 //! Starting it again at once is right for the first time: most ends are accidents. One that always fails at its start
-//! would then be started hundreds of times a second. So the pause doubles with each end, up to a limit, and is forgotten
-//! once a child has lived for a while. And what has failed at once many times in a row will not be cured by one more
-//! start: a person must look.
+//! would then be started hundreds of times a second. So the pause doubles with each end, up to a limit, and is
+//! forgotten once a child has lived for a while. And what has failed at once many times in a row will not be cured by
+//! one more start: a person must look.
 
 use std::time::Duration;
 

@@ -12,8 +12,8 @@ use runtime::{Options, Speed};
 pub(crate) struct Part {
     /// Its kind.
     pub(crate) kind: ProcessKind,
-    /// Its name, which it also gives in its health messages: that of its source or receiver for an adapter, its own for a
-    /// gateway, else that of its kind.
+    /// Its name, which it also gives in its health messages: that of its source or receiver for an adapter, its own for
+    /// a gateway, else that of its kind.
     pub(crate) name: String,
     /// Its source's number, for an adapter of one source.
     pub(crate) source: u16,

@@ -157,8 +157,8 @@ impl<S: Transport> MonitorAgent<S> {
 
     /// Ends the interval at hand; returns how long it was, nanoseconds.
     ///
-    /// With many sources this takes longer than the queue of system tracks can hold what comes, so it is done in parts, and
-    /// what has come is taken in between.
+    /// With many sources this takes longer than the queue of system tracks can hold what comes, so it is done in parts,
+    /// and what has come is taken in between.
     fn close_interval(&mut self, now: Now) -> anyhow::Result<i64> {
         while self.survey.close_next_source() {
             self.take()?;

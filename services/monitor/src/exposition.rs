@@ -1,11 +1,11 @@
 //! What is known, as metrics in the OpenMetrics text format, which Prometheus collects.
 //!
-//! Latencies are histograms, not summaries: quantiles that each process has worked out for itself cannot be combined over
-//! sources, instances or longer stretches of time, counts in common buckets can (`histogram_quantile` does it).
+//! Latencies are histograms, not summaries: quantiles that each process has worked out for itself cannot be combined
+//! over sources, instances or longer stretches of time, counts in common buckets can (`histogram_quantile` does it).
 //!
-//! All begin with `koseki_`. Every counter of `messages::Counter` is a family of its own, so that its sentence is its help
-//! text; the label `source` is empty where a process speaks of itself as a whole, and what it says then includes its
-//! sources.
+//! All begin with `koseki_`. Every counter of `messages::Counter` is a family of its own, so that its sentence is its
+//! help text; the label `source` is empty where a process speaks of itself as a whole, and what it says then includes
+//! its sources.
 
 use std::fmt;
 

@@ -42,8 +42,8 @@ impl Files {
         })
     }
 
-    /// Logs the interval that was closed last, of one source or (`None`) of all together. What is logged reaches the disk
-    /// now: the process may be killed.
+    /// Logs the interval that was closed last, of one source or (`None`) of all together. What is logged reaches the
+    /// disk now: the process may be killed.
     pub(crate) fn log_interval<N: AsRef<str>>(
         &mut self,
         stages: &Stages,

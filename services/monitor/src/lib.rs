@@ -16,28 +16,29 @@
 //! | `exposition`, `metrics` | the same for Prometheus, served on a thread of its own |
 //!
 //! # How loss is proved
-//! Loss is a difference of counters that different processes keep: what a publisher says it has published, what a reader
-//! says it has taken, and what that reader found missing in the sequence ("lost"). What is left is *unread*: published
-//! when the reader was not there, because it had not started, was being restarted, or had stopped. Only if both are 0
-//! has everything arrived. Limit: a process that is killed takes up to 0.2 s of its counts with it, the time between two
-//! of its health messages. And a monitor that was restarted itself does not know what others had counted before they were.
+//! Loss is a difference of counters that different processes keep: what a publisher says it has published, what a
+//! reader says it has taken, and what that reader found missing in the sequence ("lost"). What is left is *unread*:
+//! published when the reader was not there, because it had not started, was being restarted, or had stopped. Only if
+//! both are 0 has everything arrived. Limit: a process that is killed takes up to 0.2 s of its counts with it, the time
+//! between two of its health messages. And a monitor that was restarted itself does not know what others had counted
+//! before they were.
 //!
 //! # What the latencies are
 //! The monitor is a subscriber like any other. There are two ways to wait, and `[monitor] wait` chooses between them:
 //!
-//! - **event**: it sleeps until it is notified, and what it measures from fusion to "received" is what a subscriber sees.
-//!   The price is paid by what is measured: fusion wakes one more reader, some ten microseconds per slice.
-//! - **poll**: it listens to nobody, and looks every few milliseconds at what has come. Fusion does not notice it. But from
-//!   fusion to "received" it would measure its own pause. So that stage is not measured then, and end to end and age are
-//!   taken to the moment at which fusion published. `koseki bench` measures the rest.
+//! - **event**: it sleeps until it is notified, and what it measures from fusion to "received" is what a subscriber
+//!   sees. The price is paid by what is measured: fusion wakes one more reader, some ten microseconds per slice.
+//! - **poll**: it listens to nobody, and looks every few milliseconds at what has come. Fusion does not notice it. But
+//!   from fusion to "received" it would measure its own pause. So that stage is not measured then, and end to end and
+//!   age are taken to the moment at which fusion published. `koseki bench` measures the rest.
 //!
 //! Where fusion spins for the sake of latency, poll is the default. A queue of 256 slices holds what comes in 30 ms at
-//! half a million states per second in slices of 64, so the default pause of 5 ms leaves room for the work at the end of an
-//! interval. The stamp is taken for each slice when it is taken, not once per turn.
+//! half a million states per second in slices of 64, so the default pause of 5 ms leaves room for the work at the end
+//! of an interval. The stamp is taken for each slice when it is taken, not once per turn.
 //!
 //! When a recording is replayed as fast as possible, reports wait in full queues all the time. Those are no latencies
-//! that anybody will see in operation, so none are recorded then. And the adapters wait for fusion and the recorder, but not
-//! for the monitor: it may miss states then, counts them, and nobody else is affected.
+//! that anybody will see in operation, so none are recorded then. And the adapters wait for fusion and the recorder,
+//! but not for the monitor: it may miss states then, counts them, and nobody else is affected.
 //!
 //! Architecture invariant: the monitor only reads. Nothing that it does can hold up a publisher.
 

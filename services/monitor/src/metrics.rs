@@ -1,8 +1,8 @@
 //! Serves the metrics, on a thread of its own.
 //!
 //! The monitor hands over what it knows at the end of each interval; whoever asks gets the latest of that. So however
-//! often, slowly or wrongly somebody asks, the monitor's own work is not touched: the two share a pointer, which is held
-//! for as long as it takes to copy it.
+//! often, slowly or wrongly somebody asks, the monitor's own work is not touched: the two share a pointer, which is
+//! held for as long as it takes to copy it.
 
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,13 +1,13 @@
-//! The simulator process: observes a simulated world with simulated sensors, and sends what they report over the network as
-//! real sensors do.
+//! The simulator process: observes a simulated world with simulated sensors, and sends what they report over the
+//! network as real sensors do.
 //!
 //! Each sensor speaks the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
-//! CAT021 with CAT023 (`sensor`). A direction finder sends tables of bearings (`direction_finder`), a wide-area sensor tables
-//! of counts, as late as they are to arrive (`wide_area`), both as rows in datagrams (`rows`). All go to the adapter of their
-//! source at the deployment's own loopback address. So a demonstration runs through the same sockets,
+//! CAT021 with CAT023 (`sensor`). A direction finder sends tables of bearings (`direction_finder`), a wide-area sensor
+//! tables of counts, as late as they are to arrive (`wide_area`), both as rows in datagrams (`rows`). All go to the
+//! adapter of their source at the deployment's own loopback address. So a demonstration runs through the same sockets,
 //! decoders and checks as a deployment with real sensors, and what a category cannot say (a radar's report has no
-//! covariance) is missing here as it is there. A radar that delivers plots sends those, false ones among them, and says when
-//! its antenna points north.
+//! covariance) is missing here as it is there. A radar that delivers plots sends those, false ones among them, and says
+//! when its antenna points north.
 //!
 //! The simulated world goes on while the process is away: started again, it looks at the world as it is by then.
 

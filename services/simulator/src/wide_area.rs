@@ -1,5 +1,5 @@
-//! A simulated wide-area sensor with its way out: tables of counts in datagrams (FM-6), each with its header line, when they are
-//! to arrive.
+//! A simulated wide-area sensor with its way out: tables of counts in datagrams (FM-6), each with its header line, when
+//! they are to arrive.
 
 use configuration::{Process, WideAreaSensor};
 use formats::wide_area_csv::WideAreaWriter;

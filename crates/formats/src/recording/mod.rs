@@ -15,8 +15,8 @@
 //! - A **category** is given only if at least half of its blocks fit. Otherwise it is *withheld*, and the survey says
 //!   which other editions fit the blocks that this one does not.
 //!
-//! So a recording is read twice: once to [survey](Recording::survey) it, once to give its [records](Recording::for_each).
-//! Finding the items of all records costs little beside decoding them.
+//! So a recording is read twice: once to [survey](Recording::survey) it, once to give its
+//! [records](Recording::for_each). Finding the items of all records costs little beside decoding them.
 //!
 //! # Limits
 //!

@@ -34,8 +34,8 @@ pub enum Line {
 /// What an aircraft sent, as far as one transmission says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Message {
-    /// Which transmission, 1 to 8: identification, surface position, airborne position, velocity, altitude, altitude and
-    /// code, air to air, all-call.
+    /// Which transmission, 1 to 8: identification, surface position, airborne position, velocity, altitude, altitude
+    /// and code, air to air, all-call.
     pub transmission: u8,
     /// 24-bit address of the aircraft.
     pub address: u32,

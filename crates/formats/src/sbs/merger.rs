@@ -1,15 +1,15 @@
 //! Lines of one aircraft into one observation.
 //!
-//! Positions come twice a second from an aircraft that is heard well, velocities as often but in lines of their own, and
-//! callsign and code every few seconds. The merger remembers the latest of each per aircraft, and completes every
+//! Positions come twice a second from an aircraft that is heard well, velocities as often but in lines of their own,
+//! and callsign and code every few seconds. The merger remembers the latest of each per aircraft, and completes every
 //! position with what is recent enough to be true still:
 //!
-//! - velocity, rate of climb, altitude and on-ground flag for 5 s: in that time an aircraft in a standard turn changes its
-//!   heading by 15°, and a fast climbing one its altitude by 100 m;
+//! - velocity, rate of climb, altitude and on-ground flag for 5 s: in that time an aircraft in a standard turn changes
+//!   its heading by 15°, and a fast climbing one its altitude by 100 m;
 //! - callsign and code for a minute: they hardly change, and lines that carry them may be missed.
 //!
-//! A position in the same line as one of these goes with it, of course. A surface position says that the aircraft is on the
-//! ground, and its altitude is none: receivers fill in zero.
+//! A position in the same line as one of these goes with it, of course. A surface position says that the aircraft is on
+//! the ground, and its altitude is none: receivers fill in zero.
 //!
 //! Ages are differences of the lines' own times, so that a recording read as fast as possible gives what the live feed
 //! gave. Lines of one aircraft may be out of order by as much as the ages allow. After a minute of silence nothing that
@@ -121,8 +121,8 @@ impl Merger {
         }
     }
 
-    /// Takes a line without its end, received at `received_utc_ns`; gives an observation if the line holds a position. The
-    /// time of receipt is used where the line has no time.
+    /// Takes a line without its end, received at `received_utc_ns`; gives an observation if the line holds a position.
+    /// The time of receipt is used where the line has no time.
     ///
     /// # Errors
     /// [`SbsError`] if the line was rejected. It is counted already; a caller that reports its counters has nothing to

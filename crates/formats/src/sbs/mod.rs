@@ -22,11 +22,11 @@
 //!
 //! A line holds only what its one transmission said: a position here, a velocity there, a callsign now and then.
 //! [`Line::parse`] reads one; [`Merger`] puts the recent ones of each aircraft together, and gives an
-//! [`Observation`](observations::Observation) whenever a position comes in. The other kinds of line, `SEL`, `ID`, `AIR`,
-//! `STA` and `CLK`, speak of what happens in the receiver's window, and are passed over.
+//! [`Observation`](observations::Observation) whenever a position comes in. The other kinds of line, `SEL`, `ID`,
+//! `AIR`, `STA` and `CLK`, speak of what happens in the receiver's window, and are passed over.
 //!
-//! Times carry no zone. As a rule they are the local time of the computer that writes them, whatever that is set to, so the
-//! offset from UTC must be configured where it is not zero.
+//! Times carry no zone. As a rule they are the local time of the computer that writes them, whatever that is set to, so
+//! the offset from UTC must be configured where it is not zero.
 
 mod line;
 mod merger;

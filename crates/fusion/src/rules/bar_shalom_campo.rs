@@ -1,14 +1,14 @@
 //! `bar-shalom-campo`: the best linear combination under a modelled cross-covariance (BF-1).
 //!
 //! What correlates two trackers of one target is the target: both lag behind its manoeuvres. Each source is taken for a
-//! steady filter of nearly constant velocity whose position variance is the one it reports; common process noise and those
-//! filters' gains give the correlations of every pair (`estimation::SteadyFilter`). They are carried over to the reported
-//! covariances by the roots of these, so that sources that are what the model takes them for are combined exactly, and the
-//! joint covariance is positive definite for all others.
+//! steady filter of nearly constant velocity whose position variance is the one it reports; common process noise and
+//! those filters' gains give the correlations of every pair (`estimation::SteadyFilter`). They are carried over to the
+//! reported covariances by the roots of these, so that sources that are what the model takes them for are combined
+//! exactly, and the joint covariance is positive definite for all others.
 //!
-//! Limits: steady state; the shortest of the sources' periods stands for all, which errs towards more correlation; an aged
-//! report is taken for a report of a poorer filter; errors that sources share for other reasons are not seen. Should
-//! rounding leave the joint covariance indefinite, the sources are combined by covariance intersection.
+//! Limits: steady state; the shortest of the sources' periods stands for all, which errs towards more correlation; an
+//! aged report is taken for a report of a poorer filter; errors that sources share for other reasons are not seen.
+//! Should rounding leave the joint covariance indefinite, the sources are combined by covariance intersection.
 
 use estimation::{Estimate, INPUTS_MAX, SteadyFilter, correlated_combination};
 use messages::NS_PER_S;
@@ -73,8 +73,8 @@ fn spread<const D: usize>(correlation: &Matrix2<f64>) -> SMatrix<f64, D, D> {
     })
 }
 
-/// B with B·Bᵀ = `covariance`, lower triangular by blocks (position, velocity) with symmetric blocks on the diagonal: it
-/// turns with the frame, so that the result does not depend on where north is. D is 2 or 4.
+/// B with B·Bᵀ = `covariance`, lower triangular by blocks (position, velocity) with symmetric blocks on the diagonal:
+/// it turns with the frame, so that the result does not depend on where north is. D is 2 or 4.
 fn block_root<const D: usize>(covariance: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     let axes = D / 2;
     // One axis is two of which the second is never looked at.

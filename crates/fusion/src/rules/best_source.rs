@@ -2,11 +2,11 @@
 //!
 //! Two sensors that see different points of a large target, or that carry a bias, give parallel but offset tracks.
 //! Averaging them makes a still target creep as the weights change. This rule does not average: at each refresh the
-//! source with the smallest lambda = alpha·V gets weight 1, all others 0. Only when the best source changes may the output
-//! be blended from one to the other, over few refreshes (`hand_over`).
+//! source with the smallest lambda = alpha·V gets weight 1, all others 0. Only when the best source changes may the
+//! output be blended from one to the other, over few refreshes (`hand_over`).
 //!
-//! With hysteresis (TI-18) the present source is kept until another's lambda is below h times its own, and for a minimum
-//! number of refreshes.
+//! With hysteresis (TI-18) the present source is kept until another's lambda is below h times its own, and for a
+//! minimum number of refreshes.
 
 use super::combination::combine;
 use super::{Candidate, Memory, Method, NO_SOURCE, RuleEntry, Share, Target};

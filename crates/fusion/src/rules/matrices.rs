@@ -1,11 +1,11 @@
 //! What the rules that combine whole covariances have in common.
 //!
-//! East and north, positions and velocities, are combined as one (4×4); height and vertical speed on their own (2×2), over
-//! the sources that observe height: so a source without it neither gives one nor is preferred or slighted for it. The
-//! correlation of horizontal with vertical errors, which hardly any source states, is left out.
+//! East and north, positions and velocities, are combined as one (4×4); height and vertical speed on their own (2×2),
+//! over the sources that observe height: so a source without it neither gives one nor is preferred or slighted for it.
+//! The correlation of horizontal with vertical errors, which hardly any source states, is left out.
 //!
-//! A covariance that is not positive definite is repaired and counted; where nothing can be kept of it the source is left
-//! out. A single source passes through untouched.
+//! A covariance that is not positive definite is repaired and counted; where nothing can be kept of it the source is
+//! left out. A single source passes through untouched.
 
 use estimation::{Estimate, Matrix6, repaired, unpacked};
 use messages::{AXES, CONTRIBUTIONS_MAX, STATE_LEN};

@@ -62,8 +62,8 @@ impl RuleEntry {
 /// Where the states of a rule come from.
 #[derive(Clone, Copy, Debug)]
 pub enum Method {
-    /// The state is the estimate of the target's filter, and a source's share is what it contributed to that. Nothing is
-    /// remembered of a target, and of the candidates nothing but source and share is filled in.
+    /// The state is the estimate of the target's filter, and a source's share is what it contributed to that. Nothing
+    /// is remembered of a target, and of the candidates nothing but source and share is filled in.
     Filter,
     /// State and shares are made from the candidates.
     Candidates(Fuse),
@@ -154,7 +154,8 @@ pub struct Candidate {
     pub period_ns: i64,
     /// Whether its source has missed the expected report (TI-15).
     pub overdue: bool,
-    /// Whether it is no longer fresh, and here only so that the source it was handed over from can be blended out (TI-15).
+    /// Whether it is no longer fresh, and here only so that the source it was handed over from can be blended out
+    /// (TI-15).
     pub stale: bool,
     /// State of the track at its source.
     pub life: TrackState,
@@ -265,8 +266,8 @@ pub(crate) mod testing {
         }
     }
 
-    /// What `rule` with default options and no memory makes of `candidates`. A filter is taken to have heard of all of them
-    /// equally often.
+    /// What `rule` with default options and no memory makes of `candidates`. A filter is taken to have heard of all of
+    /// them equally often.
     pub(crate) fn fused_of(rule: &'static RuleEntry, candidates: &[Candidate]) -> (Option<State>, Vec<Share>) {
         let settings = RuleSettings {
             rule: rule.code,

@@ -1,9 +1,9 @@
 //! `system-filter`: one filter per target, fed with the measurements behind the sensor tracks (BF-1).
 //!
-//! Sensor tracks of one target have correlated errors: each repeats its own past, and all lag behind the same manoeuvre.
-//! Instead of modelling the correlation, the engine undoes the sources' filters where it can, and filters their
-//! measurements, whose errors are independent, once more by itself: the estimate that one central tracker with all
-//! sensors' measurements would have. See the modules `filter` and `source_model`.
+//! Sensor tracks of one target have correlated errors: each repeats its own past, and all lag behind the same
+//! manoeuvre. Instead of modelling the correlation, the engine undoes the sources' filters where it can, and filters
+//! their measurements, whose errors are independent, once more by itself: the estimate that one central tracker with
+//! all sensors' measurements would have. See the modules `filter` and `source_model`.
 //!
 //! Shares are what each source contributed to the present estimate: a measurement with gain g takes g of everything and
 //! leaves 1 − g to those before it.

@@ -1,7 +1,7 @@
 //! Lines from servers that behave, hang up, fall silent, or never end a line.
 //!
-//! The client is told the time, so pauses pass as soon as a test says so. Each test of each run has an address of its own
-//! in 127.0.0.0/8, so that no other one can take a port that it gives up for a while.
+//! The client is told the time, so pauses pass as soon as a test says so. Each test of each run has an address of its
+//! own in 127.0.0.0/8, so that no other one can take a port that it gives up for a while.
 
 use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};

@@ -94,7 +94,8 @@ fn a_datagram_arrives_whole_with_sender_and_time() {
 fn time_stamps_are_of_the_arrival_and_not_of_the_reading() {
     let (mut early, mut late) = (open(&settings("127.0.0.1")), open(&settings("127.0.0.1")));
     let mut senders = [sender_to(early.local_address()), sender_to(late.local_address())];
-    // While the kernel is turning its stamping on, it stamps what is read; a machine that stamps so always never passes.
+    // While the kernel is turning its stamping on, it stamps what is read; a machine that stamps so always never
+    // passes.
     for _ in 0..10_000 {
         for sender in &mut senders {
             sender.send(b"in the order of sending").unwrap();

@@ -1,8 +1,8 @@
 //! The plots and tracks of en-route radars, recorded, on their way into sensor tracks.
 //!
 //! The recordings do not say where the radars stand; any place will do, as what is checked does not depend on it: that
-//! each plot comes to lie at its own range, azimuth and height, that aircraft move as their own computers say in register
-//! 5,0, and that a radar's track lies where its plot does.
+//! each plot comes to lie at its own range, azimuth and height, that aircraft move as their own computers say in
+//! register 5,0, and that a radar's track lies where its plot does.
 
 use std::f64::consts::{PI, TAU};
 
@@ -178,8 +178,8 @@ fn aircraft_move_as_they_say() {
         right.to_degrees()
     );
     assert!(faster.abs() < 1.0 && right.to_degrees().abs() < 0.3);
-    // Of two components, normal and as large as stated, half of the squares are below 1.4 and 99 % below 9.2. A few plots
-    // are far worse than the others.
+    // Of two components, normal and as large as stated, half of the squares are below 1.4 and 99 % below 9.2. A few
+    // plots are far worse than the others.
     let within = normal.iter().filter(|square| **square < 9.2).count() as f64 / normal.len() as f64;
     let typical = median(normal);
     println!(

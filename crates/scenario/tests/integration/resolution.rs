@@ -43,7 +43,8 @@ fn plots(settings: &SensorSettings, truth: &Truth, seed: u64, until_s: f64) -> V
     plots
 }
 
-/// 200 m apart at 100 to 20 km are at most 0.01 rad, so one of them is what a turn sees, in the middle, with a radar's errors.
+/// 200 m apart at 100 to 20 km are at most 0.01 rad, so one of them is what a turn sees, in the middle, with a radar's
+/// errors.
 #[test]
 fn neighbours_give_one_plot_in_their_middle() {
     let truth = pairs(200.0);
@@ -104,8 +105,8 @@ fn those_that_differ_enough_give_two_plots() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Whoever is told apart is measured as by a radar that tells all apart; of a group there is never more than one plot, and the
-    /// same settings give the same plots.
+    /// Whoever is told apart is measured as by a radar that tells all apart; of a group there is never more than one
+    /// plot, and the same settings give the same plots.
     #[test]
     fn resolution_takes_plots_away_and_changes_no_other(seed: u64, resolved in 0.0..1.0f64, range_m in 10.0..2000.0f64) {
         let world = ScenarioSettings {

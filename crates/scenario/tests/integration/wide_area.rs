@@ -91,8 +91,8 @@ fn reports_are_as_set() {
     }
 }
 
-/// Three that are 3 km from their neighbours are one group for a sensor of 4 km and three for one of 1 km; one that counts to two
-/// reports two of them.
+/// Three that are 3 km from their neighbours are one group for a sensor of 4 km and three for one of 1 km; one that
+/// counts to two reports two of them.
 #[test]
 fn groups_are_what_it_cannot_tell_apart() {
     let truth = truth(formation());
@@ -219,8 +219,8 @@ fn messages_name_key_value_and_limit() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// The same settings and seed give the same reports; counts add up to the targets that are covered; and a sensor that begins
-    /// later reports the same, but for what it would have to remember.
+    /// The same settings and seed give the same reports; counts add up to the targets that are covered; and a sensor
+    /// that begins later reports the same, but for what it would have to remember.
     #[test]
     fn reports_follow_from_seed_and_time(seed: u64, delay_s in 0.0..30.0f64, resolution_m in 100.0..20e3f64, later_s in 0.0..300.0f64) {
         let world = ScenarioSettings {

@@ -29,19 +29,19 @@ settings::settings! {
     pub struct WideArea with knowledge: Knowledge {
         /// Correction of reliabilities in the scan in which a report is due (WA-4).
         correction: Option<Rule> = Some(Rule::Share(0.6));
-        /// Only clusters with a confirmed track are corrected, so that the search for a second target does not keep the first
-        /// one from being believed. `false` is the source's rule.
+        /// Only clusters with a confirmed track are corrected, so that the search for a second target does not keep the
+        /// first one from being believed. `false` is the source's rule.
         corrects_confirmed_only: bool = true;
-        /// Correction in the scans after that, for as long as the report is valid: of clusters with a confirmed track, before the
-        /// scan only. A small share keeps hypotheses with enough tracks from being dropped until the next report, without
-        /// making anything believed; off is the source's rule.
+        /// Correction in the scans after that, for as long as the report is valid: of clusters with a confirmed track,
+        /// before the scan only. A small share keeps hypotheses with enough tracks from being dropped until the next
+        /// report, without making anything believed; off is the source's rule.
         held: Option<Rule> = Some(Rule::Share(0.1));
         /// Distance from a report at and beyond which clusters are not meant by it (WA-3).
         range_m: f64 = 5000.0, in [1, 1e7];
         /// Clusters with fewer expected tracks are passed over; 0 is the source's rule (WA-3).
         tracks_min: f64 = 0.5, in [0, TARGETS_MAX];
-        /// Tracks of other clusters in range are taken off the number first, so that targets that have parted are not looked
-        /// for twice (WA-5).
+        /// Tracks of other clusters in range are taken off the number first, so that targets that have parted are not
+        /// looked for twice (WA-5).
         others_count: bool = true;
         /// Sharing of the number among all clusters in range; off, the nearest one gets all of it (WA-5).
         sharing: Option<Sharing> = None;
@@ -64,16 +64,16 @@ settings::settings! {
         new_target_share: f64 = 1.0, in [1e-6, 1e3];
         /// Only in clusters that have a confirmed track, so that no clutter near a report is believed sooner.
         beside_confirmed_only: bool = true;
-        /// Least share of its detections that lay in confirmed tracks' gates: what is not told apart from a confirmed track is
-        /// near it, and clutter mostly is not.
+        /// Least share of its detections that lay in confirmed tracks' gates: what is not told apart from a confirmed
+        /// track is near it, and clutter mostly is not.
         company_min: f64 = 0.5, in [0, 1];
     }
 
     /// Earlier deletion (WA-8). The keys of `[deletion]` say when a track is given up instead.
     #[derive(Copy)]
     pub struct EarlyDeletion with deletion: Deletion = EARLIER {
-        /// Circle that the sensor watches: each of its reports is taken to say that there is nothing elsewhere in it. Without
-        /// it only reports of no targets speak of absence, and each of its own place.
+        /// Circle that the sensor watches: each of its reports is taken to say that there is nothing elsewhere in it.
+        /// Without it only reports of no targets speak of absence, and each of its own place.
         coverage: Option<Circle> = None;
     }
 }

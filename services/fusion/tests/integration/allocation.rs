@@ -1,7 +1,8 @@
 //! Once it runs, the loop allocates nothing: taking slices, fusing, publishing, waiting, counting (PL-4).
 //!
-//! One exception, which is not ours: iceoryx2 0.10 keeps the state of a loaned slice in one small block, taken when the slice
-//! is loaned and given back before the send returns. So the numbers are exact: one block for each slice published, none kept.
+//! One exception, which is not ours: iceoryx2 0.10 keeps the state of a loaned slice in one small block, taken when the
+//! slice is loaned and given back before the send returns. So the numbers are exact: one block for each slice
+//! published, none kept.
 
 #[path = "../../../../crates/bus/tests/integration/common/heap.rs"]
 mod heap;

@@ -285,7 +285,8 @@ pub(crate) struct Serve {
     /// Configuration of the deployment, a TOML file
     #[arg(long, value_name = "CONFIG")]
     pub(crate) config: PathBuf,
-    /// Name of the process; for an adapter, of its source or receiver; for a gateway, its own [default: the command's name]
+    /// Name of the process; for an adapter, of its source or receiver; for a gateway, its own [default: the command's
+    /// name]
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! `koseki locate`: bearings of emitters into their positions (FM-7).
 //!
-//! The locator is the one of the live adapters; here a file is read, row by row, and what comes of it is written. A file may
-//! hold any number of emitters; of each only what its filters keep is in memory.
+//! The locator is the one of the live adapters; here a file is read, row by row, and what comes of it is written. A
+//! file may hold any number of emitters; of each only what its filters keep is in memory.
 
 mod decisions;
 mod picture;

@@ -8,7 +8,8 @@ use messages::SystemTrack;
 use super::merged::Merged;
 use super::progress::Progress;
 
-/// Time to whose whole multiples the engine goes on after the last report, nanoseconds, where it is not told to refresh.
+/// Time to whose whole multiples the engine goes on after the last report, nanoseconds, where it is not told to
+/// refresh.
 const STEP_NS: i64 = 1_000_000_000;
 
 /// What working off the reports has taken.

@@ -1,8 +1,8 @@
 //! `koseki track`: files of detections into one file of tracks (FM-6).
 //!
-//! The tracker, with all that happens round it ([`ScanTracker`]), is the one that adapters run live, fed scan by scan in the
-//! order of their times: what an adapter published comes out of its recorded detections again, byte for byte. The files are read into memory whole, since a scan may be
-//! anywhere in them.
+//! The tracker, with all that happens round it ([`ScanTracker`]), is the one that adapters run live, fed scan by scan
+//! in the order of their times: what an adapter published comes out of its recorded detections again, byte for byte.
+//! The files are read into memory whole, since a scan may be anywhere in them.
 
 mod explain;
 mod input;

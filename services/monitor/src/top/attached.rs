@@ -1,7 +1,7 @@
 //! Joins a deployment as a reader, and notices its end.
 //!
-//! A deployment ends in one of two ways. Its launcher says so, and waits two seconds for readers to leave before it removes
-//! the shared memory; or the launcher was killed, and nobody holds the instance any more.
+//! A deployment ends in one of two ways. Its launcher says so, and waits two seconds for readers to leave before it
+//! removes the shared memory; or the launcher was killed, and nobody holds the instance any more.
 
 use std::time::Duration;
 

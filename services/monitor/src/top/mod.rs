@@ -15,11 +15,11 @@
 //! | `attached` | joins the deployment, and notices its end |
 //! | `terminal` | the screen and the keys, and the restored terminal |
 //!
-//! Where standard output is no terminal there is one line per interval instead. With `once`, all tables are printed after
-//! one interval.
+//! Where standard output is no terminal there is one line per interval instead. With `once`, all tables are printed
+//! after one interval.
 //!
-//! Limits: it knows what was counted and said since it joined, and of earlier incarnations of a process only what it has
-//! heard itself. Deadlines are the monitor's; what it counted as late is shown.
+//! Limits: it knows what was counted and said since it joined, and of earlier incarnations of a process only what it
+//! has heard itself. Deadlines are the monitor's; what it counted as late is shown.
 
 mod attached;
 mod draw;

@@ -1,7 +1,7 @@
 //! The screen and the keys.
 //!
-//! However it ends, the terminal is as it was before: by a key, a signal, an error, the end of the deployment (the guard
-//! is dropped) or a panic (a hook restores it before the message is printed).
+//! However it ends, the terminal is as it was before: by a key, a signal, an error, the end of the deployment (the
+//! guard is dropped) or a panic (a hook restores it before the message is printed).
 
 use std::time::Duration;
 
