@@ -2,10 +2,10 @@
 //!
 //! The obvious way gives each report the nearest track. It fails where targets keep company. Two aircraft fly 300 m
 //! apart, and a sensor shows both 200 m too far along: the report of the rear one lies 100 m from the track of the
-//! front one, and takes it. The front report finds its track taken, and the rear track is left without a report. Decided
-//! together the matter is plain: both reports are off by 200 m, which is more likely than that one is off by 100 m and
-//! the other belongs to a new target. (Of a hundred aircraft in line it would be less likely: a common shift must be
-//! taken out beforehand, not here.)
+//! front one, and takes it. The front report finds its track taken, and the rear track is left without a report.
+//! Decided together the matter is plain: both reports are off by 200 m, which is more likely than that one is off by
+//! 100 m and the other belongs to a new target. (Of a hundred aircraft in line it would be less likely: a common shift
+//! must be taken out beforehand, not here.)
 //!
 //! So each row (report) gets at most one column (track), each column at most one row, and what is made smallest is the
 //! sum of the costs of the chosen pairs and of a fixed cost for each row that is left alone. Costs are statistical
@@ -16,17 +16,18 @@
 //! shortest augmenting paths ([`crate::augmenting`]), where being alone is a choice of the row's own.
 //!
 //! Limits: time must be bounded, and the worst case of an exact solution grows with the cube of the crowd. Crowds of
-//! real targets are far from it, because nearly every chain is short: the steps of a component are counted, and only
-//! if they exceed [`STEPS_PER_PAIR_MAX`] for each of its pairs is it decided greedily instead, the cheapest pair first,
-//! and that is counted. So time grows with the number of pairs (and its logarithm, for sorting), whatever they are. Among
-//! solutions of equal sum the labels decide, never the order of the pairs: the same scan always has the same result.
+//! real targets are far from it, because nearly every chain is short: the steps of a component are counted, and only if
+//! they exceed [`STEPS_PER_PAIR_MAX`] for each of its pairs is it decided greedily instead, the cheapest pair first,
+//! and that is counted. So time grows with the number of pairs (and its logarithm, for sorting), whatever they are.
+//! Among solutions of equal sum the labels decide, never the order of the pairs: the same scan always has the same
+//! result.
 
 use std::ops::Range;
 
 use crate::augmenting::{AugmentingPaths, Choice, NONE, Problem, Stop};
 use crate::components::{join, representative};
 
-/// How often an exact solution may look at a pair or a column, for each pair of the component.
+/// Most steps of an exact solution, for each pair of the component: looks at a pair or a column.
 ///
 /// Components of up to 20 rows never need more, nor do 250 rows of which each may have each of 250 columns. Of 2500
 /// vehicles, 30 m apart and seen with 30 m of noise, all in one component, each pair needs 15; of the hardest crowd
@@ -40,11 +41,11 @@ pub struct Pair {
     pub row: u32,
     /// Label of the column.
     pub column: u32,
-    /// What choosing the pair costs, in the unit of the cost of staying alone.
+    /// Cost of choosing the pair, in the unit of the cost of staying alone.
     pub cost: f64,
 }
 
-/// What a solution came to.
+/// Summary of a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
     /// Pairs that were chosen.
@@ -202,7 +203,7 @@ impl Assignment {
             .forget(self.order.iter().copied(), self.pairs.iter().map(|pair| pair.column));
     }
 
-    /// Where in the order the component ends that begins at `begin`.
+    /// End in the order of the component that begins at `begin`.
     fn component_end(&self, begin: usize) -> usize {
         let component = |row: &u32| self.parent[*row as usize];
         let first = component(&self.order[begin]);

@@ -1,16 +1,16 @@
 //! Shortest augmenting paths: the one solver of assignment problems in this house.
 //!
-//! Rows come in one after the other. A row that wants a held column may drive its holder to another one, that one's holder to
-//! yet another, and so on, until the chain ends at a free column, or at a row that takes what is its own and bars nobody
-//! else. Dijkstra's search finds the cheapest such chain. Prices on the columns keep what earlier searches learned, so that
-//! no step of a chain but the first has a negative cost and the result is exact.
+//! Rows come in one after the other. A row that wants a held column may drive its holder to another one, that one's
+//! holder to yet another, and so on, until the chain ends at a free column, or at a row that takes what is its own and
+//! bars nobody else. Dijkstra's search finds the cheapest such chain. Prices on the columns keep what earlier searches
+//! learned, so that no step of a chain but the first has a negative cost and the result is exact.
 //!
-//! Only choices that a row has are looked at. So the cost grows with the crowding, and hardly with the number of columns;
-//! but the worst case grows with the cube of the crowd, so that who must bound time gives a number of steps. Of columns
-//! reached at the same cost the one with the lowest number comes first.
+//! Only choices that a row has are looked at. So the cost grows with the crowding, and hardly with the number of
+//! columns; but the worst case grows with the cube of the crowd, so that who must bound time gives a number of steps.
+//! Of columns reached at the same cost the one with the lowest number comes first.
 //!
-//! Source: R. Jonker, A. Volgenant, *A shortest augmenting path algorithm for dense and sparse linear assignment problems*,
-//! Computing 38 (1987).
+//! Source: R. Jonker, A. Volgenant, *A shortest augmenting path algorithm for dense and sparse linear assignment
+//! problems*, Computing 38 (1987).
 
 use std::ops::Range;
 
@@ -28,9 +28,11 @@ pub struct Choice {
     pub cost: f64,
 }
 
-/// A sparse assignment problem: each row takes one of its choices, no column is taken twice, and the sum of the costs is smallest.
+/// A sparse assignment problem: each row takes one of its choices, no column is taken twice, and the sum of the costs
+/// is smallest.
 pub trait Problem {
-    /// Which of two chains of the same cost is made: one that ends at a row's own choice (`true`), or at a column (`false`).
+    /// Tie rule for two chains of the same cost: the one that ends at a row's own choice is made (`true`), or at a
+    /// column (`false`).
     const OWN_FIRST: bool;
 
     /// Shows `each` every choice of a row, as label, column (or [`NONE`]) and cost.
@@ -40,7 +42,7 @@ pub trait Problem {
     fn choice(&self, label: u32) -> Choice;
 }
 
-/// Why a row could not be brought in.
+/// Reason why a row could not be brought in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// Whatever changes, some row would be left without a choice.
@@ -55,8 +57,8 @@ pub struct AugmentingPaths {
     columns: Vec<Column>,
     /// By row: label of the choice that it has taken, or [`NONE`].
     held: Vec<u32>,
-    /// Columns that the search has reached and may still reach more cheaply, with the costs of the chains to them: side by
-    /// side, since all of them are looked at time and again.
+    /// Columns that the search has reached and may still reach more cheaply, with the costs of the chains to them: side
+    /// by side, since all of them are looked at time and again.
     frontier: Vec<(f64, u32)>,
     /// Columns that the search has passed.
     passed: Vec<u32>,
@@ -66,7 +68,7 @@ pub struct AugmentingPaths {
 struct Column {
     /// Label of the choice that holds it, or [`NONE`].
     held: u32,
-    /// What holding the column has come to cost. 0 while nobody holds it.
+    /// Dual price: cost of holding the column. 0 while nobody holds it.
     price: f64,
     /// Cost of the cheapest chain to it that is known.
     reached: f64,
@@ -89,7 +91,7 @@ impl Column {
     };
 }
 
-/// Where a chain of changes ends.
+/// End of a chain of changes.
 #[derive(Clone, Copy)]
 enum End {
     /// At a column that nobody holds.
@@ -118,7 +120,7 @@ impl AugmentingPaths {
         self.columns[columns].fill(Column::FREE);
     }
 
-    /// As [`Self::forget_ranges`], of rows and columns that are listed.
+    /// Forgets what is known of rows and columns that are listed.
     pub fn forget(&mut self, rows: impl Iterator<Item = u32>, columns: impl Iterator<Item = u32>) {
         self.frontier.clear();
         self.passed.clear();
@@ -148,8 +150,8 @@ impl AugmentingPaths {
         }
     }
 
-    /// Makes the cheapest chain of changes by which `start` gets a choice, and takes off `steps_left` how many choices and
-    /// columns were looked at.
+    /// Makes the cheapest chain of changes by which `start` gets a choice, and takes off `steps_left` how many choices
+    /// and columns were looked at.
     ///
     /// # Errors
     /// [`Stop`], if there is no such chain, or finding it takes more than `steps_left`.
@@ -180,7 +182,8 @@ impl AugmentingPaths {
         }
     }
 
-    /// Dijkstra's search from `start` over columns and the rows that hold them: the end of the cheapest chain and its cost.
+    /// Dijkstra's search from `start` over columns and the rows that hold them: the end of the cheapest chain and its
+    /// cost.
     #[inline]
     fn cheapest_chain<P: Problem>(
         &mut self,

@@ -1,8 +1,8 @@
 //! Several models of one emitter's motion side by side; the bearings decide (EL-2).
 //!
-//! Nobody knows beforehand whether an emitter lies still. A filter for fixed points is wrong about one that moves, and one for
-//! straight motion pays for its freedom with accuracy: from a platform that flies straight on it cannot tell the range at
-//! all. So the models run side by side, and the simplest one is believed that nothing speaks against.
+//! Nobody knows beforehand whether an emitter lies still. A filter for fixed points is wrong about one that moves, and
+//! one for straight motion pays for its freedom with accuracy: from a platform that flies straight on it cannot tell
+//! the range at all. So the models run side by side, and the simplest one is believed that nothing speaks against.
 //!
 //! | filter | in the order of simplicity |
 //! | --- | --- |
@@ -10,11 +10,11 @@
 //! | fixed | fixed point, wandering |
 //! | straight | straight motion, manoeuvring |
 //!
-//! Two things speak against a model. Against the fixed point does the velocity that the straight motion has found, if rest is
-//! far from it (a Bayes factor, for some bearings in a row). Against each model without process noise do bearings
-//! that disagree for long while the platform does not turn. Then it begins anew: one for straight motion where the manoeuvring one
-//! is, a fixed point with its last lines. It is believed again when its bearings have agreed for a while, twice
-//! as many after each such failure. Meanwhile the model with process noise stands in.
+//! Two things speak against a model. Against the fixed point does the velocity that the straight motion has found, if
+//! rest is far from it (a Bayes factor, for some bearings in a row). Against each model without process noise do
+//! bearings that disagree for long while the platform does not turn. Then it begins anew: one for straight motion where
+//! the manoeuvring one is, a fixed point with its last lines. It is believed again when its bearings have agreed for a
+//! while, twice as many after each such failure. Meanwhile the model with process noise stands in.
 //!
 //! While the simplest model only lacks geometry, nothing is said: a model with more freedom cannot know more.
 
@@ -32,14 +32,14 @@ pub(crate) const MODELS_MAX: usize = 3;
 const PATIENCE_MIN: u32 = 128;
 const PATIENCE_MAX: u32 = 1024;
 
-/// What the filters know of an emitter.
+/// Fix of the filters, before selection and prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawFix {
     /// East and north, metres.
     pub position_m: [f64; 2],
     /// East and north, metres per second; 0 for a fixed point.
     pub velocity_mps: [f64; 2],
-    /// Of (east, north, velocity east, velocity north): m², m²/s and m²/s².
+    /// Covariance of (east, north, velocity east, velocity north): m², m²/s and m²/s².
     pub covariance: Matrix4<f64>,
     /// By which model.
     pub motion: Motion,
@@ -77,7 +77,7 @@ macro_rules! either {
 struct Member {
     motion: Motion,
     filter: Filter,
-    /// How long, and for how many bearings, bearings have disagreed without a turn.
+    /// Time, and number of bearings, for which bearings have disagreed without a turn.
     disagreed_s: f64,
     disagreed: u32,
     /// For how many bearings in a row they have agreed, and have to.
@@ -95,7 +95,7 @@ pub(crate) struct Bank {
     doubts: u32,
 }
 
-/// What a bank decided on a bearing; room for two decisions per model and one more.
+/// Decisions of a bank on a bearing; room for two per model and one more.
 pub(crate) type Notes = crate::explanation::Notes<{ 2 * MODELS_MAX + 1 }>;
 
 impl Bank {
@@ -114,7 +114,7 @@ impl Bank {
         *self = Self::new(settings);
     }
 
-    /// What is known at a time; `None` while the geometry does not allow a fix.
+    /// Fix at a time; `None` while the geometry does not allow one.
     pub(crate) fn fix_at(&self, time_ns: i64) -> Option<RawFix> {
         let member = self.members[self.chosen?].as_ref()?;
         if !member.filter.is_located() {
@@ -130,7 +130,7 @@ impl Bank {
         })
     }
 
-    /// How a line compares with the fix: squared normalised innovation, logarithm of its variance.
+    /// Comparison of a line of bearing with the fix: squared normalised innovation, logarithm of its variance.
     pub(crate) fn compare(&self, line: &LineOfBearing) -> Option<(f64, f64)> {
         self.members[self.chosen?].as_ref()?.filter.compare(line)
     }
@@ -261,7 +261,8 @@ impl Bank {
         evidence
     }
 
-    /// The simplest model that nothing speaks against; if there is none, the one that was, or the one with most freedom.
+    /// The simplest model that nothing speaks against; if there is none, the one that was, or the one with most
+    /// freedom.
     fn choose(&mut self, evidence: f64, evidence_min: f64, notes: &mut Notes) {
         let is_moving = self.is_moving;
         let speaks_against = |member: &Member| member.motion == Motion::Fixed && is_moving;

@@ -10,31 +10,32 @@ pub struct Decision {
     pub time_ns: i64,
     /// The emitter's number.
     pub emitter: u32,
-    /// What was decided.
+    /// Decision.
     pub kind: DecisionKind,
-    /// What was compared, …
+    /// Value that was compared; not a number where nothing was.
     pub value: f64,
-    /// … and with what; both not a number where nothing was.
+    /// Limit that it was compared with; not a number where nothing was.
     pub limit: f64,
 }
 
-/// What was decided.
+/// Kind of a decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DecisionKind {
     /// An emitter was seen for the first time. Value: emitters there are; limit: places.
     EmitterStarted,
     /// The place of an emitter that had been silent (value, seconds) was given to another.
     EmitterDropped,
-    /// Another model is believed. Value: evidence that the emitter moves (2 ln of the Bayes factor); limit: what is enough.
+    /// Another model is believed. Value: evidence that the emitter moves (2 ln of the Bayes factor); limit: what is
+    /// enough.
     ModelChosen(Motion),
     /// A model's bearings disagree, and are set aside from now on: running sum of innovations in standard deviations.
     BearingsSetAside(Motion),
-    /// They agree again, after so many without a turn.
+    /// A model's bearings agree again, after so many without a turn.
     BearingsAgree(Motion),
     /// A model begins anew: its bearings disagreed for so many seconds without a turn.
     ModelRestarted(Motion),
-    /// The selection went to another stage, used a fix, or did not. Value: the fix's variance, m²; limit: its threshold;
-    /// or the times that were compared, seconds.
+    /// The selection went to another stage, used a fix, or did not. Value: the fix's variance, m²; limit: its
+    /// threshold; or the times that were compared, seconds.
     Selection(Stage, Reason),
 }
 
@@ -52,7 +53,7 @@ impl DecisionKind {
         }
     }
 
-    /// What it was about: the model or the stage.
+    /// Subject: the model or the stage; empty if there is none.
     pub fn subject(self) -> &'static str {
         match self {
             Self::EmitterStarted | Self::EmitterDropped => "",
@@ -64,7 +65,7 @@ impl DecisionKind {
         }
     }
 
-    /// Why.
+    /// Reason, in a few words.
     pub fn reason(self) -> &'static str {
         match self {
             Self::EmitterStarted => "first bearing of it",

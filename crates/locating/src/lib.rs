@@ -39,17 +39,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Bearings are measured from the phases between antennas by [`music`], where no direction finder delivers them ready-made.
+//! Bearings are measured from the phases between antennas by [`music`], where no direction finder delivers them
+//! ready-made.
 //!
 //! # Frame and limits
 //!
-//! Everything is in the plane, east and north of the system frame; a bearing is a horizontal angle, so height is not observed.
-//! Over the distances of such measurements the plane and the earth differ by less than the bearings' errors.
+//! Everything is in the plane, east and north of the system frame; a bearing is a horizontal angle, so height is not
+//! observed. Over the distances of such measurements the plane and the earth differ by less than the bearings' errors.
 //!
 //! # Memory and time
 //!
-//! All memory is allocated in [`Locator::new`], some 20 kB per emitter. The cost of a bearing is bounded: each model keeps
-//! [`LINES_MAX`] lines of bearing at most. Nothing here performs I/O or reads a clock; the same bearings give the same bits.
+//! All memory is allocated in [`Locator::new`], some 20 kB per emitter. The cost of a bearing is bounded: each model
+//! keeps [`LINES_MAX`] lines of bearing at most. Nothing here performs I/O or reads a clock; the same bearings give the
+//! same bits.
 
 #![forbid(unsafe_code)]
 

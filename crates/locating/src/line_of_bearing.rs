@@ -5,12 +5,12 @@ use observations::Bearing;
 /// Nearer to the platform than this an emitter has no direction, metres.
 const OVERHEAD_M: f64 = 1.0;
 
-/// A checked bearing: direction as sine and cosine, so that no angle has to be unwrapped; a few that were taken one after
-/// the other may have become one.
+/// A checked bearing: direction as sine and cosine, so that no angle has to be unwrapped; a few that were taken one
+/// after the other may have become one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LineOfBearing {
     pub(crate) time_ns: i64,
-    /// East and north.
+    /// Position of the platform, east and north in the system frame, metres.
     pub(crate) platform_m: [f64; 2],
     pub(crate) sine: f64,
     pub(crate) cosine: f64,
@@ -20,12 +20,12 @@ pub(crate) struct LineOfBearing {
     pub(crate) is_used: bool,
 }
 
-/// What a line says where the emitter is believed to be.
+/// Innovation of a line of bearing where the emitter is believed to be.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
     /// Measured minus expected bearing, radians.
     pub(crate) innovation_rad: f64,
-    /// By how much the bearing changes per metre east and north.
+    /// Change of the bearing per metre east and north, radians per metre.
     pub(crate) gradient: [f64; 2],
 }
 
@@ -39,7 +39,7 @@ impl LineOfBearing {
         is_used: false,
     };
 
-    /// Of a bearing whose values are finite.
+    /// Line of a bearing whose values are finite.
     pub(crate) fn new(bearing: &Bearing) -> Self {
         let (sine, cosine) = bearing.bearing_rad.sin_cos();
         Self {
@@ -79,7 +79,7 @@ impl LineOfBearing {
         self.squared_distance_m2(position_m).sqrt()
     }
 
-    /// Its square.
+    /// Squared distance.
     pub(crate) fn squared_distance_m2(&self, position_m: [f64; 2]) -> f64 {
         let [east, north]: [f64; 2] = std::array::from_fn(|axis| position_m[axis] - self.platform_m[axis]);
         east * east + north * north

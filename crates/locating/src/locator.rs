@@ -24,21 +24,21 @@ const HEIGHT_SIGMA_M: f64 = 1e4;
 /// Frequencies that were not measured fit all.
 const ANY_FREQUENCY_HZ: f64 = 0.0;
 
-/// Where an emitter is, after a bearing of it.
+/// Report of an emitter after a bearing of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmitterReport {
     /// The emitter: the bearings' id, or from [`OWN_NUMBERS`] on.
     pub number: u32,
     /// Time of the bearing, nanoseconds.
     pub time_ns: i64,
-    /// What the filters say.
+    /// Fix of the filters.
     pub raw: RawFix,
-    /// What is put out (EL-4 … EL-10).
+    /// Output after selection and prediction (EL-4 … EL-10).
     pub output: Output,
 }
 
 impl EmitterReport {
-    /// As a report of the source numbered `source`, with the numbers of the source's own at 0 (EL-11).
+    /// The report as a sample of the source numbered `source`, with the numbers of the source's own at 0 (EL-11).
     ///
     /// The covariance is the raw fix's, and as much more as the output is apart from it. Height is not observed.
     pub fn sensor_track(&self, source: u16) -> SensorTrack {
@@ -73,14 +73,14 @@ impl EmitterReport {
     }
 }
 
-/// Why a bearing was refused.
+/// Reason why a bearing was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// A value is no number or cannot be.
     Unusable(&'static str),
-    /// It is older than the emitter's last one.
+    /// The bearing is older than the emitter's last one.
     OutOfOrder,
-    /// It is of a new emitter, and there is no place for it.
+    /// The bearing is of a new emitter, and there is no place for it.
     TableFull,
 }
 
@@ -176,12 +176,12 @@ impl Locator {
         Ok(self.take(slot, bearing, &line))
     }
 
-    /// What was decided on the last bearing, in order.
+    /// Decisions on the last bearing, in order.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
     }
 
-    /// What was done so far.
+    /// Counters of what was done so far.
     pub fn counts(&self) -> &LocatorCounts {
         &self.counts
     }
@@ -191,7 +191,7 @@ impl Locator {
         self.emitters.len()
     }
 
-    /// What it was built from.
+    /// Settings it was built from.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -343,7 +343,7 @@ impl Locator {
 }
 
 impl Emitter {
-    /// How a bearing without id fits: squared normalised difference, logarithm of its variance.
+    /// Fit of a bearing without id: squared normalised difference, logarithm of its variance.
     fn compare(&self, line: &LineOfBearing, rate_max_rad_per_s: f64) -> (f64, f64) {
         if let Some(compared) = self.bank.compare(line) {
             return compared;
@@ -378,7 +378,7 @@ impl Emitter {
     }
 }
 
-/// What is wrong with a bearing, if anything.
+/// Fault of a bearing; `None` if there is none.
 fn fault(bearing: &Bearing) -> Option<&'static str> {
     let coordinates = bearing.platform_m.iter().all(|value| value.abs() < COORDINATE_MAX_M);
     let angles = bearing.bearing_rad.is_finite() && bearing.heading_rad.is_none_or(f64::is_finite);

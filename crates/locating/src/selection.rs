@@ -1,8 +1,9 @@
 //! Which fixes are used, and the smooth path that is made of them (EL-4 … EL-10).
 //!
-//! The fixes of a bearings-only filter wander in arcs, because range comes slowly, and jump when bearings are wrong. This keeps
-//! only some of them, those that can be trusted, and joins them by straight, continuous motion. It knows nothing of bearings:
-//! it sees time, position and variance, so fixes of any other origin will do (ultrasound, radar; EL-12).
+//! The fixes of a bearings-only filter wander in arcs, because range comes slowly, and jump when bearings are wrong.
+//! This keeps only some of them, those that can be trusted, and joins them by straight, continuous motion. It knows
+//! nothing of bearings: it sees time, position and variance, so fixes of any other origin will do (ultrasound, radar;
+//! EL-12).
 //!
 //! # One rule
 //!
@@ -12,9 +13,9 @@
 //! V(n) = (S(n) − P(n−1)) / (t(n) − t(n−1))          the way from where the output was to where the emitter is
 //! ```
 //!
-//! This is EL-6, P(n+1) = P(n) + S(n) − P(n−1), for selections a fixed interval apart, and EL-9, for those at minima of the
-//! variance, in one. What differs is when a fix is selected, and what stands for S(n) and P(n−1) when its variance is too
-//! large: nothing does (option a: V stays), or the motion up to where the variance rose above its threshold, and
+//! This is EL-6, P(n+1) = P(n) + S(n) − P(n−1), for selections a fixed interval apart, and EL-9, for those at minima of
+//! the variance, in one. What differs is when a fix is selected, and what stands for S(n) and P(n−1) when its variance
+//! is too large: nothing does (option a: V stays), or the motion up to where the variance rose above its threshold, and
 //! from where it fell below it (option b, EL-7 and EL-8).
 //!
 //! # States
@@ -32,16 +33,16 @@
 //! ```
 //!
 //! In `passing` and `first` fixes are passed on as they are. In all other states the output is continuous: each step is
-//! exactly its own velocity times the time. A filter whose variance only falls has no minimum; then minimum selection passes its
-//! fixes on, and staged selection stays with intervals.
+//! exactly its own velocity times the time. A filter whose variance only falls has no minimum; then minimum selection
+//! passes its fixes on, and staged selection stays with intervals.
 //!
 //! # What it costs
 //!
 //! With equal intervals and S(n) = truth + e(n), the error of the output obeys p(n+1) − p(n) + p(n−1) = e(n). Its free
-//! oscillation, of period six intervals, is not damped: an interval of a sixth of the period in which the filter's errors
-//! come back (often that of the platform's circles) makes them resonate. Longer intervals, or minima, do not. `Steered` is
-//! our own answer for filters that are good already: at every fix the output is headed to where the filter says that the
-//! emitter will be a little later. It does not oscillate, and never jumps either.
+//! oscillation, of period six intervals, is not damped: an interval of a sixth of the period in which the filter's
+//! errors come back (often that of the platform's circles) makes them resonate. Longer intervals, or minima, do not.
+//! `Steered` is our own answer for filters that are good already: at every fix the output is headed to where the filter
+//! says that the emitter will be a little later. It does not oscillate, and never jumps either.
 //!
 //! Source: patent JP7553304B2.
 
@@ -261,7 +262,8 @@ impl Selector {
         }
     }
 
-    /// Takes the next fix. `None`, and no change, for one that is older than the last, or has a value that is no number.
+    /// Takes the next fix. `None`, and no change, for one that is older than the last, or has a value that is no
+    /// number.
     pub fn fix(&mut self, fix: &Fix) -> Option<Output> {
         let values = fix.position_m.iter().chain(&fix.velocity_mps);
         let is_finite = values.chain([&fix.time_s]).all(|value| value.is_finite());

@@ -1,29 +1,29 @@
 //! The filter: all bearings at once for as long as it matters, then one after the other (EL-2).
 //!
 //! A bearing says nothing about range; range comes from how the bearings change while the platform flies. The obvious
-//! filter, an extended Kalman filter, linearises each bearing once, where it believes the emitter to be at that time. At
-//! first it believes a triangulation of a few nearly parallel bearings, which may be wrong by its own size. What it then
-//! takes the bearings to say of the range is wrong, and nothing undoes it: with an emitter 50 km away the filter ends seven
-//! times worse than the bearings allow, and is sure of itself.
+//! filter, an extended Kalman filter, linearises each bearing once, where it believes the emitter to be at that time.
+//! At first it believes a triangulation of a few nearly parallel bearings, which may be wrong by its own size. What it
+//! then takes the bearings to say of the range is wrong, and nothing undoes it: with an emitter 50 km away the filter
+//! ends seven times worse than the bearings allow, and is sure of itself.
 //!
-//! Here nothing is linearised for good while it matters. The last lines are kept ([`crate::window`]); what they say together
-//! is found by Gauss–Newton iteration, that is, with all of them linearised anew where the emitter is believed to be *now*
-//! (the maximum-likelihood estimate). Only lines for which the position is known to a fiftieth of their range go
-//! into a Gaussian prior for good, and for them the linearisation is exact enough.
+//! Here nothing is linearised for good while it matters. The last lines are kept ([`crate::window`]); what they say
+//! together is found by Gauss–Newton iteration, that is, with all of them linearised anew where the emitter is believed
+//! to be *now* (the maximum-likelihood estimate). Only lines for which the position is known to a fiftieth of their
+//! range go into a Gaussian prior for good, and for them the linearisation is exact enough.
 //!
-//! An emitter is a fixed point (two components: position) or moves straight on (four: velocity, too). Without process noise
-//! the state at a reference time holds all there is, and no bearing is ever forgotten. With process noise, for emitters
-//! that wander or manoeuvre, it is the extended Kalman filter; that works well once it knows the range, so it is begun where
-//! the model without noise has settled.
+//! An emitter is a fixed point (two components: position) or moves straight on (four: velocity, too). Without process
+//! noise the state at a reference time holds all there is, and no bearing is ever forgotten. With process noise, for
+//! emitters that wander or manoeuvre, it is the extended Kalman filter; that works well once it knows the range, so it
+//! is begun where the model without noise has settled.
 //!
 //! # Bearings that are wrong
 //!
 //! One that is off by more than four standard deviations counts the less the farther off it is (as in Huber's
-//! estimator). But a platform that turns gives bearings that are wrong *together*: each by little, all to one side, and a
-//! filter averages them in. A running sum of the normalised innovations, in which the last ten or so count, sees that: it
-//! is Gaussian with known variance as long as bearings and state are right. When it leaves its bounds, the last
-//! lines are taken back and new ones set aside until they agree again. If they never do, it is the state that is wrong;
-//! [`crate::bank`] decides that.
+//! estimator). But a platform that turns gives bearings that are wrong *together*: each by little, all to one side, and
+//! a filter averages them in. A running sum of the normalised innovations, in which the last ten or so count, sees
+//! that: it is Gaussian with known variance as long as bearings and state are right. When it leaves its bounds, the
+//! last lines are taken back and new ones set aside until they agree again. If they never do, it is the state that is
+//! wrong; [`crate::bank`] decides that.
 //!
 //! Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (Wiley,
 //! 2001), chapters 3 and 10; B. M. Bell, F. W. Cathey, *The iterated Kalman filter update as a Gauss–Newton method*,
@@ -65,7 +65,7 @@ const LINES_PER_OUTLIER: usize = 10;
 
 /// Normalised innovations beyond this count less.
 const DEVIATION_MAX: f64 = 4.0;
-/// What is kept of the running sum of innovations at each bearing, and the sum's standard deviation.
+/// Share of the running sum of innovations that is kept at each bearing, and the sum's standard deviation.
 const SUM_KEPT: f64 = 0.85;
 const SUM_SIGMA: f64 = 1.898_315_991;
 /// Lines that are taken back when the sum leaves its bounds.
@@ -76,7 +76,7 @@ const YOUNG: u64 = 32;
 const AGREE_SUM: f64 = 2.0;
 const AGREE_ONE: f64 = 2.5;
 
-/// How an emitter is assumed to move, and what is known of it before the first bearing.
+/// Assumptions on the motion of an emitter, and what is known of it before the first bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Model {
     /// Fixed point: m²/s; straight motion: m²/s³.
@@ -87,7 +87,7 @@ pub(crate) struct Model {
     pub(crate) speed_sigma_mps: f64,
 }
 
-/// What the running sum of innovations may be.
+/// Bounds of the running sum of innovations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds {
     /// In standard deviations.
@@ -96,7 +96,7 @@ pub(crate) struct Bounds {
     pub(crate) turning_since_ns: Option<i64>,
 }
 
-/// What became of a bearing.
+/// Treatment of a bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Taken {
     /// Used.
@@ -141,7 +141,7 @@ pub(crate) struct Smoother<const D: usize> {
     is_distrusting: bool,
 }
 
-/// How much is known.
+/// Degree of knowledge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Stage {
     /// Nothing yet.
@@ -162,7 +162,7 @@ struct System<const D: usize> {
     gradient: SVector<f64, D>,
     cost: f64,
     lines: usize,
-    /// Of them those that are far off, and the cost of the others.
+    /// Number of lines that are far off, and the cost of the others.
     outliers: usize,
     cost_of_others: f64,
 }
@@ -232,7 +232,7 @@ impl<const D: usize> Smoother<D> {
         self.stage < Stage::Located && !self.is_misfit
     }
 
-    /// How much likelier the bearings are with the velocity than at rest: 2 ln of the Bayes factor (Savage and Dickey: how
+    /// Evidence for the velocity against rest: 2 ln of the Bayes factor (Savage and Dickey: how
     /// much the bearings have lowered the probability density of rest); `None` for a model without velocity.
     pub(crate) fn evidence_of_motion(&self) -> Option<f64> {
         if D != 4 || self.stage != Stage::Settled {
@@ -243,13 +243,14 @@ impl<const D: usize> Smoother<D> {
         let velocity = SVector::<f64, 2>::new(self.estimate[2], self.estimate[3]);
         let log_prior = 4.0 * self.model.speed_sigma_mps.ln();
         let squared = velocity.dot(&factor.solve(&velocity));
-        // Far from a straight line of states the local Gaussian exaggerates; the true cost of rest, where it is known, does not.
+        // Far from a straight line of states the local Gaussian exaggerates; the true cost of rest, where it is known,
+        // does not.
         let lead = self.lead_over_rest.map_or(squared, |lead| lead.min(squared));
         Some(lead + factor.log_determinant() - log_prior)
     }
 
-    /// How a line compares with what is expected: squared normalised innovation, and the logarithm of the innovation's
-    /// variance; `None` where nothing is expected.
+    /// Comparison of a line of bearing with what is expected: squared normalised innovation, and the logarithm of the
+    /// innovation's variance; `None` where nothing is expected.
     pub(crate) fn compare(&self, line: &LineOfBearing) -> Option<(f64, f64)> {
         if !self.is_located() {
             return None;
@@ -373,8 +374,8 @@ impl<const D: usize> Smoother<D> {
         true
     }
 
-    /// Considers that the emitter rests where a fixed point is, and goes on from there should that explain prior and window
-    /// better: a search that began before there were many bearings may have ended where nothing is.
+    /// Considers that the emitter rests where a fixed point is, and goes on from there should that explain prior and
+    /// window better: a search that began before there were many bearings may have ended where nothing is.
     pub(crate) fn reconsider(&mut self, position_m: Option<[f64; 2]>, latest: &LineOfBearing) {
         if self.is_recursive() || self.since_linearised > 0 || self.stage < Stage::Vague {
             return;
@@ -558,7 +559,7 @@ impl<const D: usize> Smoother<D> {
         }
     }
 
-    /// Where to begin the search.
+    /// Starting point of the search.
     fn start(&self) -> Option<SVector<f64, D>> {
         if self.stage != Stage::Searching {
             return Some(self.estimate);
@@ -635,7 +636,7 @@ impl<const D: usize> Smoother<D> {
         system
     }
 
-    /// What the geometry allows to say.
+    /// Judges what the geometry allows to say.
     fn look_at_geometry(&mut self, latest: &LineOfBearing) {
         if self.stage < Stage::Vague {
             return;
@@ -702,7 +703,7 @@ fn position<const D: usize>(state: &SVector<f64, D>, after_s: f64) -> [f64; 2] {
     }
 }
 
-/// How a bearing after so many seconds depends on the state.
+/// Derivative by the state of a bearing after so many seconds.
 fn sensitivity<const D: usize>(gradient: [f64; 2], after_s: f64) -> SVector<f64, D> {
     SVector::from_fn(|axis, _| match axis {
         0 | 1 => gradient[axis],

@@ -76,8 +76,8 @@ impl Window {
         }
     }
 
-    /// Makes one of two neighbours wherever nothing is lost by it, with the emitter at `position_m` (`None`: nobody knows,
-    /// then everywhere); how many places that has given.
+    /// Makes one of two neighbours wherever nothing is lost by it, with the emitter at `position_m` (`None`: nobody
+    /// knows, then everywhere); how many places that has given.
     pub(crate) fn merge(&mut self, position_m: Option<[f64; 2]>) -> usize {
         let (before, mut kept, mut next) = (self.len, 0, 0);
         while next < before {

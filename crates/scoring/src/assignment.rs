@@ -5,9 +5,10 @@
 //! compete: the greedy choice can force a partner far away on the loser. What is wanted is the set of pairs whose gains
 //! have the greatest sum.
 //!
-//! The solver is that of reports and tracks ([`association::augmenting`]). Only pairs that are listed are looked at, so the
-//! cost grows with the crowding and hardly with the size of the picture. Solvers of full matrices need a cost for every pair
-//! of a crowd: two thousand vehicles on an airport took one most of a second, and this one a few milliseconds.
+//! The solver is that of reports and tracks ([`association::augmenting`]). Only pairs that are listed are looked at, so
+//! the cost grows with the crowding and hardly with the size of the picture. Solvers of full matrices need a cost for
+//! every pair of a crowd: two thousand vehicles on an airport took one most of a second, and this one a few
+//! milliseconds.
 
 use association::augmenting::{AugmentingPaths, Choice, NONE, Problem};
 
@@ -18,7 +19,7 @@ pub struct Candidate {
     pub row: usize,
     /// Place of the column, from 0.
     pub column: usize,
-    /// What the pair is worth: a finite number. Pairs that are worth nothing are never made.
+    /// Gain of the pair: a finite number. Pairs that are worth nothing are never made.
     pub gain: f64,
 }
 
@@ -45,7 +46,7 @@ pub fn best_pairs(rows: usize, columns: usize, candidates: &[Candidate]) -> Vec<
 struct Wishes {
     /// Row after row.
     wishes: Vec<Candidate>,
-    /// Where each row's wishes begin; one more than there are rows.
+    /// Places where each row's wishes begin; one more than there are rows.
     begins: Vec<usize>,
 }
 

@@ -1,8 +1,8 @@
 //! How accurate a bearings-only fix can be at best.
 //!
-//! The Cramér–Rao bound is the smallest covariance that any unbiased estimate can have: the inverse of the information in
-//! the bearings. A bearing says only how far the emitter is off to one side of its line, and that with sigma times the
-//! range; along the line, information comes from the lines' different directions. (Bar-Shalom, Li and Kirubarajan,
+//! The Cramér–Rao bound is the smallest covariance that any unbiased estimate can have: the inverse of the information
+//! in the bearings. A bearing says only how far the emitter is off to one side of its line, and that with sigma times
+//! the range; along the line, information comes from the lines' different directions. (Bar-Shalom, Li and Kirubarajan,
 //! *Estimation with Applications to Tracking and Navigation*, section 2.7.)
 //!
 //! Bounds here are of the scripted cases, whose geometry is known: see [`crate::FixCase`].
@@ -18,7 +18,7 @@ const FIXED_RANGE_M: f64 = 50e3;
 
 /// Half axes of the ellipse that the aircraft of case `drop` flies, east and north, metres.
 const ELLIPSE_M: [f64; 2] = [8e3, 4e3];
-/// Its speed along the ellipse, m/s.
+/// Speed of the aircraft along the ellipse, m/s.
 const AIRCRAFT_MPS: f64 = 100.0;
 /// Straight pieces that stand for the ellipse.
 const ELLIPSE_PIECES: usize = 20_000;
@@ -27,7 +27,7 @@ const DROP_PERIOD_S: f64 = 2.0;
 const DROP_BEARINGS: usize = 1801;
 /// Standard deviation of its bearings, degrees.
 const DROP_SIGMA_DEG: f64 = 2.0;
-/// How its transmitter drifts: m/s, and degrees clockwise from north.
+/// Drift of the transmitter of case `drop`: m/s, and degrees clockwise from north.
 const DRIFT_MPS: f64 = 4.0;
 const DRIFT_COURSE_DEG: f64 = 60.0;
 /// Nearer than this there is no bearing, metres.
@@ -60,8 +60,8 @@ impl BroadsideBound {
     }
 }
 
-/// Root mean square position error at best, metres, at the end of case `drop`, of an estimate that knows the motion to be
-/// straight.
+/// Root mean square position error at best, metres, at the end of case `drop`, of an estimate that knows the motion to
+/// be straight.
 pub(crate) fn straight_bound_m() -> Option<f64> {
     let ellipse = Ellipse::new();
     let (sin, cos) = DRIFT_COURSE_DEG.to_radians().sin_cos();
@@ -84,8 +84,8 @@ pub(crate) fn straight_bound_m() -> Option<f64> {
     Some((covariance[(0, 0)] + covariance[(1, 1)]).sqrt())
 }
 
-/// How a bearing (clockwise from north) changes with the emitter's place, radians per metre east and north, where `line_m`
-/// leads from the observer to it.
+/// Change of a bearing (clockwise from north) with the emitter's place, radians per metre east and north, where
+/// `line_m` leads from the observer to it.
 fn bearing_slope(line_m: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(line_m[1], -line_m[0]) / line_m.norm_squared()
 }
@@ -111,7 +111,7 @@ impl Ellipse {
         Self { corners_m, way_m }
     }
 
-    /// Where somebody is who has flown `flown_m` metres, any number of laps.
+    /// Position after `flown_m` metres, any number of laps, metres.
     fn at(&self, flown_m: f64) -> Vector2<f64> {
         let lap_m = self.way_m[ELLIPSE_PIECES];
         let flown_m = flown_m % lap_m;

@@ -1,9 +1,10 @@
 //! Whether each target keeps its track.
 //!
-//! A picture can be right at every second and still be useless to somebody who follows one aircraft: if the numbers of two
-//! tracks change places when their targets cross, every single picture is perfect. So pairs are carried from second to
-//! second, as in the CLEAR MOT measures (Bernardin and Stiefelhagen, 2008): a pair of the second before stays as long as
-//! it is nearer than the gate, however near others may be; what is left over is paired anew, best together. Then
+//! A picture can be right at every second and still be useless to somebody who follows one aircraft: if the numbers of
+//! two tracks change places when their targets cross, every single picture is perfect. So pairs are carried from second
+//! to second, as in the CLEAR MOT measures (Bernardin and Stiefelhagen, 2008): a pair of the second before stays as
+//! long as it is nearer than the gate, however near others may be; what is left over is paired anew, best together.
+//! Then
 //!
 //! - an *identity switch* is a target that has another track than when it last had one;
 //! - a *break* is a target that had lost its track and has one again;
@@ -19,7 +20,7 @@ use crate::gospa::Metric;
 use crate::near::{Pair, distance};
 use crate::states::{State, positions};
 
-/// See the module's documentation.
+/// Continuity of the tracks of targets, from picture to picture.
 #[derive(Debug)]
 pub(crate) struct Continuity {
     gate_m: f64,
@@ -33,7 +34,7 @@ pub(crate) struct Continuity {
     pub(crate) found: Found,
 }
 
-/// What has been found.
+/// Figures found so far.
 #[derive(Debug, Default)]
 pub(crate) struct Found {
     pub(crate) switches: u64,
@@ -45,7 +46,7 @@ pub(crate) struct Found {
     pub(crate) angles_rad: Vec<f64>,
 }
 
-/// What is known of one target.
+/// State of one target.
 #[derive(Clone, Copy, Debug, Default)]
 struct Followed {
     /// The track that it has or had last.

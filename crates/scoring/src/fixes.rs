@@ -1,13 +1,13 @@
 //! How good the fixes of a bearings-only locator are, in three scripted cases.
 //!
 //! Bearings of one emitter from a moving platform can be turned into a position, but slowly, and wrongly as soon as the
-//! bearings are. The cases show what is hard about it: how much of the information a locator uses ([`FixCase::Fixed`], held
-//! against the Cramér–Rao bound), whether it follows an emitter that moves ([`FixCase::Drop`]), and whether it keeps its
-//! fix while the platform turns and the bearings lie ([`FixCase::Turn`]). Two fixes are compared in each row: the output,
-//! after selection and prediction, and the raw one of the filter.
+//! bearings are. The cases show what is hard about it: how much of the information a locator uses ([`FixCase::Fixed`],
+//! held against the Cramér–Rao bound), whether it follows an emitter that moves ([`FixCase::Drop`]), and whether it
+//! keeps its fix while the platform turns and the bearings lie ([`FixCase::Turn`]). Two fixes are compared in each row:
+//! the output, after selection and prediction, and the raw one of the filter.
 //!
-//! A case holds many runs, one per emitter, with different noise. Several files of one case are pooled: their runs count
-//! together.
+//! A case holds many runs, one per emitter, with different noise. Several files of one case are pooled: their runs
+//! count together.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -23,27 +23,27 @@ use crate::near::distance;
 use crate::statistics::{circular_deviation, mean, root_mean, standard_deviation};
 use crate::words::Word;
 
-/// When the platform of case `turn` has flown long enough for a first fix, seconds.
+/// Time from which on the platform of case `turn` has flown long enough for a first fix, seconds.
 const TURN_SINCE_S: f64 = 500.0;
 /// The motion of fixes is looked at over this many rows.
 const MOTION_ROWS: usize = 10;
 /// Fixes that move less than this have no direction, m/s.
 const STILL_MPS: f64 = 1e-9;
 
-/// What is flown.
+/// Course that is flown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FixCase {
     /// An emitter 50 km broadside of a straight baseline; 61 bearings along it.
     Fixed,
-    /// An aircraft drops a transmitter and circles in ellipses of 8 by 4 km at 100 m/s, with a bearing of 2° every 2 s for
-    /// 3,600 s, while the transmitter drifts straight on at 4 m/s to 060°.
+    /// An aircraft drops a transmitter and circles in ellipses of 8 by 4 km at 100 m/s, with a bearing of 2° every 2 s
+    /// for 3,600 s, while the transmitter drifts straight on at 4 m/s to 060°.
     Drop,
     /// The aircraft flies past a still transmitter, turns by 180°, with wrong bearings while it does, and flies back.
     Turn,
 }
 
-/// What is said beside a case's files: which case it is, and its settings.
+/// Description beside a case's files: which case it is, and its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct CaseSettings {
     /// The case.
@@ -78,7 +78,7 @@ impl fmt::Display for CaseSettings {
     }
 }
 
-/// Why fixes cannot be scored.
+/// Reason why fixes cannot be scored.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FixError {
     /// Not one fix is of a known time and emitter.
@@ -149,9 +149,9 @@ fn is_zero(count: &u64) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum FixFigures {
-    /// Of case `fixed`.
+    /// Figures of case `fixed`.
     Broadside(BroadsideFigures),
-    /// Of the cases `drop` and `turn`.
+    /// Figures of the cases `drop` and `turn`.
     Course(CourseFigures),
 }
 
@@ -160,11 +160,11 @@ pub enum FixFigures {
 pub struct BroadsideFigures {
     /// Root mean square error along the line of sight, metres.
     pub range_rmse: f64,
-    /// Its bound, metres.
+    /// Least possible value of the figure before, metres.
     pub range_bound: f64,
     /// Root mean square error across the line of sight, metres.
     pub cross_rmse: f64,
-    /// Its bound, metres.
+    /// Least possible value of the figure before, metres.
     pub cross_bound: f64,
     /// Error over bound.
     pub range_ratio: f64,
@@ -200,7 +200,7 @@ pub struct CourseFigures {
     pub straight_bound: Option<f64>,
 }
 
-/// What the words of a [`FixScore`] mean.
+/// Meanings of the words of a [`FixScore`].
 pub const FIX_WORDS: &[Word] = &[
     Word::new("runs", "", "emitters with a fix"),
     Word::new("runs_without_fix", "", "emitters without any"),
@@ -355,7 +355,7 @@ impl FixRuns {
     }
 }
 
-/// Which of the two fixes of a row.
+/// Choice between the two fixes of a row.
 #[derive(Clone, Copy)]
 enum Of {
     Output,
@@ -374,14 +374,14 @@ fn error_square_m2(fix: &Fix, of: Of) -> f64 {
     error_m * error_m
 }
 
-/// How far the output is from where its own velocity would have taken it.
+/// Distance of the output from where its own velocity would have taken it.
 fn jump_m(before: &Fix, after: &Fix) -> f64 {
     let seconds = after.time_s - before.time_s;
     let expected = [0, 1].map(|axis| before.output_m[axis] + before.velocity_mps[axis] * seconds);
     distance(&after.output_m, &expected)
 }
 
-/// How unsteadily fixes move, averaged over runs.
+/// Unsteadiness of the motion of fixes, averaged over runs.
 struct Spread {
     speed_mps: Option<f64>,
     direction_deg: Option<f64>,
@@ -426,7 +426,7 @@ pub enum FixInputError {
     Settings {
         /// The settings that were to be added.
         found: CaseSettings,
-        /// Those of the runs before.
+        /// Sums of the runs before.
         expected: CaseSettings,
     },
     /// The truth.
@@ -437,7 +437,7 @@ pub enum FixInputError {
     Fixes(CsvError),
 }
 
-/// Where emitters are, by time. Emitters are called by what stands in their column, number or not.
+/// Positions of emitters by time. Emitters are called by what stands in their column, number or not.
 struct Truth {
     emitters: FxHashMap<String, u32>,
     places_m: FxHashMap<(u32, u64), [f64; 2]>,

@@ -1,20 +1,20 @@
 //! How far one set of points is from another, where the sets may differ in size.
 //!
-//! A picture with one good track too few and one with a bad track too many are both wrong, each in its own way. The mean
-//! error of the tracks that happen to be there rewards leaving tracks out; so a distance between sets must charge what
-//! is missing and what is too much as well. GOSPA (Rahmathullah, García-Fernández and Svensson, *Generalized optimal
-//! sub-pattern assignment metric*, 2017, here with alpha = 2) pairs targets with tracks at a cost of distance^p, charges
-//! cut_off^p / 2 for each of either that stays alone, and takes the p-th root of the least possible sum. It is a metric:
-//! zero only for equal sets, the same in both directions, and never shortened by a detour. Its sum falls apart into what
-//! localisation, missed targets and false tracks each contribute.
+//! A picture with one good track too few and one with a bad track too many are both wrong, each in its own way. The
+//! mean error of the tracks that happen to be there rewards leaving tracks out; so a distance between sets must charge
+//! what is missing and what is too much as well. GOSPA (Rahmathullah, García-Fernández and Svensson, *Generalized
+//! optimal sub-pattern assignment metric*, 2017, here with alpha = 2) pairs targets with tracks at a cost of
+//! distance^p, charges cut_off^p / 2 for each of either that stays alone, and takes the p-th root of the least possible
+//! sum. It is a metric: zero only for equal sets, the same in both directions, and never shortened by a detour. Its sum
+//! falls apart into what localisation, missed targets and false tracks each contribute.
 //!
-//! OSPA (Schuhmacher, Vo and Vo, *A consistent metric for performance evaluation of multi-object filters*, 2008) divides
-//! by the size of the larger set, and so gives an error per target. The same pairs minimise both.
+//! OSPA (Schuhmacher, Vo and Vo, *A consistent metric for performance evaluation of multi-object filters*, 2008)
+//! divides by the size of the larger set, and so gives an error per target. The same pairs minimise both.
 
 use crate::assignment::{Candidate, best_pairs};
 use crate::near::{Pair, near_pairs};
 
-/// Which distance is meant.
+/// Metric to be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metric {
     /// Distance from which a track is no track of a target any more, metres; positive.
@@ -23,7 +23,7 @@ pub struct Metric {
     pub power: i32,
 }
 
-/// What lies between two sets of points.
+/// Distance between two sets of points, with its parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetDistance {
     /// Targets and their tracks, all nearer than the cut-off.
@@ -78,17 +78,17 @@ impl SetDistance {
             .root(self.localisation() + self.alone(self.missed) + self.alone(self.false_tracks))
     }
 
-    /// Its part that comes from the pairs' distances, metres.
+    /// Part that comes from the pairs' distances, metres.
     pub fn localisation_m(&self) -> f64 {
         self.metric.root(self.localisation())
     }
 
-    /// Its part that comes from missed targets, metres.
+    /// Part that comes from missed targets, metres.
     pub fn missed_m(&self) -> f64 {
         self.metric.root(self.alone(self.missed))
     }
 
-    /// Its part that comes from false tracks, metres.
+    /// Part that comes from false tracks, metres.
     pub fn false_m(&self) -> f64 {
         self.metric.root(self.alone(self.false_tracks))
     }

@@ -1,11 +1,11 @@
 //! How good tracks and fixes are, against a known truth.
 //!
-//! Somebody who changes a rule, a gate or a noise setting wants to know whether the picture became better. Looking at it
-//! does not tell: a few metres, a lost track in a thousand or a swapped number are below what an eye notices. Where the
-//! truth is known, from a simulation or from better instruments, the difference can be put into figures.
+//! Somebody who changes a rule, a gate or a noise setting wants to know whether the picture became better. Looking at
+//! it does not tell: a few metres, a lost track in a thousand or a swapped number are below what an eye notices. Where
+//! the truth is known, from a simulation or from better instruments, the difference can be put into figures.
 //!
-//! - [`score_picture`]: the picture of a fused or a single tracker, second by second: GOSPA and OSPA ([`gospa`]), errors,
-//!   identity switches, breaks, completeness, spurious tracks;
+//! - [`score_picture`]: the picture of a fused or a single tracker, second by second: GOSPA and OSPA ([`gospa`]),
+//!   errors, identity switches, breaks, completeness, spurious tracks;
 //! - [`ResolutionScore`]: whether a tracker tells targets apart that fly close to each other, and how soon;
 //! - [`Accuracy`]: the picture as it goes on, in a few figures that can be had at any time;
 //! - [`FixRuns`]: the fixes of a bearings-only locator, beside the best that is possible.

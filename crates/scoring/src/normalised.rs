@@ -2,9 +2,9 @@
 //!
 //! A track states a covariance P with its position. If that is right, the error e of the position has, squared and
 //! normalised, d² = eᵀ P⁻¹ e, which is chi-square distributed with three degrees of freedom and so 3 on average
-//! (Bar-Shalom, Li and Kirubarajan, *Estimation with Applications to Tracking and Navigation*, section 5.4, NEES). The mean
-//! of d²/3 over all pairs is therefore 1 for a tracker that knows how accurate it is, above 1 for one that is too sure of
-//! itself, and below 1 for one that is better than it says.
+//! (Bar-Shalom, Li and Kirubarajan, *Estimation with Applications to Tracking and Navigation*, section 5.4, NEES). The
+//! mean of d²/3 over all pairs is therefore 1 for a tracker that knows how accurate it is, above 1 for one that is too
+//! sure of itself, and below 1 for one that is better than it says.
 
 use messages::{AXES, Covariance};
 use nalgebra::{Matrix3, Vector3};

@@ -1,12 +1,12 @@
 //! How good a picture of tracks is, second by second, against a known truth.
 //!
 //! At each whole second the newest state of every track is taken, moved to that second along its velocity, and held
-//! against the targets of that second. Three questions are asked. How far is the picture from the truth, and through what
-//! ([`crate::gospa`])? How accurate are the tracks that have a target? And does each target keep its track (pairs that
-//! are carried from second to second)?
+//! against the targets of that second. Three questions are asked. How far is the picture from the truth, and through
+//! what ([`crate::gospa`])? How accurate are the tracks that have a target? And does each target keep its track (pairs
+//! that are carried from second to second)?
 //!
-//! Limits: a target that the truth does not list at a whole second does not exist in that second. Tracks are told apart by
-//! their number alone, so a file with the tracks of several sensors is not one picture.
+//! Limits: a target that the truth does not list at a whole second does not exist in that second. Tracks are told apart
+//! by their number alone, so a file with the tracks of several sensors is not one picture.
 
 use std::io::Read;
 
@@ -30,7 +30,7 @@ const TRUTH_AGE_MAX_S: f64 = 1e-3;
 /// Columns that tell targets or tracks apart; the first that a file has counts.
 const IDS: [&str; 3] = ["target_id", "system_track_id", "sensor_track_id"];
 
-/// How to compare.
+/// Settings of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureSettings {
     /// Distance from which a track is no track of a target, metres (500).
@@ -78,8 +78,8 @@ impl Timeline {
         Self::read(input, IDS[0], TRUTH_AGE_MAX_S)
     }
 
-    /// Reads tracks whose states show for `age_max_s` seconds: columns as of a truth file, but with `system_track_id` or
-    /// `sensor_track_id`. Rows whose `state` is `tentative` or `terminated` are left out.
+    /// Reads tracks whose states show for `age_max_s` seconds: columns as of a truth file, but with `system_track_id`
+    /// or `sensor_track_id`. Rows whose `state` is `tentative` or `terminated` are left out.
     ///
     /// # Errors
     /// As [`Timeline::truth`].
@@ -133,7 +133,7 @@ impl Timeline {
 pub struct ShownState {
     /// The track's number.
     pub number: i64,
-    /// Its time, seconds.
+    /// Time of the second, seconds.
     pub time_s: f64,
     /// Position, metres.
     pub position_m: [f64; 3],
@@ -154,7 +154,7 @@ fn is_fresh(time_s: f64, second: Instant, age_max_s: f64) -> bool {
     time_s > second as f64 - age_max_s + ROUNDING_S
 }
 
-/// Why two files cannot be compared.
+/// Reason why two files cannot be compared.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PictureError {
     /// The truth has no rows.
@@ -170,7 +170,7 @@ pub enum PictureError {
     },
 }
 
-/// How good a picture is. Averages are over seconds.
+/// Quality of a picture. Averages are over seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PictureScore {
     /// Average GOSPA, metres.
@@ -208,13 +208,13 @@ pub struct PictureScore {
     pub missed_per_s: f64,
     /// Tracks without a target, on average.
     pub false_per_s: f64,
-    /// Mean normalised error squared of the position of the pairs, over its three dimensions; `None` where no track states
-    /// a covariance.
+    /// Mean normalised error squared of the position of the pairs, over its three dimensions; `None` where no track
+    /// states a covariance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nees_pos: Option<f64>,
 }
 
-/// What the words of a [`PictureScore`] mean.
+/// Meanings of the words of a [`PictureScore`].
 pub const PICTURE_WORDS: &[Word] = &[
     Word::new("gospa", "m", "distance between picture and truth, average over seconds"),
     Word::new("loc", "m", "its part from position errors"),
@@ -287,7 +287,7 @@ impl<'a> Pass<'a> {
     }
 }
 
-/// What has been found in the seconds so far.
+/// Sums over the seconds so far.
 struct Sums {
     metric: Metric,
     /// By second: GOSPA, its three parts, and OSPA.

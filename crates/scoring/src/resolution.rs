@@ -1,9 +1,9 @@
 //! Whether a tracker tells targets apart: one confirmed track for each, at every scan.
 //!
-//! Two aircraft that fly side by side may be one detection for minutes. A tracker that keeps both possibilities open should
-//! show two tracks soon after they part, and one while nobody can know. So a run is scored by the share of the truth's
-//! times at which exactly as many confirmed tracks are near targets as there are targets, each near another one; by how
-//! long that takes from a given time on; and by what was shown that never was near anything.
+//! Two aircraft that fly side by side may be one detection for minutes. A tracker that keeps both possibilities open
+//! should show two tracks soon after they part, and one while nobody can know. So a run is scored by the share of the
+//! truth's times at which exactly as many confirmed tracks are near targets as there are targets, each near another
+//! one; by how long that takes from a given time on; and by what was shown that never was near anything.
 //!
 //! Positions are compared in the plane. A track shows for four seconds after its newest row, moved along its velocity.
 //! Several runs are pooled as means over runs, so
@@ -22,7 +22,7 @@ use crate::states::{Counted, Instant, Pictures, State, StateRows, positions};
 use crate::statistics::mean;
 use crate::words::Word;
 
-/// How long a track shows after its newest row, seconds.
+/// Time for which a track shows after its newest row, seconds.
 const AGE_MAX_S: f64 = 4.0;
 /// A row counts for a time if it is less than this after it, seconds: decimals in files are rounded.
 const ROUNDING_S: f64 = 1e-6;
@@ -31,7 +31,7 @@ const TIME_DECIMALS: usize = 3;
 /// Decimals of shares.
 const SHARE_DECIMALS: usize = 4;
 
-/// How to compare.
+/// Settings of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResolutionSettings {
     /// A track is near a target if it is nearer than this in the plane, metres (300).
@@ -49,7 +49,7 @@ impl Default for ResolutionSettings {
     }
 }
 
-/// Where all targets are, at each time that a truth file lists.
+/// Positions of all targets at each time that a truth file lists.
 #[derive(Clone, Debug)]
 pub struct TargetsByTime {
     times_s: Vec<f64>,
@@ -78,7 +78,7 @@ impl TargetsByTime {
     }
 }
 
-/// What a tracker showed, at the times of a truth.
+/// Tracks that a tracker showed, at the times of a truth.
 #[derive(Clone, Debug)]
 pub struct ConfirmedTracks {
     pictures: Pictures<2>,
@@ -147,7 +147,7 @@ pub struct ResolutionScore {
 /// The figures of several runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PooledResolutionScore {
-    /// How many runs.
+    /// Number of runs.
     pub runs: usize,
     /// Means over runs, not rounded; the tracks of all runs are added up.
     #[serde(flatten)]
@@ -160,7 +160,7 @@ pub struct PooledResolutionScore {
     pub each: Vec<ResolutionScore>,
 }
 
-/// What the words of a [`PooledResolutionScore`] mean; those of a [`ResolutionScore`] are among them.
+/// Meanings of the words of a [`PooledResolutionScore`]; those of a [`ResolutionScore`] are among them.
 pub const RESOLUTION_WORDS: &[Word] = &[
     Word::new("runs", "", "runs that are pooled"),
     Word::new(
@@ -245,7 +245,7 @@ impl ResolutionScore {
     }
 }
 
-/// What has been found at the times of one run so far.
+/// Sums over the times of one run so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
     /// Times at which targets can be told apart.
@@ -281,11 +281,11 @@ impl Found {
     }
 }
 
-/// Which tracks are near targets at one time.
+/// Nearness of tracks and targets at one time.
 struct Nearness {
     /// Places of the tracks that are near any.
     tracks: BTreeSet<usize>,
-    /// How many targets can have a track of their own.
+    /// Number of targets that can have a track of their own.
     paired: usize,
 }
 

@@ -1,9 +1,9 @@
 //! States of targets and tracks from files, and which of them show at a given instant.
 //!
-//! A picture is what a display would show at an instant: of each track the newest state, moved along its velocity, as long
-//! as it is not too old. Files hold more than that, up to one row per track and report, and need not be sorted. So while
-//! a file is read, each row goes to the first instant at which it can be seen, and of each track only the newest row per
-//! instant is kept. What stays in memory is the pictures, not the file.
+//! A picture is what a display would show at an instant: of each track the newest state, moved along its velocity, as
+//! long as it is not too old. Files hold more than that, up to one row per track and report, and need not be sorted. So
+//! while a file is read, each row goes to the first instant at which it can be seen, and of each track only the newest
+//! row per instant is kept. What stays in memory is the pictures, not the file.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map;
@@ -22,7 +22,7 @@ const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
 /// Number of an instant. Instants are numbered in the order of time, by whole seconds or by their place in a list.
 pub(crate) type Instant = i64;
 
-/// Where one target or track was, and how it moved, in `D` dimensions.
+/// Position and velocity of one target or track, in `D` dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct State<const D: usize> {
     pub(crate) id: i64,
@@ -34,7 +34,7 @@ pub(crate) struct State<const D: usize> {
 }
 
 impl<const D: usize> State<D> {
-    /// Where it is some time after or before its own time, if it goes on as it did.
+    /// Position some time after or before its own time, if it goes on as it did.
     pub(crate) fn moved_to(&self, time_s: f64) -> Self {
         let seconds = time_s - self.time_s;
         Self {
@@ -44,7 +44,7 @@ impl<const D: usize> State<D> {
     }
 }
 
-/// Which rows count, by the word in the column `state`.
+/// Rows that count, by the word in the column `state`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Counted {
     /// All but those that say `tentative` or `terminated`; files without the column count whole.
@@ -67,8 +67,8 @@ pub(crate) struct StateRows<R, const D: usize> {
 }
 
 impl<R: Read, const D: usize> StateRows<R, D> {
-    /// Reads the header. The first of `ids` that it names tells the rows' targets or tracks apart; `usual` is named where
-    /// there is none.
+    /// Reads the header. The first of `ids` that it names tells the rows' targets or tracks apart; `usual` is named
+    /// where there is none.
     ///
     /// # Errors
     /// If a column is missing or the input fails.
@@ -97,8 +97,8 @@ impl<R: Read, const D: usize> StateRows<R, D> {
         })
     }
 
-    /// The state in the next row that counts, with the covariance of position and velocity where it has one; `None` at the
-    /// end.
+    /// The state in the next row that counts, with the covariance of position and velocity where it has one; `None` at
+    /// the end.
     ///
     /// # Errors
     /// If the row cannot be read.
@@ -164,7 +164,7 @@ pub(crate) type Supersedes<const D: usize> = fn(state: &State<D>, kept: &State<D
 #[derive(Clone, Debug)]
 pub(crate) struct Pictures<const D: usize> {
     by_instant: BTreeMap<Instant, Vec<State<D>>>,
-    /// Where the latest kept state of each stands.
+    /// Places of the latest kept states.
     latest: FxHashMap<i64, (Instant, usize)>,
     supersedes: Supersedes<D>,
 }
@@ -213,8 +213,8 @@ pub(crate) struct Walk<'a, const D: usize> {
 }
 
 impl<const D: usize> Walk<'_, D> {
-    /// What shows at `instant`, which is at `time_s`: every state that is `fresh` then, moved to that time, in the order of
-    /// their numbers. Instants must be asked for in their order; what is too old once stays so.
+    /// Everything that shows at `instant`, which is at `time_s`: every state that is `fresh` then, moved to that time,
+    /// in the order of their numbers. Instants must be asked for in their order; what is too old once stays so.
     pub(crate) fn at(&mut self, instant: Instant, time_s: f64, fresh: impl Fn(f64) -> bool) -> Vec<State<D>> {
         while let Some((_, states)) = self.rest.next_if(|(of, _)| **of <= instant) {
             for state in states {

@@ -5,9 +5,9 @@
 pub struct Word {
     /// The key under which JSON has the figure.
     pub name: &'static str,
-    /// Its unit; empty for counts and shares.
+    /// Unit; empty for counts and shares.
     pub unit: &'static str,
-    /// What it says, in a few words.
+    /// Meaning in a few words.
     pub meaning: &'static str,
 }
 

@@ -5,7 +5,8 @@ use crate::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, Track
 use crate::hypothesis_store::HypothesisStore;
 use crate::joined::Joined;
 
-/// Tells which tracks were confirmed: those numbered from `first_number` on, from `first_early` on earlier than otherwise.
+/// Tells which tracks were confirmed: those numbered from `first_number` on, from `first_early` on earlier than
+/// otherwise.
 pub(crate) fn explain_confirmations(
     joined: &Joined<'_>,
     store: &HypothesisStore,

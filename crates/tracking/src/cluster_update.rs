@@ -1,8 +1,8 @@
 //! One cluster, one scan: from its hypotheses before to its hypotheses after.
 //!
-//! The children of all parents are drawn together, likeliest first ([`crate::interpretations`]); their tracks are made as they
-//! are needed ([`crate::branching`]). Then they are corrected by what is known otherwise, reduced, their tracks confirmed
-//! ([`crate::hypothesis_store`]), and the clusters that they fall into are written ([`crate::separation`]).
+//! The children of all parents are drawn together, likeliest first ([`crate::interpretations`]); their tracks are made
+//! as they are needed ([`crate::branching`]). Then they are corrected by what is known otherwise, reduced, their tracks
+//! confirmed ([`crate::hypothesis_store`]), and the clusters that they fall into are written ([`crate::separation`]).
 
 use crate::branching::{Branches, REMOVED, UNMADE, explain_end};
 use crate::cluster_explanation::{explain_cluster, explain_confirmations, explain_ends, explain_hypotheses};
@@ -95,8 +95,8 @@ impl ClusterUpdate {
             .write(store, next, reduction, &joined.detections, counts);
     }
 
-    /// Lets the tracks of a cluster take the directions in their gates ([`crate::directions`]); its hypotheses stay, but for
-    /// the tracks that have been silent for too long.
+    /// Lets the tracks of a cluster take the directions in their gates ([`crate::directions`]); its hypotheses stay,
+    /// but for the tracks that have been silent for too long.
     pub(crate) fn run_directions(
         &mut self,
         scan: &ScanContext<'_>,
@@ -133,8 +133,8 @@ impl ClusterUpdate {
 }
 
 impl Children {
-    /// Makes the likeliest children, with corrected reliabilities. Returns a bound on the share of the probability that was
-    /// left behind.
+    /// Makes the likeliest children, with corrected reliabilities. Returns a bound on the share of the probability that
+    /// was left behind.
     fn make(&mut self, joined: &Joined<'_>, next: &mut Population, counts: &mut TrackerCounts) -> f64 {
         self.store.clear();
         self.correction.clear();

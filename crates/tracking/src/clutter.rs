@@ -1,11 +1,11 @@
 //! How many false detections a sensor gives, learned while running.
 //!
 //! What an operator rarely knows can be counted: detections outside the gates of all confirmed tracks are false or the
-//! beginnings of tracks, and those are few. Their mean number per scan over about [`SCANS`] scans, divided by the area in
-//! which the sensor sees, is the density. The area is that of the field of view, or where none is given, or detections lie
-//! outside, the smallest rectangle around all of them. A sensor without a field of view that shows little but one target
-//! has a rectangle as small as the target's path, and its few detections look like dense clutter. The density is too low
-//! for clutter in patches, where tentative tracks will be more than they should.
+//! beginnings of tracks, and those are few. Their mean number per scan over about [`SCANS`] scans, divided by the area
+//! in which the sensor sees, is the density. The area is that of the field of view, or where none is given, or
+//! detections lie outside, the smallest rectangle around all of them. A sensor without a field of view that shows
+//! little but one target has a rectangle as small as the target's path, and its few detections look like dense clutter.
+//! The density is too low for clutter in patches, where tentative tracks will be more than they should.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -59,8 +59,8 @@ impl Estimate {
         self.count += (outside as f64 - self.count) / self.scans;
     }
 
-    /// False detections per scan and square metre, or radian, of a sensor that sees so much; `present` are in the scan at
-    /// hand.
+    /// False detections per scan and square metre, or radian, of a sensor that sees so much; `present` are in the scan
+    /// at hand.
     pub(crate) fn density(&self, present: usize, extent: Extent) -> f64 {
         let count = if self.scans > 0.0 { self.count } else { present as f64 };
         let [w, s, e, n] = self.box_m;
@@ -75,8 +75,8 @@ impl Estimate {
     }
 }
 
-/// Logarithm of the density of false detections per unit of each measured quantity, where there are `density` per square
-/// metre, or per radian of bearing.
+/// Logarithm of the density of false detections per unit of each measured quantity, where there are `density` per
+/// square metre, or per radian of bearing.
 ///
 /// In the plane a ring of range r has an area in proportion to r. Heights, elevations and range rates of false
 /// detections are taken to be anywhere within what is assumed of targets.

@@ -1,12 +1,13 @@
-//! In-gate matrix and track-correlation matrices (HT-5, HT-6, HT-7, SP-1, SP-3), all of them written down, with the worked checks.
+//! In-gate matrix and track-correlation matrices (HT-5, HT-6, HT-7, SP-1, SP-3), all of them written down, with the
+//! worked checks.
 //!
 //! The in-gate matrix of a scan has a row per detection. What a detection may be are the columns: false; one of the
 //! existing tracks in whose gate it lies; the start of a new track, where that is allowed. A track-correlation matrix
 //! selects one column for each row, and no track twice: one consistent interpretation of the scan. A hypothesis is
 //! updated by those interpretations that refer to none but its own tracks.
 //!
-//! Their number grows like a factorial with the crowd, so the tracker does not make them: it draws the likeliest ones in
-//! order (module `ranked`). This module says what all of them are, for a few detections: what the tracker is tested
+//! Their number grows like a factorial with the crowd, so the tracker does not make them: it draws the likeliest ones
+//! in order (module `ranked`). This module says what all of them are, for a few detections: what the tracker is tested
 //! against.
 
 /// One row of an in-gate matrix: what a detection may be, besides false.

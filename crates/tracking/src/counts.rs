@@ -15,7 +15,7 @@ pub struct TrackerCounts {
     pub unusable_detections: u64,
     /// Detections refused for want of room in the scan.
     pub crowded_out_detections: u64,
-    /// Comparisons of a track with a detection not made, because the track had had its share.
+    /// Track–detection comparisons skipped because the track had reached [`COMPARISONS_MAX`](crate::COMPARISONS_MAX).
     pub unmade_comparisons: u64,
     /// Detections in a track's gate that were not considered: others fitted better, or the cluster was full.
     pub dropped_pairs: u64,
@@ -49,7 +49,7 @@ pub struct TrackerCounts {
     pub wide_area_reports_refused: u64,
     /// Wide-area reports, or groups of them, used by a scan, repetitions after late scans included.
     pub wide_area_reports_used: u64,
-    /// Of these, those that no cluster was near enough to.
+    /// Reports used that no cluster was near enough to.
     pub wide_area_reports_unmatched: u64,
     /// Clusters whose hypotheses, or some hypothesis' children, were corrected (WA-4).
     pub wide_area_corrections: u64,
@@ -65,7 +65,7 @@ pub struct TrackerCounts {
     pub emissions_refused: u64,
     /// Emissions used by a scan, repetitions after late ones included.
     pub emissions_used: u64,
-    /// Of these, those in whose direction there was no track, or more than one.
+    /// Emissions used in whose direction there was no track, or more than one.
     pub emissions_unclear: u64,
     /// Tracks confirmed.
     pub confirmed: u64,
@@ -80,8 +80,8 @@ pub struct TrackerCounts {
 }
 
 impl TrackerCounts {
-    /// Share of the probability that the bounds and thresholds cut off in the mean update of a cluster (HT-11), in [0, 1]:
-    /// an upper bound. 0 before the first.
+    /// Share of the probability that the bounds and thresholds cut off in the mean update of a cluster (HT-11), in [0,
+    /// 1]: an upper bound. 0 before the first.
     pub fn dropped_probability_mean(&self) -> f64 {
         self.dropped_probability_sum / self.cluster_updates.max(1) as f64
     }

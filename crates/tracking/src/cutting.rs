@@ -1,21 +1,21 @@
 //! Detections as they come from one sensor, cut into scans.
 //!
-//! The tracker wants scans: all that a sensor saw in one look around. A radar sends plots one after the other, some a little
-//! late, and says when its antenna points north. To call a scan complete at that message would leave late plots to the
-//! next scan, and by the clock of the machine the result would depend on its load. So only times of the data count. A
-//! scan reaches from one boundary to the next; it is complete when something has come that is later than its end by the
-//! *wait*. What is older than the scan at hand comes too late, and is refused.
+//! The tracker wants scans: all that a sensor saw in one look around. A radar sends plots one after the other, some a
+//! little late, and says when its antenna points north. To call a scan complete at that message would leave late plots
+//! to the next scan, and by the clock of the machine the result would depend on its load. So only times of the data
+//! count. A scan reaches from one boundary to the next; it is complete when something has come that is later than its
+//! end by the *wait*. What is older than the scan at hand comes too late, and is refused.
 //!
-//! A boundary is where the sensor says that its turn begins ([`Cutter::turn_begins`]). Where it does not say so for longer
-//! than a period and the wait, the turn is taken to have lasted one period; and where the sensor is not asked
+//! A boundary is where the sensor says that its turn begins ([`Cutter::turn_begins`]). Where it does not say so for
+//! longer than a period and the wait, the turn is taken to have lasted one period; and where the sensor is not asked
 //! ([`Boundaries::Period`]), boundaries are at whole multiples of the period. After a silence the next scan begins with
 //! the first detection.
 //!
 //! # Numbers
 //!
-//! Scans are numbered so that a gap in the numbers is as many periods of silence ([`crate::scans`]). The first number is
-//! that of the sixteenth of a second, counted from an epoch, in which the scan began. No sensor makes as many scans, so
-//! that a cutter that takes another one's place begins with a number beyond all of the other's.
+//! Scans are numbered so that a gap in the numbers is as many periods of silence ([`crate::scans`]). The first number
+//! is that of the sixteenth of a second, counted from an epoch, in which the scan began. No sensor makes as many scans,
+//! so that a cutter that takes another one's place begins with a number beyond all of the other's.
 
 use std::collections::VecDeque;
 
@@ -91,7 +91,7 @@ struct Pending<T> {
     place: u64,
 }
 
-/// See the module's documentation. `T` is what is to stay with a detection, the time of its receipt for example.
+/// Cutter of one sensor's detections into scans. `T` stays with each detection: the time of its receipt, for example.
 #[derive(Clone, Debug)]
 pub struct Cutter<T> {
     settings: CutterSettings,

@@ -1,33 +1,33 @@
 //! Directions without ranges, from cameras and listeners: they improve tracks that positions have begun.
 //!
 //! A bearing is a ray, and a ray crosses the gates of many tracks. Treated as positions are, each image of a camera
-//! joins half of all clusters, gives every hypothesis a dozen children, and, ten times a second, pushes out of the memory
-//! of eight scans what the radar saw a second ago: a choice between two of its detections would be decided by force before
-//! the next turn. And the rule that a detection is of one target at most does not even hold: a boat behind another one
-//! gives no bearing of its own.
+//! joins half of all clusters, gives every hypothesis a dozen children, and, ten times a second, pushes out of the
+//! memory of eight scans what the radar saw a second ago: a choice between two of its detections would be decided by
+//! force before the next turn. And the rule that a detection is of one target at most does not even hold: a boat behind
+//! another one gives no bearing of its own.
 //!
-//! So directions do not branch. Each track takes all directions in its gate, each by the probability that it is its own,
-//! as the mean of what it would be with each and with none (probabilistic data association). What a scan of directions
-//! says of a track's still being there,
+//! So directions do not branch. Each track takes all directions in its gate, each by the probability that it is its
+//! own, as the mean of what it would be with each and with none (probabilistic data association). What a scan of
+//! directions says of a track's still being there,
 //!
 //! ```text
 //! evidence = 1 − P + Σ p·N(ν)/λ        (P: detected and in the gate, p: detected, λ: density of false ones)
 //! ```
 //!
-//! makes up for misses, or adds to them, for what the scan is worth ([`crate::sensor`]). It does not weigh hypotheses: of two
-//! explanations that lie on one ray, both would be made certain by every image. So directions say where a target is and
-//! whether it still is, not whether it is one: none begins or becomes likelier, clusters, histories and numbers of
-//! detections stay as they are.
+//! makes up for misses, or adds to them, for what the scan is worth ([`crate::sensor`]). It does not weigh hypotheses:
+//! of two explanations that lie on one ray, both would be made certain by every image. So directions say where a target
+//! is and whether it still is, not whether it is one: none begins or becomes likelier, clusters, histories and numbers
+//! of detections stay as they are.
 //!
-//! Two tracks with one direction between them share it: what a confirmed track may have given is to any other one as good as
-//! false, and its likelihood adds to λ, over the probability that it was not seen (the joint probabilities of two tracks
-//! and one direction, exactly). Of several others the likeliest counts.
+//! Two tracks with one direction between them share it: what a confirmed track may have given is to any other one as
+//! good as false, and its likelihood adds to λ, over the probability that it was not seen (the joint probabilities of
+//! two tracks and one direction, exactly). Of several others the likeliest counts.
 //!
 //! Limits: the tangent of a direction is good where the direction is known; a track that is not known better than
 //! [`KNOWN_RAD`] takes none.
 //!
-//! Source: Y. Bar-Shalom, F. Daum, J. Huang, *The probabilistic data association filter*, IEEE Control Systems Magazine 29
-//! (2009).
+//! Source: Y. Bar-Shalom, F. Daum, J. Huang, *The probabilistic data association filter*, IEEE Control Systems Magazine
+//! 29 (2009).
 
 use association::distance;
 use messages::NS_PER_S;
@@ -54,10 +54,10 @@ pub(crate) struct Directions<'a> {
     pub(crate) sensor: &'a Sensor,
 }
 
-/// Which confirmed tracks have most to do with a direction.
+/// The two confirmed tracks of which a direction is likeliest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Claims {
-    /// Number and likelihood, relative to false, of the likeliest one and of the next one.
+    /// Number of the track and likelihood, relative to false, of the likeliest one and of the next one.
     two: [(u32, f64); 2],
 }
 
@@ -84,7 +84,7 @@ impl Claims {
         };
     }
 
-    /// The largest one of other tracks.
+    /// The largest likelihood of other tracks.
     fn of_others(&self, number: u32) -> f64 {
         let [first, second] = self.two;
         if first.0 == number { second.1 } else { first.1 }
@@ -118,8 +118,8 @@ impl<'a> Directions<'a> {
         }
     }
 
-    /// Lets a track take the directions in its gate. One that has been seen only once takes none: where it goes is not known
-    /// yet.
+    /// Lets a track take the directions in its gate. One that has been seen only once takes none: where it goes is not
+    /// known yet.
     pub(crate) fn take_in(&self, track: &mut Track, claims: &[Claims]) {
         let Some((predicted, seen)) = self.predicted(track) else {
             return;

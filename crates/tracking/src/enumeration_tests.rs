@@ -104,8 +104,8 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
     found
 }
 
-/// All hypotheses after the scans, by their contents, with reliabilities that sum to 1. A wide-area report of `targets` is
-/// due in the last scan.
+/// All hypotheses after the scans, by their contents, with reliabilities that sum to 1. A wide-area report of `targets`
+/// is due in the last scan.
 fn enumerated(scans: &[Vec<Detection>], settings: &Settings, targets: Option<f64>) -> Vec<(Content, f64)> {
     let mut hypotheses = vec![Whole {
         tracks: Vec::new(),
@@ -224,7 +224,8 @@ proptest! {
         let tracker = run(&scans, &settings);
         let mut expected = enumerated(&scans, &settings, None);
         let found = of_tracker(&tracker);
-        // Where nothing was dropped, everything is there; where the last scan had more than 64 children, the best of them.
+        // Where nothing was dropped, everything is there; where the last scan had more than 64 children, the best of
+        // them.
         let full = tracker.counts().dropped_probability_max > 0.0;
         let complete_before = run(&scans[..2], &settings).counts().dropped_probability_max == 0.0;
         let whole = tracker.clusters() == 1 && found.len() == HYPOTHESES_MAX;

@@ -1,20 +1,21 @@
 //! What the tracker considered and decided, and why.
 //!
-//! A track says where a target is, not how it came to be believed: which interpretations there were, how reliable each was,
-//! and what tipped the scales. Each of these can be had as a record by whoever gives [`crate::Tracker::scan_explained`] an
-//! observer. Records are made of what is there anyway and kept nowhere; where nobody observes, nothing is made of them.
+//! A track says where a target is, not how it came to be believed: which interpretations there were, how reliable each
+//! was, and what tipped the scales. Each of these can be had as a record by whoever gives
+//! [`crate::Tracker::scan_explained`] an observer. Records are made of what is there anyway and kept nowhere; where
+//! nobody observes, nothing is made of them.
 //!
-//! Records come in this order: the scan; then of each cluster that the scan has worked off what became of its tracks, how a
-//! wide-area report corrected it, the cluster as a whole, its hypotheses after reduction, the most reliable first, each with its
-//! tracks. Tracks that begin at a detection far from all others come last, without a cluster, and then the groups that are given
-//! out. A scan that came late has those after it explained again.
+//! Records come in this order: the scan; then of each cluster that the scan has worked off what became of its tracks,
+//! how a wide-area report corrected it, the cluster as a whole, its hypotheses after reduction, the most reliable
+//! first, each with its tracks. Tracks that begin at a detection far from all others come last, without a cluster, and
+//! then the groups that are given out. A scan that came late has those after it explained again.
 
 use std::fmt;
 
 use crate::plot::Plot;
 use crate::track::{NO_DETECTION, TENTATIVE, Track};
 
-/// Is told what the tracker does.
+/// Receiver of what the tracker considered and decided.
 pub trait Observer: fmt::Debug {
     /// Takes one record.
     fn explain(&self, what: &Explanation<'_>);
@@ -34,15 +35,15 @@ pub enum Explanation<'a> {
         /// Density of false detections that was assumed, see [`crate::settings::Clutter`].
         clutter_density: f64,
     },
-    /// What became of a track.
+    /// A track has changed.
     Track {
-        /// What.
+        /// The change.
         event: TrackEvent,
         /// The track.
         track: TrackRecord,
-        /// What was compared; NaN if nothing was.
+        /// Value compared; NaN if nothing was.
         value: f64,
-        /// What it was compared with; NaN if nothing was.
+        /// Limit that the value was compared with; NaN if nothing was.
         limit: f64,
     },
     /// A wide-area report has corrected a cluster's reliabilities (WA-4).
@@ -51,7 +52,7 @@ pub enum Explanation<'a> {
     Cluster(ClusterRecord<'a>),
     /// One of the hypotheses that are left of it.
     Hypothesis {
-        /// Its reliability.
+        /// Sum of the probability that it holds, in [0, 1].
         reliability: f64,
     },
     /// A track of the hypothesis before.
@@ -69,7 +70,7 @@ pub enum Explanation<'a> {
     },
 }
 
-/// How reliabilities were corrected by a wide-area report (WA-4).
+/// Correction of reliabilities by a wide-area report (WA-4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrectionRecord {
     /// Targets that the report asks for in the cluster.
@@ -78,16 +79,16 @@ pub struct CorrectionRecord {
     pub before: f64,
     /// After.
     pub after: f64,
-    /// Whether they are the children of this scan; else those before the scan.
+    /// Whether the hypotheses are the children of this scan; else those before the scan.
     pub of_children: bool,
 }
 
-/// What can become of a track.
+/// Change of a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrackEvent {
-    /// It begins, far from all others: value its reliability.
+    /// The track begins, far from all others: value its reliability.
     Started,
-    /// It is confirmed: value its reliability, limit the least.
+    /// The track is confirmed: value its reliability, limit the least.
     Confirmed,
     /// The same earlier than otherwise, because a wide-area report shows more targets (WA-6).
     ConfirmedEarly,
@@ -95,9 +96,9 @@ pub enum TrackEvent {
     MissedTooOften,
     /// A branch had no detection for too long: value seconds, limit the most.
     SilentTooLong,
-    /// The same two, earlier than otherwise, because a wide-area report shows nothing there (WA-8).
+    /// A branch was missed too often, earlier than otherwise, because a wide-area report shows nothing there (WA-8).
     AbsentMissed,
-    /// See [`Self::AbsentMissed`].
+    /// A branch was silent for too long, earlier than otherwise, for the same reason.
     AbsentSilent,
     /// A branch was too rarely in a confirmed track's gate (SP-7): value the share, limit the least.
     OutOfCompany,
@@ -129,9 +130,9 @@ impl TrackEvent {
 /// A track, or a branch of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackRecord {
-    /// The same for all branches of one first detection.
+    /// Number that all branches of one first detection share.
     pub root: u32,
-    /// Its number if it is confirmed, else 0.
+    /// Number of the confirmed track, or 0.
     pub number: u32,
     /// Detections in all.
     pub detections: u32,
@@ -178,7 +179,7 @@ pub struct ClusterRecord<'a> {
     pub hypotheses: usize,
     /// Interpretations that were considered: children of hypotheses, likeliest first.
     pub considered: u64,
-    /// Those left out by SP-3 to SP-6.
+    /// Interpretations left out by SP-3 to SP-6.
     pub forbidden: u64,
     /// Hypotheses that became one with another.
     pub merged: u64,

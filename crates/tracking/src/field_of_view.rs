@@ -1,15 +1,16 @@
 //! Where a sensor sees, and whether a target is there.
 //!
-//! A tracker that knows nothing of it takes every scan for a miss of every track, and a sensor that reaches 100 m deletes
-//! what a sensor reaching 300 m has found. An operator knows the reach and the sector of a sensor; outside of them its
-//! silence means nothing. Where a target is, is known as well as its track; so a miss counts with the probability that the
-//! target is inside: the track's position is a Gaussian, and inside is what of it lies between two ranges and two bearings
-//! (range and bearing are taken as independent, with the variances along and across the line of sight).
+//! A tracker that knows nothing of it takes every scan for a miss of every track, and a sensor that reaches 100 m
+//! deletes what a sensor reaching 300 m has found. An operator knows the reach and the sector of a sensor; outside of
+//! them its silence means nothing. Where a target is, is known as well as its track; so a miss counts with the
+//! probability that the target is inside: the track's position is a Gaussian, and inside is what of it lies between two
+//! ranges and two bearings (range and bearing are taken as independent, with the variances along and across the line of
+//! sight).
 //!
 //! A detection needs no such question: the target that gave it was inside.
 //!
-//! Limits: a sector is given in bearings from north, so one that turns with its vehicle must be given as the whole round;
-//! what hides behind what is not known.
+//! Limits: a sector is given in bearings from north, so one that turns with its vehicle must be given as the whole
+//! round; what hides behind what is not known.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -25,8 +26,8 @@ settings::settings! {
         range_m: [f64; 2];
         /// First and last bearing, clockwise from north; all round if it is not given.
         sector_deg: Option<[Degrees; 2]> = None, in [-360, 360];
-        /// Where the sensor stands, east and north; if it is not given, where its detections say that it is, and while there has
-        /// been none, nothing is known to be inside.
+        /// Where the sensor stands, east and north; if it is not given, where its detections say that it is, and while
+        /// there has been none, nothing is known to be inside.
         position_m: Option<[f64; 2]> = None, in [-1e7, 1e7];
     }
 }

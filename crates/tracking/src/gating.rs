@@ -200,7 +200,8 @@ impl Gating {
         self.pairs[first..].sort_unstable_by_key(|pair| pair.plot);
     }
 
-    /// Lets the detections of the pairs from `first` on belong to the cluster; drops pairs that would make it too large.
+    /// Lets the detections of the pairs from `first` on belong to the cluster; drops pairs that would make it too
+    /// large.
     fn own(&mut self, cluster: u32, first: usize, counts: &mut TrackerCounts) {
         let mut kept = first;
         for place in first..self.pairs.len() {
@@ -267,7 +268,7 @@ impl Gating {
     }
 }
 
-/// How wide to search for a scan's detections.
+/// Width of the search for a scan's detections.
 struct Reach {
     /// Largest standard deviation of any detection's place, metres.
     sigma_m: f64,

@@ -1,13 +1,14 @@
 //! The child hypotheses of one cluster while a scan is worked off: reduction and confirmation (HT-9, HT-10).
 //!
-//! Children that were drawn are first merged: those of the same tracks, and, if so configured, those whose associations over
-//! the last scans are the same and that hold as many confirmed tracks; of these the more reliable one stays and takes over the
-//! other's reliability. Two hypotheses in which two targets have exchanged their past, for example, become one that way once
-//! the exchange is old enough: which was which will never be known.
+//! Children that were drawn are first merged: those of the same tracks, and, if so configured, those whose associations
+//! over the last scans are the same and that hold as many confirmed tracks; of these the more reliable one stays and
+//! takes over the other's reliability. Two hypotheses in which two targets have exchanged their past, for example,
+//! become one that way once the exchange is old enough: which was which will never be known.
 //!
 //! Then children of low reliability are dropped, and tracks that remain beyond doubt are confirmed.
 //!
-//! Limit: associations are compared by a sum of 64-bit hashes; that two different ones agree is possible, and never happens.
+//! Limit: associations are compared by a sum of 64-bit hashes; that two different ones agree is possible, and never
+//! happens.
 
 use std::ops::Range;
 
@@ -212,8 +213,8 @@ fn associations_key(track: &Track, scans: usize) -> u64 {
     let serials = track.history[..scans].iter();
     let associations = serials.fold(0x9e37_79b9_7f4a_7c15, |key, serial| mixed(key ^ u64::from(*serial)));
     let number = if track.number == TENTATIVE { 0 } else { mixed(1) };
-    // Sums of both over all tracks: who has which associations does not matter. Nor does a confirmed track's number: of two
-    // numbers for the same associations one is too many.
+    // Sums of both over all tracks: who has which associations does not matter. Nor does a confirmed track's number: of
+    // two numbers for the same associations one is too many.
     associations.wrapping_add(number.rotate_left(17))
 }
 

@@ -2,12 +2,13 @@
 //!
 //! One detection says where, not whither: the velocity starts at zero with the standard deviation of the speeds that
 //! targets have, and the second detection finds it. A range rate, where there is one, already narrows it along the line
-//! of sight. But boats are ten times slower than aircraft, and one standard deviation for both either loses the one or joins
-//! every boat with every detection within the second detection's gate, a third of a kilometre after two seconds. So a first
-//! state is two: of a slow target and of a fast one, and the second detection shows which. A direction alone does not begin a track: what it says of the position is a ray.
+//! of sight. But boats are ten times slower than aircraft, and one standard deviation for both either loses the one or
+//! joins every boat with every detection within the second detection's gate, a third of a kilometre after two seconds.
+//! So a first state is two: of a slow target and of a fast one, and the second detection shows which. A direction alone
+//! does not begin a track: what it says of the position is a ray.
 //!
-//! In the gate of a track that is believed, a new one is likelier a target that has flown along and now parts; then it may
-//! start with that track's motion instead (SP-2, [`crate::splitting`]).
+//! In the gate of a track that is believed, a new one is likelier a target that has flown along and now parts; then it
+//! may start with that track's motion instead (SP-2, [`crate::splitting`]).
 
 use estimation::PackedGaussian;
 use messages::{Covariance, STATE_LEN};
@@ -23,7 +24,8 @@ settings::settings! {
         new_target_share: f64 = 0.04, in [1e-6, 1e3];
         /// Standard deviation of the velocity east and north.
         speed_sigma_mps: f64 = 100.0, in [1e-3, 1e4];
-        /// Standard deviation of the velocity of slow targets, which are as frequent. Used where there are manoeuvres, too.
+        /// Standard deviation of the velocity of slow targets, which are as frequent. Used where there are manoeuvres,
+        /// too.
         slow_sigma_mps: Option<f64> = Some(10.0), in [1e-3, 1e4];
         /// Standard deviation of the velocity up.
         climb_sigma_mps: f64 = 10.0, in [1e-3, 1e4];

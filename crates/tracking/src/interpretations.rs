@@ -1,7 +1,7 @@
 //! The interpretations of a scan by the hypotheses of one cluster, as ranked assignment problems (HT-5 … HT-8).
 //!
-//! Each hypothesis of the cluster poses one problem ([`crate::ranked`]): its rows are the cluster's detections, what each may
-//! be taken for are its choices, and their costs are negative logarithms of
+//! Each hypothesis of the cluster poses one problem ([`crate::ranked`]): its rows are the cluster's detections, what
+//! each may be taken for are its choices, and their costs are negative logarithms of
 //!
 //! | taken for | likelihood, relative to false |
 //! | --- | --- |
@@ -11,8 +11,8 @@
 //!
 //! with the misses of all its tracks and its own reliability as the problem's base.
 //!
-//! Where a hypothesis lacks tracks that it ought to have, its children with enough of them are posed as problems of their own
-//! besides: their costs are lowered by so much that the best of them comes out with the best of the others.
+//! Where a hypothesis lacks tracks that it ought to have, its children with enough of them are posed as problems of
+//! their own besides: their costs are lowered by so much that the best of them comes out with the best of the others.
 
 use crate::counts::TrackerCounts;
 use crate::joined::Joined;
@@ -257,8 +257,8 @@ impl Interpretations {
     }
 }
 
-/// Logarithm of how many new targets a row's detection is expected to be, per false detection, for a parent that lacks so many
-/// tracks; `None` if it may not start a track.
+/// Logarithm of how many new targets a row's detection is expected to be, per false detection, for a parent that lacks
+/// so many tracks; `None` if it may not start a track.
 fn log_share_of_new(joined: &Joined<'_>, lacking: usize, row: usize) -> Option<f64> {
     let settings = joined.scan.settings;
     let plot = &joined.scan.plots[joined.plots[row].1 as usize];

@@ -1,7 +1,7 @@
 //! When a track is believed, and when it is given up (HT-10).
 //!
-//! A tentative track is confirmed once nearly all of the probability lies with hypotheses that contain it; a track of either
-//! kind is deleted once a target that is still there would hardly have been missed for so long.
+//! A tentative track is confirmed once nearly all of the probability lies with hypotheses that contain it; a track of
+//! either kind is deleted once a target that is still there would hardly have been missed for so long.
 
 use settings::Seconds;
 

@@ -1,7 +1,7 @@
 //! Measurement models (HT-12): what a detection says of a state, each kind with its own quantities and errors.
 //!
-//! Sensors of different kinds feed one tracker, so a detection is never turned into a position first: a bearing alone has
-//! none, and that of a distant radar plot is a narrow ellipse across the beam. Instead the state is compared in the
+//! Sensors of different kinds feed one tracker, so a detection is never turned into a position first: a bearing alone
+//! has none, and that of a distant radar plot is a narrow ellipse across the beam. Instead the state is compared in the
 //! sensor's own quantities. These depend on the state by curves; the extended Kalman filter takes their tangent at the
 //! prediction, H. With S = H·P·Hᵀ + R = L·Lᵀ, the innovation has the squared length |L⁻¹·ν|², and the update is that of
 //! `estimation`, with W = L⁻¹·H·P: x + Wᵀ·L⁻¹·ν and P − Wᵀ·W.
@@ -43,7 +43,7 @@ pub(crate) struct Innovation {
     pub(crate) dimension: usize,
     /// Chi-square with as many degrees of freedom, if all is as modelled.
     pub(crate) squared_distance: f64,
-    /// Of the density of what was measured, per unit of each quantity.
+    /// Logarithm of the density of the measurement, per unit of each quantity.
     pub(crate) log_likelihood: f64,
 }
 
@@ -56,7 +56,7 @@ struct Tangent {
 }
 
 impl Measurement {
-    /// What was measured; `None` if a value or standard deviation is missing or no fit number.
+    /// The measured part of a detection; `None` if a value or standard deviation is missing or no fit number.
     pub(crate) fn of(detection: &Detection, default_sigmas: Option<[f64; DIMENSIONS_MAX]>) -> Option<Self> {
         let sigmas = detection.sigmas.or(default_sigmas)?;
         let count = detection.kind.quantities().len();
@@ -78,7 +78,8 @@ impl Measurement {
         })
     }
 
-    /// Position in the plane, with the largest standard deviation in any direction, metres; `None` of a direction alone.
+    /// Position in the plane, with the largest standard deviation in any direction, metres; `None` of a direction
+    /// alone.
     pub(crate) fn place(&self) -> Option<([f64; 2], f64)> {
         let [a, b, elevation] = self.values;
         match self.kind {

@@ -1,10 +1,10 @@
 //! How targets move between detections (HT-13).
 //!
-//! By default a target flies straight, disturbed by a weak white-noise acceleration. A filter that assumes no more loses a
-//! target that turns; one that is ready for turns at any time has wide gates, takes in more clutter and smooths less. So
-//! two run side by side, one for steady flight and one for manoeuvres with a stronger noise, and each detection shows
-//! which of them foretold it better (interacting multiple models). A detection's likelihood is that of both, weighed; it is
-//! in the gate if it is in that of either.
+//! By default a target flies straight, disturbed by a weak white-noise acceleration. A filter that assumes no more
+//! loses a target that turns; one that is ready for turns at any time has wide gates, takes in more clutter and smooths
+//! less. So two run side by side, one for steady flight and one for manoeuvres with a stronger noise, and each
+//! detection shows which of them foretold it better (interacting multiple models). A detection's likelihood is that of
+//! both, weighed; it is in the gate if it is in that of either.
 //!
 //! Limit: a long turn is followed as a manoeuvre of unknown direction, not as a circle, unless coordinated turns are
 //! configured ([`crate::turn`]).
@@ -296,8 +296,8 @@ mod tests {
         ..TWO_MODELS
     };
 
-    /// Flown east at 50 m/s for 20 s, then round by 9° each second. Returns whether every detection was in its gate, and
-    /// the probabilities of a manoeuvre before and during the turn.
+    /// Flown east at 50 m/s for 20 s, then round by 9° each second. Returns whether every detection was in its gate,
+    /// and the probabilities of a manoeuvre before and during the turn.
     fn flown(settings: &MotionSettings) -> (bool, f64, f64) {
         let guess = Initiation {
             new_target_share: 0.04,

@@ -14,8 +14,8 @@ use crate::wide_area::support::Demand;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Parent {
     pub(crate) log_reliability: f64,
-    /// Number of tracks that it lacks of those that a valid wide-area report has seen, and of those by which reliabilities
-    /// are corrected in this scan.
+    /// Number of tracks that it lacks of those that a valid wide-area report has seen, and of those by which
+    /// reliabilities are corrected in this scan.
     pub(crate) lacking: usize,
     pub(crate) lacking_due: usize,
     /// Places in the list of members.

@@ -7,7 +7,7 @@ use crate::measurement::Measurement;
 use crate::selection::Selection;
 use crate::settings::SensorSettings;
 
-/// How far a detection's time may be from its scan's, nanoseconds.
+/// Largest difference of a detection's time from its scan's, nanoseconds.
 const SCAN_HALF_NS: u64 = 60_000_000_000;
 
 /// A detection as the tracker keeps it.

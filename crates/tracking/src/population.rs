@@ -29,7 +29,7 @@ pub(crate) struct Cluster {
     pub(crate) hypotheses: Range<u32>,
     /// Numbers of detections in the last scans, latest first; fractions of what it inherited when others separated.
     pub(crate) detections: [f32; DETECTION_COUNTS],
-    /// How many of them have been counted.
+    /// Number of scans counted, at most [`DETECTION_COUNTS`].
     pub(crate) scans: u32,
 }
 

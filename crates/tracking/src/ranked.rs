@@ -11,13 +11,14 @@
 //! is again an assignment problem. The parts of all parent hypotheses wait in one heap, so the best children of the
 //! cluster come out in order whatever parent they have, and no part is solved twice.
 //!
-//! Bounds: at most [`ROWS_MAX`] rows of at most [`CHOICES_MAX`] choices, [`COLUMNS_MAX`] columns, and the tables' sizes;
-//! what finds no room is refused and counted. Time is bounded by the number of solutions asked for times rows, each with
-//! one solution of an assignment problem. Equal costs come out in the order of the problems and their choices.
+//! Bounds: at most [`ROWS_MAX`] rows of at most [`CHOICES_MAX`] choices, [`COLUMNS_MAX`] columns, and the tables'
+//! sizes; what finds no room is refused and counted. Time is bounded by the number of solutions asked for times rows,
+//! each with one solution of an assignment problem. Equal costs come out in the order of the problems and their
+//! choices.
 //!
-//! Sources: K. G. Murty, *An algorithm for ranking all the assignments in order of increasing cost*, Operations Research
-//! 16 (1968); I. J. Cox, S. L. Hingorani, *An efficient implementation of Reid's multiple hypothesis tracking algorithm*,
-//! IEEE Transactions on Pattern Analysis and Machine Intelligence 18 (1996).
+//! Sources: K. G. Murty, *An algorithm for ranking all the assignments in order of increasing cost*, Operations
+//! Research 16 (1968); I. J. Cox, S. L. Hingorani, *An efficient implementation of Reid's multiple hypothesis tracking
+//! algorithm*, IEEE Transactions on Pattern Analysis and Machine Intelligence 18 (1996).
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -48,7 +49,7 @@ pub(crate) const OWN: u16 = u16::MAX;
 pub(crate) struct Choice {
     /// Column that it takes, or [`OWN`].
     pub(crate) column: u16,
-    /// What it stands for; for the caller.
+    /// Meaning of the choice, for the caller alone.
     pub(crate) meaning: u32,
     /// Negative logarithm of its likelihood.
     pub(crate) cost: f64,
@@ -295,7 +296,7 @@ impl Ranked {
         log_sum(open.map(|(_, choice)| -choice.cost))
     }
 
-    /// That of a part: each row takes its choices regardless of the others, but the fixed ones.
+    /// Logarithm of the bound of a part: each row takes its choices regardless of the others, but the fixed ones.
     fn log_bound(&self, part: &Part) -> f64 {
         let problem = self.problems[usize::from(part.problem)];
         let fixed = usize::from(part.fixed);
@@ -343,7 +344,7 @@ impl Ranked {
         })
     }
 
-    /// What the rows take in a solution, by their meanings.
+    /// Meanings of the choices that the rows take in a solution.
     pub(crate) fn meanings(&self, solution: Solution) -> impl Iterator<Item = u32> + '_ {
         let part = &self.parts[solution.part as usize];
         let problem = self.problems[solution.problem];

@@ -1,13 +1,13 @@
 //! Several detections of one target: what a sensor finds nearer together than it can tell targets apart is one thing.
 //!
-//! A lidar sees two ends of a hull, and a tracker whose targets give at most one detection per scan makes the second end
-//! a second target. An operator knows how large targets are to a sensor, or how near to each other two of them are told
-//! apart; what lies nearer together in a scan is made one detection, at the mean place, with the errors of a single one:
-//! where on a hull the reflections come from is an error that all of them share.
+//! A lidar sees two ends of a hull, and a tracker whose targets give at most one detection per scan makes the second
+//! end a second target. An operator knows how large targets are to a sensor, or how near to each other two of them are
+//! told apart; what lies nearer together in a scan is made one detection, at the mean place, with the errors of a
+//! single one: where on a hull the reflections come from is an error that all of them share.
 //!
 //! Detections are taken in the order of their places, from west to east; one that lies near enough to the mean of some
-//! already taken joins them. So the result does not depend on the order in which they came. At most [`COMPARED_MAX`] means
-//! are compared for each; where there are more within reach, detections stay apart.
+//! already taken joins them. So the result does not depend on the order in which they came. At most [`COMPARED_MAX`]
+//! means are compared for each; where there are more within reach, detections stay apart.
 
 use observations::DetectionKind;
 
@@ -64,7 +64,7 @@ fn key(plot: &Plot, [east, north]: [f64; 2]) -> (f64, f64, i64, [f64; 3], Option
     )
 }
 
-/// Of the same kind, from the same place.
+/// Whether both are of the same kind, from the same place.
 fn may_unite(one: &Plot, other: &Plot) -> bool {
     let (one, other) = (&one.measurement, &other.measurement);
     let rates = one.range_rate_mps.is_some() == other.range_rate_mps.is_some();

@@ -144,7 +144,8 @@ fn run_directions(
     claims.iter().filter(|claims| !claims.are_made()).count()
 }
 
-/// Number of detections that lie in no confirmed track's gate. All branches of a pair of targets have the same ones in theirs.
+/// Number of detections that lie in no confirmed track's gate. All branches of a pair of targets have the same ones in
+/// theirs.
 fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usize {
     is_inside.fill(false);
     let confirmed = |track: u32| before.tracks[track as usize].is_confirmed();

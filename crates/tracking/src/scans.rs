@@ -2,15 +2,15 @@
 //!
 //! A file of detections is a list; what the tracker needs is what each sensor saw each time, and when it saw nothing at
 //! all. Detections of one sensor with the same scan number are a scan, at the time of its latest one. Numbers that are
-//! left out are scans without detections, evenly spaced between their neighbours: each of them is a miss for every track.
-//! Before the first scan with a detection and after the last one nothing is known.
+//! left out are scans without detections, evenly spaced between their neighbours: each of them is a miss for every
+//! track. Before the first scan with a detection and after the last one nothing is known.
 
 use std::ops::Range;
 
 use observations::Detection;
 
-/// Most scans without detections that are filled in between two: a longer gap is a pause of the sensor, or a number that
-/// means something else.
+/// Most scans without detections that are filled in between two: a longer gap is a pause of the sensor, or a number
+/// that means something else.
 pub const SILENT_SCANS_MAX: u32 = 100;
 
 /// One sensor's scan.
@@ -18,16 +18,17 @@ pub const SILENT_SCANS_MAX: u32 = 100;
 pub struct ScanOfDetections {
     /// The sensor.
     pub sensor_id: u32,
-    /// Its number at the sensor.
+    /// Number of the scan at the sensor.
     pub number: u32,
     /// Time of its latest detection, nanoseconds; of a scan without any, between its neighbours.
     pub time_ns: i64,
-    /// Its detections' places in the sorted list.
+    /// Places of the detections in the sorted list.
     pub detections: Range<usize>,
 }
 
-/// Sorts `detections` by sensors, scans, times and numbers, so that their order does not matter, and returns the scans in
-/// order of time, then of sensors. `silent` are scans known to be without detections: (sensor, number, time in nanoseconds).
+/// Sorts `detections` by sensors, scans, times and numbers, so that their order does not matter, and returns the scans
+/// in order of time, then of sensors. `silent` are scans known to be without detections: (sensor, number, time in
+/// nanoseconds).
 pub fn scans_of(detections: &mut [Detection], silent: &[(u32, u32, i64)]) -> Vec<ScanOfDetections> {
     detections.sort_by_key(|detection| {
         let Detection { sensor_id, scan, .. } = *detection;

@@ -1,9 +1,9 @@
 //! Which detections of on-board sensors are used at all (WA-1).
 //!
 //! Old, inaccurate or second-best detections seldom improve a track, and cost as much as others. They may be refused by
-//! their age, by their accuracy, or by the priority of their sensor where several look at the same time. Or they are kept,
-//! but what is concluded from them weighs less: with a weight of 0 no hypothesis takes them for a target; with a small one
-//! those that do are less reliable and so the first to be dropped.
+//! their age, by their accuracy, or by the priority of their sensor where several look at the same time. Or they are
+//! kept, but what is concluded from them weighs less: with a weight of 0 no hypothesis takes them for a target; with a
+//! small one those that do are less reliable and so the first to be dropped.
 //!
 //! A scan that is outranked and whose detections are refused counts as no look at all: it is nobody's miss.
 
@@ -17,11 +17,11 @@ settings::settings! {
     pub struct Selection {
         /// Detections that are so much older than the latest scan are refused.
         age_max_s: Option<Seconds> = None, in [0, 86_400];
-        /// Detections whose place has a larger standard deviation in some direction are refused. Directions alone have no
-        /// place.
+        /// Detections whose place has a larger standard deviation in some direction are refused. Directions alone have
+        /// no place.
         sigma_max_m: Option<f64> = None, in [1e-3, 1e7];
-        /// Scans so far apart are at the same time: of them only those of the sensor with the highest priority are used. Scans
-        /// are compared while they are open.
+        /// Scans so far apart are at the same time: of them only those of the sensor with the highest priority are
+        /// used. Scans are compared while they are open.
         same_time_s: Seconds = Seconds::default(), in [0, 86_400];
         /// Weight with which refused detections are used, instead of not at all.
         kept_weight: Option<f64> = None, in [0, 0.999_999];

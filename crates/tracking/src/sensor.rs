@@ -1,16 +1,16 @@
 //! What a scan of a sensor can tell, and what of it is worth how much.
 //!
 //! The obvious reading of a probability of detection of 0.9 is that five misses in a row happen to a target once in a
-//! hundred thousand times. That holds for a radar that turns once in four seconds. A camera with ten images a second that
-//! does not find a boat before a dark shore will not find it in the next ninety images either; taken literally, it has
-//! proved within half a second that a track is wrong which the radar has followed for minutes. Its errors repeat likewise:
-//! ten bearings within a second are off to the same side.
+//! hundred thousand times. That holds for a radar that turns once in four seconds. A camera with ten images a second
+//! that does not find a boat before a dark shore will not find it in the next ninety images either; taken literally, it
+//! has proved within half a second that a track is wrong which the radar has followed for minutes. Its errors repeat
+//! likewise: ten bearings within a second are off to the same side.
 //!
-//! So looks are weighed by time. Within the coherence time T a sensor that looks again sees the same thing again; a scan
-//! that follows the sensor's previous one after t < T is worth w = t / T of an independent one. Its likelihood enters with
-//! the power w: a miss counts for w·ln(1 − P), and standard deviations are those of w independent measurements, σ/√w. A
-//! sensor that is slower than T is not affected. Which detection belongs to which track is decided with the full
-//! likelihood: that is a question within one scan.
+//! So looks are weighed by time. Within the coherence time T a sensor that looks again sees the same thing again; a
+//! scan that follows the sensor's previous one after t < T is worth w = t / T of an independent one. Its likelihood
+//! enters with the power w: a miss counts for w·ln(1 − P), and standard deviations are those of w independent
+//! measurements, σ/√w. A sensor that is slower than T is not affected. Which detection belongs to which track is
+//! decided with the full likelihood: that is a question within one scan.
 //!
 //! A miss counts for less, too, the less likely the target is in the field of view ([`crate::field_of_view`]).
 

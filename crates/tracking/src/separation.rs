@@ -1,7 +1,7 @@
 //! The clusters that a cluster falls into after a scan (HT-4).
 //!
-//! Tracks that share nothing any longer part: with no common detection in their memory and no common root, they are of one
-//! cluster no more. Each part keeps of every hypothesis its own tracks, and hypotheses that become the same add up.
+//! Tracks that share nothing any longer part: with no common detection in their memory and no common root, they are of
+//! one cluster no more. Each part keeps of every hypothesis its own tracks, and hypotheses that become the same add up.
 
 use association::components::{join, representative};
 
@@ -79,8 +79,8 @@ impl Separation {
         present
     }
 
-    /// Finds parts of at most [`CLUSTER_TRACKS_MAX`] tracks. Of a larger one only the better half of the hypotheses is kept,
-    /// again and again: a single hypothesis has no branches, so its tracks share nothing.
+    /// Finds parts of at most [`CLUSTER_TRACKS_MAX`] tracks. Of a larger one only the better half of the hypotheses is
+    /// kept, again and again: a single hypothesis has no branches, so its tracks share nothing.
     fn find_parts_of_bounded_size(&mut self, store: &mut HypothesisStore, counts: &mut TrackerCounts) {
         loop {
             self.find_parts(store);
@@ -211,8 +211,8 @@ impl Separation {
     }
 }
 
-/// Sorts the hypotheses from `begin` on, most reliable first, drops the unreliable ones, and lets the others sum to 1. Returns
-/// how many were dropped.
+/// Sorts the hypotheses from `begin` on, most reliable first, drops the unreliable ones, and lets the others sum to 1.
+/// Returns how many were dropped.
 fn finish_hypotheses(next: &mut Population, begin: usize, reduction: &Reduction) -> u64 {
     let written = &mut next.hypotheses[begin..];
     // Few, and nearly sorted.

@@ -2,9 +2,10 @@
 //!
 //! Targets that fly together are seen as one, and tracked as one. When they part, one of them goes on as that track and
 //! the other is new; to a tracker that knows nothing of this, a second detection nearby is most likely clutter, and it
-//! takes long to believe otherwise. The options say what is special: the new target comes out of the believed one's gate
-//! (SP-1) with its motion (SP-2); there are no more of them than detections have lately been too many (SP-3 to SP-6); and
-//! it has been near all along (SP-7). They apply to clusters that have a confirmed track; elsewhere nothing can split.
+//! takes long to believe otherwise. The options say what is special: the new target comes out of the believed one's
+//! gate (SP-1) with its motion (SP-2); there are no more of them than detections have lately been too many (SP-3 to
+//! SP-6); and it has been near all along (SP-7). They apply to clusters that have a confirmed track; elsewhere nothing
+//! can split.
 //!
 //! Readings where the source leaves room: computed numbers are rounded up, and count the present scan too, so that a
 //! second detection is allowed for in the scan in which it comes. Of several believed tracks in whose gate a new one
@@ -67,7 +68,7 @@ impl DetectionCounts {
         scans: 0,
     };
 
-    /// Those of several clusters together, with one more scan of `present` detections.
+    /// Numbers of detections of several clusters together, with one more scan of `present` detections.
     pub(crate) fn of<'a>(clusters: impl Iterator<Item = &'a Cluster>, present: usize) -> Self {
         let mut sum = Self::NONE;
         for cluster in clusters {
@@ -87,7 +88,7 @@ impl DetectionCounts {
         counted.iter().sum::<f32>() / counted.len().max(1) as f32
     }
 
-    /// What a part of the cluster inherits that has `share` of the present detections, `present` in number.
+    /// Numbers that a part of the cluster inherits which has `share` of the detections, `present` in this scan.
     pub(crate) fn part(&self, share: f32, present: usize) -> Self {
         let mut part = *self;
         part.detections.iter_mut().for_each(|count| *count *= share);

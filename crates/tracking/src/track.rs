@@ -18,12 +18,12 @@ pub(crate) const TENTATIVE: u32 = 0;
 /// One branch of what one first detection became.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Track {
-    /// As the last detection or direction left it, and when that was, nanoseconds.
+    /// Motion as the last detection or direction left it, and the time of that, nanoseconds.
     pub(crate) motion: Motion,
     pub(crate) time_ns: i64,
     /// Time of the last detection, or of the last scan of directions with one that was probably its own, nanoseconds.
     pub(crate) seen_ns: i64,
-    /// Same for all branches of one first detection.
+    /// Number of the track tree: the same for all branches of one first detection.
     pub(crate) root: u32,
     /// The confirmed ancestor's number, or [`TENTATIVE`].
     pub(crate) number: u32,
@@ -38,7 +38,8 @@ pub(crate) struct Track {
     pub(crate) log_likelihood_ratio: f64,
     /// Sum over the hypotheses that contain it.
     pub(crate) reliability: f64,
-    /// Serial numbers of its detections by scan, latest first; without scans of quick sensors that had none in its cluster.
+    /// Serial numbers of its detections by scan, latest first; without scans of quick sensors that had none in its
+    /// cluster.
     pub(crate) history: [u32; HISTORY_MAX],
 }
 
@@ -67,13 +68,13 @@ impl Track {
         self.number != TENTATIVE
     }
 
-    /// Of two branches, whether this one is shown: the more reliable one, or the western one.
+    /// True if this branch is preferred: higher reliability; ties go to the smaller east coordinate.
     pub(crate) fn is_preferred_to(&self, other: &Self) -> bool {
         let west = || other.motion.estimate().mean[0].total_cmp(&self.motion.estimate().mean[0]);
         self.reliability.total_cmp(&other.reliability).then_with(west).is_gt()
     }
 
-    /// Where it is at `time_ns`.
+    /// Motion predicted to `time_ns`.
     pub(crate) fn motion_at(&self, time_ns: i64, settings: &MotionSettings) -> Motion {
         if time_ns == self.time_ns {
             return self.motion;

@@ -32,9 +32,10 @@ pub struct TrackReport {
     pub missed: u32,
     /// Set if this is not a single target but several that are not told apart (WA-7).
     pub group: Option<Group>,
-    /// Where a wide-area sensor says that the targets around came from, east and north in metres (WA-9).
+    /// Origin of the targets around, as a wide-area sensor reports it: east and north in the system frame, metres
+    /// (WA-9); `None` if it is not known.
     pub origin_m: Option<[f64; 2]>,
-    /// What type of target it is, as far as that is known (WA-9).
+    /// Type of the target, as far as that is known (WA-9).
     pub target_type: TargetType,
 }
 
@@ -54,7 +55,7 @@ impl TrackReport {
         (self.time_ns, self.number)
     }
 
-    /// As a report of the source numbered `source`, with the numbers of the source's own at 0.
+    /// The report as a sample of the source numbered `source`, with the numbers of the source's own at 0.
     pub fn sensor_track(&self, source: u16) -> SensorTrack {
         let mut track = SensorTrack {
             time_of_measurement_ns: self.time_ns,

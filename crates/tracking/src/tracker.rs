@@ -1,10 +1,10 @@
 //! Scan after scan, late ones included (HT-1, HT-12).
 //!
-//! A scan that comes after later ones could be used as it comes, by carrying its detections forward; but what was decided
-//! without them stays decided. Instead the last scans stay open: they are kept with the population before each. A late
-//! one is put in its place, and all from there on are worked off again. So the result is the same, to the last bit, as
-//! if every scan had come in order; scans of equal time are in the order of their sensors. Scans older than all open ones
-//! are refused and counted.
+//! A scan that comes after later ones could be used as it comes, by carrying its detections forward; but what was
+//! decided without them stays decided. Instead the last scans stay open: they are kept with the population before each.
+//! A late one is put in its place, and all from there on are worked off again. So the result is the same, to the last
+//! bit, as if every scan had come in order; scans of equal time are in the order of their sensors. Scans older than all
+//! open ones are refused and counted.
 
 use observations::{Detection, WideAreaReport};
 use settings::SettingsError;
@@ -22,12 +22,12 @@ use crate::wide_area::emission::{Emission, EmissionRefusal};
 use crate::wide_area::report::ReportRefusal;
 use crate::wide_area::support::Support;
 
-/// Why a scan was refused.
+/// Reason why a scan was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// No settings for a sensor of this number.
     UnknownSensor(u32),
-    /// It is older than every open scan.
+    /// The scan is older than every open one.
     TooLate,
 }
 
@@ -90,8 +90,9 @@ impl Tracker {
         })
     }
 
-    /// Lets confirmed tracks be numbered from `first` on (0 is taken for 1). A tracker that takes another one's place begins
-    /// beyond the numbers that the other may have given. To be said before the first scan; later it is not heard.
+    /// Lets confirmed tracks be numbered from `first` on (0 is taken for 1). A tracker that takes another one's place
+    /// begins beyond the numbers that the other may have given. To be said before the first scan; later it is not
+    /// heard.
     pub fn number_from(&mut self, first: u32) {
         if self.counts.scans == 0 {
             let first = first.max(1);
@@ -104,12 +105,13 @@ impl Tracker {
     /// Works in a scan of the sensor `sensor_id` at `time_ns`. No detections at all say something, too.
     ///
     /// # Errors
-    /// [`Refusal`], counted, if the scan cannot be used; single detections that cannot be used are left out and counted.
+    /// [`Refusal`], counted, if the scan cannot be used; single detections that cannot be used are left out and
+    /// counted.
     pub fn scan(&mut self, sensor_id: u32, time_ns: i64, detections: &[Detection]) -> Result<(), Refusal> {
         self.scan_explained(sensor_id, time_ns, detections, None)
     }
 
-    /// As [`Self::scan`], and tells an observer what was considered and decided.
+    /// Works in a scan as [`Self::scan`] does, and tells an observer what was considered and decided.
     ///
     /// # Errors
     /// As [`Self::scan`].
@@ -210,8 +212,8 @@ impl Tracker {
         picture.extend(self.reports.iter().map(|track| track.moved_to(time_ns, noise)));
     }
 
-    /// Where the sensor `sensor_id`, whose detections have a standard deviation of `sigma_m` metres, should look at
-    /// `time_ns` for each confirmed track, into `cues` (WA-12).
+    /// Writes to `cues` where the sensor `sensor_id`, whose detections have a standard deviation of `sigma_m` metres,
+    /// should look at `time_ns` for each confirmed track (WA-12).
     pub fn cues_at(&self, (sensor_id, time_ns): (u32, i64), sigma_m: f64, cues: &mut Vec<Cue>) {
         let Settings { motion, gate, .. } = &self.settings;
         let look = (sensor_id, time_ns);
@@ -220,7 +222,7 @@ impl Tracker {
         cues.extend(all.map(|track| cue(track, look, sigma_m, gate.probability, motion)));
     }
 
-    /// What was done and refused so far.
+    /// Counters of what was done and rejected so far.
     pub fn counts(&self) -> &TrackerCounts {
         &self.counts
     }

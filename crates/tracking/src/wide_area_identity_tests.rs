@@ -39,8 +39,8 @@ fn two(second: i64) -> [observations::Detection; 2] {
     [position(second * S, east, 2000.0), position(second * S, east, -2000.0)]
 }
 
-/// Heard from a place in the west, from which the two are in different directions: an emission of the one in the north or of
-/// that in the south.
+/// Heard from a place in the west, from which the two are in different directions: an emission of the one in the north
+/// or of that in the south.
 fn heard(second: i64, north_m: f64, frequency_hz: f64) -> Emission {
     let platform_m = [-3000.0, -2000.0];
     let east_m = 15.0 * second as f64;

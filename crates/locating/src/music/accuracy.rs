@@ -7,21 +7,21 @@
 //!   σ²/(2N) · Σ λ/(λ − σ²)² |s·a|²  /  |projection of a' on the noise subspace|²
 //! ```
 //!
-//! with N snapshots, noise variance σ², signal eigenvectors s with values λ, steering vector a and its derivative a'. For
-//! one source, and for several that are well separated and independent, this is the stochastic Cramér–Rao bound itself.
-//! All of it is known from the measurement, so that every bearing brings an accuracy of its own.
+//! with N snapshots, noise variance σ², signal eigenvectors s with values λ, steering vector a and its derivative a'.
+//! For one source, and for several that are well separated and independent, this is the stochastic Cramér–Rao bound
+//! itself. All of it is known from the measurement, so that every bearing brings an accuracy of its own.
 //!
 //! Antennas whose phases are wrong by φ each, independently, move a bearing by φ / |projection of a'|, however many
 //! snapshots there are; that is added.
 //!
 //! Along the line of a line array the phases do not change with the bearing: what is measured well is the cosine of the
-//! angle to the line. An error ε of the cosine is an error ε / sin of the angle, but never more than √(2ε), since there the
-//! cosine is flat. So that a bearing that only happens to look further off the line does not claim too much, the sine is
-//! taken two deviations nearer to it.
+//! angle to the line. An error ε of the cosine is an error ε / sin of the angle, but never more than √(2ε), since there
+//! the cosine is flat. So that a bearing that only happens to look further off the line does not claim too much, the
+//! sine is taken two deviations nearer to it.
 //!
-//! At a true source's bearing the null spectrum is not 0 but σ²/N · Σ … times half a chi-square number with two degrees of
-//! freedom per noise eigenvector, or with wrong phases that more. A minimum that is clearly less deep is none of a source: a
-//! side lobe, or the common minimum of two sources that were not separated.
+//! At a true source's bearing the null spectrum is not 0 but σ²/N · Σ … times half a chi-square number with two degrees
+//! of freedom per noise eigenvector, or with wrong phases that more. A minimum that is clearly less deep is none of a
+//! source: a side lobe, or the common minimum of two sources that were not separated.
 
 use std::f64::consts::PI;
 
@@ -30,10 +30,10 @@ use super::null_spectrum::Minimum;
 
 /// Standard deviation of a bearing of which nothing is known: uniform over the circle.
 const UNKNOWN_RAD: f64 = PI / 1.732_050_807_568_877_2;
-/// How many standard deviations a minimum may lack in depth.
+/// Standard deviations that a minimum may lack in depth.
 const DEPTH_DEVIATIONS: f64 = 4.5;
 
-/// What the accuracy of all bearings of a measurement depends on.
+/// Quantities that the accuracy of all bearings of a measurement depends on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Accuracy {
     pub(super) snapshots: usize,

@@ -20,7 +20,7 @@ const LINE_TOLERANCE: f64 = 1e-9;
 /// Greatest coordinate, metres.
 const COORDINATE_MAX_M: f64 = 1e6;
 
-/// Where an antenna is, in the frame of the platform.
+/// Position of an antenna in the frame of the platform.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ElementPosition {
     /// To the right, metres.
@@ -29,7 +29,7 @@ pub struct ElementPosition {
     pub forward_m: f64,
 }
 
-/// See the module's documentation.
+/// An array of antennas on a platform.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AntennaArray {
     /// Right and forward of the antennas' middle, metres.
@@ -119,13 +119,13 @@ impl AntennaArray {
         self.line_rad
     }
 
-    /// How many bearings have the same steering vector for geometry alone.
+    /// Number of bearings that have the same steering vector for geometry alone.
     pub(super) fn images(&self) -> usize {
         if self.line_rad.is_some() { 2 } else { 1 }
     }
 
-    /// The other bearing with the steering vector of `bearing_rad`, if the antennas are in a line and the bearing is not
-    /// along it; 0 to 2π.
+    /// The other bearing with the steering vector of `bearing_rad`, if the antennas are in a line and the bearing is
+    /// not along it; 0 to 2π.
     pub fn mirrored(&self, bearing_rad: f64) -> Option<f64> {
         let mirrored_rad = (2.0 * self.line_rad? - bearing_rad).rem_euclid(TAU);
         (self.sine_to_line(bearing_rad)? > LINE_TOLERANCE).then_some(mirrored_rad)

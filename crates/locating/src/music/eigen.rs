@@ -1,7 +1,7 @@
 //! Eigenvalues and eigenvectors of the snapshots' covariance, a Hermitian matrix.
 //!
-//! The work is nalgebra's: reduction to a tridiagonal matrix, then implicit QR steps. Its matrices are on the stack where
-//! their size is part of their type, else on the heap. Arrays have few antennas, so there is one copy of the code
+//! The work is nalgebra's: reduction to a tridiagonal matrix, then implicit QR steps. Its matrices are on the stack
+//! where their size is part of their type, else on the heap. Arrays have few antennas, so there is one copy of the code
 //! for each size up to 16, which never allocates, and one for all larger ones, which does.
 
 use nalgebra::allocator::Allocator;
@@ -36,12 +36,13 @@ impl EigenSystem {
         self.vectors.chunks_exact(self.values.len()).take(sources)
     }
 
-    /// Those of the other values.
+    /// Eigenvectors of the other values.
     pub(super) fn noise(&self, sources: usize) -> impl Iterator<Item = &[Complex<f64>]> {
         self.vectors.chunks_exact(self.values.len()).skip(sources)
     }
 
-    /// Decomposes a matrix given column by column, of which the lower triangle is read. `false` if it does not converge.
+    /// Decomposes a matrix given column by column, of which the lower triangle is read. `false` if it does not
+    /// converge.
     pub(super) fn decompose(&mut self, matrix: &[Complex<f64>]) -> bool {
         macro_rules! by_size {
             ($($size:literal)*) => {

@@ -2,13 +2,13 @@
 
 use thiserror::Error;
 
-/// See the module's documentation. Each message says what to do.
+/// Fault of an array, a measurement or its settings; each message says what to do.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum MusicError {
     /// An array of fewer than two antennas.
     #[error("an array of {antennas} antennas measures no bearing: two at least are needed")]
     TooFewAntennas {
-        /// How many there are.
+        /// Number given.
         antennas: usize,
     },
     /// A position that is no number, or absurdly far away.
@@ -28,21 +28,21 @@ pub enum MusicError {
     /// A number of sources that cannot be separated.
     #[error("{sources} sources cannot be separated by {antennas} antennas: 1 to {} can", antennas - 1)]
     Sources {
-        /// How many sources were asked for.
+        /// Number of sources asked for.
         sources: usize,
-        /// How many antennas there are.
+        /// Number of antennas.
         antennas: usize,
     },
     /// A standard deviation of the antennas' phases that cannot be used.
     #[error("phase_sigma_rad is {phase_sigma_rad}: it has to be a number from 0 on")]
     PhaseSigma {
-        /// As given, radians.
+        /// Value given, radians.
         phase_sigma_rad: f64,
     },
     /// A frequency that cannot be used.
     #[error("the frequency is {frequency_hz} Hz: it has to be above 0 and at most {frequency_max_hz} Hz")]
     Frequency {
-        /// As given, hertz.
+        /// Value given, hertz.
         frequency_hz: f64,
         /// The highest, hertz.
         frequency_max_hz: f64,
@@ -60,9 +60,9 @@ pub enum MusicError {
     /// No snapshot, or a part of one.
     #[error("{samples} samples are no whole number of snapshots of {antennas} antennas, or none")]
     SampleCount {
-        /// How many samples came.
+        /// Number of samples that came.
         samples: usize,
-        /// How many antennas there are.
+        /// Number of antennas.
         antennas: usize,
     },
     /// A sample that is no number.
@@ -76,9 +76,9 @@ pub enum MusicError {
     /// Fewer snapshots than needed.
     #[error("{snapshots} snapshots are too few: {needed} at least are needed")]
     TooFewSnapshots {
-        /// How many there are.
+        /// Number given.
         snapshots: usize,
-        /// How many are needed.
+        /// Number needed.
         needed: usize,
     },
     /// Samples whose power cannot be used.
@@ -93,11 +93,11 @@ pub enum MusicError {
     /// Simulated waves that cannot be.
     #[error("{name} of the simulated waves is {value}: it has to be {limit}")]
     Waves {
-        /// Which value.
+        /// Name of the value.
         name: &'static str,
-        /// As given.
+        /// Value given.
         value: f64,
-        /// What it has to be.
+        /// Condition that it has to fulfil.
         limit: &'static str,
     },
 }

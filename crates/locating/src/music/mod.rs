@@ -1,23 +1,23 @@
 //! Bearings of transmitters from the phases between antennas (EL-1): the MUSIC method on array snapshots.
 //!
 //! A plane wave reaches the antennas of an array one after the other; at one instant the samples of all of them, a
-//! *snapshot*, differ by phases that depend on where the wave comes from. With one transmitter, the bearing could be read
-//! off those phases. With several at once, the phases of their sum say nothing; the obvious answer, turning a beam and
-//! looking for the most power, cannot separate two transmitters within a beam's width, however long it looks.
+//! *snapshot*, differ by phases that depend on where the wave comes from. With one transmitter, the bearing could be
+//! read off those phases. With several at once, the phases of their sum say nothing; the obvious answer, turning a beam
+//! and looking for the most power, cannot separate two transmitters within a beam's width, however long it looks.
 //!
-//! MUSIC (Schmidt 1986) looks where no power is. The covariance of the snapshots has as many large eigenvalues as there are
-//! transmitters; the eigenvectors of the others span the *noise subspace*, and the array's response to every true bearing,
-//! its steering vector, is perpendicular to it. So:
+//! MUSIC (Schmidt 1986) looks where no power is. The covariance of the snapshots has as many large eigenvalues as there
+//! are transmitters; the eigenvectors of the others span the *noise subspace*, and the array's response to every true
+//! bearing, its steering vector, is perpendicular to it. So:
 //!
 //! 1. covariance of the snapshots, and its eigen-decomposition (`eigen`);
 //! 2. the number of transmitters, given or estimated from the eigenvalues (`order`);
-//! 3. bearings: the minima of the *null spectrum*, the squared length of the steering vector's part in the noise subspace,
-//!    found on a grid and refined by Newton's method on the exact function (`null_spectrum`);
+//! 3. bearings: the minima of the *null spectrum*, the squared length of the steering vector's part in the noise
+//!    subspace, found on a grid and refined by Newton's method on the exact function (`null_spectrum`);
 //! 4. the accuracy of each (`accuracy`), and whether its minimum is as deep as a true bearing's would be.
 //!
-//! What it cannot tell it says. Antennas in a line see a wave from the left and from the right alike, antennas more than
-//! half a wavelength apart may see several bearings alike: then a transmitter has several [`Bearing`]s with the same
-//! `source`, all marked ambiguous. Transmitters too weak or too close together to be separated are counted in
+//! What it cannot tell it says. Antennas in a line see a wave from the left and from the right alike, antennas more
+//! than half a wavelength apart may see several bearings alike: then a transmitter has several [`Bearing`]s with the
+//! same `source`, all marked ambiguous. Transmitters too weak or too close together to be separated are counted in
 //! [`Measured::unresolved`].
 //!
 //! Limits: waves come along the plane of the array (a wave from an elevation *e* looks as if its frequency were cos *e*
@@ -27,8 +27,8 @@
 //! Bearings are radians clockwise from the array's forward axis, 0 to 2π. No allocation after [`Music::new`] for arrays
 //! of up to 16 antennas; for larger ones the eigen-decomposition allocates.
 //!
-//! R. O. Schmidt, "Multiple emitter location and signal parameter estimation", IEEE Trans. Antennas and Propagation 34 (3),
-//! 1986; the other sources are named where they are used.
+//! R. O. Schmidt, "Multiple emitter location and signal parameter estimation", IEEE Trans. Antennas and Propagation 34
+//! (3), 1986; the other sources are named where they are used.
 
 mod accuracy;
 mod array;
@@ -51,10 +51,10 @@ use accuracy::Accuracy;
 use eigen::EigenSystem;
 use null_spectrum::NullSpectrum;
 
-/// How an array is used.
+/// Settings of a measurement with an array.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MusicSettings {
-    /// How many transmitters there are, or how that is estimated.
+    /// Number of transmitters, or how it is estimated.
     pub sources: SourceCount,
     /// Highest frequency that will be measured, hertz: it decides how fine the search is.
     pub frequency_max_hz: f64,
@@ -86,14 +86,15 @@ pub struct Bearing {
     pub ambiguous: bool,
 }
 
-/// What was measured from one set of snapshots.
+/// Bearings measured from one set of snapshots.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
     /// Bearings by source, and within a source by bearing.
     pub bearings: Vec<Bearing>,
     /// Number of transmitters, as given or estimated.
     pub sources: usize,
-    /// How many of them have no bearing of their own: hidden in the noise, or not separable from another one.
+    /// Number of transmitters that have no bearing of their own: hidden in the noise, or not separable from another
+    /// one.
     pub unresolved: usize,
     /// Variance of the noise at one antenna, in squares of the samples' unit.
     pub noise_variance: f64,
@@ -114,8 +115,8 @@ impl Music {
     /// Prepares the search for bearings with `array`.
     ///
     /// # Errors
-    /// Settings that cannot be used: a frequency that is no positive number or at which the array is too wide, a number of
-    /// sources that the array cannot separate, a phase error that is negative or no number.
+    /// Settings that cannot be used: a frequency that is no positive number or at which the array is too wide, a number
+    /// of sources that the array cannot separate, a phase error that is negative or no number.
     pub fn new(array: AntennaArray, settings: MusicSettings) -> Result<Self, MusicError> {
         let antennas = array.len();
         settings.sources.check(antennas)?;
@@ -165,7 +166,8 @@ impl Music {
         Ok(&self.measured)
     }
 
-    /// Bearings of the `sources` greatest eigenvalues of so many snapshots; returns how many separate sources they show.
+    /// Bearings of the `sources` greatest eigenvalues of so many snapshots; returns how many separate sources they
+    /// show.
     fn find_bearings(&mut self, snapshots: usize, sources: usize) -> usize {
         let array = &self.array;
         let accuracy = Accuracy {

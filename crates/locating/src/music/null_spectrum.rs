@@ -1,11 +1,11 @@
 //! The null spectrum: how much of a bearing's steering vector lies in the noise subspace. Its minima are the bearings.
 //!
-//! MUSIC is usually drawn as the reciprocal, with peaks. The minima are the better thing to search: the null spectrum is a
-//! smooth function without poles, whose derivatives are known exactly.
+//! MUSIC is usually drawn as the reciprocal, with peaks. The minima are the better thing to search: the null spectrum
+//! is a smooth function without poles, whose derivatives are known exactly.
 //!
 //! The grid only tells minima apart. It has 32 points in the width of a beam (wavelength over width of the array), and
-//! its steering vectors are kept, for one frequency. Each minimum is then found to the last digits by Newton's method on
-//! the derivative, with bisection where a step would leave the bracket that the grid gives.
+//! its steering vectors are kept, for one frequency. Each minimum is then found to the last digits by Newton's method
+//! on the derivative, with bisection where a step would leave the bracket that the grid gives.
 
 use std::f64::consts::{PI, TAU};
 
@@ -26,8 +26,8 @@ const STEPS_MAX: usize = 60;
 /// Step below which a bearing is found, radians.
 const STEP_MIN_RAD: f64 = 1e-12;
 
-/// Squared cosine between two steering vectors above which the array does not tell their bearings apart. For two sources that
-/// the grid separates it is far below: a sixteenth of a beam apart about 0.99.
+/// Squared cosine between two steering vectors above which the array does not tell their bearings apart. For two
+/// sources that the grid separates it is far below: a sixteenth of a beam apart about 0.99.
 const LIKENESS_OF_ONE_SOURCE: f64 = 0.9999;
 
 /// A minimum of the null spectrum, and what its accuracy depends on.
@@ -37,17 +37,17 @@ pub(super) struct Minimum {
     pub(super) bearing_rad: f64,
     /// Squared length of the steering vector's part in the noise subspace.
     pub(super) depth: f64,
-    /// Squared length of its derivative's part there: by the bearing, per square radian; in a line array by the cosine of
-    /// the angle to the line.
+    /// Squared length of its derivative's part there: by the bearing, per square radian; in a line array by the cosine
+    /// of the angle to the line.
     pub(super) sharpness: f64,
-    /// Σ σ²λ / (λ − σ²)² |s·a|² over the signal eigenvectors s with their values λ: over the number of snapshots, it is how
-    /// much the noise subspace deviates from the true one in the direction of the steering vector a.
+    /// Σ σ²λ / (λ − σ²)² |s·a|² over the signal eigenvectors s with their values λ: over the number of snapshots, it is
+    /// how much the noise subspace deviates from the true one in the direction of the steering vector a.
     pub(super) deviation: f64,
     /// Number of the source that it belongs to: for whoever groups minima.
     pub(super) source: usize,
 }
 
-/// See the module's documentation.
+/// The null spectrum of one array, with the steering vectors of one frequency.
 #[derive(Clone, Debug)]
 pub(super) struct NullSpectrum {
     frequency_max_hz: f64,
@@ -107,7 +107,7 @@ impl NullSpectrum {
         })
     }
 
-    /// How many minima there can be.
+    /// Most minima there can be.
     pub(super) fn capacity(&self) -> usize {
         self.minima.capacity()
     }

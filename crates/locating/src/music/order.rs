@@ -1,29 +1,29 @@
 //! How many transmitters there are, from the eigenvalues of the snapshots' covariance.
 //!
-//! Without transmitters all eigenvalues would be equal but for chance. A criterion weighs, for every number *k*, how unequal
-//! the smallest antennas − *k* are against how many values it takes to describe *k* transmitters (Wax & Kailath, "Detection
-//! of signals by information theoretic criteria", IEEE Trans. ASSP 33 (2), 1985). MDL finds the right number with enough
-//! snapshots; AIC finds weak ones earlier and one too many now and then.
+//! Without transmitters all eigenvalues would be equal but for chance. A criterion weighs, for every number *k*, how
+//! unequal the smallest antennas − *k* are against how many values it takes to describe *k* transmitters (Wax &
+//! Kailath, "Detection of signals by information theoretic criteria", IEEE Trans. ASSP 33 (2), 1985). MDL finds the
+//! right number with enough snapshots; AIC finds weak ones earlier and one too many now and then.
 //!
-//! A number, given or estimated, is no proof that each transmitter can be seen. Noise alone spreads its eigenvalues up to
-//! about σ²(1 + √(antennas / snapshots))², and the eigenvector of a transmitter whose eigenvalue does not stand out of that
-//! says nothing of it (Baik, Ben Arous & Péché 2005): such ones are not looked for. How far noise reaches beyond that edge
-//! by chance is known, too (Johnstone, "On the distribution of the largest eigenvalue in principal components analysis",
-//! Annals of Statistics 29 (2), 2001).
+//! A number, given or estimated, is no proof that each transmitter can be seen. Noise alone spreads its eigenvalues up
+//! to about σ²(1 + √(antennas / snapshots))², and the eigenvector of a transmitter whose eigenvalue does not stand out
+//! of that says nothing of it (Baik, Ben Arous & Péché 2005): such ones are not looked for. How far noise reaches
+//! beyond that edge by chance is known, too (Johnstone, "On the distribution of the largest eigenvalue in principal
+//! components analysis", Annals of Statistics 29 (2), 2001).
 
 use super::error::MusicError;
 
-/// How far beyond its edge noise may reach, in units of its spread there: once in some hundred cases at most.
+/// Distance beyond its edge to which noise may reach, in units of its spread there: once in some hundred cases at most.
 const NOISE_DEVIATIONS: f64 = 2.0;
 
-/// How many transmitters there are.
+/// Number of transmitters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceCount {
-    /// That many.
+    /// A known number.
     Given(usize),
-    /// As many as minimum description length says.
+    /// The number by minimum description length.
     Mdl,
-    /// As many as Akaike's information criterion says.
+    /// The number by Akaike's information criterion.
     Aic,
 }
 
@@ -69,7 +69,7 @@ impl SourceCount {
     }
 }
 
-/// How unequal the values after the first `sources` are: their number times the logarithm of their arithmetic over their
+/// Inequality of the values after the first `sources`: their number times the logarithm of their arithmetic over their
 /// geometric mean.
 fn inequality(values: &[f64], sources: usize) -> f64 {
     // Without noise the smallest values are rounding errors, of either sign and any ratio.
@@ -80,8 +80,8 @@ fn inequality(values: &[f64], sources: usize) -> f64 {
     count * mean.ln() - rest().map(f64::ln).sum::<f64>()
 }
 
-/// Variance of the noise: the mean of the smallest eigenvalues, without what the sources' eigenvectors, fitted to as few
-/// snapshots, have taken of it. Never below what rounding leaves.
+/// Variance of the noise: the mean of the smallest eigenvalues, without what the sources' eigenvectors, fitted to as
+/// few snapshots, have taken of it. Never below what rounding leaves.
 pub(super) fn noise_variance(values: &[f64], snapshots: usize, sources: usize) -> f64 {
     let sum: f64 = values[sources..].iter().sum();
     let share = (snapshots - sources) as f64 / snapshots as f64;
@@ -89,7 +89,7 @@ pub(super) fn noise_variance(values: &[f64], snapshots: usize, sources: usize) -
     mean.max(f64::EPSILON * values.len() as f64 * values[0])
 }
 
-/// How many of the first `sources` eigenvalues stand out of the noise.
+/// Number of the first `sources` eigenvalues that stand out of the noise.
 pub(super) fn above_noise(values: &[f64], snapshots: usize, sources: usize, noise_variance: f64) -> usize {
     let [antennas, count] = [values.len(), snapshots].map(|number| (number as f64).sqrt());
     let (edge, spread) = (
@@ -104,8 +104,8 @@ pub(super) fn above_noise(values: &[f64], snapshots: usize, sources: usize, nois
 mod tests {
     use super::*;
 
-    /// The example of Wax & Kailath: seven antennas, 100 snapshots, two sources; both criteria find two, MDL by 66.9 against
-    /// 67.2 for one.
+    /// The example of Wax & Kailath: seven antennas, 100 snapshots, two sources; both criteria find two, MDL by 66.9
+    /// against 67.2 for one.
     #[test]
     fn published_example() {
         let values = [21.2359, 2.1717, 1.4279, 1.0979, 1.0544, 0.9432, 0.7324];

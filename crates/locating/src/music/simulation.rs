@@ -1,8 +1,8 @@
 //! A simulated array: snapshots of waves whose bearings are known, from one seed.
 //!
-//! Signals and noise are complex normal, the noise of each antenna with variance 1. Signals share a common part, so that any
-//! two have the same given correlation: 0 for transmitters that know nothing of each other, 1 for one that arrives on
-//! several paths. Each run has random numbers of its own, whichever runs were drawn before it.
+//! Signals and noise are complex normal, the noise of each antenna with variance 1. Signals share a common part, so
+//! that any two have the same given correlation: 0 for transmitters that know nothing of each other, 1 for one that
+//! arrives on several paths. Each run has random numbers of its own, whichever runs were drawn before it.
 
 use nalgebra::Complex;
 use rand_chacha::ChaCha8Rng;
@@ -12,10 +12,10 @@ use rand_distr::{Distribution as _, StandardNormal};
 use super::array::AntennaArray;
 use super::error::MusicError;
 
-/// What reaches the array.
+/// Waves that reach the array.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedWaves {
-    /// Where each wave comes from, radians clockwise from the array's forward axis.
+    /// Directions that the waves come from, radians clockwise from the array's forward axis.
     pub bearings_rad: Vec<f64>,
     /// Power of each at one antenna over that of the noise, decibels; in the order of the bearings.
     pub snr_db: Vec<f64>,
@@ -81,7 +81,7 @@ impl SimulatedWaves {
     }
 }
 
-/// See the module's documentation.
+/// A simulated measurement: snapshots of given waves at the antennas of an array.
 #[derive(Clone, Debug)]
 pub struct SimulatedArray {
     waves: SimulatedWaves,

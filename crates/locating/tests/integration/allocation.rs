@@ -1,4 +1,5 @@
-//! After its construction the locator allocates nothing, whatever it is given; nor does measuring, once an array is prepared.
+//! After its construction the locator allocates nothing, whatever it is given; nor does measuring, once an array is
+//! prepared.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use locating::music::{AntennaArray, Music, MusicSettings, SimulatedArray, SimulatedWaves, Snapshots, SourceCount};

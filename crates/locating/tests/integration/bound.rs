@@ -64,8 +64,8 @@ fn normalised(report: &EmitterReport, truth: [f64; 2]) -> f64 {
     (x * x * p[(1, 1)] - 2.0 * x * y * p[(0, 1)] + y * y * p[(0, 0)]) / determinant
 }
 
-/// Errors against the bound, and normalised: over 300 runs a root mean square is known to 4 %, a mean of chi-square with two
-/// degrees of freedom to 0.12; limits are three times that.
+/// Errors against the bound, and normalised: over 300 runs a root mean square is known to 4 %, a mean of chi-square
+/// with two degrees of freedom to 0.12; limits are three times that.
 fn check_broadside(filter: FilterChoice, baseline_m: f64, sigma_deg: f64, bearings: u32) {
     const RUNS: u64 = 300;
     let sigma_rad = f64::to_radians(sigma_deg);
@@ -164,7 +164,8 @@ fn an_emitter_that_starts_to_move_is_noticed() {
     );
 }
 
-/// Past a still emitter, on for ten minutes, a turn by 180 degrees with bearings that are wrong by up to 9 degrees, and back.
+/// Past a still emitter, on for ten minutes, a turn by 180 degrees with bearings that are wrong by up to 9 degrees, and
+/// back.
 fn turning(seed: u64) -> Vec<Bearing> {
     let mut noise = Noise::new(seed);
     let sigma = f64::to_radians(2.0);

@@ -58,7 +58,8 @@ fn nearest(measured: &Measured, bearing_rad: f64) -> Bearing {
     *of.expect("a bearing")
 }
 
-/// For one wave and a line of M antennas, the bound of the electrical angle is 6 / (N·SNR·M·(M² − 1)) · (1 + 1 / (M·SNR)).
+/// For one wave and a line of M antennas, the bound of the electrical angle is 6 / (N·SNR·M·(M² − 1)) · (1 + 1 /
+/// (M·SNR)).
 #[test]
 fn bound_of_one_wave() {
     for off_rad in [0.0, 0.5, -1.0f64] {
@@ -91,8 +92,8 @@ fn one_wave_reaches_the_bound() {
     }
 }
 
-/// Of 1,000 runs with two waves about broadside, how many resolve them, and RMSE over the bound and mean normalised error
-/// squared of those.
+/// Of 1,000 runs with two waves about broadside, how many resolve them, and RMSE over the bound and mean normalised
+/// error squared of those.
 fn resolution(sources: SourceCount, apart_rad: f64, snr_db: f64) -> (u32, f64, f64) {
     let bearings = [-0.5 * apart_rad, 0.5 * apart_rad];
     let mut music = music(eight_in_line(), sources);
@@ -128,7 +129,8 @@ fn two_waves_half_a_beam_apart() {
         assert!(resolved > 990 && ratio < 1.2, "{resolved} {ratio}");
         assert!((0.8..1.25).contains(&normalised), "{normalised}");
     }
-    // Weaker or closer, they are not always resolved, and the accuracy, which is that of many snapshots, claims a little much.
+    // Weaker or closer, they are not always resolved, and the accuracy, which is that of many snapshots, claims a
+    // little much.
     for (apart_rad, snr_db) in [
         (HALF_BEAM_RAD, 5.0),
         (HALF_BEAM_RAD, 0.0),

@@ -314,8 +314,8 @@ fn fixes(case: FixCase, runs: u64, truth: &str, fixes: &str) -> Result<FixScore,
 
 const FIX_HEADER: &str = "time_s,emitter_id,x,y,raw_x,raw_y,vx,vy\n";
 
-/// The last raw fixes are 30 m across and 40 m along the line of sight off; what came before or is of no known time does
-/// not count.
+/// The last raw fixes are 30 m across and 40 m along the line of sight off; what came before or is of no known time
+/// does not count.
 #[test]
 fn last_fixes_beside_the_bound() {
     let truth = "time_s,emitter_id,x,y\n590.0,0,0,50000\n600.0,0,0,50000\n590.0,b,0,50000\n600.0,b,0,50000\n";

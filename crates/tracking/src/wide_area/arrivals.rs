@@ -1,9 +1,9 @@
 //! Reports that wait for the scans to come to their arrival.
 //!
-//! A report is used in the first scan after its arrival. Where scans are worked off later than they were made, which is the
-//! rule, reports come before the scan that they are for; given to the tracker at once, they would take room there from those
-//! that are needed first. So they wait here, in an order that depends on what they say and not on when they came: whoever
-//! collects them in another order, from a file or from several sensors, gives the tracker the same.
+//! A report is used in the first scan after its arrival. Where scans are worked off later than they were made, which is
+//! the rule, reports come before the scan that they are for; given to the tracker at once, they would take room there
+//! from those that are needed first. So they wait here, in an order that depends on what they say and not on when they
+//! came: whoever collects them in another order, from a file or from several sensors, gives the tracker the same.
 
 use std::cmp::Ordering;
 use std::collections::VecDeque;
@@ -16,7 +16,7 @@ use crate::tracker::Tracker;
 /// Most reports that wait, of sensors that go on without an end: more would be of no use to the tracker either.
 pub const WAITING_MAX: usize = 1024;
 
-/// See the module's documentation.
+/// Reports of wide-area sensors in the order of their arrival.
 #[derive(Clone, Debug)]
 pub struct Arrivals {
     waiting: VecDeque<WideAreaReport>,
@@ -62,7 +62,7 @@ impl Arrivals {
         }
     }
 
-    /// How many wait.
+    /// Number of reports that wait.
     pub fn waiting(&self) -> usize {
         self.waiting.len()
     }

@@ -9,7 +9,7 @@ pub(crate) struct Carried {
     pub(crate) reports_ns: i64,
     /// Emissions that were received up to this time, nanoseconds, have been used.
     pub(crate) emissions_ns: i64,
-    /// Who the confirmed tracks are.
+    /// Types and origins of the confirmed tracks.
     pub(crate) identities: Identities,
 }
 

@@ -31,7 +31,8 @@ impl ChildCorrection {
         self.families.push((parent, is_enough));
     }
 
-    /// Corrects the children's reliabilities, counts that, and tells of it together with the correction of their parents.
+    /// Corrects the children's reliabilities, counts that, and tells of it together with the correction of their
+    /// parents.
     pub(crate) fn run(
         &self,
         joined: &Joined<'_>,
@@ -76,8 +77,8 @@ impl ChildCorrection {
         (log_sum(enough.map(|(log_reliability, _)| log_reliability)) - log_sum(children)).exp()
     }
 
-    /// Tells how the clusters before the scan were corrected, and the children, of which so large a share had enough tracks
-    /// before.
+    /// Tells how the clusters before the scan were corrected, and the children, of which so large a share had enough
+    /// tracks before.
     fn explain(&self, joined: &Joined<'_>, observer: &dyn Observer, store: &HypothesisStore, before: f64) {
         let hypotheses = &joined.scan.before.hypotheses;
         for (place, cluster) in joined.clusters() {

@@ -1,8 +1,8 @@
 //! Which cluster a wide-area report speaks of (WA-3).
 //!
-//! The report is coarse and late. So nothing is gated: of each cluster only the centre is taken, the mean of its tracks'
-//! positions with their reliabilities as weights, moved along their velocities to the time of observation; and the
-//! nearest one is meant, unless even that is too far away.
+//! The report is coarse and late. So nothing is gated: of each cluster only the centre is taken, the mean of its
+//! tracks' positions with their reliabilities as weights, moved along their velocities to the time of observation; and
+//! the nearest one is meant, unless even that is too far away.
 //!
 //! Limit: a false detection that happens to be nearer is a cluster, too. `tracks_min` of
 //! [`WideArea`](super::settings::WideArea) passes over clusters in which hardly a track is believed.
@@ -21,7 +21,8 @@ pub struct Centre {
 }
 
 impl Centre {
-    /// Of tracks with (position, velocity, reliability), all at the reference time; `None` where nothing is reliable.
+    /// Centre of tracks with (position, velocity, reliability), all at the reference time; `None` where nothing is
+    /// reliable.
     pub fn of(tracks: impl Iterator<Item = ([f64; AXES], [f64; AXES], f64)>) -> Option<Self> {
         let mut sum = Self::default();
         for (position_m, velocity_mps, reliability) in tracks {
@@ -39,7 +40,8 @@ impl Centre {
         })
     }
 
-    /// Distance in the plane from `place_m`, `seconds` after the reference time, metres. Coarse sensors do not see heights.
+    /// Distance in the plane from `place_m`, `seconds` after the reference time, metres. Coarse sensors do not see
+    /// heights.
     pub fn distance_m(&self, place_m: [f64; AXES], seconds: f64) -> f64 {
         let away = |axis: usize| self.position_m[axis] + self.velocity_mps[axis] * seconds - place_m[axis];
         length(away(0), away(1))
@@ -56,8 +58,8 @@ fn length(east: f64, north: f64) -> f64 {
     (east * east + north * north).sqrt()
 }
 
-/// Of (number, distance), the number with the smallest distance below `threshold_m`, the smallest one of equal ones; `None` if
-/// all are at or beyond it.
+/// The number, of (number, distance), with the smallest distance below `threshold_m`, the smallest one of equal ones;
+/// `None` if all are at or beyond it.
 pub fn nearest(distances_m: impl Iterator<Item = (usize, f64)>, threshold_m: f64) -> Option<usize> {
     let below = distances_m.filter(|(_, distance)| *distance < threshold_m);
     let least = below.min_by(|one, other| one.1.total_cmp(&other.1).then(one.0.cmp(&other.0)));

@@ -1,16 +1,17 @@
 //! Correction of reliabilities by a known number of targets (WA-4).
 //!
-//! A hypothesis is a set of tracks. Somebody who has watched for long says how many targets there are; so the hypotheses
-//! with at least as many tracks are likelier than those with fewer. How much likelier, the on-board detections cannot
-//! say, and multiplying by a probability of 0 or 1 would make the report a dictator. The source's rule states the
-//! outcome instead: the sums of the two groups stand as r to 1 − r, and within each group everything keeps its ratio. A
-//! group that already has more than r keeps it: the correction only ever raises it.
+//! A hypothesis is a set of tracks. Somebody who has watched for long says how many targets there are; so the
+//! hypotheses with at least as many tracks are likelier than those with fewer. How much likelier, the on-board
+//! detections cannot say, and multiplying by a probability of 0 or 1 would make the report a dictator. The source's
+//! rule states the outcome instead: the sums of the two groups stand as r to 1 − r, and within each group everything
+//! keeps its ratio. A group that already has more than r keeps it: the correction only ever raises it.
 //!
-//! It is done twice in the scan for which it is needed: to the hypotheses before the scan, then to the children of each of
-//! them, before unreliable ones are dropped. Otherwise a child that the report makes likely has been dropped already.
+//! It is done twice in the scan for which it is needed: to the hypotheses before the scan, then to the children of each
+//! of them, before unreliable ones are dropped. Otherwise a child that the report makes likely has been dropped
+//! already.
 //!
-//! Limit: a report that is wrong is raised to r all the same. [`Rule::Factor`] is milder: it multiplies the odds, so that
-//! what the detections say counts on.
+//! Limit: a report that is wrong is raised to r all the same. [`Rule::Factor`] is milder: it multiplies the odds, so
+//! that what the detections say counts on.
 //!
 //! Source: patent JP4702010B2, embodiment 1.
 

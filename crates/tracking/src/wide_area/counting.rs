@@ -2,10 +2,10 @@
 //!
 //! A remote system that sends its tracks says how many targets there are without being asked. Its tracks come one after
 //! the other, each of its own time; a count needs all of one moment. So they are cut by time: what was measured in one
-//! period is one picture, with the latest report of each track; it is complete when something of a later period has come,
-//! or when the caller says that a period has passed in silence. Then all tracks of the picture are moved along their velocities
-//! to the time of the latest of them, and those within a distance of each other, directly or by others between them, are one
-//! report: their number, mean position and mean velocity.
+//! period is one picture, with the latest report of each track; it is complete when something of a later period has
+//! come, or when the caller says that a period has passed in silence. Then all tracks of the picture are moved along
+//! their velocities to the time of the latest of them, and those within a distance of each other, directly or by others
+//! between them, are one report: their number, mean position and mean velocity.
 //!
 //! All reports of a picture have one time of observation and one of arrival, so that a tracker that shares counts among
 //! clusters can take them together.
@@ -21,7 +21,7 @@ pub const TRACKS_MAX: usize = 2048;
 /// One of the other system's tracks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CountedTrack {
-    /// Its number there.
+    /// Track number in that system.
     pub number: u32,
     /// Time of measurement, nanoseconds.
     pub time_ns: i64,
@@ -31,7 +31,7 @@ pub struct CountedTrack {
     pub velocity_mps: [f64; AXES],
 }
 
-/// What was counted and left out.
+/// Totals of tracks counted and left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CountingTotals {
     /// Tracks of a period whose picture was complete already.
@@ -42,7 +42,7 @@ pub struct CountingTotals {
     pub pictures: u64,
 }
 
-/// See the module's documentation.
+/// Counts of a wide-area sensor that are made of another system's tracks.
 #[derive(Debug)]
 pub struct Counting {
     period_ns: i64,
@@ -56,7 +56,8 @@ pub struct Counting {
 }
 
 impl Counting {
-    /// Pictures of `period_ns` nanoseconds (at least 1), groups of tracks no farther than `group_m` metres from the next.
+    /// Pictures of `period_ns` nanoseconds (at least 1), groups of tracks no farther than `group_m` metres from the
+    /// next.
     pub fn new(period_ns: i64, group_m: f64) -> Self {
         Self {
             period_ns: period_ns.max(1),
@@ -68,8 +69,8 @@ impl Counting {
         }
     }
 
-    /// Takes a track that came in at `arrival_ns` (UTC, nanoseconds). If it is of a later period, the picture before it is
-    /// complete: its reports are added to `reports`.
+    /// Takes a track that came in at `arrival_ns` (UTC, nanoseconds). If it is of a later period, the picture before it
+    /// is complete: its reports are added to `reports`.
     pub fn take(&mut self, track: CountedTrack, arrival_ns: i64, reports: &mut Vec<WideAreaReport>) {
         let period = track.time_ns.div_euclid(self.period_ns);
         match self.period {
@@ -147,7 +148,7 @@ impl Counting {
         }
     }
 
-    /// What was counted so far.
+    /// Totals so far.
     pub fn counts(&self) -> CountingTotals {
         self.counts
     }

@@ -1,8 +1,8 @@
 //! Where sensors should look next (WA-12).
 //!
 //! A sensor that can be steered wants to know before its next look where each target will be, and how far around to
-//! search. Both are in the tracker: the state predicted to the time of the look, and the gate in which a detection would be
-//! accepted (HT-2). A cue is that, in the plane: an ellipse around the predicted position.
+//! search. Both are in the tracker: the state predicted to the time of the look, and the gate in which a detection
+//! would be accepted (HT-2). A cue is that, in the plane: an ellipse around the predicted position.
 
 use messages::{AXES, StageTimes};
 use observations::{Detection, Sampled, sensor_id};
@@ -12,7 +12,7 @@ use crate::measurement::Measurement;
 use crate::motion::MotionSettings;
 use crate::track_report::TrackReport;
 
-/// Where and when to look for one track.
+/// Region in which a sensor should look for one track, and when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cue {
     /// The sensor that is to look.
@@ -61,7 +61,7 @@ impl Sampled for Cue {
     }
 }
 
-/// When each sensor looks next, from when it has looked: one period after the last time.
+/// Times at which sensors look next: one period after the last look of each.
 #[derive(Clone, Debug, Default)]
 pub struct Looks {
     /// (sensor, last time, period), nanoseconds.
@@ -98,8 +98,8 @@ impl Looks {
     }
 }
 
-/// Mean of the largest standard deviations of detections' places, metres, where `sigmas` are those of detections that state
-/// none. `None` if no detection has a place: directions alone do not.
+/// Mean of the largest standard deviations of detections' places, metres, where `sigmas` are those of detections that
+/// state none. `None` if no detection has a place: directions alone do not.
 pub fn sigma_m(detections: &[Detection], sigmas: Option<[f64; 4]>) -> Option<f64> {
     let places = detections
         .iter()

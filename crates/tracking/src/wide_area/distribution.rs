@@ -2,8 +2,8 @@
 //!
 //! Where a coarse position could mean any of several clusters, the nearest one may be the wrong one. Then the number is
 //! shared among all within a range, by closeness: the weights are inverse distances, and may count the tracks that a
-//! cluster already has besides. Whole shares are rounded so that they sum up (largest remainders); they may also be asked
-//! to sum up to more than was reported, so that nobody goes without.
+//! cluster already has besides. Whole shares are rounded so that they sum up (largest remainders); they may also be
+//! asked to sum up to more than was reported, so that nobody goes without.
 //!
 //! Source: patent JP4702010B2, embodiment 2.
 
@@ -57,7 +57,8 @@ pub fn share(
     }
 }
 
-/// Largest remainders: everybody gets the whole part, and what is left goes to those who lost most; the first of equals.
+/// Largest remainders: everybody gets the whole part, and what is left goes to those who lost most; the first of
+/// equals.
 fn round(shares: &mut [f64], total: f64) {
     // Rounding errors of 1.999… are no loss.
     let floor = |share: f64| (share + 1e-9).floor();

@@ -10,13 +10,13 @@ pub const EMISSIONS_KEPT_MAX: usize = 1024;
 /// One emission, as received.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
-    /// When it was received, nanoseconds.
+    /// Time of receipt, UTC, nanoseconds.
     pub time_ns: i64,
     /// Bearing clockwise from north, radians.
     pub bearing_rad: f64,
-    /// Its standard deviation, radians.
+    /// Standard deviation of the bearing, radians.
     pub sigma_rad: f64,
-    /// Where the receiver was, east and north, metres.
+    /// Position of the receiver, east and north in the system frame, metres.
     pub platform_m: [f64; 2],
     /// Hertz.
     pub frequency_hz: f64,
@@ -24,14 +24,14 @@ pub struct Emission {
     pub pulse_interval_s: Option<f64>,
 }
 
-/// Why an emission was refused.
+/// Reason why an emission was rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EmissionRefusal {
     /// No type is described, so it could be of none.
     NoTypes,
     /// A value is no number, or cannot be.
     NoNumber,
-    /// It was received long before the scans that are closed; by how many nanoseconds.
+    /// Nanoseconds by which it was received before the scans that are closed: more than allowed.
     TooLate(i64),
     /// No room for another one.
     Full,
@@ -81,7 +81,7 @@ impl Emission {
     }
 }
 
-/// Those that may still matter, in the order in which scans use them.
+/// Emissions that may still matter, in the order in which scans use them.
 #[derive(Clone, Debug)]
 pub(crate) struct Emissions {
     /// Each with the time from which on a scan uses it, nanoseconds.
@@ -128,7 +128,7 @@ impl Emissions {
         Ok(due_ns)
     }
 
-    /// Those that a scan at `until_ns` uses after one at `after_ns`.
+    /// Emissions that a scan at `until_ns` uses after one at `after_ns`.
     pub(crate) fn between(&self, after_ns: i64, until_ns: i64) -> impl Iterator<Item = &Emission> {
         let first = self.list.partition_point(|(due_ns, _)| *due_ns <= after_ns);
         let due = self.list[first..].iter();

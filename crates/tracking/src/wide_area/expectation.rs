@@ -1,7 +1,7 @@
 //! What the reports say of each cluster at one scan.
 //!
-//! Reports of the same time of observation add up where they mean the same cluster: a sensor may report targets one by one,
-//! or many together. Of different times the latest one holds.
+//! Reports of the same time of observation add up where they mean the same cluster: a sensor may report targets one by
+//! one, or many together. Of different times the latest one holds.
 
 use association::Grid;
 use messages::{AXES, NS_PER_S};
@@ -16,7 +16,8 @@ use crate::counts::TrackerCounts;
 use crate::population::{Cluster, Population};
 use crate::track::Track;
 
-/// Side of the cells in which centres are looked for, metres, and how many cells a search looks through in one direction.
+/// Side of the cells in which centres are looked for, metres, and how many cells a search looks through in one
+/// direction.
 const CELL_M: f64 = 5000.0;
 const CELLS_MAX: i32 = 16;
 /// So few centres are compared one by one.
@@ -258,8 +259,8 @@ impl Expectations {
                     }
                 }
             }
-            // Targets that were reported are not gone because a later report of others does not mention them; one of none
-            // says so.
+            // Targets that were reported are not gone because a later report of others does not mention them; one of
+            // none says so.
             let is_over = expectation.targets.is_none() || none_ns > expectation.observed_ns;
             expectation.is_absent = is_absent && is_over;
         }

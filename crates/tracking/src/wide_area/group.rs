@@ -5,9 +5,9 @@
 //! wide-area sensor tells: as long as a cluster has fewer tracks than reported targets, the on-board sensors do not
 //! resolve them. Hypotheses differ in that, so the answer is a probability.
 //!
-//! A group track takes the place of its cluster's confirmed tracks. It has the smallest of their numbers, the mean of their
-//! states by reliability with the spread of their positions in its covariance, and the expected number of members. The
-//! tracker itself goes on following single targets: when they are resolved, their tracks are there.
+//! A group track takes the place of its cluster's confirmed tracks. It has the smallest of their numbers, the mean of
+//! their states by reliability with the spread of their positions in its covariance, and the expected number of
+//! members. The tracker itself goes on following single targets: when they are resolved, their tracks are there.
 
 use super::correction::has_enough;
 
@@ -29,7 +29,8 @@ pub struct Group {
     pub probability: f64,
 }
 
-/// Probability that there are fewer tracks than `targets`, of hypotheses with (reliability, number of tracks) that sum to 1.
+/// Probability that there are fewer tracks than `targets`, of hypotheses with (reliability, number of tracks) that sum
+/// to 1.
 pub fn probability_of_fewer(hypotheses: impl Iterator<Item = (f64, usize)>, targets: f64) -> f64 {
     let fewer = hypotheses.filter(|(_, tracks)| !has_enough(*tracks, targets));
     fewer.map(|(reliability, _)| reliability).sum::<f64>().min(1.0)

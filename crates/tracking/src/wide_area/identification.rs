@@ -1,19 +1,20 @@
 //! Who a target is (WA-9): what it emits, and where it came from.
 //!
-//! Neither tells enough alone. An on-board receiver measures frequency, pulse interval and bearing of an emission; several
-//! types emit the like, and a bearing has no range. The wide-area sensor knows where the targets came from; several types
-//! start there. Together they decide, by Bayes' rule: the prior knowledge of the origin gives each type its probability, and
-//! each emission multiplies that of the types that emit the like.
+//! Neither tells enough alone. An on-board receiver measures frequency, pulse interval and bearing of an emission;
+//! several types emit the like, and a bearing has no range. The wide-area sensor knows where the targets came from;
+//! several types start there. Together they decide, by Bayes' rule: the prior knowledge of the origin gives each type
+//! its probability, and each emission multiplies that of the types that emit the like.
 //!
-//! An emission belongs to the track in whose direction it comes from; where two are in that direction, to none: it would
-//! teach both. The origin is that of the route that the wide-area sensor reports; without one, the place where it first saw
-//! the track's targets. The answer is the likeliest type with its probability, or none while anything else is likelier.
+//! An emission belongs to the track in whose direction it comes from; where two are in that direction, to none: it
+//! would teach both. The origin is that of the route that the wide-area sensor reports; without one, the place where it
+//! first saw the track's targets. The answer is the likeliest type with its probability, or none while anything else is
+//! likelier.
 //!
-//! What is known of tracks is part of the population after a scan, like the tracks: a late scan, report or emission has it
-//! derived again.
+//! What is known of tracks is part of the population after a scan, like the tracks: a late scan, report or emission has
+//! it derived again.
 //!
-//! Limits: emissions of one target are taken to be independent, which they are not; so at most [`EMISSIONS_MAX`] count per
-//! track.
+//! Limits: emissions of one target are taken to be independent, which they are not; so at most [`EMISSIONS_MAX`] count
+//! per track.
 
 use std::f64::consts::{PI, TAU};
 
@@ -147,8 +148,8 @@ impl Identities {
         }
     }
 
-    /// Learns of an emission. `tracks` are in the order of their numbers. Returns the place of the track that it is of, if
-    /// that is clear.
+    /// Learns of an emission. `tracks` are in the order of their numbers. Returns the place of the track that it is of,
+    /// if that is clear.
     pub(crate) fn emitted(
         &mut self,
         emission: &Emission,
@@ -172,7 +173,8 @@ impl Identities {
         Some(place)
     }
 
-    /// What the track at `place` is, if some type is likelier than all others together with those that nobody described.
+    /// What the track at `place` is, if some type is likelier than all others together with those that nobody
+    /// described.
     pub(crate) fn target_type(&self, place: usize, knowledge: &Knowledge) -> TargetType {
         let best = self.best(place, knowledge);
         let named = best.and_then(|(target, confidence)| TargetType::new(&knowledge.types[target].name, confidence));

@@ -1,14 +1,14 @@
 //! What is known before anything is seen (WA-10).
 //!
 //! Who comes from where is often known: from this bearing come airliners; from that field, fours of the same type. Such
-//! knowledge is of a place, not of a target, so it is stated by place: a sector of bearings from a point, or a circle. It
-//! applies to a wide-area report by where its targets came from, or where they are if that is not known, and says two
-//! things: which types are likely (module `identification`), and how many fly together. Where a
-//! formation of four is likely and two are reported, the correction may count on four.
+//! knowledge is of a place, not of a target, so it is stated by place: a sector of bearings from a point, or a circle.
+//! It applies to a wide-area report by where its targets came from, or where they are if that is not known, and says
+//! two things: which types are likely (module `identification`), and how many fly together. Where a formation of four
+//! is likely and two are reported, the correction may count on four.
 //!
-//! Statements that contradict each other are refused, since nobody could say which one holds: probabilities beyond 1, a type
-//! or number stated twice, two sectors from one point or two circles that overlap. Where a sector and a circle overlap, the
-//! first one listed holds.
+//! Statements that contradict each other are refused, since nobody could say which one holds: probabilities beyond 1, a
+//! type or number stated twice, two sectors from one point or two circles that overlap. Where a sector and a circle
+//! overlap, the first one listed holds.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;

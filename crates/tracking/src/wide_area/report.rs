@@ -9,14 +9,14 @@ pub(crate) const REPORTS_MAX: usize = 4096;
 /// Farthest coordinate that is a place, metres: beyond it nothing on Earth is in one plane with the sensors.
 pub(crate) const PLACE_MAX_M: f64 = 1e7;
 
-/// Why a report was refused.
+/// Reason why a report was rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ReportRefusal {
     /// A coordinate, velocity or origin is no number, or no place.
     NoPlace,
-    /// It arrived before it was observed.
+    /// The report arrived before it was observed.
     NegativeDelay,
-    /// It arrived later than allowed; the delay in nanoseconds.
+    /// The report arrived later than allowed; the delay in nanoseconds.
     TooLate(i64),
     /// More targets than [`TARGETS_MAX`].
     TooManyTargets(u32),
@@ -53,7 +53,7 @@ impl std::fmt::Display for ReportRefusal {
 
 impl std::error::Error for ReportRefusal {}
 
-/// What is wrong with a report, whoever may use it; `None` if nothing is.
+/// Fault of a report, whoever may use it; `None` if there is none.
 pub fn fault_in(report: &WideAreaReport) -> Option<ReportRefusal> {
     let is_place = |value: f64| value.abs() <= PLACE_MAX_M;
     let origin = report.origin_m.unwrap_or_default();
@@ -68,7 +68,7 @@ pub fn fault_in(report: &WideAreaReport) -> Option<ReportRefusal> {
     (report.targets > TARGETS_MAX).then_some(ReportRefusal::TooManyTargets(report.targets))
 }
 
-/// What is wrong with a report for a tracker that allows so long a delay, nanoseconds; `None` if nothing is.
+/// Fault of a report for a tracker that allows a delay of `delay_max_ns`; `None` if there is none.
 pub(crate) fn fault(report: &WideAreaReport, delay_max_ns: i64) -> Option<ReportRefusal> {
     let delay_ns = report.arrival_ns.saturating_sub(report.time_ns);
     let late = (delay_ns > delay_max_ns).then_some(ReportRefusal::TooLate(delay_ns));
@@ -80,12 +80,13 @@ pub(crate) fn is_valid(report: &WideAreaReport, time_ns: i64, valid_ns: i64) -> 
     report.arrival_ns <= time_ns && time_ns.saturating_sub(report.time_ns) <= valid_ns
 }
 
-/// Whether the scan at `time_ns` is the first one after a report's arrival, if those that came until `used_ns` have been used.
+/// Whether the scan at `time_ns` is the first one after a report's arrival, if those that came until `used_ns` have
+/// been used.
 pub(crate) fn is_due(report: &WideAreaReport, used_ns: i64, time_ns: i64) -> bool {
     used_ns < report.arrival_ns && report.arrival_ns <= time_ns
 }
 
-/// Those that may still matter, in the order of arrival.
+/// Reports that may still matter, in the order of arrival.
 #[derive(Clone, Debug)]
 pub(crate) struct Reports {
     list: Vec<WideAreaReport>,

@@ -22,8 +22,8 @@ impl Schedule {
         }
     }
 
-    /// The next time of a picture, if it is not after `now_ns`; to be asked until there is none. The first one is the first
-    /// even time from the first `now_ns` on; after a pause at most the last hundred are made up for.
+    /// The next time of a picture, if it is not after `now_ns`; to be asked until there is none. The first one is the
+    /// first even time from the first `now_ns` on; after a pause at most the last hundred are made up for.
     pub fn next(&mut self, now_ns: i64) -> Option<i64> {
         let even = |time_ns: i64| time_ns.div_euclid(self.period_ns).saturating_mul(self.period_ns);
         let first_ns = || even(now_ns.saturating_sub(1)).saturating_add(self.period_ns);

@@ -1,8 +1,8 @@
 //! The one place where wide-area support and the tracker meet: what the tracker asks of it is asked here.
 //!
-//! A tracker has one [`Support`], and each update of clusters a [`ClusterSupport`]: what the reports say of these clusters, as
-//! answers to the questions that the update has. Where there are no reports, each answer is that of a tracker without
-//! support.
+//! A tracker has one [`Support`], and each update of clusters a [`ClusterSupport`]: what the reports say of these
+//! clusters, as answers to the questions that the update has. Where there are no reports, each answer is that of a
+//! tracker without support.
 
 use observations::WideAreaReport;
 
@@ -64,7 +64,8 @@ impl Support {
         Ok(due_ns)
     }
 
-    /// Keeps an emission that scans after `closed_ns` may use (WA-9), and returns from which time on they do, nanoseconds.
+    /// Keeps an emission that scans after `closed_ns` may use (WA-9), and returns from which time on they do,
+    /// nanoseconds.
     ///
     /// # Errors
     /// [`EmissionRefusal`], counted, if the emission cannot be used.
@@ -94,7 +95,7 @@ impl Support {
             .find(before, time_ns, reports, settings, settings.lasts(), counts);
     }
 
-    /// What the reports say of clusters that the scan has joined, as (cluster that represents all, cluster), with so many
+    /// Support of clusters that the scan has joined, as (cluster that represents all, cluster), with so many
     /// `confirmed` tracks, branches not counted.
     pub(crate) fn of<'a>(
         &'a self,
@@ -154,7 +155,7 @@ impl<'a> ClusterSupport<'a> {
         self.clusters.iter().map(|(_, cluster)| expectations.of(*cluster))
     }
 
-    /// WA-4: what is asked of one of the clusters, by the rule where a report is due; later, by the one that holds.
+    /// WA-4: demand on one of the clusters, by the rule where a report is due; later, by the one that holds.
     pub(crate) fn demand(&self, cluster: u32) -> Demand {
         let expectation = self.expectations.of(cluster);
         let held = self.settings.held;
@@ -181,8 +182,8 @@ impl<'a> ClusterSupport<'a> {
         due.filter_map(|expectation| expectation.targets).sum()
     }
 
-    /// Expected new targets per expected false detection, for a hypothesis that lacks so many tracks, where otherwise `plain`
-    /// are expected (WA-6).
+    /// Expected new targets per expected false detection, for a hypothesis that lacks so many tracks, where otherwise
+    /// `plain` are expected (WA-6).
     pub(crate) fn new_target_share(&self, plain: f64, lacking: usize) -> f64 {
         match self.easier_confirmation() {
             Some(early) if lacking > 0 => early.new_target_share.max(plain),
@@ -223,12 +224,12 @@ impl<'a> ClusterSupport<'a> {
     }
 }
 
-/// What wide-area reports ask of a cluster.
+/// Number of tracks that wide-area reports ask for in a cluster, and how that is enforced.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Demand {
     /// Number of targets, if that is known.
     targets: Option<f64>,
-    /// How the reliabilities of its hypotheses are corrected; `None` if they are not.
+    /// Rule that corrects the reliabilities of its hypotheses; `None` if they are not corrected.
     correction: Option<Rule>,
     /// Whether those of their children are corrected, too.
     pub(crate) corrects_children: bool,
@@ -244,7 +245,7 @@ impl Demand {
         self.lacking(hypothesis.members.len()) == 0
     }
 
-    /// What is added to the logarithms of these hypotheses' reliabilities.
+    /// Gains to be added to the logarithms of these hypotheses' reliabilities.
     pub(crate) fn gains(&self, hypotheses: &[Hypothesis]) -> Gains {
         let rated = hypotheses
             .iter()
@@ -252,7 +253,7 @@ impl Demand {
         self.correction.map_or(Gains::NONE, |rule| Gains::of_all(rated, rule))
     }
 
-    /// What the correction of these hypotheses comes to, if it changes them.
+    /// Record of the correction of these hypotheses; `None` if it changes nothing.
     pub(crate) fn explained(&self, hypotheses: &[Hypothesis]) -> Option<CorrectionRecord> {
         let gains = self.gains(hypotheses);
         let enough = hypotheses.iter().filter(|hypothesis| self.is_enough(hypothesis));
