@@ -35,13 +35,13 @@ const PATIENCE_MAX: u32 = 1024;
 /// Fix of the filters, before selection and prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawFix {
-    /// East and north, metres.
+    /// Position east and north in the system frame, metres.
     pub position_m: [f64; 2],
-    /// East and north, metres per second; 0 for a fixed point.
+    /// Velocity east and north, metres per second; 0 for a fixed point.
     pub velocity_mps: [f64; 2],
     /// Covariance of (east, north, velocity east, velocity north): m², m²/s and m²/s².
     pub covariance: Matrix4<f64>,
-    /// By which model.
+    /// Model of motion that is believed.
     pub motion: Motion,
     /// Whether the bearings agree with it; without that it is older ones' fix.
     pub is_agreed: bool,

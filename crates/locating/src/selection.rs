@@ -75,21 +75,22 @@ settings::settings! {
     #[derive(Copy)]
     pub struct SelectionSettings {
         /// When: `auto`, every fix steers the output, the best there is for unknown data; `none`, fixes are passed on;
-        /// `interval`, one each interval; `minimum`, one at each minimum of the variance; `staged`, each interval at first, then
-        /// at minima.
+        /// `interval`, one each interval; `minimum`, one at each minimum of the variance; `staged`, each interval at
+        /// first, then at minima.
         select: Select = Select::Auto;
         /// Threshold: root of the variance value.
         position_sigma_max_m: f64 = 500.0, in [above 0];
         /// Time between selections; longer than between fixes.
         interval_s: f64 = 250.0, in [above 0];
-        /// Motion above the threshold: `continue`, direction and speed stay as they are; `use-crossings`, they become those up
-        /// to the fix at which the variance rose, and after it fell.
+        /// Motion above the threshold: `continue`, direction and speed stay as they are; `use-crossings`, they become
+        /// those up to the fix at which the variance rose, and after it fell.
         above_threshold: AboveThreshold = AboveThreshold::Continue;
         /// Share by which the variance must have risen above a minimum for that to count; 0: every one does.
         minimum_rise: f64 = 0.3, in [from 0];
         /// Minima sooner after the last selection do not count.
         minimum_gap_s: f64 = 100.0, in [from 0];
-        /// Staged: number of minima below the threshold, one soon enough after the other, from which on minima are used.
+        /// Staged: number of minima below the threshold, one soon enough after the other, from which on minima are
+        /// used.
         settled_minima: u32 = 2;
         /// Staged: time without a minimum after which intervals are used again.
         minimum_wait_s: f64 = 750.0, in [above 0];
@@ -108,28 +109,28 @@ impl SelectionSettings {
 /// A fix, of whatever origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
-    /// When, seconds.
+    /// Time, seconds.
     pub time_s: f64,
-    /// Where, metres.
+    /// Position, east, north and up in the system frame, metres.
     pub position_m: [f64; 3],
-    /// How it moves, m/s; 0 where that is not known. It is passed on with fixes that are, and steers.
+    /// Velocity, east, north and up, m/s; 0 where it is not known. It is passed on with fixes that are, and steers.
     pub velocity_mps: [f64; 3],
-    /// How uncertain it is (EL-3), m².
+    /// Variance of the position (EL-3), m².
     pub variance_m2: f64,
 }
 
-/// What is put out for a fix.
+/// Output for a fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
-    /// Where the emitter is, metres.
+    /// Position of the emitter, east, north and up in the system frame, metres.
     pub position_m: [f64; 3],
-    /// How the output moves on from here, m/s.
+    /// Velocity at which the output moves on from here, east, north and up, m/s.
     pub velocity_mps: [f64; 3],
     /// State of the selection.
     pub stage: Stage,
     /// Whether a fix was selected.
     pub is_selected: bool,
-    /// What was decided, with what was compared, if anything was.
+    /// Decision, with the values that were compared, if any were.
     pub decision: Option<(Reason, f64, f64)>,
 }
 
@@ -161,7 +162,7 @@ impl Stage {
     }
 }
 
-/// Why something was decided.
+/// Reason of a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     /// The variance is below its threshold for the first time.
@@ -189,7 +190,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// What it means.
+    /// Meaning of the reason, in a few words.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::FirstBelow => "variance below its threshold for the first time",
@@ -219,12 +220,12 @@ struct Point {
 pub struct Selector {
     settings: SelectionSettings,
     stage: Stage,
-    /// Where the present line begins, and how it goes on.
+    /// Beginning of the present line, and how it goes on.
     line: Point,
     velocity_mps: [f64; 3],
     /// t(n−1), and P(n−1); while there is one selection only, S1.
     previous: Point,
-    /// When the next interval is over.
+    /// End of the next interval, seconds.
     due_s: f64,
     /// The fix before, and whether it was below the threshold.
     last: Option<(Point, bool)>,
@@ -303,7 +304,7 @@ impl Selector {
         })
     }
 
-    /// Where the output is at the time of a fix.
+    /// Position of the output at the time of a fix, metres.
     fn output_at(&self, seen: Point) -> Point {
         let position_m = match self.stage {
             Stage::Passing | Stage::First => seen.position_m,

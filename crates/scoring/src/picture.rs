@@ -135,9 +135,9 @@ pub struct ShownState {
     pub number: i64,
     /// Time of the second, seconds.
     pub time_s: f64,
-    /// Position, metres.
+    /// Position east, north, up in the frame of the files, metres.
     pub position_m: [f64; 3],
-    /// Velocity, m/s.
+    /// Velocity east, north, up, m/s.
     pub velocity_mps: [f64; 3],
     /// Covariance of both.
     pub covariance: Covariance,

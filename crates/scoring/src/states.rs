@@ -213,7 +213,7 @@ pub(crate) struct Walk<'a, const D: usize> {
 }
 
 impl<const D: usize> Walk<'_, D> {
-    /// Everything that shows at `instant`, which is at `time_s`: every state that is `fresh` then, moved to that time,
+    /// States that show at `instant`, which is at `time_s`: every state that is `fresh` then, moved to that time,
     /// in the order of their numbers. Instants must be asked for in their order; what is too old once stays so.
     pub(crate) fn at(&mut self, instant: Instant, time_s: f64, fresh: impl Fn(f64) -> bool) -> Vec<State<D>> {
         while let Some((_, states)) = self.rest.next_if(|(of, _)| **of <= instant) {

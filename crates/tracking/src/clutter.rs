@@ -19,7 +19,7 @@ const SCANS: f64 = 20.0;
 /// Smallest mean number of false detections per scan: none seen so far does not mean never.
 const COUNT_MIN: f64 = 0.1;
 
-/// How much a sensor sees.
+/// Extent of what a sensor sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extent {
     /// Width of all bearings, radians.
@@ -28,7 +28,7 @@ pub(crate) struct Extent {
     pub(crate) area_m2: Option<f64>,
 }
 
-/// What is known of one sensor's false detections.
+/// Estimate of one sensor's false detections.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Estimate {
     /// Mean number per scan.

@@ -19,14 +19,14 @@ pub(crate) struct Row {
     pub(crate) new_track: bool,
 }
 
-/// What a detection is taken for: the column selected in its row.
+/// Meaning given to a detection: the column selected in its row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Interpretation {
-    /// Of no target.
+    /// A false detection.
     False,
     /// The first detection of a new track.
     New,
-    /// Of this existing track.
+    /// A detection of this existing track.
     Track(usize),
 }
 

@@ -29,14 +29,14 @@ pub const PERIOD_MIN_NS: i64 = NS_PER_S / NUMBERS_PER_S;
 const BOUNDARIES_MAX: usize = 8;
 const NS_PER_S: i64 = 1_000_000_000;
 
-/// How to cut.
+/// Settings of a cutter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CutterSettings {
-    /// Where scans begin.
+    /// Boundaries of scans.
     pub boundaries: Boundaries,
-    /// How long the sensor takes to look around, nanoseconds, at least [`PERIOD_MIN_NS`].
+    /// Time that the sensor takes to look around, nanoseconds, at least [`PERIOD_MIN_NS`].
     pub period_ns: i64,
-    /// How late a detection may come after later ones, nanoseconds.
+    /// Wait: time by which a detection may come after later ones, nanoseconds.
     pub wait_ns: i64,
     /// Most detections that wait for their scan to be complete.
     pub waiting_max: usize,
@@ -47,9 +47,9 @@ pub struct CutterSettings {
 settings::words! {
     /// Places where scans begin.
     pub enum Boundaries {
-        /// Where the sensor says so.
+        /// Boundaries where the sensor says so.
         Turn = "turn",
-        /// At whole multiples of the period.
+        /// Boundaries at whole multiples of the period.
         Period = "period",
     }
 }
@@ -57,18 +57,18 @@ settings::words! {
 /// A scan that is complete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CutScan {
-    /// Its number, which its detections have, too.
+    /// Number of the scan, which its detections have, too.
     pub number: u32,
     /// Time of its latest detection, nanoseconds.
     pub time_ns: i64,
 }
 
-/// What became of a detection.
+/// Treatment of a detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// It waits for its scan to be complete.
+    /// The detection waits for its scan to be complete.
     Waits,
-    /// Its scan is complete already.
+    /// The scan of the detection is complete already.
     TooLate,
     /// There is no room for it.
     Refused,
@@ -87,7 +87,7 @@ struct Scan {
 struct Pending<T> {
     detection: Detection,
     with_it: T,
-    /// How many came before it.
+    /// Number of detections that came before.
     place: u64,
 }
 
@@ -100,7 +100,7 @@ pub struct Cutter<T> {
     waiting: Vec<Pending<T>>,
     /// Time of the earliest of them; `i64::MAX` if there are none.
     first_ns: i64,
-    /// How many detections have come.
+    /// Number of detections that have come.
     came: u64,
     /// Latest time of anything that came.
     running_ns: i64,
@@ -176,7 +176,7 @@ impl<T: Copy> Cutter<T> {
         &self.complete
     }
 
-    /// What stayed with them.
+    /// Companions of the detections, in the same order.
     pub fn with_them(&self) -> &[T] {
         &self.with_them
     }
@@ -235,7 +235,7 @@ impl<T: Copy> Cutter<T> {
         scan
     }
 
-    /// Where the scan ends, and whether the sensor has said so; `None` as long as it still may.
+    /// End of the scan, nanoseconds, and whether the sensor has said so; `None` as long as it still may.
     fn end(&self, scan: Scan, running_ns: i64) -> Option<(i64, bool)> {
         let CutterSettings { period_ns, wait_ns, .. } = self.settings;
         // A turn is never half as long as it should be, unless it was not seen from its beginning.
@@ -270,7 +270,7 @@ impl<T: Copy> Cutter<T> {
         self.first_ns = first.map_or(i64::MAX, |each| each.detection.time_of_measurement_ns);
     }
 
-    /// How many whole periods a time is, at least one.
+    /// Number of whole periods in a time, at least one.
     fn periods(&self, time_ns: i64) -> u32 {
         let period_ns = self.settings.period_ns;
         (time_ns.saturating_add(period_ns / 2) / period_ns).clamp(1, i64::from(u32::MAX)) as u32
@@ -300,7 +300,7 @@ mod tests {
         }
     }
 
-    /// What comes: a detection or a boundary, with its time in tenths of a second.
+    /// An event: a detection or a boundary, with its time in tenths of a second.
     #[derive(Clone, Copy, Debug)]
     enum Event {
         Plot(i64),

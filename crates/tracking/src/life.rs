@@ -11,20 +11,21 @@ settings::settings! {
     /// Conditions of confirmation: a tentative track is confirmed when all of them hold (HT-10).
     #[derive(Copy)]
     pub struct Confirmation {
-        /// Least reliability, together, of the hypotheses that contain it. 1: it is in all remaining ones, the source's rule.
+        /// Least reliability, together, of the hypotheses that contain it. 1: it is in all remaining ones, the source's
+        /// rule.
         reliability_min: f64 = 0.99, in [0.501, 1];
         /// Least number of its detections.
         detections_min: u32 = 2, in [1, 1000];
-        /// Least log-likelihood ratio: the logarithm of how much likelier its detections are if they are of one target than if
-        /// all are false.
+        /// Least log-likelihood ratio: the logarithm of how much likelier its detections are if they are of one target
+        /// than if all are false.
         log_likelihood_ratio_min: Option<f64> = None, in [-1e3, 1e3];
     }
 
     /// Conditions of deletion: a track is deleted when one of them holds (HT-10).
     #[derive(Copy)]
     pub struct Deletion {
-        /// Probability that a target is missed so often since its last detection. With a probability of detection of 0.9, 2e-5
-        /// is five slow scans; with 0.5, sixteen.
+        /// Probability that a target is missed so often since its last detection. With a probability of detection of
+        /// 0.9, 2e-5 is five slow scans; with 0.5, sixteen.
         missed_probability: f64 = 2e-5, in [1e-300, 0.99];
         /// Time without a detection, seen or not.
         silent_s: Seconds = Seconds::of(60.0), in [1e-3, 86_400];
@@ -33,7 +34,8 @@ settings::settings! {
     /// When a track is given up.
     #[derive(Copy)]
     pub struct DeletionSettings with limits: Deletion {
-        /// Time for which a sensor that looks again sees the same: whether it detects a target, and by how much it is wrong.
+        /// Time for which a sensor that looks again sees the same: whether it detects a target, and by how much it is
+        /// wrong.
         coherence_s: f64 = 1.0, in [1e-3, 1e4];
     }
 }

@@ -60,14 +60,14 @@ pub(crate) struct Motion {
     steady: PackedGaussian,
     /// Like the steady one where there is no such model.
     turning: PackedGaussian,
-    /// Of the turning one; nothing where there are no coordinated turns.
+    /// Turn rate of the turning model; [`TurnRate::NONE`] where there are no coordinated turns.
     turn: TurnRate,
     /// Probability that the target manoeuvres; 0 where there is no such model.
     turning_probability: f64,
     speed: Speed,
 }
 
-/// What the two states stand for.
+/// Meaning of the two states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Speed {
     /// Steady flight and manoeuvre.
@@ -211,7 +211,7 @@ impl Motion {
         Some(innovation)
     }
 
-    /// Both models together.
+    /// Mixture of both models.
     pub(crate) fn estimate(&self) -> PackedGaussian {
         if self.turning_probability == 0.0 {
             return self.steady;
@@ -234,7 +234,7 @@ impl Motion {
         }
     }
 
-    /// Of two motions with the given weight of the second, model by model.
+    /// Mixture of two motions with the given weight of the second, model by model.
     pub(crate) fn mixture(a: &Self, b: &Self, weight_of_b: f64) -> Self {
         let weight = |of_a: f64, of_b: f64| {
             let (of_a, of_b) = (of_a * (1.0 - weight_of_b), of_b * weight_of_b);

@@ -29,30 +29,30 @@ use crate::settings::{SensorSettings, Settings};
 /// Smallest worth of a scan: several at one time must not count for nothing.
 const WORTH_MIN: f64 = 1e-3;
 
-/// What the settings say of a sensor's scans, and what is known of the scan at hand.
+/// Settings of a sensor, and what is known of the scan at hand.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sensor {
     pub(crate) gates: [f64; DIMENSIONS_MAX],
     pub(crate) motion: MotionSettings,
     pub(crate) detection_probability: f64,
-    /// Logarithm of it.
+    /// Logarithm of that probability.
     pub(crate) log_detection: f64,
     gate_probability: f64,
     pub(crate) field_of_view: Option<FieldOfView>,
     coherence_s: f64,
-    /// Of the scan at hand: its part of an independent one.
+    /// Weight of the scan at hand relative to an independent scan, above 0, at most 1.
     pub(crate) worth: f64,
-    /// Of the scan at hand: where the sensor was.
+    /// Position of the sensor at the scan at hand, east and north, metres; `None` if it is not known.
     platform_m: Option<[f64; 2]>,
 }
 
-/// What is remembered of a sensor from scan to scan.
+/// State of a sensor that is carried from scan to scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Memory {
     pub(crate) clutter: Estimate,
-    /// Of the previous scan.
+    /// Time of the previous scan, nanoseconds.
     time_ns: Option<i64>,
-    /// Where its latest detection was made from.
+    /// Position that its latest detection was made from, east and north, metres.
     platform_m: Option<[f64; 2]>,
     /// Whether the latest scan with detections had directions only.
     directions_only: bool,
@@ -106,7 +106,7 @@ impl Sensor {
         }
     }
 
-    /// How much it sees.
+    /// Extent of what the sensor sees.
     pub(crate) fn extent(&self) -> Extent {
         let view = self.field_of_view;
         Extent {
@@ -126,7 +126,7 @@ impl Sensor {
         1.0 - seen * self.detection_probability * self.gate_probability
     }
 
-    /// Logarithm of it, for what it is worth.
+    /// Logarithm of that probability, to the power of the scan's weight.
     pub(crate) fn log_miss(&self, seen: f64) -> f64 {
         self.worth * (-seen * self.detection_probability * self.gate_probability).ln_1p()
     }

@@ -46,14 +46,14 @@ pub(crate) struct TurnRate {
 }
 
 impl TurnRate {
-    /// Of targets that do not turn.
+    /// Rate of targets that do not turn.
     pub(crate) const NONE: Self = Self {
         rate: 0.0,
         variance: 0.0,
         cross: [0.0; STATE_LEN],
     };
 
-    /// Of a turn that has just begun.
+    /// Rate of a turn that has just begun.
     pub(crate) fn begun(turn: &Turn) -> Self {
         Self {
             variance: turn.rate_sigma_radps.powi(2) as f32,
@@ -119,7 +119,7 @@ impl TurnRate {
         self.cross.map(f64::from)
     }
 
-    /// Of a mixture of two states with their turn rates.
+    /// Rate of a mixture of two states with their turn rates.
     pub(crate) fn mixture(
         (a, a_state): (&Self, &PackedGaussian),
         (b, b_state): (&Self, &PackedGaussian),

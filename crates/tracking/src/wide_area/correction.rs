@@ -33,10 +33,11 @@ settings::settings! {
     /// Correction of reliabilities: exactly one of the two.
     struct RuleKeys {
         check RuleKeys::check;
-        /// Share of the sum to which the group with enough tracks is raised, unless it has more already (the source's rule).
+        /// Share of the sum to which the group with enough tracks is raised, unless it has more already (the source's
+        /// rule).
         share: Option<f64> = None, in [1e-6, 0.999_999];
-        /// Factor by which its odds are multiplied: how much likelier the report is if there are enough tracks than if there are
-        /// fewer.
+        /// Factor by which its odds are multiplied: how much likelier the report is if there are enough tracks than if
+        /// there are fewer.
         factor: Option<f64> = None, in [1, 1e12];
     }
 }
@@ -97,12 +98,12 @@ impl Value for Rule {
     }
 }
 
-/// What is added to the logarithms of the two groups' reliabilities; their sum stays what it was.
+/// Gains added to the logarithms of the two groups' reliabilities; their sum stays what it was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gains {
-    /// Of hypotheses with at least the reported number of tracks.
+    /// Gain of hypotheses with at least the reported number of tracks.
     pub(crate) enough: f64,
-    /// Of those with fewer.
+    /// Gain of those with fewer.
     pub(crate) fewer: f64,
 }
 
@@ -175,7 +176,7 @@ pub(crate) fn has_enough(tracks: usize, targets: f64) -> bool {
     lacking(tracks, targets) == 0
 }
 
-/// How many tracks are lacking.
+/// Number of tracks that are lacking.
 pub(crate) fn lacking(tracks: usize, targets: f64) -> usize {
     // Rounding errors of fractions are not a target.
     (targets - tracks as f64 - 1e-6).ceil().max(0.0) as usize

@@ -20,10 +20,10 @@ use crate::track::Track;
 /// direction.
 const CELL_M: f64 = 5000.0;
 const CELLS_MAX: i32 = 16;
-/// So few centres are compared one by one.
+/// Most centres that are compared one by one, without a grid.
 const FEW: usize = 16;
 
-/// What is known of one cluster.
+/// Knowledge of one cluster from reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Expectation {
     /// Number of targets, `None` if no valid report means it.
@@ -32,7 +32,7 @@ pub(crate) struct Expectation {
     pub(crate) is_due: bool,
     /// A report that covers its place shows no target around it.
     pub(crate) is_absent: bool,
-    /// Where the targets came from.
+    /// Origin of the targets.
     pub(crate) origin: Option<Origin>,
     /// Time of the observation that `targets` is from, nanoseconds.
     observed_ns: i64,
@@ -45,7 +45,7 @@ pub(crate) struct Expectations {
     list: Vec<Expectation>,
     /// (cluster, its centre), of those that a report may mean.
     centres: Vec<(u32, Centre)>,
-    /// Where they are, unless they are few; and the greatest of their speeds, metres per second.
+    /// Positions of the centres, unless they are few; and the greatest of their speeds, metres per second.
     grid: Grid,
     in_grid: usize,
     speed_max_mps: f64,
@@ -271,7 +271,7 @@ fn tracks_of<'a>(cluster: &Cluster, before: &'a Population) -> &'a [Track] {
     &before.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize]
 }
 
-/// Of the cluster's tracks, at the time of the population.
+/// Centre of the cluster's tracks at the time of the population.
 fn centre_of(cluster: &Cluster, before: &Population) -> Centre {
     let moved = |track: &Track| {
         let mean = track.motion.mean();

@@ -20,7 +20,7 @@ settings::settings! {
     }
 }
 
-/// What makes a track one of a group.
+/// Size of a group that is given out as one track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Group {
     /// Expected number of members, at least 2.

@@ -34,13 +34,13 @@ const UNKNOWN: f64 = 0.5;
 /// Statistical distance within which an emission comes from a track's direction.
 const GATE: f64 = 3.0;
 
-/// What is known of the confirmed tracks of a population, by their numbers.
+/// Knowledge of the confirmed tracks of a population, by their numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Identities {
     tracks: Vec<Known>,
     /// By track, then by type, then of any other type: logarithm of the product of the emissions' likelihoods.
     log_likelihoods: Vec<f64>,
-    /// So many of them per track.
+    /// Number of likelihoods per track.
     width: usize,
 }
 
@@ -51,7 +51,7 @@ struct Known {
     emissions: u32,
 }
 
-/// Where targets came from.
+/// Origin of targets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Origin {
     /// East and north, metres.
@@ -69,13 +69,13 @@ impl Origin {
         }
     }
 
-    /// Where a route says that they came from.
+    /// Origin by a route, east and north, metres; `None` if no route says so.
     pub(crate) fn reported_m(&self) -> Option<[f64; 2]> {
         self.is_reported.then_some(self.place_m)
     }
 }
 
-/// Where a track is when something is heard.
+/// Position of a track when something is heard.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Whereabouts {
     /// East and north, metres.
@@ -173,7 +173,7 @@ impl Identities {
         Some(place)
     }
 
-    /// What the track at `place` is, if some type is likelier than all others together with those that nobody
+    /// Type of the track at `place`, if some type is likelier than all others together with those that nobody
     /// described.
     pub(crate) fn target_type(&self, place: usize, knowledge: &Knowledge) -> TargetType {
         let best = self.best(place, knowledge);
@@ -219,7 +219,7 @@ impl Whereabouts {
         }
     }
 
-    /// How far an emission is from coming from here, in standard deviations.
+    /// Angle between an emission and the direction to here, in standard deviations.
     fn distance(&self, emission: &Emission) -> f64 {
         let line = [0, 1].map(|axis| self.place_m[axis] - emission.platform_m[axis]);
         let range_m = line[0].hypot(line[1]).max(1.0);
@@ -275,7 +275,7 @@ mod tests {
         }
     }
 
-    /// Of tracks 7 and 8.
+    /// Identities of tracks 7 and 8.
     fn identities() -> (Identities, Knowledge) {
         let mut all = Identities::new(4, 3);
         all.follow(&Identities::new(4, 3), [7, 8].into_iter());

@@ -196,12 +196,12 @@ impl Knowledge {
         Ok(())
     }
 
-    /// What is known of a point, east and north in metres.
+    /// Prior knowledge of a point, east and north in metres.
     pub fn at(&self, point_m: [f64; 2]) -> Option<&Prior> {
         self.priors.iter().find(|prior| prior.contains(point_m))
     }
 
-    /// What is known of a report's targets.
+    /// Prior knowledge of a report's targets: of where they came from, or are.
     pub fn of(&self, report: &WideAreaReport) -> Option<&Prior> {
         let [east, north, _] = report.position_m;
         self.at(report.origin_m.unwrap_or([east, north]))
