@@ -23,16 +23,14 @@ use messages::{BatchHeader, Topic};
 
 use crate::error::{BusError, Role};
 use crate::publisher::{self, Publisher};
-use crate::quality::{NODES_MAX, describe};
+use crate::quality::{LEAVERS_MAX, NODES_MAX, describe};
 use crate::root::{Root, tame_logging};
 use crate::subscriber::{self, Subscriber};
 use crate::transport::{Payload, Transport};
-use crate::waiter::{WaitMode, Waiter};
+use crate::waiter::{WATCHED_MAX, WaitMode, Waiter};
 
 /// How long a topic that does not exist (yet) is asked for.
 const OPEN_PATIENCE: Duration = Duration::from_millis(500);
-/// Publishers of a topic that may leave between two looks of a subscriber without loss: all that there can be.
-pub(crate) const LEAVERS_MAX: usize = 128;
 /// Of a topic with few publishers.
 const FEW_LEAVERS: usize = 8;
 /// Pause between two tries.
@@ -197,7 +195,7 @@ impl<S: Transport> Bus<S> {
         }
     }
 
-    pub(crate) fn listener<T: Payload>(&self, topic: &Topic<T>) -> Result<Listener<S>, BusError> {
+    fn listener<T: Payload>(&self, topic: &Topic<T>) -> Result<Listener<S>, BusError> {
         let wake_ups = self.open_wake_ups(topic)?;
         self.in_place(
             || wake_ups.listener_builder().create(),
@@ -254,6 +252,26 @@ impl<S: Transport> Bus<S> {
             }
             result => result,
         }
+    }
+}
+
+impl<S: Transport> Waiter<S> {
+    /// Watches `topic` too. A waiter that only spins needs no notifications, and asks the publishers for none.
+    ///
+    /// # Errors
+    /// If the topic does not exist, has no place left for a listener, or too many are watched.
+    pub fn watch<T: Payload>(&mut self, bus: &Bus<S>, topic: &Topic<T>) -> Result<(), BusError> {
+        if self.mode() == WaitMode::Spin {
+            return Ok(());
+        }
+        if !self.has_room() {
+            return Err(BusError::WatchedTooMany {
+                topic: topic.name.as_str().into(),
+                limit: WATCHED_MAX,
+            });
+        }
+        self.listen(bus.listener(topic)?);
+        Ok(())
     }
 }
 

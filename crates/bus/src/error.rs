@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::root::Process;
+use crate::process::Process;
 
 /// An operation of this crate failed.
 #[derive(Debug, Error)]

@@ -19,6 +19,9 @@ use crate::transport::{Payload, Transport};
 /// Most processes that have a topic open at a time: 64 sources, the services, each perhaps twice, and spare ones.
 pub(crate) const NODES_MAX: usize = 256;
 
+/// Publishers of a topic that may leave between two looks of a subscriber without loss: all that there can be.
+pub(crate) const LEAVERS_MAX: usize = 128;
+
 /// Slices that a subscriber may keep at a time.
 pub const BORROWED_MAX: usize = 2;
 

@@ -28,8 +28,9 @@ use iceoryx2::node::{Node, NodeState, NodeView as _};
 use iceoryx2::prelude::{CallbackProgression, Config, FileName, SemanticString as _};
 use rustix::fs::{FlockOperation, flock};
 
-use crate::bus::LEAVERS_MAX;
 use crate::error::BusError;
+use crate::process::Process;
+use crate::quality::LEAVERS_MAX;
 use crate::transport::SharedMemory;
 
 /// Most characters in the name of an instance.
@@ -412,24 +413,6 @@ pub struct Instance {
     pub runs: bool,
     /// That process's number.
     pub pid: Option<u32>,
-}
-
-/// A live process that has joined an instance.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Process {
-    /// Its number; 0 if it cannot be read.
-    pub pid: u32,
-    /// The name it gave itself.
-    pub name: String,
-}
-
-impl Process {
-    fn unknown() -> Self {
-        Self {
-            pid: 0,
-            name: "unknown".to_owned(),
-        }
-    }
 }
 
 /// Keeps iceoryx2 from printing anything but errors. `IOX2_LOG_LEVEL` overrides that, for those who look for one.

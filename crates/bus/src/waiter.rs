@@ -31,13 +31,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::{Listener, ListenerWaitError};
-use messages::Topic;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-use crate::bus::Bus;
 use crate::error::BusError;
-use crate::transport::{Payload, Transport};
+use crate::transport::Transport;
 
 /// Most topics that one waiter watches.
 pub const WATCHED_MAX: usize = 256;
@@ -115,21 +113,13 @@ impl<S: Transport> Waiter<S> {
         self
     }
 
-    /// Watches `topic` too. A waiter that only spins needs no notifications, and asks the publishers for none.
-    ///
-    /// # Errors
-    /// If the topic does not exist, has no place left for a listener, or too many are watched.
-    pub fn watch<T: Payload>(&mut self, bus: &Bus<S>, topic: &Topic<T>) -> Result<(), BusError> {
-        if self.mode == WaitMode::Spin {
-            return Ok(());
-        }
-        if self.listeners.len() == WATCHED_MAX {
-            return Err(BusError::WatchedTooMany {
-                topic: topic.name.as_str().into(),
-                limit: WATCHED_MAX,
-            });
-        }
-        let listener = bus.listener(topic)?;
+    /// Whether there is a place for another listener.
+    pub(crate) fn has_room(&self) -> bool {
+        self.listeners.len() < WATCHED_MAX
+    }
+
+    /// Is woken by `listener`, too.
+    pub(crate) fn listen(&mut self, listener: Listener<S>) {
         // SAFETY: the descriptor stays open as long as the listener lives, which `self` owns, never removes, and drops
         // after `descriptors`; nothing hands the `'static` borrow out.
         let descriptor: BorrowedFd<'static> = unsafe {
@@ -139,7 +129,6 @@ impl<S: Transport> Waiter<S> {
         self.descriptors
             .push(PollFd::from_borrowed_fd(descriptor, PollFlags::IN));
         self.listeners.push(listener);
-        Ok(())
     }
 
     /// How this waiter waits.

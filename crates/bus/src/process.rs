@@ -1,0 +1,19 @@
+//! A process of an instance, as others see it.
+
+/// A live process that has joined an instance.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Process {
+    /// Its number; 0 if it cannot be read.
+    pub pid: u32,
+    /// The name it gave itself.
+    pub name: String,
+}
+
+impl Process {
+    pub(crate) fn unknown() -> Self {
+        Self {
+            pid: 0,
+            name: "unknown".to_owned(),
+        }
+    }
+}
