@@ -7,12 +7,12 @@ use super::table::Category;
 /// The octets of a block header: category and length.
 pub const HEADER_OCTETS: usize = 3;
 
-/// One data block within the bytes it was found in.
+/// Data block within the bytes it was found in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Block<'a> {
     /// The category of its records.
     pub category: u8,
-    /// Where it begins in the bytes passed to [`blocks`], or in what they are a part of.
+    /// Offset of its first octet in the bytes passed to [`blocks`], or in the whole that they are a part of.
     pub offset: usize,
     /// All its octets, with the header.
     pub bytes: &'a [u8],
@@ -50,7 +50,7 @@ pub fn blocks(bytes: &[u8]) -> Blocks<'_> {
     blocks_at(0, bytes)
 }
 
-/// The same for bytes that are a part of something, from its octet `begin` on: offsets of blocks, records and errors
+/// Data blocks in bytes that are a part of something, from its octet `begin` on: offsets of blocks, records and errors
 /// count from the begin of the whole.
 pub fn blocks_at(begin: usize, bytes: &[u8]) -> Blocks<'_> {
     Blocks { begin, bytes, at: 0 }

@@ -38,7 +38,7 @@ impl Decoder {
         self
     }
 
-    /// What was met so far.
+    /// Counts of the blocks and records met so far.
     pub fn counts(&self) -> &Counts {
         &self.counts
     }
@@ -54,7 +54,8 @@ impl Decoder {
     }
 }
 
-/// What a [`Decoder`] met. Every octet it was given belongs to a record, to a block header or to `octets_skipped`.
+/// Blocks, records and octets that a [`Decoder`] met. Every octet it was given belongs to a record, to a block header
+/// or to `octets_skipped`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
     /// Blocks with a possible length.

@@ -8,6 +8,27 @@
 //!
 //! The order of members does not matter. In the table's order, as decoding gives them, each is found where it is
 //! looked for first.
+//!
+//! # Use
+//!
+//! Look up the table of category and edition, make a [`NamedRecord`] with the table's names, encode it, and pack the
+//! octets of records into blocks. A name that comes from a text is replaced by the table's own, which lives as long as
+//! the program: that of an item is `table.item(text)?.name`, those of elements are in its layout.
+//!
+//! ```
+//! use asterix::{BlockWriter, Edition, NamedRecord, Value, registry};
+//!
+//! let table = registry::find(34, Edition::new(1, 29)).expect("an edition there is");
+//! let source = Value::group([("SAC", 20u64.into()), ("SIC", 10u64.into())]);
+//! let north = NamedRecord::of(34, [("010", source), ("000", 1u64.into()), ("030", 43_200.5.into())]);
+//!
+//! let mut octets = Vec::new();
+//! north.encode(table, &mut octets)?;
+//! let mut blocks = BlockWriter::new(table.number, 1472);
+//! assert_eq!(blocks.push(&octets)?, None, "the block has room for more");
+//! assert_eq!(blocks.finish(), Some(&[34, 0, 10, 0xE0, 20, 10, 1, 0x54, 0x60, 0x40][..]));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::bits::{fspec_octet, goes_on, put, sign_extend};
 use super::encode_error::{EncodeError, EncodeFault, Place};
@@ -138,7 +159,7 @@ impl<'v> Announced<'v> {
         Ok(announced)
     }
 
-    /// As many octets as the last member needs, at least one.
+    /// Writes as many octets as the last member needs, at least one.
     fn write_fspec(&self, out: &mut Vec<u8>) {
         let mut rest = self.present;
         loop {
@@ -389,7 +410,7 @@ impl<'v> Members<'v> {
     }
 }
 
-/// What is wrong with members that are not the elements of an extension's first parts, or of a group, its only one.
+/// Fault of members that are not the elements of an extension's first parts, or of a group, its only one.
 /// One more member may be named `besides`.
 fn misfit(members: &[Member], extension: &[&'static [Part]], besides: &str) -> Failure {
     let names = |part: &'static [Part]| part.iter().filter_map(part_name);

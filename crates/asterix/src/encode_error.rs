@@ -1,4 +1,4 @@
-//! What can be wrong with values that are to become ASTERIX bytes.
+//! Errors of values that are to become ASTERIX bytes.
 //!
 //! Every error names its place as the documents do, item first, then element by element down to the value: I020/500
 //! SDP X. A repetition is named by its position, from 1: I020/250 \[2\] BDS1.
@@ -14,7 +14,7 @@ use super::table::TextCoding;
 pub struct EncodeError {
     /// The item or element.
     pub place: Place,
-    /// What is wrong with it.
+    /// Fault of the value there.
     pub fault: EncodeFault,
 }
 
@@ -39,7 +39,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// What is wrong at a place.
+/// Fault of a value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EncodeFault {
     /// The record is of another category than the table.
@@ -58,7 +58,7 @@ pub enum EncodeFault {
         item: &'static str,
         /// The deciding element in it.
         element: &'static str,
-        /// Its value, if the record has one.
+        /// Value of the deciding element, if the record has one.
         found: Option<u64>,
     },
     /// An item, subitem or element that the edition does not define there.
@@ -113,7 +113,7 @@ pub enum EncodeFault {
         text: String,
         /// The character.
         character: char,
-        /// How the text is packed.
+        /// Coding of the text.
         coding: TextCoding,
     },
     /// A text with too many characters, or with too few where no space can fill it up.
@@ -121,7 +121,7 @@ pub enum EncodeFault {
     TextLength {
         /// The text.
         text: String,
-        /// Its characters.
+        /// Characters of the text.
         characters: usize,
         /// The least that can be sent.
         least: usize,

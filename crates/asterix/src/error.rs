@@ -1,4 +1,4 @@
-//! What can be wrong with ASTERIX bytes.
+//! Errors of ASTERIX bytes.
 //!
 //! Every error names the byte at which it was noticed, as an offset in the bytes the caller passed, what was found
 //! there and what was expected. An item is named as in the documents: I010/140.
@@ -9,7 +9,7 @@ pub enum Error {
     /// Fewer octets than a block header.
     #[error("byte {offset}: a block header takes 3 octets, {available} left")]
     HeaderTruncated {
-        /// Where the header begins.
+        /// Offset of the header.
         offset: usize,
         /// The octets from there on.
         available: usize,
@@ -20,7 +20,7 @@ pub enum Error {
          its header alone takes 3"
     )]
     BlockLength {
-        /// Where the block begins.
+        /// Offset of the block.
         offset: usize,
         /// The block's category.
         category: u8,
@@ -33,7 +33,7 @@ pub enum Error {
          {available} left"
     )]
     BlockTruncated {
-        /// Where the block begins.
+        /// Offset of the block.
         offset: usize,
         /// The block's category.
         category: u8,
@@ -45,7 +45,7 @@ pub enum Error {
     /// No table was given for the block's category.
     #[error("byte {offset}: no table for a block of category {category:03}")]
     NoTable {
-        /// Where the block begins.
+        /// Offset of the block.
         offset: usize,
         /// The block's category.
         category: u8,
@@ -56,11 +56,11 @@ pub enum Error {
          after {octets} octets"
     )]
     FspecTruncated {
-        /// Where the FSPEC begins.
+        /// Offset of the FSPEC.
         offset: usize,
         /// The category.
         category: u8,
-        /// Its octets within the block.
+        /// Octets of the FSPEC within the block.
         octets: usize,
     },
     /// An FSPEC longer than any profile.
@@ -69,7 +69,7 @@ pub enum Error {
          the most there can be"
     )]
     FspecTooLong {
-        /// Where the FSPEC begins.
+        /// Offset of the FSPEC.
         offset: usize,
         /// The category.
         category: u8,
@@ -79,7 +79,7 @@ pub enum Error {
     /// A record without a single item, such as one of padding.
     #[error("byte {offset}: category {category:03}: the FSPEC announces no item")]
     RecordEmpty {
-        /// Where the record begins.
+        /// Offset of the record.
         offset: usize,
         /// The category.
         category: u8,
@@ -90,7 +90,7 @@ pub enum Error {
          where this edition defines none"
     )]
     ItemUndefined {
-        /// Where the record begins.
+        /// Offset of the record.
         offset: usize,
         /// The category.
         category: u8,
@@ -103,7 +103,7 @@ pub enum Error {
          {}", describe_choice(*found)
     )]
     ProfileUndecided {
-        /// Where the record begins.
+        /// Offset of the record.
         offset: usize,
         /// The category.
         category: u8,
@@ -118,7 +118,7 @@ pub enum Error {
          {available} left"
     )]
     ItemTruncated {
-        /// Where the item begins.
+        /// Offset of the item.
         offset: usize,
         /// The category.
         category: u8,
@@ -132,7 +132,7 @@ pub enum Error {
     /// An explicit item of length zero, which can not even hold the length octet.
     #[error("byte {offset}: I{category:03}/{item} gives its length as 0, the least is 1")]
     ExplicitLength {
-        /// Where the item begins.
+        /// Offset of the item.
         offset: usize,
         /// The category.
         category: u8,
@@ -145,13 +145,13 @@ pub enum Error {
          its last defined part"
     )]
     ExtensionUndefined {
-        /// Where the item begins.
+        /// Offset of the item.
         offset: usize,
         /// The category.
         category: u8,
         /// The item.
         item: &'static str,
-        /// How many undefined octets were tolerated: zero in strict mode.
+        /// Number of undefined octets tolerated: zero in strict mode.
         tolerated: usize,
     },
     /// A compound item announces a subitem that the edition does not define.
@@ -160,7 +160,7 @@ pub enum Error {
          where this edition defines none"
     )]
     SubitemUndefined {
-        /// Where the item begins.
+        /// Offset of the item.
         offset: usize,
         /// The category.
         category: u8,
@@ -175,7 +175,7 @@ pub enum Error {
          where this edition defines none that can be in a sequence"
     )]
     SequenceUndefined {
-        /// Where the sequence begins.
+        /// Offset of the sequence.
         offset: usize,
         /// The category.
         category: u8,
@@ -187,7 +187,7 @@ pub enum Error {
     /// A spare bit is set; an error in strict mode only.
     #[error("byte {offset}: I{category:03}/{item} has a spare bit set, expected all zero")]
     SpareBitSet {
-        /// Where the item begins.
+        /// Offset of the item.
         offset: usize,
         /// The category.
         category: u8,
@@ -253,7 +253,7 @@ impl Error {
         }
     }
 
-    /// What is wrong in a few words, the same for all errors of a kind: to count them by.
+    /// Kind of the error in a few words, the same for all errors of a kind: to count them by.
     pub fn label(&self) -> &'static str {
         match self {
             Self::HeaderTruncated { .. } => "block header cut",

@@ -1,4 +1,4 @@
-//! What a reserved expansion field holds.
+//! Content of reserved expansion fields.
 //!
 //! Most profiles end in a *reserved expansion field*, RE: an explicit item, so that those who do not know its content
 //! can step over it. EUROCONTROL uses it to add to a category without a new edition, and has documents of its own for
@@ -18,7 +18,7 @@ use super::table::{Edition, Item};
 const FLAGS: usize = 8;
 const FIELD: &str = "RE";
 
-/// One edition of the coding rules for the reserved expansion field of a category.
+/// Edition of the coding rules for the reserved expansion field of a category.
 #[derive(Debug)]
 pub struct Expansion {
     /// The category.
@@ -27,7 +27,7 @@ pub struct Expansion {
     pub edition: Edition,
     /// Their document's number.
     pub document: &'static str,
-    /// What each flag announces; `None` where one has no meaning.
+    /// Subitem that each flag announces; `None` where one has no meaning.
     pub items: &'static [Option<Item>],
 }
 

@@ -1,4 +1,4 @@
-//! How many octets an item takes: the one thing that must be known of every item to reach the next.
+//! Length of an item in octets: the one thing that must be known of every item to reach the next.
 //!
 //! # Beyond the edition
 //!
@@ -25,7 +25,7 @@ pub(super) const MAX_UNKNOWN_EXTENSION_OCTETS: usize = 4;
 pub(super) struct Extent {
     /// All octets of the item.
     pub(super) octets: usize,
-    /// Those among them that lie beyond the edition's last extension part.
+    /// Octets among them that lie beyond the edition's last extension part.
     pub(super) unknown: usize,
 }
 
@@ -83,7 +83,7 @@ pub(super) fn measure(
     })
 }
 
-/// What can be wrong, without the place: [`measure`] adds it.
+/// Fault of an item, without its place: [`measure`] adds it.
 enum Fault {
     Truncated { needed: usize },
     ExplicitLength,

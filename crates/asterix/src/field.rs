@@ -1,4 +1,4 @@
-//! Where an element lies and what its bits count, looked up in the tables while the program is compiled.
+//! Places of elements and what their bits count, looked up in the tables while the program is compiled.
 //!
 //! A reader of one category names what it reads, [`field`] finds octets, shift, width, sign and least significant bit
 //! of it in the tables of all the editions that the reader reads, and the compiled program holds nothing but these
@@ -61,7 +61,7 @@ pub struct Field {
     pub shift: u32,
     /// Bits of the element, 1 to 64.
     pub bits: u32,
-    /// Whether the number is in two's complement.
+    /// True for a number in two's complement.
     pub signed: bool,
     /// Least significant bit in SI units: metres, seconds, radians and what is made of them; the document's unit where
     /// it is none of length, time, speed and angle. 1 for codes.
@@ -86,7 +86,7 @@ impl Field {
         self.number(octets).map(|number| number as u8)
     }
 
-    /// Whether any bit of the element was sent and is set.
+    /// True if the element was sent and has a bit set.
     #[inline(always)]
     pub fn is_set(self, octets: &[u8]) -> bool {
         self.number(octets).is_some_and(|number| number != 0)
@@ -110,7 +110,7 @@ impl Field {
 }
 
 impl Field {
-    /// Whether the bits can hold a number.
+    /// True if the bits can hold a number.
     pub fn holds(self, number: i64) -> bool {
         let bits = if self.signed { self.bits - 1 } else { self.bits };
         let least = if self.signed { -1 << bits } else { 0 };
@@ -185,7 +185,7 @@ pub const fn elements<const N: usize>(editions: &[&Category], name: &str, elemen
     elements_at(editions, item(editions, name), name, elements)
 }
 
-/// The same of a category with several profiles: the item's field reference number in one of them is given.
+/// Elements of an item in a category with several profiles, where its field reference number in one of them is given.
 ///
 /// # Panics
 /// Where it would not compile in a constant.
@@ -212,7 +212,7 @@ pub const fn whole(editions: &[&Category], name: &str) -> Elements<1> {
     whole_at(editions, item(editions, name), name)
 }
 
-/// The same of a category with several profiles: the item's field reference number in one of them is given.
+/// Item of one element in a category with several profiles, where its field reference number in one of them is given.
 ///
 /// # Panics
 /// Where it would not compile in a constant.
@@ -296,8 +296,8 @@ pub const fn field(editions: &[&Category], path: &[&str]) -> Field {
     field
 }
 
-/// The same for an element that came in with one of the editions, which are passed oldest first: a reader has to look
-/// at [`since`](Field::since) before it reads the bits, which were spare before.
+/// Element that came in with one of the editions, which are passed oldest first: a reader has to look at
+/// [`since`](Field::since) before it reads the bits, which were spare before. Else like [`field`].
 ///
 /// # Panics
 /// Where it would not compile in a constant.

@@ -15,7 +15,7 @@ use super::text;
 /// The name under which an extended item's octets after its last defined part are shown, as [`Value::Bytes`].
 pub const UNKNOWN_EXTENSION: &str = "_unknown_extension";
 
-/// What an item or an element holds.
+/// Content of an item or an element.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// A code, flag, identifier or number without sign.
@@ -124,7 +124,7 @@ impl Serialize for Value {
 pub struct NamedRecord {
     /// The category.
     pub category: u8,
-    /// When it was recorded, in s, where that is known; serialised as `"_ts"`.
+    /// Time of recording, seconds, where that is known; serialised as `"_ts"`.
     pub time_stamp_s: Option<f64>,
     /// The items present, in the order sent.
     pub items: Vec<(&'static str, Value)>,

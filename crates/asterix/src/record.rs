@@ -10,7 +10,7 @@ use super::extent;
 use super::spare;
 use super::table::{Category, Frn, Item, Layout, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap, first_element};
 
-/// How closely bytes must follow the edition.
+/// Strictness with which bytes must follow the edition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mode {
     /// Spare bits must be zero, and no extended item may go on after the edition's last part: to test a sender, or an
@@ -34,7 +34,7 @@ pub struct Record<'a> {
     offset: usize,
     /// Bit FRN − 1 for each item present.
     present: u64,
-    /// Where the items begin in `bytes`, in FRN order, and after the last of them the end.
+    /// Offsets of the items in `bytes`, in FRN order, and after the last of them the end.
     starts: [u16; MAX_FRN + 1],
     unknown_extension_octets: u16,
 }
@@ -50,7 +50,7 @@ impl<'a> Record<'a> {
         self.uap
     }
 
-    /// Where it begins in the bytes the caller passed.
+    /// Offset of its first octet in the bytes the caller passed.
     pub fn offset(&self) -> usize {
         self.offset
     }
@@ -201,7 +201,7 @@ impl<'a> Iterator for Records<'a> {
     }
 }
 
-/// One bit for each subitem that the FSPEC of a compound item announces, the first lowest, and the octets behind it.
+/// Splits a compound item into one bit for each subitem announced, the first lowest, and the octets behind its FSPEC.
 #[inline]
 fn split_fspec(item: &[u8]) -> (u64, &[u8]) {
     let mut present = 0;

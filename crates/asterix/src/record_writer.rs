@@ -1,4 +1,4 @@
-//! One record, written item by item: for senders that know their category and must not allocate.
+//! Records written item by item: for senders that know their category and must not allocate.
 //!
 //! The sender gives numbers for elements; where they go the tables say, through [`Field`]. An item begins as zeros, as
 //! many octets as its layout has at least, and so spare bits and elements that are not put are zero. An extended item
@@ -34,11 +34,11 @@ pub struct RecordWriter {
     items: Vec<u8>,
     /// Bit FRN − 1 for each item.
     present: u64,
-    /// Where the item or subitem being written begins in `items`.
+    /// Offset in `items` of the item or subitem being written.
     begin: usize,
-    /// Whether it is an extended one.
+    /// True for an extended item.
     is_extended: bool,
-    /// Where the compound item being written begins in `items`, and bit i for the subitem at position i + 1.
+    /// Offset in `items` of the compound item being written, and bit i for the subitem at position i + 1.
     compound: Option<(usize, u64)>,
     /// The last record, FSPEC first.
     record: Vec<u8>,

@@ -37,7 +37,7 @@ pub fn find(number: u8, edition: Edition) -> Option<&'static Category> {
     editions(number).find(|table| table.edition == edition)
 }
 
-/// What a category's reserved expansion field holds in one edition of its coding rules.
+/// Coding rules of a category's reserved expansion field in one edition.
 pub fn find_expansion(number: u8, edition: Edition) -> Option<&'static Expansion> {
     let is_it = |expansion: &&&Expansion| expansion.number == number && expansion.edition == edition;
     EXPANSIONS.iter().find(is_it).copied()

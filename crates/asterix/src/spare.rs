@@ -3,7 +3,7 @@
 use super::bits::{bits, fspec_bits, goes_on};
 use super::table::{Item, Layout, Part, Uap, extent_of_part};
 
-/// Whether a measured item has a spare bit set.
+/// True if a measured item has a spare bit set.
 pub(super) fn any_set(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> bool {
     let mut walk = Walk {
         uap,

@@ -13,10 +13,10 @@ use std::str::FromStr;
 pub const MAX_FSPEC_OCTETS: usize = 8;
 /// The most field reference numbers a profile may have: seven for each FSPEC octet.
 pub const MAX_FRN: usize = 7 * MAX_FSPEC_OCTETS;
-/// In a profile, the name of a field reference number that stands for no item.
+/// Name, in a profile, of a field reference number that stands for no item.
 pub const SPARE: &str = "";
 
-/// One edition of one category: what a record of it may hold and where.
+/// Edition of a category: the items that a record may hold, and where.
 #[derive(Debug)]
 pub struct Category {
     /// The category octet of its data blocks.
@@ -31,7 +31,7 @@ pub struct Category {
     pub items: &'static [Item],
     /// Items with a record's time of day, 24 bits of 1/128 s; of several, the first that a record has counts.
     pub times: &'static [&'static str],
-    /// Which item each FSPEC bit stands for.
+    /// Items by FSPEC bit.
     pub profile: Profile,
 }
 
@@ -85,8 +85,8 @@ impl Category {
         &cases[i].1
     }
 
-    /// Whether this is one of `tables` itself and not only like it: what a reader asks whose item places and widths
-    /// hold for some editions and must not be tried on other tables.
+    /// True if this is one of `tables` itself and not only like it: a reader's item places and widths hold for some
+    /// editions and must not be tried on other tables.
     #[inline]
     pub fn is_one_of(&self, tables: &[&Category]) -> bool {
         tables.iter().any(|table| ptr::eq(*table, self))
@@ -125,7 +125,7 @@ impl fmt::Display for Edition {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{found:?} is no edition; write it as in 1.9 or 0.23")]
 pub struct EditionError {
-    /// What was given.
+    /// Text that was given.
     pub found: String,
 }
 
@@ -139,7 +139,7 @@ impl FromStr for Edition {
     }
 }
 
-/// Which item each FSPEC bit of a category stands for.
+/// Items of a category by FSPEC bit.
 #[derive(Debug)]
 pub enum Profile {
     /// The usual case: one profile.
@@ -163,7 +163,7 @@ pub struct Uap {
     pub order: &'static [&'static str],
     /// The items of its category.
     items: &'static [Item],
-    /// For each FRN − 1 the item's index in `items`, plus one; zero for none.
+    /// Index in `items` plus one, by FRN − 1; zero for no item.
     index: [u8; MAX_FRN],
 }
 
@@ -245,9 +245,9 @@ pub struct Item {
     pub name: &'static str,
     /// The document's title.
     pub title: &'static str,
-    /// How its octets are divided.
+    /// Division of its octets.
     pub layout: Layout,
-    /// Its length in octets where the layout has only one.
+    /// Length in octets, where the layout has only one.
     pub(super) fixed_octets: Option<u16>,
 }
 
@@ -264,10 +264,10 @@ impl Item {
     }
 }
 
-/// How the octets of an item are divided.
+/// Division of an item's octets.
 #[derive(Debug)]
 pub enum Layout {
-    /// One element of so many bits, which is the whole item.
+    /// Element of so many bits, which is the whole item.
     Element(u8, Content),
     /// Elements and spare bits one after the other.
     Group(&'static [Part]),
@@ -334,11 +334,11 @@ impl Layout {
 pub enum Part {
     /// A named element.
     Element {
-        /// Its name in the document.
+        /// Name in the document.
         name: &'static str,
-        /// Its width.
+        /// Width in bits.
         bits: u8,
-        /// What the bits mean.
+        /// Meaning of the bits.
         content: Content,
     },
     /// Bits without meaning, sent as zero.
@@ -347,19 +347,19 @@ pub enum Part {
     Group(&'static str, &'static [Part]),
 }
 
-/// What the bits of an element mean.
+/// Meaning of an element's bits.
 #[derive(Debug)]
 pub enum Content {
     /// Bits as they are: a flag, a code of some list, an identifier.
     Raw,
     /// A whole number.
     Integer {
-        /// In two's complement.
+        /// True for a number in two's complement.
         signed: bool,
     },
     /// A physical quantity: value = number × LSB.
     Quantity {
-        /// In two's complement.
+        /// True for a number in two's complement.
         signed: bool,
         /// The value of the least significant bit, in `unit`.
         lsb: f64,
@@ -372,14 +372,14 @@ pub enum Content {
     Depends {
         /// The deciding element.
         on: &'static str,
-        /// Its value, and the content in that case.
+        /// Values of it, and the content in each case.
         cases: &'static [(u64, Content)],
         /// The content for any other value.
         otherwise: &'static Content,
     },
 }
 
-/// How characters are packed; see [`text`](super::text).
+/// Coding of characters; see [`text`](super::text).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TextCoding {
     /// Eight bits each.

@@ -141,7 +141,7 @@ pub(super) fn emergency(alerts: u8) -> i64 {
     }
 }
 
-/// Whether the pilot has pressed the button for special position identification.
+/// True while the pilot presses the button for special position identification.
 pub(super) fn special_identification(alerts: u8) -> bool {
     alerts & alert_bits::SPECIAL_IDENTIFICATION != 0
 }

@@ -1,4 +1,4 @@
-//! From the pipeline's tracks to ASTERIX data blocks.
+//! Tracks and states of the system as ASTERIX data blocks.
 //!
 //! Fused tracks leave as CAT062, with CAT065 and CAT063 saying how the system and its sensors are; sensor tracks leave
 //! in a category that the sensor itself would send, to feed other systems with them.
@@ -81,12 +81,12 @@ pub enum OutgoingError {
     /// A block size that no block has, or that not every record fits.
     #[error("a block of at most {octets} octets is not possible; choose {BLOCK_OCTETS_LEAST} to {BLOCK_OCTETS_MOST}")]
     BlockSize {
-        /// What was asked for.
+        /// Greatest block that was asked for, octets.
         octets: usize,
     },
 }
 
-/// What a sender has done.
+/// Counts of a sender.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OutgoingCounts {
     /// Records sent, or waiting for their block to be full.

@@ -1,4 +1,4 @@
-//! Where a target is on the ellipsoid, and what its own horizon makes of vectors in the system frame.
+//! Places of targets on the ellipsoid, and vectors of the system frame in a target's own horizon.
 //!
 //! The system frame is a plane that touches the earth at the origin. 400 km from there the vertical leans by 3.6° and,
 //! at middle latitudes, true north is turned by about 4°. The documents ask for velocity and course "related to

@@ -1,4 +1,4 @@
-//! What the system says of itself and of its sensors: CAT065 and CAT063.
+//! Status of the system and of its sensors: CAT065 and CAT063.
 //!
 //! CAT065 carries the state of the system; its other messages, ends of batches and events of the service, are not sent.
 //! CAT063 carries one record for each sensor, whose state is what the caller knows: whether it is connected and whether
@@ -37,25 +37,25 @@ mod sensor {
 /// The state of the system (I065/040).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SystemStatus {
-    /// Whether its tracks may be used.
+    /// Condition, which says whether its tracks may be used.
     pub condition: Condition,
-    /// It can not keep up.
+    /// True for a system that can not keep up.
     pub overloaded: bool,
-    /// Its time source is not valid.
+    /// True if its time source is not valid.
     pub time_source_invalid: bool,
-    /// Which of up to three processing systems is selected, from 1; 0 where that does not apply.
+    /// Selected processing system of up to three, from 1; 0 where that does not apply.
     pub processing_system: u8,
     /// Another value than before: tracks have been numbered anew since.
     pub renumbered: bool,
 }
 
-/// Whether a system or sensor works.
+/// Condition of a system or sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Condition {
-    /// In operation.
+    /// Operational.
     #[default]
     Operational,
-    /// In operation with restrictions.
+    /// Operational with restrictions.
     Degraded,
     /// Starting. CAT065 has no such state, and says that it is not known.
     Initialising,
@@ -70,11 +70,11 @@ pub struct SensorStatus {
     pub sac: u8,
     /// System identification code of the sensor.
     pub sic: u8,
-    /// Whether it works, as the system sees it.
+    /// Condition, as the system sees it.
     pub condition: Condition,
     /// No reports come from it.
     pub silent: bool,
-    /// Its time source is not valid.
+    /// True if its time source is not valid.
     pub time_source_invalid: bool,
 }
 
@@ -116,7 +116,7 @@ impl StatusReports {
         })
     }
 
-    /// With this service identification (I065/015, I063/015).
+    /// Sends this service identification (I065/015, I063/015).
     #[must_use]
     pub fn with_service(mut self, service: u8) -> Self {
         self.service = Some(service);
@@ -172,7 +172,7 @@ impl StatusReports {
         outbox.flush(send);
     }
 
-    /// What has been sent.
+    /// Counts of what has been sent.
     pub fn counts(&self) -> OutgoingCounts {
         let (system, sensors) = (self.of_system.1.counts, self.of_sensors.1.counts);
         OutgoingCounts {

@@ -54,7 +54,7 @@ const CODE: Field = field(CAT062, &["060", "MODE3A"]);
 const MODE_3A: Frn = item(CAT062, "060");
 const TRACK_NUMBER: Elements<1> = whole(CAT062, "040");
 const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT062, "130");
-/// Not corrected by the local pressure.
+/// Altitude not corrected by the local pressure.
 const BAROMETRIC_ALTITUDE: Elements<1> = elements(CAT062, "135", ["CTB"]);
 const CLIMB: Elements<1> = whole(CAT062, "220");
 
@@ -136,25 +136,25 @@ impl Technology {
     }
 }
 
-/// What the sender must know of one source of the system.
+/// Source of the system, as the sender must know it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SystemSource {
-    /// Its number, as in [`Contribution::source`](messages::Contribution::source).
+    /// Number, as in [`Contribution::source`](messages::Contribution::source).
     pub number: u16,
-    /// How it observes.
+    /// Technology by which it observes.
     pub technology: Technology,
 }
 
-/// What is remembered of a track between its states.
+/// Memory of a track between its states.
 #[derive(Clone, Copy, Debug)]
 struct Support {
     /// Time of the last update by each kind of source, nanoseconds; `i64::MIN` for never.
     last_ns: [i64; KINDS],
     /// Kinds that supported it when last any source did.
     kinds: u8,
-    /// Whether one of the sources then was of no kind.
+    /// True if one of the sources then was of no kind.
     other: bool,
-    /// How many sources that were.
+    /// Number of sources then.
     sources: u16,
 }
 
@@ -179,25 +179,25 @@ pub struct SystemReports {
     with_tentative: bool,
 }
 
-/// What is the same for all records.
+/// Settings that are the same for all records.
 #[derive(Debug)]
 struct Form {
     source: [u8; 2],
     service: Option<u8>,
     frame: SystemFrame,
-    /// By source number.
+    /// Technologies by source number.
     technologies: Vec<Technology>,
     /// The kinds of sources the system has.
     kinds: u8,
     height: HeightReference,
     simulated: bool,
-    /// Whether I062/080 can say that a target is on the ground.
+    /// True if I062/080 can say that a target is on the ground.
     has_surface_flag: bool,
-    /// Whether I062/080 can say that multilateration no longer supports a track.
+    /// True if I062/080 can say that multilateration no longer supports a track.
     has_multilateration_flag: bool,
 }
 
-/// One track's part in its record.
+/// Report of a track, with what its record needs.
 struct Report<'t> {
     track: &'t SystemTrack,
     place: Place,
@@ -249,28 +249,28 @@ impl SystemReports {
         })
     }
 
-    /// With this service identification (I062/015).
+    /// Sends this service identification (I062/015).
     #[must_use]
     pub fn with_service(mut self, service: u8) -> Self {
         self.form.service = Some(service);
         self
     }
 
-    /// With heights of this kind; without this call they are geometric.
+    /// Sends heights of this kind; without this call they are geometric.
     #[must_use]
     pub fn with_height(mut self, height: HeightReference) -> Self {
         self.form.height = height;
         self
     }
 
-    /// With tentative tracks, marked as such.
+    /// Sends tentative tracks, too, marked as such.
     #[must_use]
     pub fn with_tentative(mut self) -> Self {
         self.with_tentative = true;
         self
     }
 
-    /// With every track marked as simulated.
+    /// Marks every track as simulated.
     #[must_use]
     pub fn marked_simulated(mut self) -> Self {
         self.form.simulated = true;
@@ -291,7 +291,7 @@ impl SystemReports {
         self.outbox.flush(send);
     }
 
-    /// What has been sent and refused.
+    /// Counts of what has been sent and refused.
     pub fn counts(&self) -> OutgoingCounts {
         self.outbox.counts
     }
@@ -480,13 +480,13 @@ fn identification(track: &SystemTrack, record: &mut RecordWriter) {
 
 /// Standard deviations of a track, as far as its covariance says something.
 struct Accuracies {
-    /// Of x and y in the system's plane, and the root of their covariance with its sign, metres.
+    /// Deviations of x and y in the system's plane, and the root of their covariance with its sign, metres.
     position: Option<[f64; 3]>,
-    /// Of height, metres.
+    /// Deviation of height, metres.
     height: Option<f64>,
-    /// Of velocity towards east and north at the target, metres per second.
+    /// Deviations of velocity towards east and north at the target, metres per second.
     velocity: Option<[f64; 2]>,
-    /// Of the rate of climb, metres per second.
+    /// Deviation of the rate of climb, metres per second.
     climb: Option<f64>,
 }
 

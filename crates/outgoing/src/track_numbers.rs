@@ -32,11 +32,11 @@ pub(super) struct TrackNumbers<T> {
 /// A track in the table.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Track<T> {
-    /// Its short number.
+    /// Short number.
     pub(super) number: u16,
-    /// Whether this is its first report.
+    /// True for its first report.
     pub(super) is_first: bool,
-    /// What is remembered of it.
+    /// Memory of the track.
     pub(super) memory: T,
     ended: bool,
     last_ns: i64,
@@ -129,7 +129,7 @@ impl<T: Default> Track<T> {
 }
 
 impl<T> Track<T> {
-    /// When it may leave the table.
+    /// Time at which it may leave the table, nanoseconds.
     fn leaves_ns(&self) -> i64 {
         self.last_ns
             .saturating_add(if self.ended { REST_NS } else { SILENCE_NS })

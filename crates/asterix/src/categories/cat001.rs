@@ -118,7 +118,7 @@ items! {
     I210 "210" "Track Quality" (repetitive_fx (7)) // as the station defines
 }
 
-/// In the document's order.
+/// Items in the document's order.
 #[rustfmt::skip]
 const ITEMS: &[Item] = &[
     I010, I020, I030, I040, I042, I050, I060, I070,
@@ -141,7 +141,7 @@ const TRACK_ORDER: &[&str] = &[
     "150",                                           //     22
 ];
 
-/// For each value of TYP.
+/// Profiles by the value of TYP.
 const PROFILES: &[(u64, Uap)] = &[(0, Uap::new(ITEMS, PLOT_ORDER)), (1, Uap::new(ITEMS, TRACK_ORDER))];
 
 const fn edition(minor: u8) -> Category {

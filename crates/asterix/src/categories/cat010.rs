@@ -173,7 +173,7 @@ items! {
     }
 }
 
-/// In the document's order.
+/// Items in the document's order.
 #[rustfmt::skip]
 const ITEMS: &[Item] = &[
     I000, I010, I020, I040, I041, I042, I060, I090,

@@ -70,7 +70,7 @@ items! {
     I620 "620" "WGS-84 Undulation" (8 signed(1.0, "m"))
 }
 
-/// In the document's order.
+/// Items in the document's order.
 #[rustfmt::skip]
 const ITEMS: &[Item] = &[
     I000, I010, I140, I550, I551, I552, I553, I600,

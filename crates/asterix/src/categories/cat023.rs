@@ -62,7 +62,7 @@ items! {
     I200 "200" "Operational Range" (8 unsigned(1.0, "NM"))
 }
 
-/// In the document's order.
+/// Items in the document's order.
 #[rustfmt::skip]
 const ITEMS: &[Item] = &[
     I000, I010, I015, I070, I100, I101, I110, I120,

@@ -114,7 +114,7 @@ items! {
     }
 }
 
-/// In the document's order.
+/// Items in the document's order.
 #[rustfmt::skip]
 const ITEMS: &[Item] = &[
     I000, I010, I020, I030, I041, I050, I060, I070,

@@ -31,7 +31,7 @@ items! {
     I050 "050" "Service Status Report" (8)
 }
 
-/// In the document's order.
+/// Items in the document's order.
 #[rustfmt::skip]
 const ITEMS: &[Item] = &[
     I000, I010, I015, I020, I030, I040, I050, RE,

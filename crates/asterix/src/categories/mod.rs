@@ -92,7 +92,7 @@ pub static REGISTRY: &[&Category] = &[
     &CAT065_V1_5, &CAT065_V1_6, &CAT065_V1_4,
 ];
 
-/// What is known of the content of reserved expansion fields.
+/// Coding rules of reserved expansion fields, by category and edition.
 #[rustfmt::skip]
 pub static EXPANSIONS: &[&Expansion] = &[
     &CAT021_RE_V1_4, &CAT021_RE_V1_5,

@@ -1,4 +1,4 @@
-//! What holds of any bytes whatever, read with any table in any mode.
+//! Properties of any bytes whatever, read with any table in any mode.
 //!
 //! Used by the property tests, by the mutated recordings and by the fuzz target: whoever has bytes calls [`check`].
 
@@ -9,14 +9,14 @@ use asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value
 /// No octet makes more values than this: eight flags, and the groups around them.
 const VALUES_PER_OCTET_MAX: usize = 16;
 
-/// What was read.
+/// Records and errors that were read.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Reading {
     /// The records, and where they begin.
     pub(crate) records: Vec<(usize, NamedRecord)>,
     /// The errors, in their order.
     pub(crate) errors: Vec<Error>,
-    /// What was counted.
+    /// Counts of the decoder.
     pub(crate) counts: Counts,
 }
 
@@ -95,7 +95,7 @@ fn count(value: &Value) -> usize {
     }
 }
 
-/// What was read can be written, and is read again as the same values.
+/// Checks that what was read can be written, and is read again as the same values.
 fn check_encoding(record: &Record<'_>, named: &NamedRecord, mode: Mode) {
     let mut octets = Vec::new();
     if let Err(error) = named.encode(record.table(), &mut octets) {

@@ -12,7 +12,7 @@ pub(crate) struct Entropy<'a> {
 }
 
 impl<'a> Entropy<'a> {
-    /// At least one octet.
+    /// Numbers taken from these octets, of which there is at least one.
     pub(crate) fn new(octets: &'a [u8]) -> Self {
         Self { octets, at: 0 }
     }

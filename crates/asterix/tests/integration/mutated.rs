@@ -19,7 +19,7 @@ use crate::{any_bytes, files};
 /// Mutations where the environment does not say: a few seconds of testing.
 const MUTATIONS: u64 = 100_000;
 
-/// What the blocks are taken from; blocks of categories without a table are left out.
+/// Recordings from which the blocks are taken; blocks of categories without a table are left out.
 const RECORDINGS: &[&str] = &[
     "lebl2016/160510-lebl-220001_SMR_cat10.ast",
     "lebl2016/160510-lebl-220001_MLAT_cat10.ast",
@@ -34,7 +34,7 @@ const RECORDINGS: &[&str] = &[
     "cro/asterix.pcap", // of an edition before 1.0
 ];
 
-/// Of each recording so many blocks, spread over it.
+/// Number of blocks of each recording, spread over it.
 const BLOCKS_PER_RECORDING: usize = 5000;
 
 #[test]
@@ -79,18 +79,18 @@ fn some_blocks(bytes: &[u8]) -> impl Iterator<Item = Block<'_>> {
     all.into_iter().step_by(step)
 }
 
-/// One of the editions of the block's category.
+/// Edition of the block's category.
 fn table(block: &Block<'_>, choice: u64) -> Option<&'static Category> {
     let editions = registry::editions(block.category).count().max(1) as u64;
     registry::editions(block.category).nth((choice % editions) as usize)
 }
 
-/// What was met, to see that the damage reaches everywhere.
+/// Errors met, to see that the damage reaches everywhere.
 #[derive(Debug, Default)]
 struct Totals {
     mutations: u64,
     records: u64,
-    /// By the name of the kind.
+    /// Number of errors by the name of the kind.
     errors: BTreeMap<String, u64>,
 }
 

@@ -149,7 +149,7 @@ pub(crate) fn read(table: &'static Category, mode: Mode, body: &[u8], check: imp
     check(only_block(&bytes).records(table, mode).next().expect("a record"));
 }
 
-/// One item of the sample category, decoded. Its octets are the whole body behind the FSPEC.
+/// Item of the sample category, decoded. Its octets are the whole body behind the FSPEC.
 pub(crate) fn item(name: &str, octets: &[u8]) -> Value {
     let mut named = None;
     read(&SAMPLE, Mode::Lenient, &[&fspec(name), octets].concat(), |record| {

@@ -1,4 +1,4 @@
-//! What every registered table must keep, and the registry itself.
+//! Rules that every registered table must keep, and the registry itself.
 
 use std::collections::HashSet;
 

@@ -184,7 +184,7 @@ pub(crate) fn parts_sent(extension: &[&[Part]], choice: u8) -> usize {
     count
 }
 
-/// Whether a part of an extended item has an FX bit, as the last may not have.
+/// True if a part of an extended item has an FX bit, as the last may not have.
 pub(crate) fn ends_in_fx(part: &[Part]) -> bool {
     !bit_count(part).is_multiple_of(8)
 }

@@ -74,7 +74,7 @@ mod service {
     pub(super) const SOURCE: Elements<2> = elements(CAT023, "010", ["SAC", "SIC"]);
     pub(super) const REPORT_TYPE: Elements<1> = whole(CAT023, "000");
     pub(super) const TIME: Elements<1> = whole(CAT023, "070");
-    /// Its data may be used with all numbers 0.
+    /// Ground station status; all numbers 0 say that its data may be used.
     pub(super) const STATUS: Frn = item(CAT023, "100");
 }
 

@@ -28,7 +28,7 @@ const GROUND_VECTOR: Elements<2> = elements(CAT021_V0, "160", ["GS", "TA"]);
 const IDENTIFICATION: Elements<1> = whole(CAT021_V0, "170");
 const VELOCITY_CATEGORY: Elements<1> = whole(CAT021_V0, "095");
 const TARGET_STATUS: Elements<1> = whole(CAT021_V0, "200");
-/// From ed 0.26 on.
+/// Mode 3/A code, from ed 0.26 on.
 const MODE_3A: Elements<2> = elements(&[&CAT021_V0_26], "070", ["L", "MODE3A"]);
 
 /// Bounds of the horizontal position error, metres, of NUCp 1 to 9.
@@ -44,7 +44,7 @@ const NUCP_BOUNDS_M: [f64; 9] = [
     3.0,
 ];
 
-/// What differs between editions.
+/// Differences between editions.
 #[derive(Debug)]
 pub(super) struct Form {
     position: Elements<2>,

@@ -48,7 +48,7 @@ struct Site {
     simulated: bool,
 }
 
-/// How a category says it.
+/// Form of the reports, by category.
 #[derive(Debug)]
 enum Form {
     Radar(radar::Form),
@@ -58,12 +58,12 @@ enum Form {
     Surface,
 }
 
-/// One report: a track and what is made of it for every category.
+/// Report of a track, with what is made of it for every category.
 struct Report<'t> {
     track: &'t SensorTrack,
     state: TrackState,
     number: u16,
-    /// Where it is; `None` at the end of a track.
+    /// Place of the target; `None` at the end of a track.
     place: Option<Place>,
 }
 
@@ -101,14 +101,14 @@ impl SensorReports {
         })
     }
 
-    /// With heights of this kind; without this call they are geometric. A radar has flight levels in any case.
+    /// Sends heights of this kind; without this call they are geometric. A radar has flight levels in any case.
     #[must_use]
     pub fn with_height(mut self, height: HeightReference) -> Self {
         self.site.height = height;
         self
     }
 
-    /// With every report marked as simulated. Many a receiver, Koseki's adapters among them, uses no such reports.
+    /// Marks every report as simulated. Many a receiver, Koseki's adapters among them, uses no such reports.
     #[must_use]
     pub fn marked_simulated(mut self) -> Self {
         self.site.simulated = true;
@@ -168,7 +168,7 @@ impl SensorReports {
         }
     }
 
-    /// What has been sent, status messages included, and what was refused.
+    /// Counts of what has been sent, status messages included, and refused.
     pub fn counts(&self) -> OutgoingCounts {
         let (reports, status) = (self.outbox.counts, self.status.1.counts);
         OutgoingCounts {
@@ -241,7 +241,7 @@ impl Form {
         Ok((form, status))
     }
 
-    /// Whether it reports what was received, and so neither coasting nor the end of a track.
+    /// True for a category that reports what was received, and so neither coasting nor the end of a track.
     fn is_adsb(&self) -> bool {
         matches!(self, Self::AdsB | Self::EarlyAdsB(_))
     }
@@ -250,7 +250,7 @@ impl Form {
         !matches!(self, Self::EarlyAdsB(_))
     }
 
-    /// What the category has no report for, of tracks that live.
+    /// Rejects live tracks for which the category has no report.
     fn check(&self, track: &SensorTrack, state: TrackState) -> Result<(), Unsent> {
         if self.is_adsb() && state == TrackState::Coasted {
             Err(Unsent::Withheld)
@@ -279,7 +279,7 @@ impl Report<'_> {
         self.place.is_none()
     }
 
-    /// Whether it tells of something received just now.
+    /// True for a report of something received just now.
     fn is_received(&self) -> bool {
         !self.is_coasted() && !self.is_ended()
     }

@@ -66,7 +66,7 @@ mod service {
     pub(super) const SOURCE: Elements<2> = elements(CAT019, "010", ["SAC", "SIC"]);
     pub(super) const MESSAGE_TYPE: Elements<1> = whole(CAT019, "000");
     pub(super) const TIME: Elements<1> = whole(CAT019, "140");
-    /// In operation with all numbers 0.
+    /// System status; all numbers 0 say that it is in operation.
     pub(super) const STATUS: Frn = item(CAT019, "550");
     pub(super) const REFERENCE_POINT: Elements<2> = elements(CAT019, "600", ["LAT", "LON"]);
 }
@@ -75,10 +75,10 @@ mod service {
 const FLIGHT_STATUS_ALERTS: u8 =
     items::EMERGENCIES | alert_bits::TRANSPONDER_ALERT | alert_bits::SPECIAL_IDENTIFICATION;
 
-/// What differs between editions.
+/// Differences between editions.
 #[derive(Debug)]
 pub(super) struct Form {
-    /// Whether I020/020 tells what kind of address it is.
+    /// True if I020/020 tells what kind of address it is.
     has_address_kind: bool,
 }
 

@@ -73,14 +73,14 @@ mod service {
 /// A boundary between sectors, calculated, may be this much of a sector before itself.
 const SECTOR_SLACK: f64 = 1e-6;
 
-/// What differs between editions.
+/// Differences between editions.
 #[derive(Debug)]
 pub(super) struct Form {
-    /// Whether levels have a sign.
+    /// Flight level: signed in the last edition only.
     flight_level: Elements<1>,
 }
 
-/// What saw a target.
+/// Part of the radar that saw a target.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Detection {
     Primary,

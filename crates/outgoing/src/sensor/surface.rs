@@ -40,7 +40,7 @@ const ADDRESS: Elements<1> = whole(CAT010, "220");
 const IDENTIFICATION: Elements<1> = elements(CAT010, "245", ["CHR"]);
 const FLIGHT_LEVEL: Elements<1> = elements(CAT010, "090", ["FL"]);
 const MEASURED_HEIGHT: Elements<1> = whole(CAT010, "091");
-/// In operation with all numbers 0.
+/// System status; all numbers 0 say that it is in operation.
 const SYSTEM_STATUS: Frn = item(CAT010, "550");
 const DEVIATION: Elements<3> = elements(CAT010, "500", ["DEVX", "DEVY", "COVXY"]);
 

@@ -1,4 +1,4 @@
-//! One record of each category, worked out by hand from the documents.
+//! Records of each category, worked out by hand from the documents.
 //!
 //! The system's origin and the sensor are at 45° N, 11.25° E: a quarter and a sixteenth of half a turn, whose numbers
 //! are powers of two.

@@ -24,7 +24,7 @@ pub(crate) struct Sent<'r> {
 }
 
 impl Sent<'_> {
-    /// Whether it has an item or subitem.
+    /// True if it has an item or subitem.
     pub(crate) fn has(&self, path: &[&str]) -> bool {
         self.record.get(path).is_some()
     }
@@ -78,7 +78,7 @@ impl Sent<'_> {
         }
     }
 
-    /// As [`near`](Self::near), on a circle of 360 degrees.
+    /// Compares as [`near`](Self::near) does, on a circle of 360 degrees.
     pub(crate) fn near_turn(&self, path: &[&str], expected_deg: f64, lsb: f64) {
         let sent = self.quantity(path);
         let off = (sent - expected_deg + 180.0).rem_euclid(360.0) - 180.0;

@@ -39,7 +39,7 @@ fn sources(kinds: &[bool]) -> Vec<SystemSource> {
         .collect()
 }
 
-/// What the test remembers of a track.
+/// History of a track, as the test remembers it.
 #[derive(Default)]
 struct History {
     number: u16,
@@ -51,7 +51,7 @@ struct History {
     sources: u16,
 }
 
-/// What is to be true of a record.
+/// Facts that are to be true of a record.
 struct Expected<'t> {
     track: &'t SystemTrack,
     is_first: bool,
@@ -111,7 +111,7 @@ impl Case {
         assert_eq!(counts.withheld, tracks.len() as u64 - sent_before);
     }
 
-    /// Whether a state is sent, and if so whether it is its track's first.
+    /// Tells whether a state is sent, and if so whether it is its track's first.
     fn remember(&self, histories: &mut HashMap<u32, History>, track: &SystemTrack) -> Option<bool> {
         let state = TrackState::from_code(track.state).unwrap();
         if state == TrackState::Tentative && !self.with_tentative {

@@ -6,7 +6,7 @@ use super::navigation::{covariance_of_velocity_category, radius_of_nucp};
 use super::*;
 
 const TIME: Elements<1> = whole(CAT021_V0, "030");
-/// Of 24 bits each in the first edition, of 32 later.
+/// Position of 24 bits each in the first edition, of 32 later.
 const GEODETIC_V0_23: Elements<2> = elements(&[&CAT021_V0_23], "130", ["LAT", "LON"]);
 const GEODETIC: Elements<2> = elements(&[&CAT021_V0_24, &CAT021_V0_25, &CAT021_V0_26], "130", ["LAT", "LON"]);
 const GROUND_VECTOR: Elements<2> = elements(CAT021_V0, "160", ["GS", "TA"]);

@@ -104,7 +104,7 @@ fn observation(record: &Record<'_>) -> Observation {
     }
 }
 
-/// When the position applied, else when it was received, else the same of the velocity, which is as new within a
+/// Time at which the position applied, else was received, else the same of the velocity, which is as new within a
 /// second, else when the report was sent.
 fn time(record: &Record<'_>) -> Option<i64> {
     time_of_day_ns(record, &POSITION_TIME)

@@ -15,10 +15,10 @@ const VELOCITY: Elements<2> = elements(CAT048, "200", ["GSP", "HDG"]);
 const SIGMA: Elements<4> = elements(CAT048, "210", ["SIGX", "SIGY", "SIGV", "SIGH"]);
 const TRACK_NUMBER: Elements<1> = elements(CAT048, "161", ["TRN"]);
 const MODE_3A: Reply = Reply::of(CAT048, "070", "MODE3A");
-/// In two's complement in every edition, though only the last says so: without the sign, an aircraft a little below sea
-/// level pressure would fly in space.
+/// Level in two's complement in every edition, though only the last says so: without the sign, an aircraft a little
+/// below sea level pressure would fly in space.
 const FLIGHT_LEVEL: Reply = Reply::of(&[&CAT048_V1_32], "090", "FL");
-/// Of a radar that measures elevation.
+/// Height above mean sea level, of a radar that measures elevation.
 const MEASURED_HEIGHT: Elements<1> = elements(CAT048, "110", ["3DH"]);
 const ADDRESS: Elements<1> = whole(CAT048, "220");
 const CALLSIGN: Elements<1> = whole(CAT048, "240");
@@ -102,7 +102,8 @@ fn height_doubted(record: &Record<'_>) -> bool {
     warnings.any(|warning| warning == ABNORMAL_HEIGHT || warning == UNDECODABLE_HEIGHT)
 }
 
-/// Of speed along the track and heading across it; `None` where either is zero, which says nothing.
+/// Covariance of a velocity from deviations of speed along the track and of heading across it; `None` where either is
+/// zero, which says nothing.
 fn velocity_covariance(([speed, track], [_, _, sigma_speed, sigma_track]): ([f64; 2], [f64; 4])) -> Option<[f64; 3]> {
     let along = sigma_speed.powi(2);
     let across = (speed * sigma_track).powi(2);

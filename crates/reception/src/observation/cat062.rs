@@ -198,7 +198,7 @@ impl Accuracy {
         accuracy
     }
 
-    /// Of x and y with their covariance; else of latitude and longitude, as distances.
+    /// Accuracy of x and y with their covariance; else of latitude and longitude, as distances.
     fn quality(&self, geodetic: Option<[f64; 2]>) -> Quality {
         if let Some(sigma) = self.position {
             return covariance(sigma, self.covariance);

@@ -23,7 +23,7 @@ use items::{
     nanoseconds, service, state, time_of_day_ns, when,
 };
 
-/// What a record is to the pipeline.
+/// Meaning of a record to the pipeline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(
     clippy::large_enum_variant,

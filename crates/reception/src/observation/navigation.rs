@@ -1,4 +1,4 @@
-//! What aircraft say of how well they navigate: small numbers that stand for radii.
+//! Navigation accuracy as aircraft state it: small numbers that stand for radii.
 //!
 //! Aircraft of the first generation send an uncertainty category for position (NUCp); later ones an accuracy category
 //! (NACp), the radius that holds 95 % of the errors, beside an integrity category (NIC), the radius that an error

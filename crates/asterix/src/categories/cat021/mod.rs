@@ -40,7 +40,7 @@ items! {
     ])
 }
 
-/// Of which the flag before it says whether it is an indicated air speed or a Mach number.
+/// Air speed: indicated, or a Mach number, as the flag before it says.
 const AIR_SPEED: Content = Content::Depends {
     on: "IM",
     cases: &[(0, unsigned(1.0 / pow2(14), "NM/s")), (1, unsigned(0.001, "Mach"))],

@@ -1,4 +1,4 @@
-//! What the reserved expansion field I021/RE holds in editions 1.4 and 1.5 of its coding rules.
+//! Content of the reserved expansion field I021/RE in editions 1.4 and 1.5 of its coding rules.
 //!
 //! EUROCONTROL-SPEC-0149-12A. Ed 1.5 is for ADS-B version 3.
 

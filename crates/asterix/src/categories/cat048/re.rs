@@ -1,4 +1,4 @@
-//! What the reserved expansion field I048/RE holds in editions 1.11 to 1.13 of its coding rules.
+//! Content of the reserved expansion field I048/RE in editions 1.11 to 1.13 of its coding rules.
 //!
 //! EUROCONTROL-SPEC-0149-4A. Each edition is an addition to the one before.
 
