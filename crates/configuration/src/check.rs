@@ -20,8 +20,9 @@ use super::tables::{DeploymentTable, PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
-use super::{Config, Fusion, Input, Instrument, Order, Recorded, RecordedFormat, Source, SourceTracker};
+use super::{Config, Fusion, Input, Instrument, Links, Order, Recorded, RecordedFormat, Source};
 use runtime::cores::{self, Placement};
+use sources::{Processing, TrackerSettings};
 
 pub(super) type Checked<T> = Result<T, SettingsError>;
 
@@ -157,15 +158,16 @@ fn check_source(
     };
     let sender = raw.recorded.as_ref().map(|recorded| &recorded.sender);
     let sender = sender.or(raw.live.as_ref().map(|live| &live.sender));
-    let tracker = check_tracker(index, raw, &input, network)?;
-    let locator = check_locator(index, raw, &input, network)?;
+    let tracker =
+        check_tracker(index, raw, &input, network)?.map(|settings| Processing::Detections(Box::new(settings)));
+    let locator = check_locator(index, raw, &input, network)?.map(|settings| Processing::Bearings(Box::new(settings)));
     let source = Source {
         number: index as u16,
         uid: raw.uid.unwrap_or_else(|| messages::sensor_uid(&raw.name)),
         name: raw.name.clone(),
         technology: raw.technology.unwrap_or_else(|| technology(&input, network)),
-        tracker,
-        locator,
+        processing: tracker.or(locator).unwrap_or(Processing::Tracks),
+        links: Links::default(),
         model: SourceModel {
             number: index as u16,
             sac_sic: match (&input, sender) {
@@ -195,13 +197,18 @@ fn check_source(
         ceiling_m: raw.ceiling_m.unwrap_or(f64::INFINITY),
         coverage: match &raw.coverage {
             Some(area) => Some(coverage(&key("coverage"), area, source.model.frame.place())?),
-            None => source.locator.is_some().then(silence_says_nothing),
+            None => source.locator().is_some().then(silence_says_nothing),
         },
     };
     Ok((source, weighed))
 }
 
-fn check_tracker(index: usize, raw: &SourceTable, input: &Input, network: &Network) -> Checked<Option<SourceTracker>> {
+fn check_tracker(
+    index: usize,
+    raw: &SourceTable,
+    input: &Input,
+    network: &Network,
+) -> Checked<Option<TrackerSettings>> {
     let Some(tracker) = &raw.tracker else { return Ok(None) };
     let key = || format!("source[{index}].tracker");
     let has_detections = match input {

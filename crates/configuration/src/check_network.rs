@@ -194,7 +194,7 @@ impl Network {
                 );
                 return Err(problem(key, what));
             }
-            if behind.len() > 1 && behind.iter().any(|source| source.locator.is_some()) {
+            if behind.len() > 1 && behind.iter().any(|source| source.locator().is_some()) {
                 let what = format!(
                     "tables of bearings are of one source, but {} have receiver = \"{name}\"",
                     behind.len()

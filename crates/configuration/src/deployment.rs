@@ -37,13 +37,13 @@ impl Config {
     /// sensor: source by source, the wide-area sensors last.
     pub fn input_streams(&self) -> impl Iterator<Item = (StreamId, &str)> {
         let of_sources = self.sources.iter().flat_map(|source| {
-            let locates = source.locator.is_some();
+            let locates = source.locator().is_some();
             let streams = [
                 (Stream::SensorTracks, true),
-                (Stream::Detections, source.tracker.is_some()),
+                (Stream::Detections, source.tracker().is_some()),
                 (
                     Stream::Cues,
-                    source.tracker.as_ref().is_some_and(|tracker| tracker.cues),
+                    source.tracker().is_some_and(|tracker| tracker.outputs.cues),
                 ),
                 (Stream::Bearings, locates),
                 (Stream::PlatformStates, locates),

@@ -33,12 +33,13 @@ use telemetry::Deadlines;
 
 use runtime::cores::Placement;
 use settings::{Document, SettingsError, Table, Value};
+use sources::{Processing, TrackerSettings};
 use tables::DeploymentTable;
 
 pub use locating::locating_settings;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
-pub use tracker::{SeenDetections, SourceTracker, Tracking};
+pub use tracker::{SeenDetections, Tracking};
 pub use wide_area_sensor::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
 /// One process of a deployment, connected and ready.
@@ -110,10 +111,31 @@ pub struct Source {
     pub technology: Technology,
     /// Where it stands, what its reports may contain, and how accurate they are.
     pub model: SourceModel,
-    /// How its tracks are made of its detections; `None` if it delivers tracks.
-    pub tracker: Option<SourceTracker>,
-    /// How its tracks are made of its bearings; `None` if it delivers something else.
-    pub locator: Option<::locating::Settings>,
+    /// How its tracks come about.
+    pub processing: Processing,
+    /// What its tracker listens to.
+    pub links: Links,
+}
+
+/// What the tracker of a source listens to besides its own detections.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Links {
+    /// Numbers of the wide-area sensors, ascending.
+    pub wide_area_sensors: Vec<u16>,
+    /// Numbers of the sources, direction finders, whose emissions it hears, ascending.
+    pub emissions: Vec<u16>,
+}
+
+impl Source {
+    /// Settings of its tracker, if its tracks are made of its detections.
+    pub fn tracker(&self) -> Option<&TrackerSettings> {
+        self.processing.tracker()
+    }
+
+    /// Settings of its locator, if its tracks are made of its bearings.
+    pub fn locator(&self) -> Option<&::locating::Settings> {
+        self.processing.locator()
+    }
 }
 
 /// Where a source's data come from.

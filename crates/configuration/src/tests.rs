@@ -440,7 +440,7 @@ fn bearings_come_from_a_socket_or_a_simulated_finder() {
     let locator = "[source.locator]\n[source.locator.motion]\nfilter = \"fixed\"\n";
     let text = format!("{frame}{receiver}{live}{locator}{finder}");
     let config = Config::parse(Path::new("test.toml"), &text, &[]).unwrap();
-    let filters = [0, 1].map(|source: usize| config.sources[source].locator.map(|locator| locator.motion.filter));
+    let filters = [0, 1].map(|source: usize| config.sources[source].locator().map(|locator| locator.motion.filter));
     use ::locating::settings::FilterChoice;
     assert_eq!(filters, [Some(FilterChoice::Fixed), Some(FilterChoice::Auto)]);
     assert!(config.is_simulated());

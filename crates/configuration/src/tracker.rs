@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use settings::{Seconds, SettingsError};
+use sources::{Outputs, TrackerSettings};
 use tracking::cutting::{CutterSettings, PERIOD_MIN_NS};
 use tracking::settings::{ROOM_MAX, SensorSettings, Settings};
 
@@ -68,30 +69,13 @@ impl Tracking {
     }
 }
 
-/// How the tracks of a source are made of its detections.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SourceTracker {
-    /// The tracker's settings; its only sensor is the source, under the number that its files have.
-    pub settings: Settings,
-    /// How detections are cut into scans; their numbers count from 1970 here.
-    pub cutter: CutterSettings,
-    /// Numbers of the wide-area sensors that the tracker listens to, in their order.
-    pub wide_area_sensors: Vec<u16>,
-    /// Numbers of the sources, direction finders, whose emissions it hears, in their order.
-    pub emissions: Vec<u16>,
-    /// Whether it says after each scan where the sensor should look next.
-    pub cues: bool,
-    /// Time between two outputs of its tracks, nanoseconds; `None`: they come after each scan.
-    pub output_period_ns: Option<i64>,
-}
-
 /// The tracker of the source numbered `number`, which looks around once in `period_s`. Its links are found when all
 /// sources and sensors are known.
 pub(crate) fn source_tracker(
     table: &SourceTrackerTable,
     number: u16,
     period_s: f64,
-) -> Result<SourceTracker, SettingsError> {
+) -> Result<TrackerSettings, SettingsError> {
     let period_ns = Seconds::of(period_s).ns();
     if period_ns < PERIOD_MIN_NS {
         let what = format!("{period_s} is too short for a tracker, whose scans take 0.0625 s at least");
@@ -103,7 +87,7 @@ pub(crate) fn source_tracker(
         model: table.model,
         ..SensorSettings::default()
     }];
-    Ok(SourceTracker {
+    Ok(TrackerSettings {
         cutter: CutterSettings {
             boundaries: table.scans,
             period_ns,
@@ -112,10 +96,10 @@ pub(crate) fn source_tracker(
             epoch_ns: 0,
         },
         settings,
-        wide_area_sensors: Vec::new(),
-        emissions: Vec::new(),
-        cues: table.cues,
-        output_period_ns: table.output_period_s.map(Seconds::ns),
+        outputs: Outputs {
+            period_ns: table.output_period_s.map(Seconds::ns),
+            cues: table.cues,
+        },
     })
 }
 

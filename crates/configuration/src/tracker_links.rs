@@ -16,7 +16,7 @@ use super::{Input, Source};
 
 /// Lets the trackers know what they are linked with.
 pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: &[WideAreaSensorTable]) -> Checked<()> {
-    let hears = |source: &&Source| source.locator.is_some();
+    let hears = |source: &&Source| source.locator().is_some();
     let finders: Vec<(String, u16)> = sources
         .iter()
         .filter(hears)
@@ -28,22 +28,21 @@ pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: 
         .map(|(number, sensor)| (sensor.name.as_str(), number))
         .collect();
     for (source, raw) in sources.iter_mut().zip(raw) {
-        let (Some(tracker), Some(raw)) = (&mut source.tracker, &raw.tracker) else {
-            continue;
-        };
+        let Some(raw) = &raw.tracker else { continue };
         let key = |part: &str| format!("source[{}].tracker.{part}", source.number);
         let named = &raw.wide_area_sensors;
-        tracker.wide_area_sensors = numbers_of(&key("wide_area_sensors"), named, "[[wide_area_sensor]]", &sensors)?;
+        source.links.wide_area_sensors =
+            numbers_of(&key("wide_area_sensors"), named, "[[wide_area_sensor]]", &sensors)?;
         let kind = "direction finder among the sources";
-        tracker.emissions = numbers_of(&key("emissions"), &raw.emissions, kind, &finders)?;
+        source.links.emissions = numbers_of(&key("emissions"), &raw.emissions, kind, &finders)?;
         if !matches!(source.input, Input::Recorded(_)) {
             continue;
         }
-        if !tracker.emissions.is_empty() {
+        if !source.links.emissions.is_empty() {
             let what = "direction finders are live, but the source is a recording: leave it out";
             return Err(problem(key("emissions"), what));
         }
-        if tracker.cues {
+        if raw.cues {
             return Err(problem(
                 key("cues"),
                 "the sensor of a recording looks nowhere: leave it out",
@@ -116,9 +115,9 @@ receiver = "ears"
     fn links_are_heard_and_what_cannot_be_is_refused() {
         let parse = |text: &str| Config::parse(Path::new("t.toml"), text, &[]).map_err(|error| error.to_string());
         let config = parse(SITE).unwrap();
-        let tracker = config.sources[0].tracker.as_ref().unwrap();
-        assert_eq!((&tracker.emissions[..], tracker.cues), (&[1][..], true));
-        assert_eq!(tracker.output_period_ns, Some(500_000_000));
+        let outputs = config.sources[0].tracker().unwrap().outputs;
+        assert_eq!((&config.sources[0].links.emissions[..], outputs.cues), (&[1][..], true));
+        assert_eq!(outputs.period_ns, Some(500_000_000));
         for (old, new, line, expected) in [
             ("[\"finder\"]", "[\"radar\"]", 18, "there are: finder"),
             ("[\"finder\"]", "[\"finder\", \"finder\"]", 18, "named twice"),

@@ -230,9 +230,8 @@ fn check_tracks(
 pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> Checked<()> {
     let is_recorded = |source: &Source| matches!(source.input, Input::Recorded(_));
     let differ = |recorded: bool, source: &Source| -> Option<SettingsError> {
-        let tracker = source.tracker.as_ref()?;
         let of_other_kind = |number: &&u16| sensors[usize::from(**number)].recording().is_some() != recorded;
-        let sensor = &sensors[usize::from(*tracker.wide_area_sensors.iter().find(of_other_kind)?)];
+        let sensor = &sensors[usize::from(*source.links.wide_area_sensors.iter().find(of_other_kind)?)];
         let [own, other] = if recorded {
             ["a recording", "none"]
         } else {

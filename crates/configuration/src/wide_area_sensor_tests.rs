@@ -84,8 +84,8 @@ fn every_kind_is_heard_and_trackers_know_theirs() {
     assert_eq!((tracks.model.sac_sic, tracks.model.limits.range_m), (Some((1, 9)), 1e6));
     assert_eq!(tracks.feed, TrackFeed::Receiver("centre-link".to_owned()));
     assert_eq!(of("centre").recording(), None);
-    let tracker = config.sources[0].tracker.as_ref().unwrap();
-    assert_eq!(tracker.wide_area_sensors, [0, 1], "in the order of their numbers");
+    let links = &config.sources[0].links;
+    assert_eq!(links.wide_area_sensors, [0, 1], "in the order of their numbers");
     let config = parse(RECORDED).unwrap();
     assert_eq!(
         config.wide_area_sensors[0].recording(),

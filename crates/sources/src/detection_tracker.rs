@@ -32,7 +32,7 @@ use crate::samples::Samples;
 use crate::scan_tracker::{Outputs, Scan, ScanTracker, TrackSink};
 
 /// How tracks are made of a source's detections.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TrackerSettings {
     /// The tracker's settings; its only sensor is the source, under the number that its files have.
     pub settings: tracking::Settings,

@@ -15,7 +15,7 @@ use crate::detection_tracker::{DetectionTracker, TrackerSettings};
 use crate::samples::Samples;
 
 /// How a source's tracks come about.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Processing {
     /// The sensor delivers tracks.
     Tracks,
@@ -23,6 +23,24 @@ pub enum Processing {
     Detections(Box<TrackerSettings>),
     /// Tracks are made of its bearings.
     Bearings(Box<locating::Settings>),
+}
+
+impl Processing {
+    /// Settings of the tracker, if there is one.
+    pub fn tracker(&self) -> Option<&TrackerSettings> {
+        match self {
+            Self::Detections(settings) => Some(settings),
+            Self::Tracks | Self::Bearings(_) => None,
+        }
+    }
+
+    /// Settings of the locator, if there is one.
+    pub fn locator(&self) -> Option<&locating::Settings> {
+        match self {
+            Self::Bearings(settings) => Some(settings),
+            Self::Tracks | Self::Detections(_) => None,
+        }
+    }
 }
 
 /// See the module's header.

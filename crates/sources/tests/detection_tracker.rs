@@ -6,7 +6,7 @@ use configuration::Config;
 use messages::{Counter, Counters, SensorBearing, SensorTrack, TrackState, sensor_bearing_bits};
 use observations::{Detection, DetectionKind};
 
-use sources::{DetectionTracker, Outputs, Samples, TrackerSettings};
+use sources::{DetectionTracker, Samples};
 use test_support::S;
 use tracking::wide_area::arrivals::Arrivals;
 
@@ -21,16 +21,7 @@ const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 
 fn tracker(keys: &str) -> DetectionTracker {
     let config = Config::parse(Path::new("t.toml"), &SITE.replace("KEYS", keys), &[]).unwrap();
     let source = &config.sources[0];
-    let tracker = source.tracker.as_ref().unwrap();
-    let settings = TrackerSettings {
-        settings: tracker.settings.clone(),
-        cutter: tracker.cutter,
-        outputs: Outputs {
-            period_ns: tracker.output_period_ns,
-            cues: tracker.cues,
-        },
-    };
-    DetectionTracker::new(source.number, &settings, 0, Arrivals::new()).unwrap()
+    DetectionTracker::new(source.number, source.tracker().unwrap(), 0, Arrivals::new()).unwrap()
 }
 
 fn east_m(time_s: f64) -> f64 {

@@ -10,7 +10,6 @@ use sources::{Pipeline, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::outlet::Outlet;
-use crate::processing;
 
 /// Reports that are gathered before they are published, at most: those of one batch of datagrams.
 const GATHERED_MAX: usize = 4096;
@@ -44,8 +43,8 @@ struct Outlets {
 impl Outlets {
     fn open(process: &Process, source: &Source) -> Result<Self, BusError> {
         let (name, uid) = (source.name.as_str(), source.uid);
-        let (has_detections, has_bearings) = (source.tracker.is_some(), source.locator.is_some());
-        let has_cues = source.tracker.as_ref().is_some_and(|tracker| tracker.cues);
+        let (has_detections, has_bearings) = (source.tracker().is_some(), source.locator().is_some());
+        let has_cues = source.tracker().is_some_and(|tracker| tracker.outputs.cues);
         Ok(Self {
             detections: Outlet::open(process, &messages::sensor_detections(name), uid, has_detections)?,
             platforms: Outlet::open(process, &messages::platform_states(name), uid, has_bearings)?,
@@ -68,18 +67,16 @@ impl Outlets {
 impl Channel {
     pub(crate) fn open(process: &Process, source: &Source) -> anyhow::Result<Self> {
         let config = &process.config;
-        let listens_to = source.tracker.iter().flat_map(|tracker| &tracker.wide_area_sensors);
-        let counts = listens_to.map(|number| {
+        let counts = source.links.wide_area_sensors.iter().map(|number| {
             let topic = messages::wide_area(&config.wide_area_sensors[usize::from(*number)].name);
             process.bus.subscriber(&topic, || process.incarnation)
         });
-        let finders = source.tracker.iter().flat_map(|tracker| &tracker.emissions);
-        let emissions = finders.map(|number| {
+        let emissions = source.links.emissions.iter().map(|number| {
             let topic = messages::sensor_bearings(&config.sources[usize::from(*number)].name);
             process.bus.subscriber(&topic, || process.incarnation)
         });
         let first_day_ns = process.first_day_ns();
-        let pipeline = Pipeline::new(source.model, &processing(source), first_day_ns, Arrivals::new());
+        let pipeline = Pipeline::new(source.model, &source.processing, first_day_ns, Arrivals::new());
         Ok(Self {
             counts: counts.collect::<Result<_, _>>()?,
             emissions: emissions.collect::<Result<_, _>>()?,

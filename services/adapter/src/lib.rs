@@ -24,7 +24,6 @@ mod wide_area;
 use anyhow::Context as _;
 use configuration::{Input, Process, Source, Transport};
 use runtime::Agent;
-use sources::{Outputs, Processing, TrackerSettings};
 
 use crate::bearings::Bearings;
 use crate::blocks::Blocks;
@@ -43,7 +42,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     }
     let sources: Vec<&Source> = config.sources.iter().filter(|source| source.adapter == *name).collect();
     if let Some(receiver) = config.receiver(name) {
-        let has_bearings = sources.iter().any(|source| source.locator.is_some());
+        let has_bearings = sources.iter().any(|source| source.locator().is_some());
         let mut agent: Box<dyn Agent> = match &receiver.transport {
             Transport::Sbs { server, settings } => Box::new(Lines::new(process, *server, *settings, &sources)?),
             transport if has_bearings => {
@@ -62,20 +61,4 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         format!("{path}: no receiver and no recorded source is named \"{name}\"")
     })?;
     runtime::service::run(process, &mut recorded_source::replay(process, source, recorded)?)
-}
-
-/// How the tracks of `source` come about.
-fn processing(source: &Source) -> Processing {
-    match (&source.tracker, &source.locator) {
-        (Some(tracker), _) => Processing::Detections(Box::new(TrackerSettings {
-            settings: tracker.settings.clone(),
-            cutter: tracker.cutter,
-            outputs: Outputs {
-                period_ns: tracker.output_period_ns,
-                cues: tracker.cues,
-            },
-        })),
-        (None, Some(locator)) => Processing::Bearings(Box::new(*locator)),
-        (None, None) => Processing::Tracks,
-    }
 }

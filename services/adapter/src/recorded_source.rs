@@ -14,7 +14,6 @@ use sources::Pipeline;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::content::Content;
-use crate::processing;
 use crate::replay::{Published, Replay, Replayed};
 use crate::wide_area::recorded;
 
@@ -119,7 +118,7 @@ pub(crate) fn replay(
         },
         sensor_uid,
     };
-    let detections = source.tracker.as_ref().map(|_| detections.open(process, &[]));
+    let detections = source.tracker().map(|_| detections.open(process, &[]));
     Replay::new(
         process,
         recording.with_context(|| path.display().to_string())?,
@@ -132,7 +131,7 @@ pub(crate) fn replay(
 /// topics, so that the tracks do not depend on who is faster.
 fn counts(process: &Process, source: &Source) -> anyhow::Result<Arrivals> {
     let mut reports = Vec::new();
-    for number in source.tracker.iter().flat_map(|tracker| &tracker.wide_area_sensors) {
+    for number in &source.links.wide_area_sensors {
         let sensor = &process.config.wide_area_sensors[usize::from(*number)];
         reports.extend(recorded::read(sensor, &process.options.data, process.first_day_ns())?.reports);
     }
@@ -164,7 +163,7 @@ impl RecordedSource {
             content: Content::open(bytes, recorded, first_day_ns)?,
             intake: Intake {
                 source: source.number,
-                pipeline: Pipeline::new(source.model, &processing(source), first_day_ns, counts)?,
+                pipeline: Pipeline::new(source.model, &source.processing, first_day_ns, counts)?,
                 samples: sources::Samples::default(),
                 reorder: Reorder::new(recorded.reorder_ns),
                 late: 0,

@@ -4,10 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use bus::WaitMode;
-use configuration::{
-    Config, Input, Monitor, MonitorWait, Order, Source, SourceTracker, TrackFeed, WideAreaInput, WideAreaSensor,
-};
+use configuration::{Config, Input, Monitor, MonitorWait, Order, Source, TrackFeed, WideAreaInput, WideAreaSensor};
 use scenario::ScenarioSettings;
+use sources::TrackerSettings;
 use telemetry::Stage;
 use telemetry::table::duration;
 use tracking::cutting::Boundaries;
@@ -111,17 +110,13 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
             )
         }
     };
-    let tracked = source
-        .tracker
-        .as_ref()
-        .map_or("", |tracker| match tracker.cutter.boundaries {
-            Boundaries::Turn => "; its adapter makes tracks of its plots, turn by turn",
-            Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
-        });
+    let tracked = source.tracker().map_or("", |tracker| match tracker.cutter.boundaries {
+        Boundaries::Turn => "; its adapter makes tracks of its plots, turn by turn",
+        Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
+    });
     let links = source
-        .tracker
-        .as_ref()
-        .map_or_else(String::new, |tracker| links(tracker, config));
+        .tracker()
+        .map_or_else(String::new, |tracker| links(tracker, source, config));
     format!("{}, every {period} s: {input}{tracked}{links}", source.name)
 }
 
@@ -135,18 +130,18 @@ fn describe_world(world: &ScenarioSettings) -> String {
 }
 
 /// What a tracker does besides, as far as it was asked to.
-fn links(tracker: &SourceTracker, config: &Config) -> String {
+fn links(tracker: &TrackerSettings, source: &Source, config: &Config) -> String {
     let mut text = String::new();
-    if let Some(period_ns) = tracker.output_period_ns {
+    if let Some(period_ns) = tracker.outputs.period_ns {
         // Writing to a string cannot fail.
         let _ = write!(text, ", given out every {} s", period_ns as f64 / NS as f64);
     }
     let finder = |number: &u16| config.sources[usize::from(*number)].name.as_str();
-    let finders: Vec<&str> = tracker.emissions.iter().map(finder).collect();
+    let finders: Vec<&str> = source.links.emissions.iter().map(finder).collect();
     if !finders.is_empty() {
         let _ = write!(text, ", identified by what {} hears", finders.join(" and "));
     }
-    text + if tracker.cues {
+    text + if tracker.outputs.cues {
         "; it says where to look next"
     } else {
         ""
@@ -168,10 +163,7 @@ fn describe_wide_area(sensor: &WideAreaSensor, config: &Config) -> String {
         }
         WideAreaInput::External => "counts, external, published by a process of its own".to_owned(),
     };
-    let listens = |source: &&Source| {
-        let tracker = source.tracker.as_ref();
-        tracker.is_some_and(|tracker| tracker.wide_area_sensors.contains(&sensor.number))
-    };
+    let listens = |source: &&Source| source.links.wide_area_sensors.contains(&sensor.number);
     let listeners: Vec<&str> = config
         .sources
         .iter()

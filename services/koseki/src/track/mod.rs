@@ -136,7 +136,7 @@ impl Given {
         };
         let tracker_of = |id: &u32| {
             let of_files = |source: &&Source| sensor_id(source.number) == *id;
-            config.sources.iter().find(of_files)?.tracker.as_ref()
+            config.sources.iter().find(of_files)?.tracker()
         };
         let mut ids = seen.sensor_ids.iter();
         match (ids.next(), ids.next()) {
