@@ -1,9 +1,12 @@
 //! Golden outputs: what `koseki simulate`, `fuse`, `track`, `locate` and `decode` gave when somebody last looked at it.
 //!
 //! A change of the engine, the tracker, the locator or the decoder that changes what comes out shows as a change of the
-//! files in `tests/golden`, and is to be explained where it is made. `UPDATE_GOLDEN=1 cargo test -p koseki
-//! --test integration
-//! golden` accepts it. The figures of one small run are no measure of quality: `docs/fusion.md` and `docs/tracking.md` have those.
+//! files in `tests/golden`, and is to be explained where it is made. The figures of one small run are no measure of
+//! quality: `docs/fusion.md` and `docs/tracking.md` have those. To accept a change:
+//!
+//! ```text
+//! UPDATE_GOLDEN=1 cargo test -p koseki --test integration golden
+//! ```
 //!
 //! Each file has a line for each row that is shown, with some of its columns rounded to 0.001, and hashes of what is
 //! not shown: the rows after the first 200, the other columns of all rows, and the decisions of `--explain`. A hash

@@ -1,7 +1,7 @@
 //! Two boats in a harbour, seen from a ferry by lidar, radar and two cameras: all sensors into one tracker (HT-12).
 //!
-//! `koseki track` reads the recordings as they are, with `examples/autoferry.toml`. What is judged are its pictures at whole
-//! seconds.
+//! `koseki track` reads the recordings as they are, with `examples/autoferry.toml`. What is judged are its pictures at
+//! whole seconds.
 //!
 //! A target is *visible* at a second if within the five seconds before it some sensor that measures positions had a
 //! detection within 20 m of it in at least half of its scans, and in two at least; before that nobody could know of it.

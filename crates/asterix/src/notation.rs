@@ -14,7 +14,8 @@
 //! it makes it a subitem, for a compound item; `parts` before a constant and a group makes it parts that several items
 //! share. A layout is one of
 //!
-//! - `(16 signed(0.5, "m"))`: one element, its bits and content; [`RAW`](crate::table::RAW) where the content is left out;
+//! - `(16 signed(0.5, "m"))`: one element, its bits and content; [`RAW`](crate::table::RAW) where the content is left
+//!   out;
 //! - `{ NAME: 8 NUMBER, … }`: a group of elements. `_: 3` are spare bits, `NAME: { … }` elements under a common name; a
 //!   name that is no Rust identifier stands in quotation marks;
 //! - `[{ … } PART { … }]`: an extended item, of groups and constants;

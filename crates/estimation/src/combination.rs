@@ -3,13 +3,16 @@
 //! Two sensors' tracks of one target share the target: both lag behind the same manoeuvre, so their errors are
 //! correlated even where the sensors' noises are not.
 //!
-//! - [`information_sum`]: no correlation. Inverse covariances add up. Simple, and too sure of itself by the ignored part.
-//! - [`intersection_weights`] with [`weighted_information`]: any correlation. Weights of sum 1 on the inverse covariances
-//!   keep the result a bound on the true covariance whatever the correlation is; the bound is chosen smallest (S. J.
-//!   Julier, J. K. Uhlmann, *A non-divergent estimation algorithm in the presence of unknown correlations*, 1997).
-//! - [`correlated_combination`]: known cross-covariances. The best linear unbiased combination (Y. Bar-Shalom, L. Campo,
-//!   *The effect of the common process noise on the two-sensor fused-track covariance*, 1986; for more than two the same
-//!   by least squares, K. C. Chang, R. K. Saha, Y. Bar-Shalom, *On optimal track-to-track fusion*, 1997).
+//! - [`information_sum`]: no correlation. Inverse covariances add up. Simple, and too sure of itself by the ignored
+//!   part.
+//! - [`intersection_weights`] with [`weighted_information`]: any correlation. Weights of sum 1 on the inverse
+//!   covariances keep the result a bound on the true covariance whatever the correlation is; the bound is chosen
+//!   smallest (S. J. Julier, J. K. Uhlmann, *A non-divergent estimation algorithm in the presence of unknown
+//!   correlations*, 1997).
+//! - [`correlated_combination`]: known cross-covariances. The best linear unbiased combination (Y. Bar-Shalom, L.
+//!   Campo,
+//!   *The effect of the common process noise on the two-sensor fused-track covariance*, 1986; for more than two the
+//!   same by least squares, K. C. Chang, R. K. Saha, Y. Bar-Shalom, *On optimal track-to-track fusion*, 1997).
 //!
 //! Each gives every input's share: the trace of its matrix weight over the dimension. Matrix weights add up to the
 //! identity, so shares sum to 1.
@@ -22,7 +25,8 @@ use crate::dense;
 pub const INPUTS_MAX: usize = 16;
 /// Most rows of a joint covariance: inputs times components.
 const JOINT_MAX: usize = 64;
-/// Strengths of the barrier that keeps intersection weights positive, one after the other: each start is good for the next.
+/// Strengths of the barrier that keeps intersection weights positive, one after the other: each start is good for the
+/// next.
 const BARRIERS: [f64; 3] = [1e-2, 1e-5, 1e-8];
 /// Most Newton steps per strength; a handful is usual.
 const NEWTON_STEPS_MAX: usize = 16;
@@ -93,9 +97,9 @@ pub fn weighted_information<const D: usize>(
 /// The weights of covariance intersection: at least 0, of sum 1, one per input, such that the combined covariance is
 /// smallest by `criterion`. Where several are as good, equal inputs get equal weights.
 ///
-/// Both criteria are convex in the weights. Newton's method on the simplex with a logarithmic barrier finds the minimum in
-/// a bounded number of steps; a barrier of 1e-8 moves it by no more than that. An input that is best all by itself, which is
-/// common, is recognised without any search. `None` as in [`weighted_information`].
+/// Both criteria are convex in the weights. Newton's method on the simplex with a logarithmic barrier finds the minimum
+/// in a bounded number of steps; a barrier of 1e-8 moves it by no more than that. An input that is best all by itself,
+/// which is common, is recognised without any search. `None` as in [`weighted_information`].
 pub fn intersection_weights<const D: usize>(
     inputs: &[Estimate<D>],
     criterion: Criterion,
@@ -149,8 +153,8 @@ impl<const D: usize> Intersection<'_, D> {
         terms.fold(SMatrix::zeros(), |sum, (y, weight)| sum + y * *weight)
     }
 
-    /// Whether no weight on any other input makes the criterion smaller than input `index` alone, of covariance P, does:
-    /// the gradient there says so. Clearly: an equal input is no worse.
+    /// Whether no weight on any other input makes the criterion smaller than input `index` alone, of covariance P,
+    /// does: the gradient there says so. Clearly: an equal input is no worse.
     fn is_best_alone(&self, index: usize, covariance: &SMatrix<f64, D, D>) -> bool {
         let outer = self.outer(covariance);
         let worth = |y: &SMatrix<f64, D, D>| outer.component_mul(y).sum();
@@ -256,8 +260,8 @@ type Square = [[f64; INPUTS_MAX]; INPUTS_MAX];
 /// The best linear combination for known cross-covariances: `cross(i, j)` is E[eᵢ·eⱼᵀ], asked for with i > j only.
 ///
 /// With H the stacked identities and Π the joint covariance, P = (Hᵀ·Π⁻¹·H)⁻¹ and x = P·Hᵀ·Π⁻¹·(stacked means). `None`
-/// if there are too many inputs or the joint covariance is not positive definite. Shares may lie outside [0, 1]: where one
-/// input is much the better and correlated with the other, the other counts against itself.
+/// if there are too many inputs or the joint covariance is not positive definite. Shares may lie outside [0, 1]: where
+/// one input is much the better and correlated with the other, the other counts against itself.
 pub fn correlated_combination<const D: usize>(
     inputs: &[Estimate<D>],
     cross: impl Fn(usize, usize) -> SMatrix<f64, D, D>,

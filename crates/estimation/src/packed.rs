@@ -1,8 +1,8 @@
 //! The Gaussian state in the form of messages: six numbers and the upper triangle of the covariance.
 //!
 //! A filter that runs for every target at every report spends its time on moving numbers. Half of a covariance matrix
-//! repeats the other half; without it a state fits in four lines of the cache, and predicting, mixing and updating are a
-//! third of the work. The formulas are those of [`Gaussian`]; only where they leave their results differs.
+//! repeats the other half; without it a state fits in four lines of the cache, and predicting, mixing and updating are
+//! a third of the work. The formulas are those of [`Gaussian`]; only where they leave their results differs.
 
 use messages::{AXES, Covariance, STATE_LEN};
 
@@ -32,8 +32,8 @@ pub struct PackedInnovation {
 
 /// Whether a message's covariance is positive definite. Components whose variance is 0 say nothing, and are left out.
 pub fn is_usable(covariance: &Covariance) -> bool {
-    // L·D·Lᵀ: what is left of each component once the ones before it are known. Without roots, and with one division per
-    // component.
+    // L·D·Lᵀ: what is left of each component once the ones before it are known. Without roots, and with one division
+    // per component.
     let mut rest = covariance.upper;
     for known in 0..STATE_LEN {
         let variance = rest[at(known, known)];

@@ -3,9 +3,10 @@
 //! A sensor track is a filter's output: each report contains all earlier ones once more, so fusing reports as if they
 //! were measurements counts the same information many times. But the filter can be undone. Between two reports of one
 //! track, a filter that measures position and assumes nearly constant velocity predicts, P⁻ = F·P·Fᵀ + Q, and updates,
-//! P⁺ = P⁻ − A·S⁻¹·Aᵀ and x⁺ = x⁻ + A·S⁻¹·ν, A being the position columns of P⁻. What the report changed in the position
-//! block, D = P⁻ₚₚ − P⁺ₚₚ, gives S = P⁻ₚₚ·D⁻¹·P⁻ₚₚ, hence the measurement's covariance R = S − P⁻ₚₚ and the measurement
-//! z = x⁻ₚ + P⁻ₚₚ·D⁻¹·(x⁺ₚ − x⁻ₚ). Measurements have independent errors and may be fused with those of other sensors.
+//! P⁺ = P⁻ − A·S⁻¹·Aᵀ and x⁺ = x⁻ + A·S⁻¹·ν, A being the position columns of P⁻. What the report changed in the
+//! position block, D = P⁻ₚₚ − P⁺ₚₚ, gives S = P⁻ₚₚ·D⁻¹·P⁻ₚₚ, hence the measurement's covariance R = S − P⁻ₚₚ and the
+//! measurement z = x⁻ₚ + P⁻ₚₚ·D⁻¹·(x⁺ₚ − x⁻ₚ). Measurements have independent errors and may be fused with those of
+//! other sensors.
 //!
 //! That needs the filter's own process noise, which nobody tells. Two facts betray it ([`implied_noise`]): measuring a
 //! position neither changes the variance of the velocity for a given position, nor the regression of the velocity on
@@ -15,8 +16,8 @@
 //! Limits: a report that went missing hides a measurement, and the two then no longer agree; sources that smooth
 //! differently, or fill in a covariance by hand, cannot be undone.
 //!
-//! Source: O. E. Drummond, *Tracklets and a hybrid fusion with process noise*, SPIE 3163 (1997), in the form for position
-//! measurements; the two conditions are elementary properties of the conditional normal distribution.
+//! Source: O. E. Drummond, *Tracklets and a hybrid fusion with process noise*, SPIE 3163 (1997), in the form for
+//! position measurements; the two conditions are elementary properties of the conditional normal distribution.
 
 use messages::AXES;
 use nalgebra::{SMatrix, SVector};

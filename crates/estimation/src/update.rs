@@ -3,8 +3,8 @@
 //! The Kalman filter's gain weighs prediction against measurement by their covariances. The textbook form of the
 //! new covariance, (I − K·H)·P, is a difference of nearly equal matrices when the measurement is accurate, and loses
 //! symmetry to rounding. With S = L·Lᵀ and W = L⁻¹·H·P, the same is P − Wᵀ·W: symmetric by construction, one
-//! factorisation for gain, covariance, distance and likelihood, and a third of the work of the Joseph form (Bar-Shalom et
-//! al. 2001, chapters 5 and 7).
+//! factorisation for gain, covariance, distance and likelihood, and a third of the work of the Joseph form (Bar-Shalom
+//! et al. 2001, chapters 5 and 7).
 
 use messages::STATE_LEN;
 use nalgebra::{SMatrix, SVector};

@@ -1,8 +1,8 @@
 //! Cues as CSV rows (WA-12): where each sensor should look next.
 //!
-//! `made_s` is the time of the scan after which a cue was made, `time_s` that of the look; `x,y,z,vx,vy,vz` are the predicted
-//! place and velocity, `longer_m` and `shorter_m` the half axes of the region to be searched, and `orientation_rad` the direction
-//! of the longer one, clockwise from north.
+//! `made_s` is the time of the scan after which a cue was made, `time_s` that of the look; `x,y,z,vx,vy,vz` are the
+//! predicted place and velocity, `longer_m` and `shorter_m` the half axes of the region to be searched, and
+//! `orientation_rad` the direction of the longer one, clockwise from north.
 
 use std::io::{self, Write};
 

@@ -10,8 +10,8 @@
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`autoferry`]: a public data set of detections;
 //! - [`rows`]: tables of values, a row each, whatever their kind;
-//! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`wide_area_csv`]: observations and sensor tracks as rows
-//!   of text;
+//! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`wide_area_csv`]: observations and sensor tracks as
+//!   rows of text;
 //! - [`platform_states_csv`], [`cues_csv`]: what is written only;
 //! - [`tracks_csv`]: sensor tracks and system tracks as output.
 

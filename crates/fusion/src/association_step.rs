@@ -25,7 +25,8 @@ use crate::tracks::Tracks;
 const SEARCH_CELLS_MAX: i32 = 16;
 /// Variance added to a difference of velocities, m²/s²: smoothing lags in turns, whatever a source claims.
 const VELOCITY_FLOOR_M2PS2: f64 = 4.0;
-/// Variance added to a difference of heights, m²: pressure altitude comes in steps of 100 ft, and drifts with the weather.
+/// Variance added to a difference of heights, m²: pressure altitude comes in steps of 100 ft, and drifts with the
+/// weather.
 const HEIGHT_FLOOR_M2: f64 = 900.0;
 
 /// A search for the system tracks that fit.
@@ -86,8 +87,8 @@ impl Search<'_> {
         best.map(|(metres, _, system)| (system, metres))
     }
 
-    /// The system track that could be a duplicate of `own`, of the same target, with their d²: no source follows both, their
-    /// states agree, and no further one comes near to agreeing.
+    /// The system track that could be a duplicate of `own`, of the same target, with their d²: no source follows both,
+    /// their states agree, and no further one comes near to agreeing.
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
         let entry = self.tracks.systems.get(own);
@@ -181,8 +182,8 @@ impl Search<'_> {
         inside.then_some(both + height)
     }
 
-    /// Whether the sensor track in `own` has to stay for `system` to come to it: between two system tracks with one source
-    /// each, only the younger one's sensor track moves. The older number stays, and the two do not swap places.
+    /// Whether the sensor track in `own` has to stay for `system` to come to it: between two system tracks with one
+    /// source each, only the younger one's sensor track moves. The older number stays, and the two do not swap places.
     fn must_wait_for(&self, own: SensorSlot, system: SystemSlot) -> bool {
         let entry = self.tracks.sensors.get(own);
         entry.system != NO_SYSTEM

@@ -1,9 +1,9 @@
 //! The system filter: one per target, fed with the measurements behind all sensor tracks.
 //!
 //! Every system track has one, whatever rule makes its output: reports are compared with it, and what the sources are
-//! worth shows in its innovations. Measurements have independent errors, so it needs no assumption about how the sources'
-//! errors are correlated; it carries what each source contributed to its present estimate as a share, which decays as
-//! others contribute.
+//! worth shows in its innovations. Measurements have independent errors, so it needs no assumption about how the
+//! sources' errors are correlated; it carries what each source contributed to its present estimate as a share, which
+//! decays as others contribute.
 //!
 //! A target flies straight most of the time, and turns now and then. A filter that is ready for turns throws away most
 //! of what it could know on the straight; several sensors together would even make that worse, since more measurements
@@ -11,8 +11,8 @@
 //! process noise that the sources' own trackers assume. Which one holds is estimated from how well each foretells the
 //! measurements (interacting multiple models).
 //!
-//! A single innovation far outside what the covariances explain (a blunder) is weighed down, not refused: refusing would
-//! lose a target that really is where nobody expected it.
+//! A single innovation far outside what the covariances explain (a blunder) is weighed down, not refused: refusing
+//! would lose a target that really is where nobody expected it.
 //!
 //! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988); P. J. Huber, *Robust Statistics* (Wiley, 1981), for
@@ -147,8 +147,8 @@ impl Filter {
         self.estimate.mix::<N>(a, b, self.probability[1]);
     }
 
-    /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement older
-    /// than the filter is carried forward along the estimated velocity, whose uncertainty it takes on.
+    /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement
+    /// older than the filter is carried forward along the estimated velocity, whose uncertainty it takes on.
     pub(crate) fn take(
         &mut self,
         measurement: &Measurement,

@@ -73,8 +73,8 @@ impl Linking<'_> {
         }
     }
 
-    /// Associates a sensor track that belongs nowhere: an address says at once where; the others wait until their scan is
-    /// complete.
+    /// Associates a sensor track that belongs nowhere: an address says at once where; the others wait until their scan
+    /// is complete.
     fn place<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
         let address = self.tracks.sensors.get(sensor).latest.identity.unique_number();
         let known = address
@@ -172,7 +172,8 @@ impl Linking<'_> {
         self.misfits(sensor, outside)
     }
 
-    /// Whether so many reports in a row did not fit, this one included if it is a `misfit`, that the sensor track leaves.
+    /// Whether so many reports in a row did not fit, this one included if it is a `misfit`, that the sensor track
+    /// leaves.
     fn misfits(&mut self, sensor: SensorSlot, misfit: bool) -> bool {
         let entry = self.tracks.sensors.get_mut(sensor);
         entry.misfits = if misfit { entry.misfits + 1 } else { 0 };
@@ -195,8 +196,8 @@ impl Linking<'_> {
         (hits >= self.settings.association.merge_reports).then(|| self.move_to(sensor, system, d2, out))
     }
 
-    /// Looks, once a second, whether the target has a second system track; merges into the older one if it keeps finding
-    /// it.
+    /// Looks, once a second, whether the target has a second system track; merges into the older one if it keeps
+    /// finding it.
     fn look_for_duplicate<S: Sink>(&mut self, system: SystemSlot, now_ns: i64, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.systems.get(system);
         let complete = self.settings.sources.len() as u32;

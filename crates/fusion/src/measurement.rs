@@ -1,9 +1,9 @@
-//! The measurement that a report yields: recovered from the sensor track where the source's filter can be undone, else the
-//! report itself.
+//! The measurement that a report yields: recovered from the sensor track where the source's filter can be undone, else
+//! the report itself.
 //!
-//! A report that comes from a filter which cannot be undone repeats what earlier ones said; its errors persist over some
-//! reports. Such a one stands for a measurement with three times its covariance. A covariance without correlation of
-//! position and velocity shows no filter: then the report is taken as it is.
+//! A report that comes from a filter which cannot be undone repeats what earlier ones said; its errors persist over
+//! some reports. Such a one stands for a measurement with three times its covariance. A covariance without correlation
+//! of position and velocity shows no filter: then the report is taken as it is.
 
 use estimation::{Gaussian, PackedGaussian, Recovered, Symmetric3, recovered};
 use messages::{AXES, SensorTrack, sensor_track_bits};

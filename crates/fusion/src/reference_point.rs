@@ -2,8 +2,8 @@
 //!
 //! Each sensor sees its own antenna, edge or echo centre, and mixing them makes the fused position creep as the mixture
 //! changes. Then one point is kept per target: that of the source which has followed it longest. The others' points are
-//! estimated relative to it, in a frame that turns with the target's course, and taken off their measurements; so all of
-//! them go on improving the position, and when the first source falls silent the point stays where it was.
+//! estimated relative to it, in a frame that turns with the target's course, and taken off their measurements; so all
+//! of them go on improving the position, and when the first source falls silent the point stays where it was.
 
 use messages::sensor_track_bits;
 
@@ -64,7 +64,8 @@ impl ReferencePoints {
         self.spread_m2
     }
 
-    /// Looks whether some source's detection points lie well apart from the others', and keeps one if the rule `may_keep`.
+    /// Looks whether some source's detection points lie well apart from the others', and keeps one if the rule
+    /// `may_keep`.
     pub(crate) fn look(&mut self, sources: &Sources, may_keep: bool) {
         const BEGIN: f64 = 2.0;
         const END: f64 = 1.0;

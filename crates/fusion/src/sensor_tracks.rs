@@ -42,8 +42,8 @@ impl Link {
     }
 }
 
-/// One live sensor track. What every report of its system track's other members looks at comes first, in one line of the
-/// cache.
+/// One live sensor track. What every report of its system track's other members looks at comes first, in one line of
+/// the cache.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct SensorEntry {
@@ -153,7 +153,8 @@ impl SensorEntry {
         state
     }
 
-    /// Takes the next report, of which `identity` is believed, as what the source would have said without its known errors.
+    /// Takes the next report, of which `identity` is believed, as what the source would have said without its known
+    /// errors.
     pub(crate) fn take(&mut self, report: &SensorTrack, identity: Identity, correction: &Correction) {
         let Correction { shift_m, inflation } = *correction;
         // Written in one go: to read back what has just been written so far away would take as long as the way there.
@@ -193,8 +194,8 @@ pub(crate) struct SensorTracks {
     entries: Vec<SensorEntry>,
     free: Vec<SensorSlot>,
     by_number: HashMap<(u16, u32), SensorSlot, TrackNumbers>,
-    /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the table
-    /// ends.
+    /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the
+    /// table ends.
     swept: usize,
     part_end: usize,
     /// Whether the following are kept.
@@ -204,8 +205,8 @@ pub(crate) struct SensorTracks {
 }
 
 impl SensorTracks {
-    /// With room for `capacity` sensor tracks. Of each as many as `stored_reports` earlier reports are kept, and which scans
-    /// confirmed it; nothing but the latest report if `None`.
+    /// With room for `capacity` sensor tracks. Of each as many as `stored_reports` earlier reports are kept, and which
+    /// scans confirmed it; nothing but the latest report if `None`.
     pub(crate) fn new(capacity: usize, stored_reports: Option<usize>) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
         let by_number = HashMap::with_capacity_and_hasher(2 * capacity, TrackNumbers::new(2 * capacity));
@@ -225,8 +226,8 @@ impl SensorTracks {
         self.by_number.get(&(source, number)).copied()
     }
 
-    /// A new entry for the sensor track of `report`, which it has not taken yet, not linked to a system track; `None` if the
-    /// table is full.
+    /// A new entry for the sensor track of `report`, which it has not taken yet, not linked to a system track; `None`
+    /// if the table is full.
     pub(crate) fn insert(&mut self, report: &SensorTrack) -> Option<SensorSlot> {
         let slot = self.free.pop()?;
         self.by_number.insert((report.source, report.track_number), slot);
@@ -244,7 +245,8 @@ impl SensorTracks {
         Some(slot)
     }
 
-    /// Notes the latest report of the sensor track in `slot`, for rules that look back. Its source reports every `period_ns`.
+    /// Notes the latest report of the sensor track in `slot`, for rules that look back. Its source reports every
+    /// `period_ns`.
     pub(crate) fn note(&mut self, slot: SensorSlot, period_ns: i64) {
         if !self.looks_back {
             return;
@@ -265,8 +267,8 @@ impl SensorTracks {
         self.free.push(slot);
     }
 
-    /// From now on a further part of the table is to be looked through for sensor tracks that nobody hears of any more: their
-    /// sources need not say that they have ended.
+    /// From now on a further part of the table is to be looked through for sensor tracks that nobody hears of any more:
+    /// their sources need not say that they have ended.
     pub(crate) fn begin_part(&mut self) {
         const PARTS: usize = 16;
         if self.swept == self.entries.len() {
@@ -275,7 +277,8 @@ impl SensorTracks {
         self.part_end = (self.swept + self.entries.len() / PARTS + 1).min(self.entries.len());
     }
 
-    /// The next places of that part, few at a time: each costs a look far into memory, and no report shall wait for many.
+    /// The next places of that part, few at a time: each costs a look far into memory, and no report shall wait for
+    /// many.
     pub(crate) fn next_places(&mut self) -> std::ops::Range<SensorSlot> {
         const PLACES: usize = 16;
         let end = (self.swept + PLACES).min(self.part_end);

@@ -1,5 +1,5 @@
-//! What is known of the sources as a whole: what they were learned to be worth, their systematic errors, and how targets
-//! move.
+//! What is known of the sources as a whole: what they were learned to be worth, their systematic errors, and how
+//! targets move.
 
 use estimation::{AxisNoise, Matrix3, NearlyConstantVelocity};
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
@@ -16,7 +16,8 @@ use crate::tracks::Tracks;
 
 /// Innovations of one sensor track before their mean is used.
 const MEAN_REPORTS_MIN: u32 = 4;
-/// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly changes.
+/// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly
+/// changes.
 const SPREAD_EVERY: u32 = 4;
 /// Samples of a source's systematic errors after which only every few reports one is taken.
 const REGISTRATION_SETTLED: f64 = 500.0;
@@ -43,8 +44,8 @@ impl Sources {
         }
     }
 
-    /// Variance per axis of where detection points lie on a target, m²: configured, or learned of `source` (of all sources
-    /// if `None`) if that is more.
+    /// Variance per axis of where detection points lie on a target, m²: configured, or learned of `source` (of all
+    /// sources if `None`) if that is more.
     pub(crate) fn spread_m2(&self, settings: &Settings, source: Option<u16>) -> f64 {
         let extent_m = settings.association.extent_sigma_m;
         let configured = extent_m * extent_m;
@@ -54,8 +55,8 @@ impl Sources {
         }
     }
 
-    /// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the target's
-    /// middle, is as far off as they are from each other.
+    /// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the
+    /// target's middle, is as far off as they are from each other.
     pub(crate) fn learned_spread_m2(&self, least_m2: f64) -> f64 {
         self.models.iter().map(SourceModel::spread_m2).fold(least_m2, f64::max)
     }
@@ -71,8 +72,8 @@ impl Sources {
         }
     }
 
-    /// The measurement that led from a sensor track's latest report, `earlier`, that many seconds ago, to this one; `None` if
-    /// none can have. Learns how the source filters, unless the report's covariance had to be repaired.
+    /// The measurement that led from a sensor track's latest report, `earlier`, that many seconds ago, to this one;
+    /// `None` if none can have. Learns how the source filters, unless the report's covariance had to be repaired.
     pub(crate) fn measurement_behind(
         &mut self,
         report: &SensorTrack,
@@ -137,8 +138,8 @@ impl Sources {
     }
 
     /// The difference of a sensor track's mean innovation from that of the others of its system track, east and north,
-    /// metres, and the variance per axis that noise explains; `None` while too little is known. A turn moves all of them to
-    /// the same side, a wrong association does not.
+    /// metres, and the variance per axis that noise explains; `None` while too little is known. A turn moves all of
+    /// them to the same side, a wrong association does not.
     fn offset(&self, tracks: &Tracks, sensor: SensorSlot) -> Option<([f64; 2], f64)> {
         let entry = tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
@@ -163,8 +164,8 @@ impl Sources {
         Some((offset, variance_m2))
     }
 
-    /// d² of a sensor track's offset from the others, in view of noise and of how far detection points lie apart; `None`
-    /// while too little is known.
+    /// d² of a sensor track's offset from the others, in view of noise and of how far detection points lie apart;
+    /// `None` while too little is known.
     pub(crate) fn offset_from_others(&self, settings: &Settings, tracks: &Tracks, sensor: SensorSlot) -> Option<f64> {
         // Of two that differ, one is at least half as far from the filter as they are from each other.
         let entry = tracks.sensors.get(sensor);
@@ -178,7 +179,8 @@ impl Sources {
         Some((offset[0] * offset[0] + offset[1] * offset[1]) / (noise_m2 + 2.0 * spread_m2))
     }
 
-    /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the difference.
+    /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the
+    /// difference.
     pub(crate) fn compare(&mut self, settings: &Settings, tracks: &Tracks, sensor: SensorSlot) {
         let entry = tracks.sensors.get(sensor);
         let (report, system) = (&entry.latest, entry.system);
@@ -212,9 +214,9 @@ impl Sources {
         self.registration.learn(&own, &other);
     }
 
-    /// Variance per axis that a further comparison on one target has because the sources see different points of it, m². The
-    /// points stay where they are, so that however often a target is compared, it says no more than one pair of points:
-    /// an aircraft at its stand must not outweigh all that pass.
+    /// Variance per axis that a further comparison on one target has because the sources see different points of it,
+    /// m². The points stay where they are, so that however often a target is compared, it says no more than one pair of
+    /// points: an aircraft at its stand must not outweigh all that pass.
     fn target_points_m2(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot) -> f64 {
         let sources = settings.sources.len() as f64;
         let times = 1.0 + f64::from(tracks.systems.get(system).reports) / sources;

@@ -47,7 +47,7 @@
 #define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* `origin_m` is known. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* The source's latest report is within its expected period. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* The accuracy value exists: the source has delivered more than one report. */
-#define KOSEKI_CONTRIBUTOR_SET_OVERFLOW UINT64_C(0x1) /* More sensors have contributed than `sensor_uids` can hold: whoever shares any sensor must take it to be among them. */
+#define KOSEKI_CONTRIBUTOR_SET_OVERFLOW UINT64_C(0x1) /* More sensors have contributed than `sensor_uids` can hold: who shares any sensor must take it to be among */
 #define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Special position identification: the pilot has pressed the button. */
 #define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* An emergency, of whatever kind; Mode 3/A code 7700. */
 #define KOSEKI_ALERT_COMMUNICATION_FAILURE UINT64_C(0x4) /* Radio communication has failed; code 7600. */
@@ -197,7 +197,7 @@ typedef struct KosekiBatchHeader {
     uint64_t first_sequence; /* Samples sent by this incarnation before this slice: the sequence number of its first sample. */
     int64_t progress_ns; /* Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown. */
     int64_t sent_ns; /* Monotonic time of the send, nanoseconds. */
-    uint64_t epoch; /* Start-up number of fusion, rising with each start; tracks of a smaller one are no longer kept up. 0: not fusion. */
+    uint64_t epoch; /* Start-up number of fusion, rising with each start; tracks of smaller ones are no longer kept up. 0: not */
     uint32_t flags; /* Bit 0: the source has ended, and nothing follows. */
     uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor. */
     uint32_t origin; /* Deployment that the samples come from, where not the one at hand; 0: the one at hand. */
@@ -423,7 +423,7 @@ static_assert(offsetof(KosekiContribution, flags) == 38, "offset");
 
 typedef struct KosekiSystemTrack {
     int64_t reference_time_ns; /* Reference time of the state, UTC, nanoseconds since 1970. */
-    int64_t time_of_measurement_ns; /* Time of measurement of the report that caused this state, UTC, nanoseconds; of the reference time, if none did. */
+    int64_t time_of_measurement_ns; /* Time of measurement of the report that caused this state, else the reference time; UTC, nanoseconds. */
     uint64_t sequence; /* The state's sequence number at its publisher. */
     uint64_t epoch; /* Start-up number of the fusion that made it, rising with each start; 0: unknown. */
     KosekiStageTimes stages; /* Stages of the report that caused this state; all but `fused_ns` are 0 if none did. */
@@ -518,7 +518,7 @@ typedef struct KosekiRegistration {
     double covariance_inflation; /* Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not. */
     uint32_t removed; /* Which of the errors are being removed from the source's reports: `registration_bits`. */
     uint32_t reserved; /* Reserved, 0. */
-    double clock_offset_s; /* Offset of the source's clock against the times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
+    double clock_offset_s; /* Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
     double clock_offset_sigma_s; /* Its standard deviation, seconds; 0: unknown. */
     uint64_t spare[4]; /* Reserved, 0. */
 } KosekiRegistration;
@@ -556,7 +556,7 @@ typedef struct KosekiHealth {
     uint32_t restarts; /* Restarts of the process so far, as its launcher counts them. */
     uint32_t reserved; /* Reserved, 0. */
     uint8_t name[32]; /* Name of the process, UTF-8, padded with zeros. */
-    uint8_t note[56]; /* What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros. */
+    uint8_t note[56]; /* Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros. */
     KosekiCounters counters; /* Values of the counters. */
     KosekiRegistration registration; /* Systematic errors of the source, where fusion speaks of one. */
 } KosekiHealth;

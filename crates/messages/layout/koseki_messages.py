@@ -46,7 +46,7 @@ PLATFORM_STATE_HEADING_SIGMA = 0x10  # `heading_sigma_rad` is known.
 WIDE_AREA_ORIGIN = 0x1  # `origin_m` is known.
 CONTRIBUTION_FRESH = 0x1  # The source's latest report is within its expected period.
 CONTRIBUTION_SCORED = 0x2  # The accuracy value exists: the source has delivered more than one report.
-CONTRIBUTOR_SET_OVERFLOW = 0x1  # More sensors have contributed than `sensor_uids` can hold: whoever shares any sensor must take it to be among them.
+CONTRIBUTOR_SET_OVERFLOW = 0x1  # More sensors have contributed than `sensor_uids` can hold: who shares any sensor must take it to be among
 ALERT_SPECIAL_IDENTIFICATION = 0x1  # Special position identification: the pilot has pressed the button.
 ALERT_EMERGENCY = 0x2  # An emergency, of whatever kind; Mode 3/A code 7700.
 ALERT_COMMUNICATION_FAILURE = 0x4  # Radio communication has failed; code 7600.
@@ -246,7 +246,7 @@ class BatchHeader(ctypes.Structure):
         ("first_sequence", ctypes.c_uint64),  # Samples sent by this incarnation before this slice: the sequence number of its first sample.
         ("progress_ns", ctypes.c_int64),  # Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown.
         ("sent_ns", ctypes.c_int64),  # Monotonic time of the send, nanoseconds.
-        ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start; tracks of a smaller one are no longer kept up. 0: not fusion.
+        ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start; tracks of smaller ones are no longer kept up. 0: not
         ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, and nothing follows.
         ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
         ("origin", ctypes.c_uint32),  # Deployment that the samples come from, where not the one at hand; 0: the one at hand.
@@ -536,7 +536,7 @@ assert Contribution.flags.offset == 38
 class SystemTrack(ctypes.Structure):
     _fields_ = [
         ("reference_time_ns", ctypes.c_int64),  # Reference time of the state, UTC, nanoseconds since 1970.
-        ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement of the report that caused this state, UTC, nanoseconds; of the reference time, if none did.
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement of the report that caused this state, else the reference time; UTC, nanoseconds.
         ("sequence", ctypes.c_uint64),  # The state's sequence number at its publisher.
         ("epoch", ctypes.c_uint64),  # Start-up number of the fusion that made it, rising with each start; 0: unknown.
         ("stages", StageTimes),  # Stages of the report that caused this state; all but `fused_ns` are 0 if none did.
@@ -647,7 +647,7 @@ class Registration(ctypes.Structure):
         ("covariance_inflation", ctypes.c_double),  # Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
         ("removed", ctypes.c_uint32),  # Which of the errors are being removed from the source's reports: `registration_bits`.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
-        ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against the times of receipt, seconds; 0 with a standard deviation of 0: unknown.
+        ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         ("clock_offset_sigma_s", ctypes.c_double),  # Its standard deviation, seconds; 0: unknown.
         ("spare", ctypes.c_uint64 * 4),  # Reserved, 0.
     ]
@@ -701,7 +701,7 @@ class Health(ctypes.Structure):
         ("restarts", ctypes.c_uint32),  # Restarts of the process so far, as its launcher counts them.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
         ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
-        ("note", ctypes.c_uint8 * 56),  # What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros.
+        ("note", ctypes.c_uint8 * 56),  # Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros.
         ("counters", Counters),  # Values of the counters.
         ("registration", Registration),  # Systematic errors of the source, where fusion speaks of one.
     ]

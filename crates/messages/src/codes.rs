@@ -1,7 +1,8 @@
 //! Enumerations and flag bits: one declaration gives each value its code, its word and its sentence.
 //!
-//! A code is part of the contract between processes and recordings: it is written beside its name and never changes, so a new
-//! value in between disturbs nobody. The C header and the Python module take their constants from the same declaration.
+//! A code is part of the contract between processes and recordings: it is written beside its name and never changes, so
+//! a new value in between disturbs nobody. The C header and the Python module take their constants from the same
+//! declaration.
 
 /// One value, as other languages need it.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
 //! The counters: one declaration gives each its code, label, class, the processes that count it, and its sentence.
 //!
-//! Overload, loss and bad input are counters, not log lines: they can be read from outside at any time. Reports, displays
-//! and metrics take from here which counters belong together. Two words hold throughout: input is *rejected* because of
-//! what it says, and *dropped* because a table or queue is full.
+//! Overload, loss and bad input are counters, not log lines: they can be read from outside at any time. Reports,
+//! displays and metrics take from here which counters belong together. Two words hold throughout: input is *rejected*
+//! because of what it says, and *dropped* because a table or queue is full.
 
 use std::ops::{AddAssign, Index, IndexMut};
 
@@ -38,7 +38,8 @@ impl Counters {
         Counter::of(class).map(|counter| self[counter]).sum()
     }
 
-    /// Counts of a process that started when one with these counts had ended: added, but for levels, which are `later`'s.
+    /// Counts of a process that started when one with these counts had ended: added, but for levels, which are
+    /// `later`'s.
     #[must_use]
     pub fn followed_by(&self, later: &Self) -> Self {
         let mut sum = Self {

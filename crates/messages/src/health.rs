@@ -33,7 +33,7 @@ sample! {
         reserved: u32,
         /// Name of the process, UTF-8, padded with zeros.
         name: [u8; 32],
-        /// What is wrong, in a few words; empty if nothing is. Of an adapter's source: its name. UTF-8, padded with zeros.
+        /// Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros.
         note: [u8; 56] = [0; 56],
         /// Values of the counters.
         counters: Counters,

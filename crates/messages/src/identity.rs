@@ -136,7 +136,8 @@ impl Identity {
         self
     }
 
-    /// Whether both know a unique number, or both a Mode 3/A code, and these differ. What one of them lacks contradicts nothing.
+    /// Whether both know a unique number, or both a Mode 3/A code, and these differ. What one of them lacks contradicts
+    /// nothing.
     pub fn contradicts(&self, other: &Self) -> bool {
         let differ = |a: Option<u32>, b: Option<u32>| matches!((a, b), (Some(a), Some(b)) if a != b);
         differ(self.unique_number(), other.unique_number())

@@ -2,9 +2,9 @@
 //!
 //! `sample!` writes the `#[repr(C)]` struct as given and, beside it, a table of its fields with their offsets.
 //! [`c_header`] and [`python_module`] print those tables for the other languages. Two processes agree on a layout
-//! exactly if they agree on its [`Layout::fingerprint`], which hashes names, types, offsets and sizes: that is stronger than
-//! comparing type names and sizes, under which two swapped `f64` would pass unnoticed. Each type has its own, so a new or
-//! changed one does not part the readers of the others from their publishers.
+//! exactly if they agree on its [`Layout::fingerprint`], which hashes names, types, offsets and sizes: that is stronger
+//! than comparing type names and sizes, under which two swapped `f64` would pass unnoticed. Each type has its own, so a
+//! new or changed one does not part the readers of the others from their publishers.
 
 use std::fmt::Write as _;
 
@@ -46,8 +46,8 @@ pub trait Sample: Copy {
     const SCHEMA: u64 = Self::LAYOUT.fingerprint();
 }
 
-/// Declares a shared-memory sample: a `#[repr(C)]` struct with its asserted size, its zero-copy marker, its [`Layout`], and
-/// its default: a field that has none of its own is zero, which says "unknown" wherever a field says nothing else.
+/// Declares a shared-memory sample: a `#[repr(C)]` struct with its asserted size, its zero-copy marker, its [`Layout`],
+/// and its default: a field that has none of its own is zero, which says "unknown" wherever a field says nothing else.
 macro_rules! sample {
     (@default) => { Default::default() };
     (@default $default:expr) => { $default };
@@ -157,8 +157,8 @@ pub const ALL: &[Layout] = &[
 ];
 
 impl Layout {
-    /// Hash of this layout, of those that it contains, and of the header before every slice: what a slice carries so that a
-    /// subscriber built otherwise rejects it.
+    /// Hash of this layout, of those that it contains, and of the header before every slice: what a slice carries so
+    /// that a subscriber built otherwise rejects it.
     pub const fn fingerprint(&self) -> u64 {
         let hash = Fnv(0xcbf2_9ce4_8422_2325).number(crate::SCHEMA_VERSION as usize);
         hash.layout(&crate::BatchHeader::LAYOUT).layout(self).0

@@ -63,8 +63,8 @@ pub use topics::{
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 
-/// Version of the meaning of the samples' fields. It is part of every sample's fingerprint, which every slice carries and
-/// every subscriber checks; a changed layout changes that of its own type by itself.
+/// Version of the meaning of the samples' fields. It is part of every sample's fingerprint, which every slice carries
+/// and every subscriber checks; a changed layout changes that of its own type by itself.
 pub const SCHEMA_VERSION: u32 = 6;
 
 /// Number of nanoseconds in a second.

@@ -24,7 +24,8 @@ bits! {
 }
 
 sample! {
-    /// What fusion has learned of the systematic errors of one source (BF-3) and of the truth of its covariances (BF-5).
+    /// What fusion has learned of the systematic errors of one source (BF-3) and of the truth of its covariances
+    /// (BF-5).
     Registration, size 168 {
         /// Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known.
         comparisons: f64,
@@ -50,7 +51,7 @@ sample! {
         removed: u32,
         /// Reserved, 0.
         reserved: u32,
-        /// Offset of the source's clock against the times of receipt, seconds; 0 with a standard deviation of 0: unknown.
+        /// Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         clock_offset_s: f64,
         /// Its standard deviation, seconds; 0: unknown.
         clock_offset_sigma_s: f64,

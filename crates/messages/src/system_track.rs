@@ -20,7 +20,8 @@ bits! {
 bits! {
     /// Bits of [`ContributorSet::flags`].
     contributor_set_bits: u16 {
-        /// More sensors have contributed than `sensor_uids` can hold: whoever shares any sensor must take it to be among them.
+        /// More sensors have contributed than `sensor_uids` can hold: who shares any sensor must take it to be among
+        /// them.
         OVERFLOW = 1;
     }
 }
@@ -52,7 +53,7 @@ sample! {
     SystemTrack, size 1064 {
         /// Reference time of the state, UTC, nanoseconds since 1970.
         reference_time_ns: i64,
-        /// Time of measurement of the report that caused this state, UTC, nanoseconds; of the reference time, if none did.
+        /// Time of measurement of the report that caused this state, else the reference time; UTC, nanoseconds.
         time_of_measurement_ns: i64,
         /// The state's sequence number at its publisher.
         sequence: u64,
@@ -117,8 +118,8 @@ const _: () = assert!(size_of::<[Contribution; CONTRIBUTIONS_MAX]>() == 16 * siz
 pub const CONTRIBUTORS_MAX: usize = 64;
 
 sample! {
-    /// Set of all sensors that have contributed to one system track since it was started. A deployment that is offered the
-    /// track fuses it as independent of its own only if it shares no sensor with it. Nobody publishes it yet.
+    /// Set of all sensors that have contributed to one system track since it was started. A deployment that is offered
+    /// the track fuses it as independent of its own only if it shares no sensor with it. Nobody publishes it yet.
     ContributorSet, size 304 {
         /// Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970.
         reference_time_ns: i64,

@@ -16,7 +16,8 @@ sample! {
 }
 
 impl TargetType {
-    /// A type with its probability; `None` if the name is empty, too long or not printable ASCII, or the confidence not in (0, 1].
+    /// A type with its probability; `None` if the name is empty, too long or not printable ASCII, or the confidence not
+    /// in (0, 1].
     pub fn new(name: &str, confidence: f64) -> Option<Self> {
         let printable = |byte: &u8| (b' '..=b'~').contains(byte);
         let fits = name.len() <= TYPE_NAME_MAX && name.bytes().all(|byte| printable(&byte));

@@ -184,8 +184,8 @@ pub fn sensor_bearings(source_name: &str) -> Topic<SensorBearing> {
     Topic::new(format!("sensor/{source_name}/bearings"), capacity)
 }
 
-/// Where a platform is, whose sensors need to know: published by whoever knows it, the adapter of its sensor or a process of
-/// its own.
+/// Where a platform is, whose sensors need to know: published by whoever knows it, the adapter of its sensor or a
+/// process of its own.
 pub fn platform_states(platform_name: &str) -> Topic<PlatformState> {
     let capacity = Capacity {
         depth: 64,

@@ -1,8 +1,9 @@
 //! Everything that a real-time loop must not do itself (PL-6).
 //!
-//! A loop that answers within microseconds cannot also publish its health: that wakes whoever listens, a system call for
-//! each. Nor can it look for orders in shared memory in every turn, or join a second topic when something goes wrong. So a
-//! second thread, the *housekeeper*, does all of it. The two hand each other things through bounded queues without locks:
+//! A loop that answers within microseconds cannot also publish its health: that wakes whoever listens, a system call
+//! for each. Nor can it look for orders in shared memory in every turn, or join a second topic when something goes
+//! wrong. So a second thread, the *housekeeper*, does all of it. The two hand each other things through bounded queues
+//! without locks:
 //!
 //! ```text
 //!   loop ── what it counts, five times a second ──▶ housekeeper ──▶ topic `health`
@@ -10,12 +11,12 @@
 //!   loop ◀── orders ─────────────────────────────── housekeeper ◀── topic `control`
 //! ```
 //!
-//! Nothing is allocated in the loop: two buffers go back and forth. If the housekeeper is kept from running, the loop goes
-//! on without: what it counted is said later, since counters only grow. Orders wait in their topic while the queue is
-//! full.
+//! Nothing is allocated in the loop: two buffers go back and forth. If the housekeeper is kept from running, the loop
+//! goes on without: what it counted is said later, since counters only grow. Orders wait in their topic while the queue
+//! is full.
 //!
-//! The housekeeper is started before the loop takes its core and priority, which threads inherit, and stays away from that
-//! core.
+//! The housekeeper is started before the loop takes its core and priority, which threads inherit, and stays away from
+//! that core.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, mpsc};
@@ -76,8 +77,8 @@ struct Said {
 }
 
 impl Housekeeper {
-    /// Starts the housekeeper of `process`, whose loop will run on `core`, if it has one of its own. Messages have up to
-    /// `entries_max` entries. `orders` is where it puts what it is told.
+    /// Starts the housekeeper of `process`, whose loop will run on `core`, if it has one of its own. Messages have up
+    /// to `entries_max` entries. `orders` is where it puts what it is told.
     ///
     /// # Errors
     /// If its topics cannot be opened.
@@ -138,7 +139,8 @@ impl Housekeeper {
     /// Has what `agent` counts published, if a buffer is at hand. No allocation, no system call.
     ///
     /// # Errors
-    /// If the thread has ended: a process that nobody can hear or order about is better restarted. [`Self::close`] says why.
+    /// If the thread has ended: a process that nobody can hear or order about is better restarted. [`Self::close`] says
+    /// why.
     pub(crate) fn say(&self, agent: &dyn Agent, now: Now) -> anyhow::Result<()> {
         let ended = self.thread.as_ref().is_none_or(JoinHandle::is_finished);
         anyhow::ensure!(!ended, "the housekeeping thread has ended");

@@ -1,8 +1,8 @@
 //! The instance of a deployment: its name, claimed for one launcher, and its topics in shared memory.
 //!
 //! Both must be there before the first process starts, and gone after the last one has ended. Whoever starts the
-//! processes of a deployment (the launcher; the bench for its own) claims the instance, makes sure that the shared memory
-//! is large enough, and holds every topic as long as they run.
+//! processes of a deployment (the launcher; the bench for its own) claims the instance, makes sure that the shared
+//! memory is large enough, and holds every topic as long as they run.
 
 use std::time::Duration;
 

@@ -1,7 +1,8 @@
 //! What every Koseki process needs of the outside world.
 //!
 //! Algorithms know no clock, no file and no core; somebody must. Here, and only here, are clocks read, signals caught
-//! and threads pinned. Nothing here knows an algorithm or the configuration of one: the crate `configuration` says what a
+//! and threads pinned. Nothing here knows an algorithm or the configuration of one: the crate `configuration` says what
+//! a
 //! [`Deployment`] is, and the services are built on top of both.
 
 #![forbid(unsafe_code)]

@@ -2,8 +2,8 @@
 //!
 //! A service is an [`Agent`]: it does a bounded piece of work when asked and says whether there is more. [`run`] asks
 //! it again and again, reads the clocks once per turn, publishes its health, and ends the process when it is done or
-//! told to stop. The agent itself has no loop and reads no clock, so a test can drive it step by step. [`run_apart`] does
-//! the same for an agent whose thread must do nothing else.
+//! told to stop. The agent itself has no loop and reads no clock, so a test can drive it step by step. [`run_apart`]
+//! does the same for an agent whose thread must do nothing else.
 
 use std::time::Duration;
 

@@ -60,7 +60,8 @@ impl Plot {
         }
     }
 
-    /// What a radar takes for targets in one delivery: anywhere in its coverage, without a reply and so without a height.
+    /// What a radar takes for targets in one delivery: anywhere in its coverage, without a reply and so without a
+    /// height.
     pub(crate) fn false_ones(
         settings: &Checked,
         (seed, source): (u64, u16),

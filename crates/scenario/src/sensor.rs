@@ -76,8 +76,8 @@ impl SimulatedSensor {
         self.slot.begin_s()
     }
 
-    /// When the period began, seconds from the scenario's start, if the next delivery is its first: a radar's antenna then
-    /// pointed north.
+    /// When the period began, seconds from the scenario's start, if the next delivery is its first: a radar's antenna
+    /// then pointed north.
     pub fn period_begins_s(&self) -> Option<f64> {
         let (_, slot_of_period) = self.slot.period(&self.looks.settings);
         (slot_of_period == 0).then_some(self.slot.begin_s())

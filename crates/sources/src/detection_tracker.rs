@@ -1,22 +1,23 @@
 //! Tracks of a sensor that delivers detections: cut into scans, and each scan through the tracker (HT, SP).
 //!
-//! Detections wait until their scan is complete ([`tracking::cutting`]), which is decided by times of the data alone. Then
-//! they are published with the scan's number, and after them every confirmed track as it is after the scan, in the order of
-//! times. Numbers of scans that are left out are scans without detections, which the tracker is told of as soon as the next
-//! scan is complete. `koseki track` does all of this with the recorded detections again and comes to the same tracks.
+//! Detections wait until their scan is complete ([`tracking::cutting`]), which is decided by times of the data alone.
+//! Then they are published with the scan's number, and after them every confirmed track as it is after the scan, in the
+//! order of times. Numbers of scans that are left out are scans without detections, which the tracker is told of as
+//! soon as the next scan is complete. `koseki track` does all of this with the recorded detections again and comes to
+//! the same tracks.
 //!
-//! Where tracks are wanted at even times instead (WA-11), all confirmed ones are moved to each such time as soon as the data
-//! have come to it. Those of a picture that no scan has come before since the last one are marked as coasted: they are the
-//! tracker's own extrapolation and no observation, and fusion takes them for that.
+//! Where tracks are wanted at even times instead (WA-11), all confirmed ones are moved to each such time as soon as the
+//! data have come to it. Those of a picture that no scan has come before since the last one are marked as coasted: they
+//! are the tracker's own extrapolation and no observation, and fusion takes them for that.
 //!
-//! Reports of wide-area sensors wait until the scans have come to their arrival. A live one that comes when that scan has
-//! been worked off is counted, and used in the next.
+//! Reports of wide-area sensors wait until the scans have come to their arrival. A live one that comes when that scan
+//! has been worked off is counted, and used in the next.
 //!
-//! A track's time of ingest is that of the datagram that completed its scan. How old it is by then shows in the age of the
-//! data.
+//! A track's time of ingest is that of the datagram that completed its scan. How old it is by then shows in the age of
+//! the data.
 //!
-//! Numbers of scans and tracks begin with a number that depends on the time ([`tracking::cutting`]), so that an adapter that
-//! was restarted, and knows nothing of the tracks before, does not give their numbers to other targets.
+//! Numbers of scans and tracks begin with a number that depends on the time ([`tracking::cutting`]), so that an adapter
+//! that was restarted, and knows nothing of the tracks before, does not give their numbers to other targets.
 
 use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState};
 use observations::{Bearing, Detection, Sampled, WideAreaReport};
@@ -64,8 +65,8 @@ pub struct DetectionTracker {
 }
 
 impl DetectionTracker {
-    /// The tracker of source number `source`; it uses these `reports` of wide-area sensors, and more may come. Scan numbers
-    /// count from `epoch_ns` (UTC, nanoseconds).
+    /// The tracker of source number `source`; it uses these `reports` of wide-area sensors, and more may come. Scan
+    /// numbers count from `epoch_ns` (UTC, nanoseconds).
     ///
     /// # Errors
     /// What is wrong with the settings.
@@ -111,8 +112,8 @@ impl DetectionTracker {
         }
     }
 
-    /// Takes a report of a wide-area sensor, for the first scan after its arrival, or for the next one if that has been worked
-    /// off.
+    /// Takes a report of a wide-area sensor, for the first scan after its arrival, or for the next one if that has been
+    /// worked off.
     pub fn wide_area(&mut self, report: WideAreaReport) {
         let is_late = self.latest.is_some_and(|(_, time_ns)| report.arrival_ns <= time_ns);
         self.reports_late += u64::from(is_late);

@@ -2,8 +2,8 @@
 //!
 //! A control centre receives many radars on one multicast group. Each data block says which sensor it is from (system
 //! area code and system identification code, the first item of every category), so it is handed to the source of that
-//! sensor and read by the editions that the source is configured with. What is from a sensor that no source has, what is
-//! no block, what comes from a sender that is not on the list: counted, and passed over.
+//! sensor and read by the editions that the source is configured with. What is from a sensor that no source has, what
+//! is no block, what comes from a sender that is not on the list: counted, and passed over.
 
 use anyhow::Context as _;
 use asterix::{Decoder, blocks};
@@ -83,8 +83,8 @@ impl Datagrams for Blocks {
                         self.channels[index].take(&observed, received.mono_ns)?;
                     }
                     Reading::Target(observed) => {
-                        // A block may hold reports of several sensors. That of a stranger goes to the block's own source,
-                        // which rejects and counts it.
+                        // A block may hold reports of several sensors. That of a stranger goes to the block's own
+                        // source, which rejects and counts it.
                         let own = find(&self.senders, observed.sac_sic).unwrap_or(index);
                         self.channels[own].received(received.utc_ns)?;
                         self.channels[own].take(&observed, received.mono_ns)?;

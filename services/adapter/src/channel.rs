@@ -91,8 +91,8 @@ impl Channel {
         })
     }
 
-    /// Gets ready for data that were received at `received_ns` (UTC, nanoseconds): to be called before each piece of them, so
-    /// that no report of a wide-area sensor that has come waits for the scan after the one that it is for.
+    /// Gets ready for data that were received at `received_ns` (UTC, nanoseconds): to be called before each piece of
+    /// them, so that no report of a wide-area sensor that has come waits for the scan after the one that it is for.
     pub(crate) fn received(&mut self, received_ns: i64) -> anyhow::Result<()> {
         self.pipeline.received(received_ns);
         self.listen()

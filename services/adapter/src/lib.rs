@@ -1,10 +1,11 @@
 //! The adapter process: one per sensor or per network input, it turns sensors' data into sensor tracks and publishes
 //! them.
 //!
-//! Live data come in datagrams (`receiver`), which hold ASTERIX (`blocks`), bearings or counts (`tables`), or in lines over a
-//! connection (`lines`). The source's pipeline makes samples of what was observed ([`sources`]), and `channel` publishes them.
-//! Recorded data are read whole: a source's decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's as
-//! counts; `replay` publishes either, paced by its own times. Sensors that only count are in `wide_area`.
+//! Live data come in datagrams (`receiver`), which hold ASTERIX (`blocks`), bearings or counts (`tables`), or in lines
+//! over a connection (`lines`). The source's pipeline makes samples of what was observed ([`sources`]), and `channel`
+//! publishes them. Recorded data are read whole: a source's decoded piece by piece (`recorded_source`, `content`), a
+//! wide-area sensor's as counts; `replay` publishes either, paced by its own times. Sensors that only count are in
+//! `wide_area`.
 
 #![forbid(unsafe_code)]
 
@@ -30,8 +31,8 @@ use crate::blocks::Blocks;
 use crate::lines::Lines;
 use crate::receiver::Receiver;
 
-/// Runs the adapter that the process is named after (of the receiver of that name, of the recorded source, or of a wide-area
-/// sensor) until it has finished or is told to stop.
+/// Runs the adapter that the process is named after (of the receiver of that name, of the recorded source, or of a
+/// wide-area sensor) until it has finished or is told to stop.
 ///
 /// # Errors
 /// If there is no such source, its input cannot be read, or shared memory fails.

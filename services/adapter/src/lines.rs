@@ -1,7 +1,7 @@
 //! SBS-1 (BaseStation) from a server on the network: one connection, and the source behind it.
 //!
-//! A server may not be there yet, go away and come back; the connection is made again whenever it is lost. A line has come
-//! in when it is read, as TCP keeps no time stamps of its own.
+//! A server may not be there yet, go away and come back; the connection is made again whenever it is lost. A line has
+//! come in when it is read, as TCP keeps no time stamps of its own.
 
 use std::time::Duration;
 

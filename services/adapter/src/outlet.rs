@@ -112,8 +112,8 @@ impl<T: Outgoing> PacedOutlet<T> {
         self.flow.may_send(self.publisher.counts().slices)
     }
 
-    /// Publishes `count` samples that keep their numbers, and came in at `ingested_ns` (monotonic, nanoseconds): a recorded
-    /// one comes in when it is due.
+    /// Publishes `count` samples that keep their numbers, and came in at `ingested_ns` (monotonic, nanoseconds): a
+    /// recorded one comes in when it is due.
     pub(crate) fn send(
         &mut self,
         mark: Mark,

@@ -1,8 +1,8 @@
 //! Datagrams from the network: one socket, and what reads them.
 //!
-//! Waiting for the next datagram is part of a turn, as the socket hands over what it has waited for. Data have come in when
-//! the kernel took their datagram from the network; with that time begins their way through the stages, and by it the
-//! sensor's time of day is judged.
+//! Waiting for the next datagram is part of a turn, as the socket hands over what it has waited for. Data have come in
+//! when the kernel took their datagram from the network; with that time begins their way through the stages, and by it
+//! the sensor's time of day is judged.
 
 use std::borrow::Cow;
 use std::fmt::Debug;

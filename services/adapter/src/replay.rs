@@ -28,8 +28,8 @@ pub(crate) trait Replayed: Debug {
     /// Who must be there before the recording's clock starts, in words.
     const WAITS_FOR: &'static str;
 
-    /// Number of the next sample, and UTC at which the one `ahead` places after it is due, nanoseconds; `None` if there is no
-    /// such sample. At least a slice ahead is known.
+    /// Number of the next sample, and UTC at which the one `ahead` places after it is due, nanoseconds; `None` if there
+    /// is no such sample. At least a slice ahead is known.
     fn due_ns(&self, ahead: usize) -> Option<i64>;
 
     /// Takes the next sample, with its number.
@@ -123,8 +123,8 @@ impl<R: Replayed> Replay<R> {
         });
     }
 
-    /// Publishes a slice of the detections that are due before the next samples; `None` if there are none, else whether they
-    /// wait for the recorder. A recorder that still lacks some is given them again after a restart.
+    /// Publishes a slice of the detections that are due before the next samples; `None` if there are none, else whether
+    /// they wait for the recorder. A recorder that still lacks some is given them again after a restart.
     fn publish_detections(&mut self, until_ns: i64, now: Now) -> anyhow::Result<Option<Turn>> {
         let Some(outlet) = &mut self.detections else {
             return Ok(None);

@@ -1,8 +1,9 @@
 //! Tables in datagrams.
 //!
-//! Each datagram is a table by itself: a header line, and rows, as many as fit. The header costs a datagram a hundred octets,
-//! and buys that columns may come in any order, that more may be added, and that any datagram can be lost without harm to the
-//! next. Times are seconds since midnight (UTC); the day is the one that brings them nearest to the time of receipt.
+//! Each datagram is a table by itself: a header line, and rows, as many as fit. The header costs a datagram a hundred
+//! octets, and buys that columns may come in any order, that more may be added, and that any datagram can be lost
+//! without harm to the next. Times are seconds since midnight (UTC); the day is the one that brings them nearest to the
+//! time of receipt.
 //!
 //! A row that cannot be read is counted, and passed over.
 

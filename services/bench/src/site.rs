@@ -1,8 +1,8 @@
 //! The bench's own deployment: an instance that nobody else uses, its configuration, and the processes under test.
 //!
 //! Fusion runs as it does in any deployment: the same executable, a configuration file, topics held by whoever started
-//! it. Its sources are external: the bench itself publishes them. Whatever ends a measurement (its end, an error, Ctrl-C,
-//! a panic), the processes are stopped first, and then every trace of the instance is removed.
+//! it. Its sources are external: the bench itself publishes them. Whatever ends a measurement (its end, an error,
+//! Ctrl-C, a panic), the processes are stopped first, and then every trace of the instance is removed.
 
 use std::ffi::OsString;
 use std::fmt::Write as _;

@@ -6,8 +6,8 @@
 //! overflowed in a longer probe. The search doubles and halves until it knows the rate to three percent. The relay is
 //! searched in the same way, which shows what transport and bench can do.
 //!
-//! Beyond it, reports must be lost; what matters is that all of them are counted, and that the queues, and with them the
-//! latency of what does come through, do not grow without end.
+//! Beyond it, reports must be lost; what matters is that all of them are counted, and that the queues, and with them
+//! the latency of what does come through, do not grow without end.
 
 use runtime::signals::Stop;
 use telemetry::Stage;

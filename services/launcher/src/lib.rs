@@ -5,14 +5,16 @@
 //! dies, and a general service manager does not know that dead processes leave places and memory in shared memory that
 //! their successors need. The launcher does four things, in this order:
 //!
-//! 1. **It prepares the instance** (`runtime::instance`): claims the instance, so that nobody else runs it; removes what a killed run
-//!    left; makes sure that the shared memory is large enough; creates every topic, and keeps them in existence.
-//! 2. **It starts the processes** (`part`, `child`): the monitor and the recorder first, so that they miss nothing, with
-//!    them fusion and the gateways; when these say that they run, the adapters, and the simulator last. All are children of the same executable.
+//! 1. **It prepares the instance** (`runtime::instance`): claims the instance, so that nobody else runs it; removes
+//!    what a killed run left; makes sure that the shared memory is large enough; creates every topic, and keeps them in
+//!    existence.
+//! 2. **It starts the processes** (`part`, `child`): the monitor and the recorder first, so that they miss nothing,
+//!    with them fusion and the gateways; when these say that they run, the adapters, and the simulator last. All are
+//!    children of the same executable.
 //! 3. **It watches them** (`supervisor`): a child that ends with exit code 0 has finished. One that ends otherwise is
 //!    noticed at once, its shared memory is taken back, and it is started again, after pauses that grow (`backoff`)
-//!    while it keeps failing. What cannot be cured by starting again (a configuration that a child refuses, a child that
-//!    fails again and again at once) ends the deployment with an error.
+//!    while it keeps failing. What cannot be cured by starting again (a configuration that a child refuses, a child
+//!    that fails again and again at once) ends the deployment with an error.
 //! 4. **It stops them**, sources first and the monitor last, because its final report tells of all the others; and
 //!    clears the instance.
 //!

@@ -237,8 +237,8 @@ impl<'a> Supervisor<'a> {
         ));
     }
 
-    /// Whether there is nothing left to do: those who read the adapters have finished. Adapters of recordings stay until
-    /// they are stopped, so that a restarted reader finds them.
+    /// Whether there is nothing left to do: those who read the adapters have finished. Adapters of recordings stay
+    /// until they are stopped, so that a restarted reader finds them.
     fn is_finished(&self) -> bool {
         self.readers().all(Child::is_finished)
     }

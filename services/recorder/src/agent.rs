@@ -27,8 +27,8 @@ pub struct RecorderAgent<S: Transport> {
 }
 
 impl<S: Transport> RecorderAgent<S> {
-    /// A recorder of `config` into `folder`, connected to `bus`; `incarnation` is the process's monotonic start time, and
-    /// files count their seconds from `first_day_ns` (UTC, nanoseconds). Files that an
+    /// A recorder of `config` into `folder`, connected to `bus`; `incarnation` is the process's monotonic start time,
+    /// and files count their seconds from `first_day_ns` (UTC, nanoseconds). Files that an
     /// earlier recorder has left are continued if they are of the run described by `run`, else replaced.
     ///
     /// # Errors
@@ -108,8 +108,8 @@ impl<S: Transport> Agent for RecorderAgent<S> {
         Ok(())
     }
 
-    /// One entry for the process, which speaks of the system tracks and of wide-area sensors, since these are no sources; then
-    /// one for each source.
+    /// One entry for the process, which speaks of the system tracks and of wide-area sensors, since these are no
+    /// sources; then one for each source.
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let first = entries.len();
         entries.push(HealthEntry::default());

@@ -1,12 +1,12 @@
 //! The recorder process: writes every data stream of a deployment to a file.
 //!
 //! One file per source, `sensor_tracks_<name>.csv`, in the order in which the source published, and one for the system
-//! tracks, `system_tracks.csv`, in the order of fusion (FM-5). Neither order depends on scheduling when the inputs are recorded,
-//! so neither do the files: they carry the times of the data and none of the machine's. Where an adapter makes a source's
-//! tracks of detections, `detections_<name>.csv` holds these, exactly: `koseki track` makes the same tracks of them (FM-6), and
-//! the same cues as are in `cues_<name>.csv`. Of a direction finder, `bearings_<name>.csv` holds the bearings that were used
-//! and `platform_states_<name>.csv` where the platform was: `koseki locate` makes the same fixes of the bearings (FM-7).
-//! Reports of wide-area sensors are in `wide_area_<name>.csv`, as exactly.
+//! tracks, `system_tracks.csv`, in the order of fusion (FM-5). Neither order depends on scheduling when the inputs are
+//! recorded, so neither do the files: they carry the times of the data and none of the machine's. Where an adapter
+//! makes a source's tracks of detections, `detections_<name>.csv` holds these, exactly: `koseki track` makes the same
+//! tracks of them (FM-6), and the same cues as are in `cues_<name>.csv`. Of a direction finder, `bearings_<name>.csv`
+//! holds the bearings that were used and `platform_states_<name>.csv` where the platform was: `koseki locate` makes the
+//! same fixes of the bearings (FM-7). Reports of wide-area sensors are in `wide_area_<name>.csv`, as exactly.
 
 #![forbid(unsafe_code)]
 

@@ -1,10 +1,10 @@
 //! Rows of counts in datagrams.
 //!
-//! Each datagram is a table by itself (FM-6): a header line, and a row per report, as with bearings. Times are seconds since
-//! midnight (UTC), of the day that brings them nearest to the time of receipt.
+//! Each datagram is a table by itself (FM-6): a header line, and a row per report, as with bearings. Times are seconds
+//! since midnight (UTC), of the day that brings them nearest to the time of receipt.
 //!
-//! A report has arrived when the kernel took its datagram from the network; the `arrival_s` of its row only holds where it is
-//! later, as of a sender that says from when on its report may be used. So nothing is used before it was there.
+//! A report has arrived when the kernel took its datagram from the network; the `arrival_s` of its row only holds where
+//! it is later, as of a sender that says from when on its report may be used. So nothing is used before it was there.
 
 use formats::wide_area_csv::WideAreaReader;
 use messages::Counters;

@@ -1,7 +1,7 @@
 //! Another system's tracks in ASTERIX (CAT062), counted by place.
 //!
-//! Each track goes through the checks that a source's tracks do. Tentative ones and those that have ended are not counted:
-//! the one may be none, the other is none any more. The rest is [`tracking::wide_area::counting`].
+//! Each track goes through the checks that a source's tracks do. Tentative ones and those that have ended are not
+//! counted: the one may be none, the other is none any more. The rest is [`tracking::wide_area::counting`].
 //!
 //! Live, a track has arrived when its datagram did. In a recording nobody knows when that was: there it arrives when it
 //! was measured.
