@@ -1,15 +1,15 @@
-//! What was done, and what was refused.
+//! What was done, and what was rejected (input) or dropped (for want of room).
 
 /// Counters; they only rise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LocatorCounts {
     /// Bearings taken.
     pub bearings: u64,
-    /// Bearings refused: a value that is no number, or no standard deviation.
+    /// Bearings rejected: a value that is no number, or no standard deviation.
     pub unusable: u64,
-    /// Bearings refused: older than the emitter's last one.
+    /// Bearings rejected: older than the emitter's last one.
     pub out_of_order: u64,
-    /// Bearings refused: of a new emitter, and there is no place for it.
+    /// Bearings dropped: of a new emitter, and there is no place for it.
     pub table_full: u64,
     /// Emitters seen.
     pub emitters: u64,

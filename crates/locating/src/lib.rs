@@ -72,7 +72,7 @@ mod window;
 pub use bank::RawFix;
 pub use counts::LocatorCounts;
 pub use explanation::{Decision, DecisionKind};
-pub use locator::{EmitterReport, Locator, OWN_NUMBERS, Refusal};
+pub use locator::{EmitterReport, Locator, OWN_NUMBERS, Rejection};
 pub use motion::Motion;
 pub use settings::Settings;
 pub use window::WINDOW_MAX as LINES_MAX;

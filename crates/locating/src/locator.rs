@@ -75,7 +75,7 @@ impl EmitterReport {
 
 /// Reason why a bearing was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
+pub enum Rejection {
     /// A value is no number or cannot be.
     Unusable(&'static str),
     /// The bearing is older than the emitter's last one.
@@ -84,7 +84,7 @@ pub enum Refusal {
     TableFull,
 }
 
-impl std::fmt::Display for Refusal {
+impl std::fmt::Display for Rejection {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Unusable(what) => write!(formatter, "{what}"),
@@ -100,7 +100,7 @@ impl std::fmt::Display for Refusal {
     }
 }
 
-impl std::error::Error for Refusal {}
+impl std::error::Error for Rejection {}
 
 /// One emitter.
 #[derive(Clone, Debug)]
@@ -151,11 +151,11 @@ impl Locator {
     ///
     /// # Errors
     /// If it cannot be used; it is counted, and changes nothing.
-    pub fn bearing(&mut self, bearing: &Bearing) -> Result<Option<EmitterReport>, Refusal> {
+    pub fn bearing(&mut self, bearing: &Bearing) -> Result<Option<EmitterReport>, Rejection> {
         self.decisions.clear();
         if let Some(fault) = fault(bearing) {
             self.counts.unusable += 1;
-            return Err(Refusal::Unusable(fault));
+            return Err(Rejection::Unusable(fault));
         }
         let line = LineOfBearing::new(bearing);
         let found = match bearing.emitter_id {
@@ -169,7 +169,7 @@ impl Locator {
         let emitter = &mut self.emitters[slot];
         if line.time_ns < emitter.last.time_ns {
             self.counts.out_of_order += 1;
-            return Err(Refusal::OutOfOrder);
+            return Err(Rejection::OutOfOrder);
         }
         self.counts.bearings += 1;
         self.counts.associated += u64::from(bearing.emitter_id.is_none() && !is_new);
@@ -267,7 +267,7 @@ impl Locator {
     }
 
     /// A new emitter's place in the table.
-    fn begin(&mut self, bearing: &Bearing, line: &LineOfBearing) -> Result<usize, Refusal> {
+    fn begin(&mut self, bearing: &Bearing, line: &LineOfBearing) -> Result<usize, Rejection> {
         let (is_labelled, number) = match bearing.emitter_id {
             Some(id) => (true, id),
             None => (false, self.next_number),
@@ -288,7 +288,7 @@ impl Locator {
         } else {
             let Some(slot) = self.given_up(line.time_ns) else {
                 self.counts.table_full += 1;
-                return Err(Refusal::TableFull);
+                return Err(Rejection::TableFull);
             };
             slot
         };

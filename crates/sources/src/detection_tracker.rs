@@ -159,17 +159,16 @@ impl DetectionTracker {
         counters[Counter::Detections] = self.detections;
         counters[Counter::RejectedLate] += self.late;
         counters[Counter::Reports] -= self.late + self.dropped;
-        counters[Counter::DetectionsRejected] =
-            self.dropped + counts.unusable_detections + counts.crowded_out_detections;
-        counters[Counter::TracksDropped] += counts.refused_tracks;
+        counters[Counter::DetectionsRejected] = self.dropped + counts.rejected_detections + counts.dropped_detections;
+        counters[Counter::TracksDropped] += counts.dropped_tracks;
         counters[Counter::Scans] = self.tracker.scans();
         counters[Counter::WideAreaReports] = counts.wide_area_reports;
-        counters[Counter::WideAreaRejected] = counts.wide_area_reports_refused + self.reports_dropped;
+        counters[Counter::WideAreaRejected] = counts.wide_area_reports_rejected + self.reports_dropped;
         counters[Counter::WideAreaLate] = self.reports_late;
         counters[Counter::WideAreaUsed] = counts.wide_area_reports_used;
         counters[Counter::WideAreaUnmatched] = counts.wide_area_reports_unmatched;
         counters[Counter::Emissions] = counts.emissions;
-        counters[Counter::EmissionsRejected] = counts.emissions_refused + self.emissions_rejected;
+        counters[Counter::EmissionsRejected] = counts.emissions_rejected + self.emissions_rejected;
         counters[Counter::EmissionsUnclear] = counts.emissions_unclear;
         counters[Counter::Cues] = self.cues;
     }

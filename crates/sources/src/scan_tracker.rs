@@ -16,8 +16,8 @@ use tracking::explanation::Observer;
 use tracking::wide_area::arrivals::Arrivals;
 use tracking::wide_area::cue::{Cue, Looks, sigma_m};
 use tracking::wide_area::schedule::Schedule;
-use tracking::wide_area::{Emission, EmissionRefusal, ReportRefusal};
-use tracking::{Refusal, Settings, TrackReport, Tracker};
+use tracking::wide_area::{Emission, EmissionRejection, ReportRejection};
+use tracking::{Rejection, Settings, TrackReport, Tracker};
 
 /// What is wanted of a tracker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,7 +47,7 @@ pub trait TrackSink {
     fn begins(&mut self) {}
 
     /// A scan has been worked off, or rejected.
-    fn done(&mut self, _scan: &Scan<'_>, _taken: Result<(), Refusal>, _tracker: &Tracker) {}
+    fn done(&mut self, _scan: &Scan<'_>, _taken: Result<(), Rejection>, _tracker: &Tracker) {}
 
     /// Confirmed tracks, in the order of their times and numbers. `extrapolated`: no scan has come since the last ones.
     fn tracks(&mut self, tracks: &[TrackReport], extrapolated: bool);
@@ -56,10 +56,10 @@ pub trait TrackSink {
     fn cues(&mut self, scan_ns: i64, cues: &[Cue]);
 
     /// A report of a wide-area sensor was rejected.
-    fn report_rejected(&mut self, _reason: ReportRefusal) {}
+    fn report_rejected(&mut self, _reason: ReportRejection) {}
 
     /// An emission was rejected.
-    fn emission_rejected(&mut self, _reason: EmissionRefusal) {}
+    fn emission_rejected(&mut self, _reason: EmissionRejection) {}
 }
 
 /// See the module's header.
@@ -146,8 +146,8 @@ impl ScanTracker {
     /// Takes an emission at once.
     ///
     /// # Errors
-    /// [`EmissionRefusal`], counted by the tracker, if it cannot be used.
-    pub fn emission(&mut self, emission: &Emission) -> Result<(), EmissionRefusal> {
+    /// [`EmissionRejection`], counted by the tracker, if it cannot be used.
+    pub fn emission(&mut self, emission: &Emission) -> Result<(), EmissionRejection> {
         self.tracker.emission(emission)
     }
 

@@ -163,7 +163,7 @@ fn missed_track(joined: &Joined<'_>, number: u32, counts: &mut TrackerCounts) ->
     track.log_silence += log_miss;
     track.log_likelihood_ratio += log_miss;
     // A quick sensor that finds nothing here must not push out of the memory what a slow one has left open.
-    if !joined.plots.is_empty() || scan.sensor.worth >= 1.0 {
+    if !joined.plots.is_empty() || scan.sensor.scan_weight >= 1.0 {
         track.remember(NO_DETECTION);
     }
     let deletion = &scan.settings.deletion.limits;
@@ -192,7 +192,7 @@ fn updated_track(joined: &Joined<'_>, number: u32, pair: u32, counts: &mut Track
     let mut track = scan.before.tracks[number as usize];
     track.motion = track.motion_at(plot.time_ns, &scan.settings.motion);
     // It was compared before, so it can be done.
-    let _ = track.motion.update(&plot.measurement.worth(scan.sensor.worth));
+    let _ = track.motion.update(&plot.measurement.weighted(scan.sensor.scan_weight));
     (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
     (track.missed, track.log_silence) = (0, 0.0);
     track.detections += 1;

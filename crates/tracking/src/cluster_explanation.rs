@@ -63,7 +63,7 @@ pub(crate) fn explain_cluster(
         considered: after.hypotheses_drawn - before.hypotheses_drawn,
         forbidden: forbidden(after) - forbidden(before),
         merged: after.hypotheses_merged - before.hypotheses_merged,
-        dropped: after.hypotheses_dropped - before.hypotheses_dropped,
+        dropped: after.hypotheses_pruned - before.hypotheses_pruned,
         dropped_probability: dropped_probability.min(1.0),
     }));
 }

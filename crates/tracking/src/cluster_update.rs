@@ -218,7 +218,7 @@ impl Children {
         }
         if !room {
             store.drop_child();
-            counts.refused_hypotheses += 1;
+            counts.hypotheses_dropped += 1;
             return false;
         }
         let finished = store.finish_child(interpretation.log_reliability);
@@ -235,7 +235,7 @@ fn add_member(store: &mut HypothesisStore, place: u32, counts: &mut TrackerCount
     match place {
         REMOVED => true,
         UNMADE => {
-            counts.refused_tracks += 1;
+            counts.dropped_tracks += 1;
             false
         }
         place => store.add_member(place),

@@ -1,4 +1,4 @@
-//! What was done, and what was refused.
+//! What was done, and what was rejected (input) or dropped (for want of room).
 
 /// Counters; they only rise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -7,22 +7,22 @@ pub struct TrackerCounts {
     pub scans: u64,
     /// Scans that came after later ones and were worked in.
     pub late_scans: u64,
-    /// Scans refused: older than every open one, or of an unknown sensor.
-    pub refused_scans: u64,
+    /// Scans rejected: older than every open one, or of an unknown sensor.
+    pub rejected_scans: u64,
     /// Detections taken.
     pub detections: u64,
-    /// Detections refused: a value that is no number or cannot be, or no standard deviation.
-    pub unusable_detections: u64,
-    /// Detections refused for want of room in the scan.
-    pub crowded_out_detections: u64,
+    /// Detections rejected: a value that is no number or cannot be, or no standard deviation.
+    pub rejected_detections: u64,
+    /// Detections dropped for want of room in the scan.
+    pub dropped_detections: u64,
     /// Track–detection comparisons skipped because the track had reached [`COMPARISONS_MAX`](crate::COMPARISONS_MAX).
-    pub unmade_comparisons: u64,
+    pub dropped_comparisons: u64,
     /// Detections in a track's gate that were not considered: others fitted better, or the cluster was full.
     pub dropped_pairs: u64,
-    /// Tracks that could not be begun or kept for want of room.
-    pub refused_tracks: u64,
-    /// Hypotheses that could not be kept for want of room.
-    pub refused_hypotheses: u64,
+    /// Tracks dropped for want of room: not begun, or not kept.
+    pub dropped_tracks: u64,
+    /// Hypotheses dropped for want of room.
+    pub hypotheses_dropped: u64,
     /// Interpretations left out because they have too many new tracks (SP-3, SP-4).
     pub too_many_new_tracks: u64,
     /// Hypotheses dropped because they have too many tentative tracks (SP-5, SP-6).
@@ -37,16 +37,16 @@ pub struct TrackerCounts {
     pub hypotheses_drawn: u64,
     /// Hypotheses that were merged with one of the same associations.
     pub hypotheses_merged: u64,
-    /// Hypotheses dropped because of low reliability or number.
-    pub hypotheses_dropped: u64,
-    /// Detections refused because of their age or accuracy, or kept with less weight (WA-1).
-    pub refused_detections: u64,
+    /// Hypotheses pruned because of low reliability or number.
+    pub hypotheses_pruned: u64,
+    /// Detections not selected because of their age or accuracy, or kept with less weight (WA-1).
+    pub deselected_detections: u64,
     /// Scans that another sensor's at the same time outranks, repetitions after late scans included (WA-1).
     pub outranked_scans: u64,
     /// Wide-area reports taken.
     pub wide_area_reports: u64,
-    /// Wide-area reports refused: no place, a negative or too long delay, too many targets, or no room.
-    pub wide_area_reports_refused: u64,
+    /// Wide-area reports rejected: no place, a negative or too long delay, too many targets, or no room.
+    pub wide_area_reports_rejected: u64,
     /// Wide-area reports, or groups of them, used by a scan, repetitions after late scans included.
     pub wide_area_reports_used: u64,
     /// Reports used that no cluster was near enough to.
@@ -61,8 +61,8 @@ pub struct TrackerCounts {
     pub wide_area_confirmations: u64,
     /// Emissions taken (WA-9).
     pub emissions: u64,
-    /// Emissions refused: a value that cannot be, too late, no room, or no type described.
-    pub emissions_refused: u64,
+    /// Emissions rejected: a value that cannot be, too late, no room, or no type described.
+    pub emissions_rejected: u64,
     /// Emissions used by a scan, repetitions after late ones included.
     pub emissions_used: u64,
     /// Emissions used in whose direction there was no track, or more than one.

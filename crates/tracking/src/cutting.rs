@@ -4,7 +4,7 @@
 //! little late, and says when its antenna points north. To call a scan complete at that message would leave late plots
 //! to the next scan, and by the clock of the machine the result would depend on its load. So only times of the data
 //! count. A scan reaches from one boundary to the next; it is complete when something has come that is later than its
-//! end by the *wait*. What is older than the scan at hand comes too late, and is refused.
+//! end by the *wait*. What is older than the scan at hand comes too late, and is rejected.
 //!
 //! A boundary is where the sensor says that its turn begins ([`Cutter::turn_begins`]). Where it does not say so for
 //! longer than a period and the wait, the turn is taken to have lasted one period; and where the sensor is not asked
@@ -27,7 +27,7 @@ pub const NUMBERS_PER_S: i64 = 16;
 pub const PERIOD_MIN_NS: i64 = NS_PER_S / NUMBERS_PER_S;
 /// Most boundaries that wait for detections to reach them.
 const BOUNDARIES_MAX: usize = 8;
-const NS_PER_S: i64 = 1_000_000_000;
+const NS_PER_S: i64 = messages::NS_PER_S as i64;
 
 /// Settings of a cutter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -131,7 +131,7 @@ impl<'a> Directions<'a> {
         for candidate in self.candidates(track, seen) {
             let plot = &self.plots[candidate.place];
             let mut updated = candidate.at_its_time;
-            if updated.update(&plot.measurement.worth(sensor.worth)).is_none() {
+            if updated.update(&plot.measurement.weighted(sensor.scan_weight)).is_none() {
                 continue;
             }
             if plot.time_ns != self.time_ns {
@@ -142,7 +142,7 @@ impl<'a> Directions<'a> {
             sum += likelihood;
             mean = Motion::mixture(&mean, &updated, likelihood / sum);
         }
-        let evidence = sensor.worth * sum.ln();
+        let evidence = sensor.scan_weight * sum.ln();
         if !evidence.is_finite() {
             return;
         }
@@ -165,7 +165,7 @@ impl<'a> Directions<'a> {
             return None;
         }
         let predicted = track.motion_at(self.time_ns, &self.sensor.motion);
-        let seen = self.sensor.sees(predicted.widest());
+        let seen = self.sensor.probability_in_view(predicted.widest());
         self.are_good_for(&predicted).then_some((predicted, seen))
     }
 

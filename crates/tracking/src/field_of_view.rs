@@ -35,7 +35,7 @@ settings::settings! {
 impl FieldOfView {
     fn check(&self) -> Result<(), SettingsError> {
         let [near, far] = self.range_m;
-        // Written so that NaN is refused.
+        // Written so that NaN is rejected.
         if near >= 0.0 && far > near {
             return Ok(());
         }

@@ -4,7 +4,7 @@
 //! detection in a gate belongs to the track's cluster; if it already belongs to another one, the two become one.
 //!
 //! Bounds: a track is compared with at most [`COMPARISONS_MAX`] detections and keeps its [`PAIRS_MAX`] likeliest; a
-//! cluster that would grow beyond [`CLUSTER_TRACKS_MAX`] tracks or [`ROWS_MAX`] detections refuses the pair that would
+//! cluster that would grow beyond [`CLUSTER_TRACKS_MAX`] tracks or [`ROWS_MAX`] detections drops the pair that would
 //! make it so. So 10,000 detections in one gate cost no more than 10,000 elsewhere. All is counted.
 
 use association::components::representative;
@@ -92,7 +92,8 @@ impl Gating {
                 self.pairs_begin.push(self.pairs.len() as u32);
                 let compared = &population.tracks[track as usize];
                 let predicted = compared.motion_at(time_ns, &sensor.motion);
-                self.log_misses.push(sensor.log_miss(sensor.sees(predicted.widest())));
+                self.log_misses
+                    .push(sensor.log_miss(sensor.probability_in_view(predicted.widest())));
                 self.search(&predicted, plots.len(), &reach, sensor.gates[1]);
                 let first = self.pairs.len();
                 self.compare(track, compared, &predicted, time_ns, plots, sensor, counts);
@@ -168,7 +169,7 @@ impl Gating {
         let first = self.pairs.len();
         let room = PAIRS_MAX.min(self.pairs.capacity() - first);
         let made = self.near.len().min(COMPARISONS_MAX);
-        counts.unmade_comparisons += (self.near.len() - made) as u64;
+        counts.dropped_comparisons += (self.near.len() - made) as u64;
         for &item in &self.near[..made] {
             let plot = &plots[item as usize];
             let innovation = if plot.time_ns == time_ns {

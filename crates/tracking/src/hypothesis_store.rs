@@ -125,7 +125,7 @@ impl HypothesisStore {
         let reliable = self.children.iter().take(reduction.hypotheses_max);
         let kept = reliable.take_while(|child| child.log_reliability >= least).count();
         self.children.truncate(kept.max(1));
-        counts.hypotheses_dropped += (before - self.children.len()) as u64;
+        counts.hypotheses_pruned += (before - self.children.len()) as u64;
         let left = log_sum(self.children.iter().map(|child| child.log_reliability));
         for child in &mut self.children {
             child.log_reliability -= left;

@@ -81,7 +81,7 @@ impl Interpretations {
         for parent in 0..parents.list.len() {
             self.find_entries(joined, parents, parent, counts);
             let posed = self.pose_problem(joined, parents, parent, |_| Start::May, counts);
-            counts.refused_hypotheses += u64::from(posed.is_none());
+            counts.hypotheses_dropped += u64::from(posed.is_none());
         }
         for plain in 0..self.problems.len() {
             let parent = self.problems[plain].parent;

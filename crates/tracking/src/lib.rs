@@ -30,7 +30,7 @@
 //!
 //! Everything is allocated in [`Tracker::new`], and nothing after. A population is four flat tables, and each scan
 //! writes the next one (`population`); a track is a flat record that remembers its last scans (`track`). What has no
-//! room is refused and counted ([`TrackerCounts`]); every search has a named maximum: [`COMPARISONS_MAX`] detections
+//! room is dropped and counted ([`TrackerCounts`]); every search has a named maximum: [`COMPARISONS_MAX`] detections
 //! per track, of which [`PAIRS_MAX`] are considered, [`CLUSTER_TRACKS_MAX`] tracks and 64 detections per cluster,
 //! [`HYPOTHESES_MAX`] hypotheses. What the maxima cut off is bounded and reported, too
 //! ([`TrackerCounts::dropped_probability_max`], HT-11).
@@ -101,4 +101,4 @@ pub use initiation::Initiation;
 pub use limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, DETECTION_COUNTS, HISTORY_MAX, HYPOTHESES_MAX, PAIRS_MAX};
 pub use settings::Settings;
 pub use track_report::TrackReport;
-pub use tracker::{Refusal, Tracker};
+pub use tracker::{Rejection, Tracker};

@@ -98,9 +98,9 @@ impl Measurement {
         }
     }
 
-    /// The mean of several that are off to the same side: worth `worth` ≤ 1 of one, its standard deviations are larger.
-    pub(crate) fn worth(&self, worth: f64) -> Self {
-        let sigmas = self.sigmas.map(|sigma| sigma / worth.sqrt());
+    /// The mean of several that are off to the same side: of weight `weight` ≤ 1, its standard deviations are larger.
+    pub(crate) fn weighted(&self, weight: f64) -> Self {
+        let sigmas = self.sigmas.map(|sigma| sigma / weight.sqrt());
         Self { sigmas, ..*self }
     }
 
@@ -300,7 +300,7 @@ impl Tangents {
                     *value -= l * above;
                 }
             }
-            // Written so that NaN is refused.
+            // Written so that NaN is rejected.
             if !(diagonal > 0.0 && diagonal.is_finite()) {
                 return None;
             }

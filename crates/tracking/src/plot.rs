@@ -42,16 +42,16 @@ pub(crate) fn admit(
     for detection in detections {
         let near = detection.time_of_measurement_ns.abs_diff(time_ns) <= SCAN_HALF_NS;
         let Some(measurement) = Measurement::of(detection, sensor.default_sigmas()).filter(|_| near) else {
-            counts.unusable_detections += 1;
+            counts.rejected_detections += 1;
             continue;
         };
         if plots.len() == plots.capacity() {
-            counts.crowded_out_detections += 1;
+            counts.dropped_detections += 1;
             continue;
         }
         let age_ns = latest_ns.saturating_sub(detection.time_of_measurement_ns);
-        let is_refused = selection.refuses(&measurement, age_ns);
-        counts.refused_detections += u64::from(is_refused);
+        let is_refused = selection.rejects(&measurement, age_ns);
+        counts.deselected_detections += u64::from(is_refused);
         let log_weight = match selection.log_kept_weight() {
             _ if !is_refused => 0.0,
             Some(log_weight) => log_weight,

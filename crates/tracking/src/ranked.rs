@@ -12,7 +12,7 @@
 //! cluster come out in order whatever parent they have, and no part is solved twice.
 //!
 //! Bounds: at most [`ROWS_MAX`] rows of at most [`CHOICES_MAX`] choices, [`COLUMNS_MAX`] columns, and the tables'
-//! sizes; what finds no room is refused and counted. Time is bounded by the number of solutions asked for times rows,
+//! sizes; what finds no room is dropped and counted. Time is bounded by the number of solutions asked for times rows,
 //! each with one solution of an assignment problem. Equal costs come out in the order of the problems and their
 //! choices.
 //!
@@ -170,7 +170,7 @@ pub(crate) struct Ranked {
     heap: BinaryHeap<Reverse<Queued>>,
     paths: AugmentingPaths,
     /// Logarithm of the bound of the parts for which there was no room.
-    log_refused: f64,
+    log_dropped: f64,
 }
 
 /// The next best solution.
@@ -191,7 +191,7 @@ impl Ranked {
             parts: Vec::with_capacity(PARTS_MAX),
             heap: BinaryHeap::with_capacity(PARTS_MAX),
             paths: AugmentingPaths::new(ROWS_MAX, COLUMNS_MAX),
-            log_refused: f64::NEG_INFINITY,
+            log_dropped: f64::NEG_INFINITY,
         }
     }
 
@@ -203,7 +203,7 @@ impl Ranked {
         self.choices.clear();
         self.parts.clear();
         self.heap.clear();
-        self.log_refused = f64::NEG_INFINITY;
+        self.log_dropped = f64::NEG_INFINITY;
     }
 
     /// Begins a problem whose solutions cost `base_cost` more than their choices. `false` if there is no room.
@@ -283,7 +283,7 @@ impl Ranked {
             .heap
             .iter()
             .map(|Reverse(queued)| self.parts[queued.part as usize].log_bound);
-        log_add(log_sum(waiting), self.log_refused)
+        log_add(log_sum(waiting), self.log_dropped)
     }
 
     /// Logarithm of the sum of the likelihoods of a row's choices that are not forbidden and not taken.
@@ -355,7 +355,7 @@ impl Ranked {
     fn submit(&mut self, mut part: Part) {
         part.log_bound = self.log_bound(&part);
         if self.parts.len() >= PARTS_MAX {
-            self.log_refused = log_add(self.log_refused, part.log_bound);
+            self.log_dropped = log_add(self.log_dropped, part.log_bound);
             return;
         }
         let problem = self.problems[usize::from(part.problem)];
@@ -550,7 +550,7 @@ mod tests {
         for _ in 0..1000 {
             assert!(ranked.next().is_some());
         }
-        assert!(ranked.log_refused > 0.0, "the table of parts is full");
-        assert!(ranked.log_left() > ranked.log_refused);
+        assert!(ranked.log_dropped > 0.0, "the table of parts is full");
+        assert!(ranked.log_left() > ranked.log_dropped);
     }
 }

@@ -167,7 +167,7 @@ fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, count
         return;
     };
     if !next.has_room(1, 2, 1) {
-        counts.refused_tracks += 1;
+        counts.dropped_tracks += 1;
         return;
     }
     track.reliability = reliability;

@@ -1,11 +1,11 @@
 //! Which detections of on-board sensors are used at all (WA-1).
 //!
-//! Old, inaccurate or second-best detections seldom improve a track, and cost as much as others. They may be refused by
-//! their age, by their accuracy, or by the priority of their sensor where several look at the same time. Or they are
+//! Old, inaccurate or second-best detections seldom improve a track, and cost as much as others. They may be rejected
+//! by their age, by their accuracy, or by the priority of their sensor where several look at the same time. Or they are
 //! kept, but what is concluded from them weighs less: with a weight of 0 no hypothesis takes them for a target; with a
 //! small one those that do are less reliable and so the first to be dropped.
 //!
-//! A scan that is outranked and whose detections are refused counts as no look at all: it is nobody's miss.
+//! A scan that is outranked and whose detections are rejected counts as no look at all: it is nobody's miss.
 
 use settings::Seconds;
 
@@ -29,8 +29,8 @@ settings::settings! {
 }
 
 impl Selection {
-    /// Whether a detection is refused by age or accuracy.
-    pub(crate) fn refuses(&self, measurement: &Measurement, age_ns: i64) -> bool {
+    /// Whether a detection is rejected by age or accuracy.
+    pub(crate) fn rejects(&self, measurement: &Measurement, age_ns: i64) -> bool {
         let too_old = self.age_max_s.is_some_and(|age_max| age_ns > age_max.ns());
         let sigma_m = measurement.place().map(|(_, sigma_m)| sigma_m);
         let too_coarse = sigma_m
@@ -39,7 +39,7 @@ impl Selection {
         too_old || too_coarse
     }
 
-    /// Logarithm of the weight of refused detections; `None` if they are not kept.
+    /// Logarithm of the weight of rejected detections; `None` if they are not kept.
     pub(crate) fn log_kept_weight(&self) -> Option<f64> {
         self.kept_weight.map(f64::ln)
     }

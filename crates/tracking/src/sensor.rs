@@ -26,8 +26,8 @@ use crate::motion::MotionSettings;
 use crate::plot::Plot;
 use crate::settings::{SensorSettings, Settings};
 
-/// Smallest worth of a scan: several at one time must not count for nothing.
-const WORTH_MIN: f64 = 1e-3;
+/// Smallest weight of a scan: several at one time must not count for nothing.
+const WEIGHT_MIN: f64 = 1e-3;
 
 /// Settings of a sensor, and what is known of the scan at hand.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +41,7 @@ pub(crate) struct Sensor {
     pub(crate) field_of_view: Option<FieldOfView>,
     coherence_s: f64,
     /// Weight of the scan at hand relative to an independent scan, above 0, at most 1.
-    pub(crate) worth: f64,
+    pub(crate) scan_weight: f64,
     /// Position of the sensor at the scan at hand, east and north, metres; `None` if it is not known.
     platform_m: Option<[f64; 2]>,
 }
@@ -82,7 +82,7 @@ impl Sensor {
             gate_probability: settings.gate.probability,
             field_of_view: sensor.model.field_of_view,
             coherence_s: settings.deletion.coherence_s,
-            worth: 1.0,
+            scan_weight: 1.0,
             platform_m: None,
         }
     }
@@ -98,9 +98,9 @@ impl Sensor {
             memory.platform_m = Some([east, north]);
             memory.directions_only = plots.iter().all(|plot| plot.measurement.place().is_none());
         }
-        let worth = since_s.map_or(1.0, |since_s| (since_s / self.coherence_s).clamp(WORTH_MIN, 1.0));
+        let scan_weight = since_s.map_or(1.0, |since_s| (since_s / self.coherence_s).clamp(WEIGHT_MIN, 1.0));
         Self {
-            worth,
+            scan_weight,
             platform_m: memory.platform_m,
             ..*self
         }
@@ -116,7 +116,7 @@ impl Sensor {
     }
 
     /// Probability that a target is in the field of view.
-    pub(crate) fn sees(&self, predicted: &PackedGaussian) -> f64 {
+    pub(crate) fn probability_in_view(&self, predicted: &PackedGaussian) -> f64 {
         let seen = |view: &FieldOfView| view.holds(predicted, self.platform_m);
         self.field_of_view.as_ref().map_or(1.0, seen)
     }
@@ -128,7 +128,7 @@ impl Sensor {
 
     /// Logarithm of that probability, to the power of the scan's weight.
     pub(crate) fn log_miss(&self, seen: f64) -> f64 {
-        self.worth * (-seen * self.detection_probability * self.gate_probability).ln_1p()
+        self.scan_weight * (-seen * self.detection_probability * self.gate_probability).ln_1p()
     }
 }
 
@@ -154,11 +154,11 @@ mod tests {
         let settings = settings();
         let sensor = Sensor::new(&settings.sensors[0], &settings, [9.21; 4]);
         let mut memory = Memory::NONE;
-        let mut worth = |time_ns| sensor.at(time_ns, &[], &mut memory).worth;
-        assert_eq!(worth(0), 1.0, "the first look");
-        assert_eq!(worth(4 * S), 1.0, "a slow one");
-        assert_eq!(worth(4 * S + S / 10), 0.1);
-        assert_eq!(worth(4 * S + S / 10), WORTH_MIN);
+        let mut weight = |time_ns| sensor.at(time_ns, &[], &mut memory).scan_weight;
+        assert_eq!(weight(0), 1.0, "the first look");
+        assert_eq!(weight(4 * S), 1.0, "a slow one");
+        assert_eq!(weight(4 * S + S / 10), 0.1);
+        assert_eq!(weight(4 * S + S / 10), WEIGHT_MIN);
         // Ten quick misses are one.
         let quick: f64 = (1..=10)
             .map(|k| {
@@ -185,12 +185,26 @@ mod tests {
             mean: [1050.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             covariance: messages::Covariance::diagonal([1.0; 3], [1.0; 3]),
         };
-        assert_eq!(sensor.at(0, &[], &mut memory).sees(&near), 0.0, "nobody knows");
-        assert!(sensor.at(S, &[plot([1000.0, 0.0, 0.0])], &mut memory).sees(&near) > 0.999);
+        assert_eq!(
+            sensor.at(0, &[], &mut memory).probability_in_view(&near),
+            0.0,
+            "nobody knows"
+        );
         assert!(
-            sensor.at(2 * S, &[], &mut memory).sees(&near) > 0.999,
+            sensor
+                .at(S, &[plot([1000.0, 0.0, 0.0])], &mut memory)
+                .probability_in_view(&near)
+                > 0.999
+        );
+        assert!(
+            sensor.at(2 * S, &[], &mut memory).probability_in_view(&near) > 0.999,
             "nothing was seen"
         );
-        assert!(sensor.at(3 * S, &[plot([900.0, 0.0, 0.0])], &mut memory).sees(&near) < 1e-3);
+        assert!(
+            sensor
+                .at(3 * S, &[plot([900.0, 0.0, 0.0])], &mut memory)
+                .probability_in_view(&near)
+                < 1e-3
+        );
     }
 }

@@ -90,7 +90,7 @@ impl Separation {
                 return;
             }
             let kept = store.children.len() / 2;
-            counts.hypotheses_dropped += (store.children.len() - kept) as u64;
+            counts.hypotheses_pruned += (store.children.len() - kept) as u64;
             store.children.truncate(kept);
         }
     }
@@ -149,7 +149,7 @@ impl Separation {
         let tracks = self.part_of.iter().filter(|of| **of == part).count();
         let members: usize = store.children.iter().map(|child| store.members_of(child).len()).sum();
         if !next.has_room(tracks, store.children.len(), members) {
-            counts.refused_tracks += tracks as u64;
+            counts.dropped_tracks += tracks as u64;
             return;
         }
         self.place.clear();
@@ -174,7 +174,7 @@ impl Separation {
                 });
             }
         }
-        counts.hypotheses_dropped += finish_hypotheses(next, begin.1, reduction);
+        counts.hypotheses_pruned += finish_hypotheses(next, begin.1, reduction);
         self.place_tracks(store, next, begin.1);
         if next.tracks.len() == begin.0 {
             next.hypotheses.truncate(begin.1);

@@ -4,7 +4,7 @@
 //! decided without them stays decided. Instead the last scans stay open: they are kept with the population before each.
 //! A late one is put in its place, and all from there on are worked off again. So the result is the same, to the last
 //! bit, as if every scan had come in order; scans of equal time are in the order of their sensors. Scans older than all
-//! open ones are refused and counted.
+//! open ones are rejected and counted.
 
 use observations::{Detection, WideAreaReport};
 use settings::SettingsError;
@@ -18,20 +18,20 @@ use crate::scan_update::ScanUpdate;
 use crate::settings::Settings;
 use crate::track_report::{BestBranch, TrackReport, find_best, report_of};
 use crate::wide_area::cue::{Cue, cue};
-use crate::wide_area::emission::{Emission, EmissionRefusal};
-use crate::wide_area::report::ReportRefusal;
+use crate::wide_area::emission::{Emission, EmissionRejection};
+use crate::wide_area::report::ReportRejection;
 use crate::wide_area::support::Support;
 
 /// Reason why a scan was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
+pub enum Rejection {
     /// No settings for a sensor of this number.
     UnknownSensor(u32),
     /// The scan is older than every open one.
     TooLate,
 }
 
-impl std::fmt::Display for Refusal {
+impl std::fmt::Display for Rejection {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::UnknownSensor(sensor) => write!(formatter, "sensor {sensor} is not configured"),
@@ -40,7 +40,7 @@ impl std::fmt::Display for Refusal {
     }
 }
 
-impl std::error::Error for Refusal {}
+impl std::error::Error for Rejection {}
 
 /// The multiple-hypothesis tracker. No clone can be made: it would lack the memory allocated beforehand.
 #[derive(Debug)]
@@ -105,9 +105,9 @@ impl Tracker {
     /// Works in a scan of the sensor `sensor_id` at `time_ns`. No detections at all say something, too.
     ///
     /// # Errors
-    /// [`Refusal`], counted, if the scan cannot be used; single detections that cannot be used are left out and
+    /// [`Rejection`], counted, if the scan cannot be used; single detections that cannot be used are left out and
     /// counted.
-    pub fn scan(&mut self, sensor_id: u32, time_ns: i64, detections: &[Detection]) -> Result<(), Refusal> {
+    pub fn scan(&mut self, sensor_id: u32, time_ns: i64, detections: &[Detection]) -> Result<(), Rejection> {
         self.scan_explained(sensor_id, time_ns, detections, None)
     }
 
@@ -121,10 +121,10 @@ impl Tracker {
         time_ns: i64,
         detections: &[Detection],
         observer: Option<&dyn Observer>,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         let place = self
             .place(sensor_id, time_ns)
-            .inspect_err(|_| self.counts.refused_scans += 1)?;
+            .inspect_err(|_| self.counts.rejected_scans += 1)?;
         let (sensor, mut place) = place;
         if self.open == self.scans.len() {
             // The oldest one is closed.
@@ -160,8 +160,8 @@ impl Tracker {
     /// came before it and are still open are worked off again, later ones of closed scans use it from the next scan on.
     ///
     /// # Errors
-    /// [`ReportRefusal`], counted, if the report cannot be used.
-    pub fn wide_area(&mut self, report: &WideAreaReport) -> Result<(), ReportRefusal> {
+    /// [`ReportRejection`], counted, if the report cannot be used.
+    pub fn wide_area(&mut self, report: &WideAreaReport) -> Result<(), ReportRejection> {
         let (closed_ns, settings) = (self.closed_ns(), &self.settings.wide_area);
         let due_ns = self
             .support
@@ -177,8 +177,8 @@ impl Tracker {
     /// the track that it comes from; scans that came before it and are still open identify their tracks again.
     ///
     /// # Errors
-    /// [`EmissionRefusal`], counted, if the emission cannot be used.
-    pub fn emission(&mut self, emission: &Emission) -> Result<(), EmissionRefusal> {
+    /// [`EmissionRejection`], counted, if the emission cannot be used.
+    pub fn emission(&mut self, emission: &Emission) -> Result<(), EmissionRejection> {
         let (closed_ns, settings) = (self.closed_ns(), &self.settings.wide_area);
         let due_ns = self
             .support
@@ -242,17 +242,17 @@ impl Tracker {
     }
 
     /// The sensor's place in the settings, and the scan's among the open ones.
-    fn place(&self, sensor_id: u32, time_ns: i64) -> Result<(usize, usize), Refusal> {
+    fn place(&self, sensor_id: u32, time_ns: i64) -> Result<(usize, usize), Rejection> {
         let mut sensors = self.settings.sensors.iter();
         let sensor = sensors.position(|sensor| sensor.sensor_id == sensor_id);
-        let sensor = sensor.ok_or(Refusal::UnknownSensor(sensor_id))?;
+        let sensor = sensor.ok_or(Rejection::UnknownSensor(sensor_id))?;
         let open = &self.scans[..self.open];
         let place = open.partition_point(|scan| (scan.time_ns, scan.sensor) <= (time_ns, sensor));
         let closed = self.open == self.scans.len() && place == 0;
         // The population before the first open scan may be later than this one, if others have been closed.
         let behind = place == 0 && time_ns < self.populations[0].time_ns;
         if closed || behind {
-            return Err(Refusal::TooLate);
+            return Err(Rejection::TooLate);
         }
         Ok((sensor, place))
     }

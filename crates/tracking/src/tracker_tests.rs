@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use crate::clutter::Extent;
 use crate::settings::{Limit, SensorModel, SensorSettings, Splitting};
 use crate::testing::{S, position, settings};
-use crate::{FieldOfView, Refusal, Settings, Tracker};
+use crate::{FieldOfView, Rejection, Settings, Tracker};
 
 /// A number that looks random, in [-1, 1], for each step.
 fn noise(step: u64) -> f64 {
@@ -183,7 +183,7 @@ fn every_splitting_option_and_all_together_find_both_targets() {
         .unwrap();
         for second in 0..40 {
             let mut scan = splitting(second);
-            // Clutter beside them now and then gives the options something to refuse.
+            // Clutter beside them now and then gives the options something to reject.
             if second % 4 == 2 {
                 let beside = 60.0 + 40.0 * noise(second as u64 + 500);
                 scan.push(position(second * S, 15.0 * second as f64 - beside, beside));
@@ -253,9 +253,9 @@ fn late_scans_give_the_same_as_in_time() {
     assert_eq!(late.latest(), in_time.latest());
     assert_eq!(late.tracks(), in_time.tracks());
     assert_eq!((in_time.counts().late_scans, late.counts().late_scans), (0, 8));
-    assert_eq!(late.scan(1, 30 * S, &[]), Err(Refusal::TooLate));
-    assert_eq!(late.scan(3, 99 * S, &[]), Err(Refusal::UnknownSensor(3)));
-    assert_eq!(late.counts().refused_scans, 2);
+    assert_eq!(late.scan(1, 30 * S, &[]), Err(Rejection::TooLate));
+    assert_eq!(late.scan(3, 99 * S, &[]), Err(Rejection::UnknownSensor(3)));
+    assert_eq!(late.counts().rejected_scans, 2);
     assert_eq!(late.latest(), in_time.latest(), "what is refused changes nothing");
 }
 
@@ -316,7 +316,7 @@ fn sensors_of_every_kind_feed_one_track() {
     for (found, expected) in track.estimate.mean.iter().zip([385.0, 2e3, 100.0, 15.0, 0.0, 0.0]) {
         assert!((found - expected).abs() < 8.0, "{:?}", track.estimate.mean);
     }
-    assert_eq!(tracker.counts().unusable_detections, 0);
+    assert_eq!(tracker.counts().rejected_detections, 0);
 }
 
 fn modelled(model: SensorModel) -> SensorSettings {
@@ -588,11 +588,15 @@ fn unusable_detections_are_counted_and_left_out() {
     ];
     tracker.scan(1, S, &[&bad[..], &[good]].concat()).unwrap();
     assert_eq!(
-        (tracker.counts().unusable_detections, tracker.counts().detections),
+        (tracker.counts().rejected_detections, tracker.counts().detections),
         (9, 1)
     );
     assert_eq!(tracker.branches(), 1);
-    assert_eq!(tracker.scan(1, 0, &[good]), Err(Refusal::TooLate), "times go backwards");
+    assert_eq!(
+        tracker.scan(1, 0, &[good]),
+        Err(Rejection::TooLate),
+        "times go backwards"
+    );
 }
 
 #[test]
@@ -626,12 +630,9 @@ fn hostile_scans_are_bounded_and_counted() {
         );
     }
     let counts = tracker.counts();
-    assert_eq!(
-        (counts.detections, counts.crowded_out_detections),
-        (6 + 6 * 2000, 6 * 8000)
-    );
+    assert_eq!((counts.detections, counts.dropped_detections), (6 + 6 * 2000, 6 * 8000));
     assert!(
-        counts.unmade_comparisons > 0 && counts.dropped_pairs > 0 && counts.refused_tracks > 0,
+        counts.dropped_comparisons > 0 && counts.dropped_pairs > 0 && counts.dropped_tracks > 0,
         "{counts:?}"
     );
     tracker.scan(1, 10_000 * S, &[]).unwrap();

@@ -5,7 +5,7 @@ use messages::{TargetType, TrackKind};
 use crate::testing::{S, position, settings};
 use crate::wide_area::group::Groups;
 use crate::wide_area::prior::{self, Circle, EmissionBand, Knowledge, Prior};
-use crate::wide_area::{Emission, EmissionRefusal, WideAreaReport};
+use crate::wide_area::{Emission, EmissionRejection, WideAreaReport};
 use crate::{Settings, Tracker};
 
 /// Patrol boats emit at 9.4 GHz and come from the east, ferries at 3 GHz and come from the west.
@@ -196,7 +196,7 @@ fn an_emission_moves_no_track_and_a_bad_one_changes_nothing() {
             (&hostile.tracks, &hostile.hypotheses, &hostile.support.identities)
         );
     }
-    assert_eq!(hostile.counts().emissions_refused, 4 * 19);
+    assert_eq!(hostile.counts().emissions_rejected, 4 * 19);
     let mut heard = Tracker::new(known()).unwrap();
     for second in 0..20 {
         heard
@@ -212,7 +212,7 @@ fn an_emission_moves_no_track_and_a_bad_one_changes_nothing() {
         (&silent.latest().tracks, &silent.latest().hypotheses)
     );
     let mut ignorant = Tracker::new(settings()).unwrap();
-    assert_eq!(ignorant.emission(&good), Err(EmissionRefusal::NoTypes));
+    assert_eq!(ignorant.emission(&good), Err(EmissionRejection::NoTypes));
 }
 
 #[test]

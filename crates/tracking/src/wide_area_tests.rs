@@ -10,7 +10,7 @@ use crate::wide_area::correction::Rule;
 use crate::wide_area::group::Groups;
 use crate::wide_area::prior::{Circle, Knowledge, Prior, Sector};
 use crate::wide_area::settings::{EarlyConfirmation, EarlyDeletion};
-use crate::wide_area::{ReportRefusal, TARGETS_MAX, WideAreaReport};
+use crate::wide_area::{ReportRejection, TARGETS_MAX, WideAreaReport};
 use crate::{Settings, Tracker};
 
 fn report(time_s: i64, arrival_s: i64, targets: u32) -> WideAreaReport {
@@ -390,24 +390,28 @@ fn bad_reports_are_refused_counted_and_change_nothing() {
     let cases = [
         (
             report(6, 8, 10_000),
-            ReportRefusal::TooManyTargets(10_000),
+            ReportRejection::TooManyTargets(10_000),
             "10000 targets",
         ),
         (
             report(6, 8, TARGETS_MAX + 1),
-            ReportRefusal::TooManyTargets(257),
+            ReportRejection::TooManyTargets(257),
             "at most 256",
         ),
-        (report(8, 6, 2), ReportRefusal::NegativeDelay, "before it was observed"),
-        (report(6, 600, 2), ReportRefusal::TooLate(594 * S), "594.0 s after"),
-        (place([f64::NAN, 0.0, 0.0]), ReportRefusal::NoPlace, "must be numbers"),
-        (place([0.0, 1e12, 0.0]), ReportRefusal::NoPlace, "must be numbers"),
+        (
+            report(8, 6, 2),
+            ReportRejection::NegativeDelay,
+            "before it was observed",
+        ),
+        (report(6, 600, 2), ReportRejection::TooLate(594 * S), "594.0 s after"),
+        (place([f64::NAN, 0.0, 0.0]), ReportRejection::NoPlace, "must be numbers"),
+        (place([0.0, 1e12, 0.0]), ReportRejection::NoPlace, "must be numbers"),
         (
             WideAreaReport {
                 velocity_mps: [f64::INFINITY; 3],
                 ..good
             },
-            ReportRefusal::NoPlace,
+            ReportRejection::NoPlace,
             "must be numbers",
         ),
         (
@@ -416,7 +420,7 @@ fn bad_reports_are_refused_counted_and_change_nothing() {
                 arrival_ns: i64::MAX,
                 ..good
             },
-            ReportRefusal::TooLate(i64::MAX),
+            ReportRejection::TooLate(i64::MAX),
             "after the observation",
         ),
     ];
@@ -424,7 +428,7 @@ fn bad_reports_are_refused_counted_and_change_nothing() {
         let refusal = tracker.wide_area(bad).unwrap_err();
         assert_eq!(refusal, *expected);
         assert!(refusal.to_string().contains(sentence), "{refusal}");
-        assert_eq!(tracker.counts().wide_area_reports_refused, number as u64 + 1);
+        assert_eq!(tracker.counts().wide_area_reports_rejected, number as u64 + 1);
     }
     for far in [place([90e3, 0.0, 0.0]), report(6, 8, 0)] {
         tracker.wide_area(&far).unwrap();
@@ -457,7 +461,7 @@ fn hostile_numbers_and_floods_of_reports_are_bounded() {
         tracker.scan(1, second * S, &crowd.collect::<Vec<_>>()).unwrap();
     }
     assert!(refused > 0, "more than there is room for");
-    assert_eq!(tracker.counts().wide_area_reports_refused, refused);
+    assert_eq!(tracker.counts().wide_area_reports_rejected, refused);
     for cluster in &tracker.latest().clusters {
         let hypotheses =
             &tracker.latest().hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize];
@@ -479,15 +483,15 @@ fn detections_are_refused_by_age_and_accuracy() {
     for second in [0, 1, 2, 3, 4] {
         tracker.scan(1, second * S, &pair(second)).unwrap();
     }
-    assert_eq!(tracker.counts().refused_detections, 0);
+    assert_eq!(tracker.counts().deselected_detections, 0);
     tracker.scan(1, S + 1, &[position(S + 1, 0.0, 0.0)]).unwrap();
-    assert_eq!(tracker.counts().refused_detections, 1, "three seconds old");
+    assert_eq!(tracker.counts().deselected_detections, 1, "three seconds old");
     let coarse = Detection {
         sigmas: Some([20.0, 51.0, 0.0, 0.0]),
         ..position(5 * S, 75.0, 0.0)
     };
     tracker.scan(1, 5 * S, &[coarse]).unwrap();
-    assert_eq!(tracker.counts().refused_detections, 2);
+    assert_eq!(tracker.counts().deselected_detections, 2);
 }
 
 /// Sensor 2 says of the same target at the same times that it is elsewhere.

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 use observations::WideAreaReport;
 
-use super::report::ReportRefusal;
+use super::report::ReportRejection;
 use crate::tracker::Tracker;
 
 /// Most reports that wait, of sensors that go on without an end: more would be of no use to the tracker either.
@@ -51,13 +51,13 @@ impl Arrivals {
         true
     }
 
-    /// Gives the tracker what has arrived until `time_ns`; `refused` hears of each that it refuses.
-    pub fn give(&mut self, time_ns: i64, tracker: &mut Tracker, mut refused: impl FnMut(ReportRefusal)) {
+    /// Gives the tracker what has arrived until `time_ns`; `rejected` hears of each that it rejects.
+    pub fn give(&mut self, time_ns: i64, tracker: &mut Tracker, mut rejected: impl FnMut(ReportRejection)) {
         while self.waiting.front().is_some_and(|report| report.arrival_ns <= time_ns)
             && let Some(report) = self.waiting.pop_front()
         {
-            if let Err(refusal) = tracker.wide_area(&report) {
-                refused(refusal);
+            if let Err(reason) = tracker.wide_area(&report) {
+                rejected(reason);
             }
         }
     }
@@ -134,7 +134,7 @@ mod tests {
         arrivals.give(3 * S, &mut tracker, |refusal| refused.push(refusal));
         assert_eq!((arrivals.waiting(), tracker.counts().wide_area_reports), (2, 1));
         arrivals.give(9 * S, &mut tracker, |refusal| refused.push(refusal));
-        assert_eq!(refused, [ReportRefusal::TooManyTargets(10_000)]);
+        assert_eq!(refused, [ReportRejection::TooManyTargets(10_000)]);
         assert_eq!((arrivals.waiting(), tracker.counts().wide_area_reports), (0, 2));
     }
 

@@ -26,7 +26,7 @@ pub struct Emission {
 
 /// Reason why an emission was rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum EmissionRefusal {
+pub enum EmissionRejection {
     /// No type is described, so it could be of none.
     NoTypes,
     /// A value is no number, or cannot be.
@@ -37,7 +37,7 @@ pub enum EmissionRefusal {
     Full,
 }
 
-impl std::fmt::Display for EmissionRefusal {
+impl std::fmt::Display for EmissionRejection {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NoTypes => write!(formatter, "no type of target is described that it could be of"),
@@ -55,7 +55,7 @@ impl std::fmt::Display for EmissionRefusal {
     }
 }
 
-impl std::error::Error for EmissionRefusal {}
+impl std::error::Error for EmissionRejection {}
 
 impl Emission {
     /// The emission that a direction finder's bearing is of; `None` without a frequency, by which a type could be told.
@@ -104,20 +104,20 @@ impl Emissions {
         emission: &Emission,
         closed_ns: i64,
         delay_max_ns: i64,
-    ) -> Result<i64, EmissionRefusal> {
+    ) -> Result<i64, EmissionRejection> {
         if self.list.capacity() == 0 {
-            return Err(EmissionRefusal::NoTypes);
+            return Err(EmissionRejection::NoTypes);
         }
         if !emission.is_whole() {
-            return Err(EmissionRefusal::NoNumber);
+            return Err(EmissionRejection::NoNumber);
         }
         let delay_ns = closed_ns.saturating_sub(emission.time_ns);
         if delay_ns > delay_max_ns {
-            return Err(EmissionRefusal::TooLate(delay_ns));
+            return Err(EmissionRejection::TooLate(delay_ns));
         }
         self.list.retain(|(due_ns, _)| *due_ns > closed_ns);
         if self.list.len() >= EMISSIONS_KEPT_MAX {
-            return Err(EmissionRefusal::Full);
+            return Err(EmissionRejection::Full);
         }
         let due_ns = emission.time_ns.max(closed_ns.saturating_add(1));
         let order = |due_ns: i64, emission: &Emission| (due_ns, emission.time_ns);
@@ -170,8 +170,8 @@ mod tests {
     fn what_is_no_emission_is_refused_with_a_reason() {
         let refused = |types, emission: Emission| Emissions::new(types).keep(&emission, 100, 10).unwrap_err();
         let good = Emission { time_ns: 95, ..AT_5 };
-        assert_eq!(refused(0, good), EmissionRefusal::NoTypes);
-        assert_eq!(refused(1, AT_5), EmissionRefusal::TooLate(95));
+        assert_eq!(refused(0, good), EmissionRejection::NoTypes);
+        assert_eq!(refused(1, AT_5), EmissionRejection::TooLate(95));
         for wrong in [
             Emission {
                 bearing_rad: f64::NAN,
@@ -191,12 +191,12 @@ mod tests {
                 ..good
             },
         ] {
-            assert_eq!(refused(1, wrong), EmissionRefusal::NoNumber, "{wrong:?}");
+            assert_eq!(refused(1, wrong), EmissionRejection::NoNumber, "{wrong:?}");
         }
         let mut full = Emissions::new(1);
         while full.keep(&good, 90, 10).is_ok() {}
         assert_eq!(full.list.len(), EMISSIONS_KEPT_MAX);
-        assert_eq!(full.keep(&good, 90, 10), Err(EmissionRefusal::Full));
+        assert_eq!(full.keep(&good, 90, 10), Err(EmissionRejection::Full));
         assert_eq!(full.keep(&good, 100, 10), Ok(101), "closed scans have used the others");
     }
 }

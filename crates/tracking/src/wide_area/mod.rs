@@ -42,7 +42,7 @@ pub mod schedule;
 pub mod settings;
 pub(crate) mod support;
 
-pub use emission::{Emission, EmissionRefusal};
+pub use emission::{Emission, EmissionRejection};
 pub use observations::WideAreaReport;
-pub use report::{ReportRefusal, TARGETS_MAX, fault_in};
+pub use report::{ReportRejection, TARGETS_MAX, fault_in};
 pub use settings::WideArea;

@@ -6,8 +6,8 @@
 //! two things: which types are likely (module `identification`), and how many fly together. Where a formation of four
 //! is likely and two are reported, the correction may count on four.
 //!
-//! Statements that contradict each other are refused, since nobody could say which one holds: probabilities beyond 1, a
-//! type or number stated twice, two sectors from one point or two circles that overlap. Where a sector and a circle
+//! Statements that contradict each other are rejected, since nobody could say which one holds: probabilities beyond 1,
+//! a type or number stated twice, two sectors from one point or two circles that overlap. Where a sector and a circle
 //! overlap, the first one listed holds.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -125,7 +125,7 @@ impl Sector {
 impl EmissionBand {
     fn check(&self) -> Result<(), SettingsError> {
         let band = |key: &str, [low, high]: [f64; 2]| {
-            // Written so that NaN is refused.
+            // Written so that NaN is rejected.
             if low > 0.0 && low <= high && high.is_finite() {
                 return Ok(());
             }

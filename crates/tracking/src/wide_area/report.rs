@@ -11,7 +11,7 @@ pub(crate) const PLACE_MAX_M: f64 = 1e7;
 
 /// Reason why a report was rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ReportRefusal {
+pub enum ReportRejection {
     /// A coordinate, velocity or origin is no number, or no place.
     NoPlace,
     /// The report arrived before it was observed.
@@ -24,7 +24,7 @@ pub enum ReportRefusal {
     Full,
 }
 
-impl std::fmt::Display for ReportRefusal {
+impl std::fmt::Display for ReportRejection {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NoPlace => write!(
@@ -51,27 +51,27 @@ impl std::fmt::Display for ReportRefusal {
     }
 }
 
-impl std::error::Error for ReportRefusal {}
+impl std::error::Error for ReportRejection {}
 
 /// Fault of a report, whoever may use it; `None` if there is none.
-pub fn fault_in(report: &WideAreaReport) -> Option<ReportRefusal> {
+pub fn fault_in(report: &WideAreaReport) -> Option<ReportRejection> {
     let is_place = |value: f64| value.abs() <= PLACE_MAX_M;
     let origin = report.origin_m.unwrap_or_default();
     let numbers = report.position_m.iter().chain(&origin).all(|value| is_place(*value))
         && report.velocity_mps.iter().all(|value| value.is_finite());
     if !numbers {
-        return Some(ReportRefusal::NoPlace);
+        return Some(ReportRejection::NoPlace);
     }
     if report.arrival_ns < report.time_ns {
-        return Some(ReportRefusal::NegativeDelay);
+        return Some(ReportRejection::NegativeDelay);
     }
-    (report.targets > TARGETS_MAX).then_some(ReportRefusal::TooManyTargets(report.targets))
+    (report.targets > TARGETS_MAX).then_some(ReportRejection::TooManyTargets(report.targets))
 }
 
 /// Fault of a report for a tracker that allows a delay of `delay_max_ns`; `None` if there is none.
-pub(crate) fn fault(report: &WideAreaReport, delay_max_ns: i64) -> Option<ReportRefusal> {
+pub(crate) fn fault(report: &WideAreaReport, delay_max_ns: i64) -> Option<ReportRejection> {
     let delay_ns = report.arrival_ns.saturating_sub(report.time_ns);
-    let late = (delay_ns > delay_max_ns).then_some(ReportRefusal::TooLate(delay_ns));
+    let late = (delay_ns > delay_max_ns).then_some(ReportRejection::TooLate(delay_ns));
     fault_in(report).or(late)
 }
 
@@ -104,11 +104,16 @@ impl Reports {
     }
 
     /// Keeps a report. Those that can matter to no scan after `closed_ns` make room.
-    pub(crate) fn keep(&mut self, report: WideAreaReport, closed_ns: i64, valid_ns: i64) -> Result<(), ReportRefusal> {
+    pub(crate) fn keep(
+        &mut self,
+        report: WideAreaReport,
+        closed_ns: i64,
+        valid_ns: i64,
+    ) -> Result<(), ReportRejection> {
         self.list
             .retain(|kept| kept.arrival_ns > closed_ns || is_valid(kept, closed_ns, valid_ns));
         if self.list.len() == REPORTS_MAX {
-            return Err(ReportRefusal::Full);
+            return Err(ReportRejection::Full);
         }
         let order = |report: &WideAreaReport| (report.arrival_ns, report.time_ns);
         let place = self.list.partition_point(|kept| order(kept) <= order(&report));

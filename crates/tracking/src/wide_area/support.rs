@@ -8,9 +8,9 @@ use observations::WideAreaReport;
 
 use super::correction::{Gains, Rule, has_enough, lacking};
 use super::description::Description;
-use super::emission::{Emission, EmissionRefusal, Emissions};
+use super::emission::{Emission, EmissionRejection, Emissions};
 use super::expectation::{Expectation, Expectations};
-use super::report::{self, ReportRefusal, Reports};
+use super::report::{self, ReportRejection, Reports};
 use super::settings::{EarlyConfirmation, WideArea};
 use crate::counts::TrackerCounts;
 use crate::explanation::{CorrectionRecord, Observer};
@@ -43,14 +43,14 @@ impl Support {
     /// Keeps a report that scans after `closed_ns` may use (WA-2), and returns from which time on they do, nanoseconds.
     ///
     /// # Errors
-    /// [`ReportRefusal`], counted, if the report cannot be used.
+    /// [`ReportRejection`], counted, if the report cannot be used.
     pub(crate) fn take_report(
         &mut self,
         report: &WideAreaReport,
         closed_ns: i64,
         settings: &WideArea,
         counts: &mut TrackerCounts,
-    ) -> Result<i64, ReportRefusal> {
+    ) -> Result<i64, ReportRejection> {
         let due_ns = report.arrival_ns.max(closed_ns.saturating_add(1));
         let due = WideAreaReport {
             arrival_ns: due_ns,
@@ -59,7 +59,7 @@ impl Support {
         report::fault(report, settings.delay_max_s.ns())
             .map_or(Ok(()), Err)
             .and_then(|()| self.reports.keep(due, closed_ns, settings.valid_s.ns()))
-            .inspect_err(|_| counts.wide_area_reports_refused += 1)?;
+            .inspect_err(|_| counts.wide_area_reports_rejected += 1)?;
         counts.wide_area_reports += 1;
         Ok(due_ns)
     }
@@ -68,16 +68,16 @@ impl Support {
     /// nanoseconds.
     ///
     /// # Errors
-    /// [`EmissionRefusal`], counted, if the emission cannot be used.
+    /// [`EmissionRejection`], counted, if the emission cannot be used.
     pub(crate) fn take_emission(
         &mut self,
         emission: &Emission,
         closed_ns: i64,
         settings: &WideArea,
         counts: &mut TrackerCounts,
-    ) -> Result<i64, EmissionRefusal> {
+    ) -> Result<i64, EmissionRejection> {
         let due_ns = self.emissions.keep(emission, closed_ns, settings.delay_max_s.ns());
-        let due_ns = due_ns.inspect_err(|_| counts.emissions_refused += 1)?;
+        let due_ns = due_ns.inspect_err(|_| counts.emissions_rejected += 1)?;
         counts.emissions += 1;
         Ok(due_ns)
     }

@@ -150,7 +150,7 @@ fn scans_allocate_nothing() {
     }
     let counts = tracker.counts();
     assert!(
-        counts.refused_tracks > 0 && counts.late_scans > 0 && counts.confirmed > 0 && counts.wide_area_corrections > 0,
+        counts.dropped_tracks > 0 && counts.late_scans > 0 && counts.confirmed > 0 && counts.wide_area_corrections > 0,
         "{counts:?}"
     );
     assert!(counts.emissions_used > counts.emissions_unclear, "{counts:?}");

@@ -17,7 +17,7 @@ use anyhow::Context as _;
 use configuration::{Process, WideAreaSensor};
 use messages::{Counter, Counters, Stream, StreamId};
 use runtime::Agent;
-use tracking::wide_area::{ReportRefusal, WideAreaReport, fault_in};
+use tracking::wide_area::{ReportRejection, WideAreaReport, fault_in};
 
 use self::live::Live;
 use crate::receiver::Receiver;
@@ -64,8 +64,8 @@ impl Rejected {
     fn passes(&mut self, report: &WideAreaReport) -> bool {
         match fault_in(report) {
             None => return true,
-            Some(ReportRefusal::NoPlace) => self.place += 1,
-            Some(ReportRefusal::TooManyTargets(_)) => self.targets += 1,
+            Some(ReportRejection::NoPlace) => self.place += 1,
+            Some(ReportRejection::TooManyTargets(_)) => self.targets += 1,
             Some(_) => self.time += 1,
         }
         false

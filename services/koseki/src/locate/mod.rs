@@ -17,7 +17,7 @@ use anyhow::Context as _;
 use formats::bearings_csv::BearingReader;
 use locating::selection::Select;
 use locating::settings::{FilterChoice, Settings};
-use locating::{Locator, Refusal};
+use locating::{Locator, Rejection};
 use observations::Bearing;
 
 use crate::args::{Locate, Usage};
@@ -176,11 +176,11 @@ impl<'a> Input<'a> {
         Ok(None)
     }
 
-    fn refuse(&mut self, line: u64, refusal: Refusal) {
+    fn refuse(&mut self, line: u64, refusal: Rejection) {
         let reason = match refusal {
-            Refusal::Unusable(_) => "a value that cannot be",
-            Refusal::OutOfOrder => "order of time",
-            Refusal::TableFull => "want of places",
+            Rejection::Unusable(_) => "a value that cannot be",
+            Rejection::OutOfOrder => "order of time",
+            Rejection::TableFull => "want of places",
         };
         self.refusals.refused(reason, self.path, line, refusal);
     }

@@ -11,8 +11,8 @@ use messages::StageTimes;
 use observations::Sampled as _;
 use sources::{Scan, TrackSink};
 use tracking::wide_area::cue::Cue;
-use tracking::wide_area::{EmissionRefusal, ReportRefusal};
-use tracking::{Refusal, TrackReport, Tracker};
+use tracking::wide_area::{EmissionRejection, ReportRejection};
+use tracking::{Rejection, TrackReport, Tracker};
 
 use super::summary::Tracked;
 use super::support::Support;
@@ -105,7 +105,7 @@ impl TrackSink for Written {
         self.begun_ns = runtime::clock::mono_ns();
     }
 
-    fn done(&mut self, scan: &Scan<'_>, taken: Result<(), Refusal>, tracker: &Tracker) {
+    fn done(&mut self, scan: &Scan<'_>, taken: Result<(), Rejection>, tracker: &Tracker) {
         let took_ns = runtime::clock::mono_ns() - self.begun_ns;
         self.tracked.scan(scan, took_ns, taken, tracker);
     }
@@ -136,11 +136,11 @@ impl TrackSink for Written {
         });
     }
 
-    fn report_rejected(&mut self, reason: ReportRefusal) {
+    fn report_rejected(&mut self, reason: ReportRejection) {
         self.reports.iter_mut().for_each(|support| support.reject(reason));
     }
 
-    fn emission_rejected(&mut self, reason: EmissionRefusal) {
+    fn emission_rejected(&mut self, reason: EmissionRejection) {
         self.emissions.iter_mut().for_each(|support| support.reject(reason));
     }
 }

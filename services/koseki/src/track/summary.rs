@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use sources::Scan;
-use tracking::{Refusal, Tracker, TrackerCounts};
+use tracking::{Rejection, Tracker, TrackerCounts};
 
 use super::input::Input;
 use super::support::Support;
@@ -39,7 +39,7 @@ struct OfSensor {
 
 impl Tracked {
     /// Takes account of a scan that took so long.
-    pub(super) fn scan(&mut self, scan: &Scan<'_>, took_ns: i64, taken: Result<(), Refusal>, tracker: &Tracker) {
+    pub(super) fn scan(&mut self, scan: &Scan<'_>, took_ns: i64, taken: Result<(), Rejection>, tracker: &Tracker) {
         self.times_ns.push(took_ns);
         let of_sensor = self.by_sensor.entry(scan.sensor_id).or_default();
         of_sensor.scans += 1;
@@ -243,17 +243,17 @@ fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 6] {
         (
             "unusable_detections",
             "detections without usable values or standard deviations, or more than a minute from their scan",
-            counts.unusable_detections,
+            counts.rejected_detections,
         ),
         (
             "crowded_out_detections",
             "detections for which a scan had no room; raise capacity.detections",
-            counts.crowded_out_detections,
+            counts.dropped_detections,
         ),
         (
             "unmade_comparisons",
             "comparisons of a track with detections beyond its share",
-            counts.unmade_comparisons,
+            counts.dropped_comparisons,
         ),
         (
             "dropped_pairs",
@@ -263,12 +263,12 @@ fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 6] {
         (
             "refused_tracks",
             "tracks for want of room; raise capacity.tracks",
-            counts.refused_tracks,
+            counts.dropped_tracks,
         ),
         (
             "refused_hypotheses",
             "hypotheses for want of room",
-            counts.refused_hypotheses,
+            counts.hypotheses_dropped,
         ),
     ]
 }
