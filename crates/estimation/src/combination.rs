@@ -337,6 +337,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::gaussian::unpacked;
     use crate::is_positive_definite;
     use crate::testing::any_gaussian;
 
@@ -427,8 +428,8 @@ mod tests {
 
     fn several() -> impl Strategy<Value = Vec<Estimate<6>>> {
         let estimate = any_gaussian().prop_map(|gaussian| Estimate {
-            mean: gaussian.mean,
-            covariance: gaussian.covariance,
+            mean: gaussian.mean.into(),
+            covariance: unpacked(&gaussian.covariance),
         });
         prop::collection::vec(estimate, 2..5)
     }

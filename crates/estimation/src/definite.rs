@@ -8,9 +8,9 @@
 //! symmetric positive semidefinite matrix*, 1988); restoring the unit diagonal afterwards is a scaling, so it stays
 //! positive.
 
-use messages::STATE_LEN;
+use messages::{Covariance, STATE_LEN};
 
-use crate::gaussian::{Matrix6, Vector6};
+use crate::gaussian::{Matrix6, Vector6, at};
 
 /// Smallest eigenvalue that [`repaired`] leaves in the correlation matrix.
 const EIGENVALUE_MIN: f64 = 1e-9;
@@ -18,6 +18,30 @@ const EIGENVALUE_MIN: f64 = 1e-9;
 const EIGEN_ITERATIONS_MAX: usize = 200;
 /// Asymmetry that rounding explains, relative to the standard deviations of the two components.
 const ASYMMETRY_MAX: f64 = 1e-9;
+
+/// Whether a message's covariance is positive definite. Components whose variance is 0 say nothing, and are left out.
+pub fn is_usable(covariance: &Covariance) -> bool {
+    // L·D·Lᵀ: what is left of each component once the ones before it are known. Without roots, and with one division
+    // per component.
+    let mut rest = covariance.upper;
+    for known in 0..STATE_LEN {
+        let variance = rest[at(known, known)];
+        if covariance.upper[at(known, known)] == 0.0 {
+            continue;
+        }
+        if variance <= 0.0 || variance.is_nan() {
+            return false;
+        }
+        let inverse = 1.0 / variance;
+        for row in known + 1..STATE_LEN {
+            let slope = rest[at(known, row)] * inverse;
+            for column in row..STATE_LEN {
+                rest[at(row, column)] -= slope * rest[at(known, column)];
+            }
+        }
+    }
+    true
+}
 
 /// Whether `covariance` is finite, symmetric up to rounding, and positive definite.
 pub fn is_positive_definite(covariance: &Matrix6) -> bool {
@@ -71,7 +95,18 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::gaussian::unpacked;
     use crate::testing::any_gaussian;
+
+    #[test]
+    fn usable_is_what_is_positive_definite_where_something_is_said() {
+        let mut covariance = Covariance::diagonal([10.0, 10.0, 0.0], [2.0, 2.0, 0.0]);
+        assert!(is_usable(&covariance), "nothing is said of height");
+        covariance.set(0, 1, 101.0);
+        assert!(!is_usable(&covariance));
+        covariance.set(0, 1, f64::NAN);
+        assert!(!is_usable(&covariance));
+    }
 
     #[test]
     fn good_ones_are_left_alone() {
@@ -118,7 +153,7 @@ mod tests {
         fn any_symmetric_matrix_with_variances_is_made_usable(
             gaussian in any_gaussian(), row in 0usize..6, column in 0usize..6, factor in -3.0..3.0f64,
         ) {
-            let mut matrix = gaussian.covariance;
+            let mut matrix = unpacked(&gaussian.covariance);
             if row != column {
                 let scale = (matrix[(row, row)] * matrix[(column, column)]).sqrt();
                 matrix[(row, column)] = factor * scale;

@@ -52,8 +52,8 @@ pub fn statistical_distance(a: &Gaussian, b: &Gaussian, components: ComparedComp
 fn over<const D: usize>(a: &Gaussian, b: &Gaussian, components: [usize; D]) -> f64 {
     let difference = SVector::<f64, D>::from_fn(|row, _| a.mean[components[row]] - b.mean[components[row]]);
     let covariance = SMatrix::<f64, D, D>::from_fn(|row, column| {
-        let at = (components[row], components[column]);
-        a.covariance[at] + b.covariance[at]
+        let (row, column) = (components[row], components[column]);
+        a.covariance.get(row, column) + b.covariance.get(row, column)
     });
     squared_length(&difference, &covariance)
 }
@@ -78,7 +78,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::gaussian::{Matrix6, Vector6};
+    use crate::gaussian::{Matrix6, Vector6, packed, unpacked};
     use crate::testing::any_gaussian;
     use ComparedComponents::*;
 
@@ -92,13 +92,10 @@ mod tests {
     #[test]
     fn known_values() {
         let a = Gaussian {
-            mean: Vector6::from_column_slice(&[3.0, 4.0, 12.0, 1.0, 2.0, 2.0]),
-            covariance: Matrix6::identity() * 0.5,
+            mean: [3.0, 4.0, 12.0, 1.0, 2.0, 2.0],
+            covariance: packed(&(Matrix6::identity() * 0.5)),
         };
-        let b = Gaussian {
-            mean: Vector6::zeros(),
-            covariance: Matrix6::identity() * 0.5,
-        };
+        let b = Gaussian { mean: [0.0; 6], ..a };
         for (components, expected) in ALL.into_iter().zip([25.0, 169.0, 30.0, 178.0]) {
             assert!((statistical_distance(&a, &b, components) - expected).abs() < 1e-9);
         }
@@ -124,12 +121,12 @@ mod tests {
         let mut both = Matrix6::zeros();
         both.fixed_view_mut::<3, 3>(0, 0).copy_from(turn.matrix());
         both.fixed_view_mut::<3, 3>(3, 3).copy_from(turn.matrix());
-        let mut mean = both * gaussian.mean;
+        let mut mean = both * Vector6::from(gaussian.mean);
         let mut position = mean.fixed_rows_mut::<3>(0);
         position += shift;
         Gaussian {
-            mean,
-            covariance: both * gaussian.covariance * both.transpose(),
+            mean: mean.into(),
+            covariance: packed(&(both * unpacked(&gaussian.covariance) * both.transpose())),
         }
     }
 

@@ -6,11 +6,9 @@
 //! update then finds the velocity by itself (Bar-Shalom et al. 2001, chapter 5; M. Mallick, B. La Scala, *Comparison of
 //! single-point and two-point difference track initiation algorithms using position measurements*, 2008).
 
-use messages::AXES;
-use nalgebra::{SMatrix, SVector};
+use messages::{AXES, Covariance, STATE_LEN};
 
-use crate::Gaussian;
-use crate::gaussian::{Matrix6, Vector6};
+use crate::gaussian::{Gaussian, Symmetric3};
 
 /// What is assumed of a velocity before it was observed: zero, with these standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,78 +23,81 @@ pub struct FirstVelocity {
 const UNOBSERVED_HEIGHT_M2: f64 = 1e4 * 1e4;
 
 impl Gaussian {
-    /// The state after a first measured position in the first `D` axes (2: east and north; 3: also up). In two
-    /// axes, height is 0 with a variance that says nothing.
+    /// The state after a first measured position, of covariance `r`, in the first `D` axes (2: east and north; 3: also
+    /// up). In two axes, height is 0 with a variance that says nothing.
     pub fn from_first_position<const D: usize>(
-        measured_m: SVector<f64, D>,
-        covariance_m2: SMatrix<f64, D, D>,
+        measured_m: [f64; AXES],
+        r: &Symmetric3,
         velocity: FirstVelocity,
     ) -> Self {
         const { assert!(D == 2 || D == 3, "a position has two or three axes") };
         let horizontal = velocity.horizontal_sigma_mps * velocity.horizontal_sigma_mps;
         let vertical = velocity.vertical_sigma_mps * velocity.vertical_sigma_mps;
-        let mut mean = Vector6::zeros();
-        mean.fixed_rows_mut::<D>(0).copy_from(&measured_m);
-        let mut covariance = Matrix6::zeros();
-        covariance[(2, 2)] = UNOBSERVED_HEIGHT_M2;
-        covariance.fixed_view_mut::<D, D>(0, 0).copy_from(&covariance_m2);
-        covariance[(3, 3)] = horizontal;
-        covariance[(4, 4)] = horizontal;
-        covariance[(5, 5)] = vertical;
-        let mut gaussian = Self { mean, covariance };
-        if D < AXES {
-            gaussian.forget_height(velocity);
+        let mut covariance = Covariance::default();
+        for (place, value) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().zip(r) {
+            covariance.set(place.0, place.1, *value);
         }
-        gaussian.symmetrise();
-        gaussian
+        for (component, variance) in [(3, horizontal), (4, horizontal), (5, vertical)] {
+            covariance.set(component, component, variance);
+        }
+        let mut state = Self::new(measured_m, [0.0; AXES], &covariance);
+        if D < AXES {
+            state.forget_height(velocity);
+        }
+        state
     }
 
     /// Makes height and vertical speed as if never observed: 0, uncorrelated, with variances that say nothing. For
     /// tracks of sensors that do not measure height, whose prediction would let these variances grow for ever.
     pub fn forget_height(&mut self, velocity: FirstVelocity) {
         let vertical = velocity.vertical_sigma_mps * velocity.vertical_sigma_mps;
-        let variances = [(2, UNOBSERVED_HEIGHT_M2), (5, vertical)];
-        for (component, variance) in variances {
-            self.mean[component] = 0.0;
-            self.covariance.row_mut(component).fill(0.0);
-            self.covariance.column_mut(component).fill(0.0);
-            self.covariance[(component, component)] = variance;
+        self.replace_vertical([0.0, 0.0], [UNOBSERVED_HEIGHT_M2, vertical]);
+    }
+
+    /// Makes height and vertical speed these, uncorrelated with all else, with these variances.
+    pub fn replace_vertical(&mut self, mean: [f64; 2], variances: [f64; 2]) {
+        for (component, value, variance) in [(2, mean[0], variances[0]), (5, mean[1], variances[1])] {
+            self.mean[component] = value;
+            for other in 0..STATE_LEN {
+                self.covariance.set(component.min(other), component.max(other), 0.0);
+            }
+            self.covariance.set(component, component, variance);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-
     use super::*;
-    use crate::definite::is_positive_definite;
-    use crate::motion::NearlyConstantVelocity;
+    use crate::AxisNoise;
+    use crate::definite::is_usable;
 
     const VELOCITY: FirstVelocity = FirstVelocity {
         horizontal_sigma_mps: 150.0,
         vertical_sigma_mps: 15.0,
     };
+    /// No correlation, variances of 9 m².
+    const R: Symmetric3 = [9.0, 0.0, 0.0, 9.0, 0.0, 9.0];
 
     #[test]
     fn two_and_three_axes() {
-        let plane = Gaussian::from_first_position(Vector2::new(1.0, 2.0), Matrix2::identity() * 9.0, VELOCITY);
+        let plane = Gaussian::from_first_position::<2>([1.0, 2.0, 7.0], &R, VELOCITY);
         assert_eq!(plane.position_m(), [1.0, 2.0, 0.0]);
-        assert_eq!(plane.covariance[(2, 2)], UNOBSERVED_HEIGHT_M2);
-        assert!(is_positive_definite(&plane.covariance));
-        let space = Gaussian::from_first_position(Vector3::new(1.0, 2.0, 3.0), Matrix3::identity() * 9.0, VELOCITY);
+        assert_eq!(plane.covariance.get(2, 2), UNOBSERVED_HEIGHT_M2);
+        assert!(is_usable(&plane.covariance));
+        let space = Gaussian::from_first_position::<3>([1.0, 2.0, 3.0], &R, VELOCITY);
         assert_eq!(space.position_m(), [1.0, 2.0, 3.0]);
-        assert_eq!(space.covariance[(2, 2)], 9.0);
-        assert_eq!(space.covariance[(5, 5)], 225.0);
+        assert_eq!(space.covariance.get(2, 2), 9.0);
+        assert_eq!(space.covariance.get(5, 5), 225.0);
     }
 
     #[test]
     fn second_position_finds_the_velocity() {
-        let r = Matrix2::identity() * 100.0;
-        let first = Gaussian::from_first_position(Vector2::new(0.0, 0.0), r, VELOCITY);
-        let mut second = NearlyConstantVelocity::new(1.0, 0.1).predicted(&first, 4.0);
+        let first = Gaussian::from_first_position::<2>([0.0; 3], &R, VELOCITY);
+        let noise = [1.0, 1.0, 0.1].map(|density| AxisNoise::white(density, 4.0));
+        let mut second = first.moved(4.0, noise);
         second
-            .update_position(Vector2::new(800.0, -400.0), r)
+            .update_position::<2>([800.0, -400.0, 0.0], &R)
             .expect("positive definite");
         let [east, north, up] = second.velocity_mps();
         assert!((east - 200.0).abs() < 1.0 && (north + 100.0).abs() < 1.0 && up == 0.0);

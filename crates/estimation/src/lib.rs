@@ -7,6 +7,7 @@
 //! - [`prediction`](NearlyConstantVelocity): bring it to another time,
 //! - [`update`](Gaussian::update_position): improve it by a measured position,
 //! - [`initiation`](Gaussian::from_first_position): begin it from one measured position,
+//! - [`mixture`](Gaussian::mixture): make one state of two that hold with some probability,
 //! - [`distance`](statistical_distance): is it the same target as another one?
 //! - [`recovery`](recovered): which measurement is behind a sensor track's latest report?
 //! - [`definite`](repaired): is a covariance that came from outside usable, and can it be made so?
@@ -27,8 +28,8 @@ mod dense;
 mod distance;
 mod gaussian;
 mod initiation;
+mod mixture;
 mod motion;
-mod packed;
 mod recovery;
 #[cfg(test)]
 mod testing;
@@ -39,11 +40,10 @@ pub use combination::{
     weighted_information,
 };
 pub use common_noise::SteadyFilter;
-pub use definite::{is_positive_definite, repaired};
+pub use definite::{is_positive_definite, is_usable, repaired};
 pub use distance::{ComparedComponents, squared_length, statistical_distance};
-pub use gaussian::{Gaussian, Matrix3, Matrix6, Vector6, packed, unpacked};
+pub use gaussian::{Gaussian, Matrix3, Matrix6, Symmetric3, Vector6, packed, unpacked};
 pub use initiation::FirstVelocity;
 pub use motion::{AxisNoise, NearlyConstantVelocity};
-pub use packed::{PackedGaussian, PackedInnovation, Symmetric3, is_usable};
 pub use recovery::{Recovered, implied_noise, recovered};
 pub use update::Innovation;

@@ -17,7 +17,7 @@
 
 use messages::AXES;
 
-use crate::Gaussian;
+use crate::gaussian::{Gaussian, at};
 
 /// Covariance that an axis gains between two times: of position, of position with velocity, of velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,33 +85,31 @@ impl Gaussian {
     /// Moved along its velocity for `duration_s` seconds: F·x and F·P·Fᵀ + Q, Q being `noise` per axis.
     #[must_use]
     pub fn moved(&self, duration_s: f64, noise: [AxisNoise; AXES]) -> Self {
-        let t = duration_s;
         let mut moved = *self;
-        let p = &self.covariance;
-        // F = [I tI; 0 I], so the 3×3 blocks of F·P·Fᵀ need no multiplication of full matrices.
+        moved.advance(duration_s, noise);
+        moved
+    }
+
+    /// [`Self::moved`] in place.
+    pub fn advance(&mut self, duration_s: f64, noise: [AxisNoise; AXES]) {
+        let t = duration_s;
+        let p = &mut self.covariance.upper;
         for row in 0..AXES {
-            moved.mean[row] += t * self.mean[row + AXES];
-            for column in 0..AXES {
-                let velocity = p[(row + AXES, column + AXES)];
-                let cross = p[(row, column + AXES)] + t * velocity;
-                moved.covariance[(row, column + AXES)] = cross;
-                moved.covariance[(column + AXES, row)] = cross;
-                if column >= row {
-                    let position =
-                        p[(row, column)] + t * (p[(row + AXES, column)] + p[(row, column + AXES)]) + t * t * velocity;
-                    moved.covariance[(row, column)] = position;
-                    moved.covariance[(column, row)] = position;
-                }
+            self.mean[row] += t * self.mean[row + AXES];
+            for column in row..AXES {
+                // Each element is read before it is written: a pair of axes touches no other pair's.
+                let velocity = p[at(row + AXES, column + AXES)];
+                let (cross, mirrored) = (p[at(row, column + AXES)], p[at(column, row + AXES)]);
+                p[at(row, column)] = p[at(row, column)] + t * (cross + mirrored) + t * t * velocity;
+                p[at(row, column + AXES)] = cross + t * velocity;
+                p[at(column, row + AXES)] = mirrored + t * velocity;
             }
         }
         for (axis, noise) in noise.iter().enumerate() {
-            let velocity_axis = axis + AXES;
-            moved.covariance[(axis, axis)] += noise.position_m2;
-            moved.covariance[(axis, velocity_axis)] += noise.cross_m2ps;
-            moved.covariance[(velocity_axis, axis)] += noise.cross_m2ps;
-            moved.covariance[(velocity_axis, velocity_axis)] += noise.velocity_m2ps2;
+            p[at(axis, axis)] += noise.position_m2;
+            p[at(axis, axis + AXES)] += noise.cross_m2ps;
+            p[at(axis + AXES, axis + AXES)] += noise.velocity_m2ps2;
         }
-        moved
     }
 }
 
@@ -120,22 +118,24 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::definite::is_positive_definite;
-    use crate::gaussian::{Matrix6, Vector6};
+    use crate::definite::is_usable;
+    use crate::gaussian::{Matrix6, Vector6, packed, unpacked};
     use crate::testing::{any_gaussian, assert_close};
 
     #[test]
     fn equals_the_matrix_form() {
         let (t, model) = (2.5, NearlyConstantVelocity::new(3.0, 0.5));
+        let mean = Vector6::from_fn(|row, _| row as f64 - 2.0);
+        let covariance = Matrix6::from_fn(|row, column| {
+            if row == column {
+                9.0
+            } else {
+                1.0 / (row + column) as f64
+            }
+        });
         let gaussian = Gaussian {
-            mean: Vector6::from_fn(|row, _| row as f64 - 2.0),
-            covariance: Matrix6::from_fn(|row, column| {
-                if row == column {
-                    9.0
-                } else {
-                    1.0 / (row + column) as f64
-                }
-            }),
+            mean: mean.into(),
+            covariance: packed(&covariance),
         };
         let mut transition = Matrix6::identity();
         let mut noise = Matrix6::zeros();
@@ -148,9 +148,9 @@ mod tests {
             noise[(axis + AXES, axis + AXES)] = q * t;
         }
         let predicted = model.predicted(&gaussian, t);
-        assert!((predicted.mean - transition * gaussian.mean).amax() < 1e-12);
-        let expected = transition * gaussian.covariance * transition.transpose() + noise;
-        assert!((predicted.covariance - expected).amax() < 1e-12);
+        assert!((Vector6::from(predicted.mean) - transition * mean).amax() < 1e-12);
+        let expected = transition * covariance * transition.transpose() + noise;
+        assert!((unpacked(&predicted.covariance) - expected).amax() < 1e-12);
     }
 
     proptest! {
@@ -166,7 +166,7 @@ mod tests {
         #[test]
         fn covariance_stays_positive_definite(gaussian in any_gaussian(), t in -20.0..20.0f64, q in 0.0..50.0f64) {
             let predicted = NearlyConstantVelocity::new(q, q / 10.0).predicted(&gaussian, t);
-            prop_assert!(is_positive_definite(&predicted.covariance));
+            prop_assert!(is_usable(&predicted.covariance));
         }
     }
 }

@@ -19,10 +19,9 @@
 //! Source: O. E. Drummond, *Tracklets and a hybrid fusion with process noise*, SPIE 3163 (1997), in the form for
 //! position measurements; the two conditions are elementary properties of the conditional normal distribution.
 
-use messages::AXES;
+use messages::{AXES, Covariance};
 use nalgebra::{SMatrix, SVector};
 
-use crate::gaussian::Matrix6;
 use crate::{AxisNoise, Gaussian};
 
 /// Largest relative difference of the two estimates of [`implied_noise`] that rounding explains.
@@ -43,30 +42,31 @@ pub struct Recovered<const D: usize> {
 /// `updated`; `None` if the update shows no measurement.
 pub fn recovered<const D: usize>(predicted: &Gaussian, updated: &Gaussian) -> Option<Recovered<D>> {
     const { assert!(D == 2 || D == 3, "a position has two or three axes") };
-    let before = predicted.covariance.fixed_view::<D, D>(0, 0).into_owned();
-    let after = updated.covariance.fixed_view::<D, D>(0, 0).into_owned();
+    let position = |state: &Gaussian| SVector::<f64, D>::from_fn(|axis, _| state.mean[axis]);
+    let covariance = |state: &Gaussian| SMatrix::<f64, D, D>::from_fn(|row, column| state.covariance.get(row, column));
+    let (before, after) = (covariance(predicted), covariance(updated));
     let change = before - after;
     if (0..D).any(|axis| change[(axis, axis)] <= CHANGE_MIN * before[(axis, axis)]) {
         return None;
     }
     let inverse = change.cholesky()?.inverse();
     let undo = before * inverse;
-    let shift = updated.mean.fixed_rows::<D>(0) - predicted.mean.fixed_rows::<D>(0);
+    let shift = position(updated) - position(predicted);
     let covariance = undo * before - before;
     let covariance_m2 = (covariance + covariance.transpose()) * 0.5;
     covariance_m2.cholesky()?;
     Some(Recovered {
-        position_m: predicted.mean.fixed_rows::<D>(0) + undo * shift,
+        position_m: position(predicted) + undo * shift,
         covariance_m2,
     })
 }
 
 /// Spectral density of the white acceleration noise, m²/s³, that a position filter must have assumed on `axis` between
 /// two successive covariances `duration_s` apart; `None` if they do not come from such a filter.
-pub fn implied_noise(before: &Matrix6, after: &Matrix6, duration_s: f64, axis: usize) -> Option<f64> {
-    let of = |matrix: &Matrix6| {
+pub fn implied_noise(before: &Covariance, after: &Covariance, duration_s: f64, axis: usize) -> Option<f64> {
+    let of = |covariance: &Covariance| {
         let (p, v) = (axis, axis + AXES);
-        (matrix[(p, p)], matrix[(p, v)], matrix[(v, v)])
+        (covariance.get(p, p), covariance.get(p, v), covariance.get(v, v))
     };
     let (p, c, v) = of(before);
     let t = duration_s;
@@ -93,6 +93,7 @@ pub fn implied_noise(before: &Matrix6, after: &Matrix6, duration_s: f64, axis: u
 
 #[cfg(test)]
 mod tests {
+    use messages::STATE_LEN;
     use nalgebra::{Matrix3, Vector3};
     use proptest::prelude::*;
 
@@ -103,20 +104,22 @@ mod tests {
     #[test]
     fn a_filters_measurements_come_back() {
         let model = NearlyConstantVelocity::new(20.0, 2.0);
-        let r = Matrix3::new(2500.0, 300.0, 0.0, 300.0, 1600.0, 0.0, 0.0, 0.0, 5625.0);
+        let r = [2500.0, 300.0, 0.0, 1600.0, 0.0, 5625.0];
         let velocity = FirstVelocity {
             horizontal_sigma_mps: 150.0,
             vertical_sigma_mps: 15.0,
         };
-        let mut track = Gaussian::from_first_position(Vector3::new(1e4, -2e4, 5e3), r, velocity);
+        let mut track = Gaussian::from_first_position::<3>([1e4, -2e4, 5e3], &r, velocity);
         for step in 0..20 {
             let seconds = if step % 3 == 0 { 8.0 } else { 4.0 };
             let predicted = model.predicted(&track, seconds);
-            let z = predicted.mean.fixed_rows::<3>(0) + Vector3::new(30.0, -50.0 + f64::from(step), 10.0);
+            let [x, y, height, ..] = predicted.mean;
+            let z = [x + 30.0, y - 50.0 + f64::from(step), height + 10.0];
             let mut updated = predicted;
-            updated.update_position(z, r).expect("positive definite");
+            updated.update_position::<3>(z, &r).expect("positive definite");
             let found = recovered::<3>(&predicted, &updated).expect("there was a measurement");
-            assert!((found.position_m - z).amax() < 1e-6);
+            assert!((found.position_m - Vector3::from(z)).amax() < 1e-6);
+            let r = Matrix3::new(r[0], r[1], r[2], r[1], r[3], r[4], r[2], r[4], r[5]);
             assert!((found.covariance_m2 - r).amax() < 1e-5);
             track = updated;
         }
@@ -124,10 +127,7 @@ mod tests {
 
     #[test]
     fn extrapolation_shows_no_measurement() {
-        let start = Gaussian {
-            mean: nalgebra::zero(),
-            covariance: Matrix6::identity() * 100.0,
-        };
+        let start = Gaussian::new([0.0; 3], [0.0; 3], &Covariance::diagonal([10.0; 3], [10.0; 3]));
         let predicted = NearlyConstantVelocity::new(5.0, 5.0).predicted(&start, 4.0);
         assert_eq!(recovered::<3>(&predicted, &predicted), None);
         assert_eq!(implied_noise(&start.covariance, &predicted.covariance, 4.0, 0), None);
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn covariances_filled_in_by_hand_imply_no_filter() {
-        let constant = Matrix6::identity() * 25.0;
+        let constant = Covariance::diagonal([5.0; 3], [5.0; 3]);
         assert_eq!(implied_noise(&constant, &constant, 1.0, 0), None);
     }
 
@@ -145,17 +145,21 @@ mod tests {
             start in any_gaussian(), density in 0.01..100.0f64, seconds in 0.5..12.0f64, sigma in 5.0..200.0f64,
         ) {
             // Along one axis, as the axes are independent where the sensor's errors are.
-            let mut before = Gaussian { mean: nalgebra::zero(), covariance: Matrix6::from_diagonal(&start.covariance.diagonal()) };
+            let mut covariance = Covariance::default();
+            for index in 0..STATE_LEN {
+                covariance.set(index, index, start.covariance.get(index, index));
+            }
+            let mut before = Gaussian::new([0.0; 3], [0.0; 3], &covariance);
             let model = NearlyConstantVelocity::new(density, density);
             before = model.predicted(&before, 1.0);
             let mut after = model.predicted(&before, seconds);
-            after.update_position(Vector3::zeros(), Matrix3::identity() * sigma * sigma).expect("positive definite");
+            after.update_position::<3>([0.0; 3], &[1.0, 0.0, 0.0, 1.0, 0.0, 1.0].map(|one| one * sigma * sigma)).expect("positive definite");
             let found = implied_noise(&before.covariance, &after.covariance, seconds, 1);
             if let Some(found) = found {
                 prop_assert!((found / density - 1.0).abs() < 0.05, "{found} instead of {density}");
             } else {
                 // Noise that drowns in the variances cannot be found, and is not invented.
-                prop_assert!(density * seconds < 1e-4 * after.covariance[(4, 4)] || sigma > 1e3 || density < 1.0);
+                prop_assert!(density * seconds < 1e-4 * after.covariance.get(4, 4) || sigma > 1e3 || density < 1.0);
             }
         }
     }

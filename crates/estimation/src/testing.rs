@@ -4,7 +4,7 @@ use nalgebra::SMatrix;
 use proptest::prelude::*;
 
 use crate::Gaussian;
-use crate::gaussian::{Matrix6, Vector6};
+use crate::gaussian::{Matrix6, Vector6, packed};
 
 /// States as sensors yield them: positions within 200 km, sigmas from 1 m to 1 km and 0.1 m/s to 100 m/s, correlated.
 pub(crate) fn any_gaussian() -> impl Strategy<Value = Gaussian> {
@@ -20,10 +20,10 @@ pub(crate) fn any_gaussian() -> impl Strategy<Value = Gaussian> {
             let scale = Vector6::from_fn(|row, _| if row < 3 { position } else { velocity });
             let correlated = mixing * mixing.transpose() + Matrix6::identity() * 0.1;
             Gaussian {
-                mean: Vector6::from_fn(|row, _| mean[row] * if row < 3 { 2e5 } else { 300.0 }),
-                covariance: Matrix6::from_fn(|row, column| {
+                mean: std::array::from_fn(|row| mean[row] * if row < 3 { 2e5 } else { 300.0 }),
+                covariance: packed(&Matrix6::from_fn(|row, column| {
                     correlated[(row.min(column), row.max(column))] * scale[row] * scale[column]
-                }),
+                })),
             }
         })
 }
@@ -36,8 +36,8 @@ pub(crate) fn assert_close(a: &Gaussian, b: &Gaussian) {
             "means differ: {a:?} {b:?}"
         );
         for column in 0..6 {
-            let scale = (a.covariance[(row, row)] * a.covariance[(column, column)]).sqrt();
-            let difference = (a.covariance[(row, column)] - b.covariance[(row, column)]).abs();
+            let scale = (a.covariance.get(row, row) * a.covariance.get(column, column)).sqrt();
+            let difference = (a.covariance.get(row, column) - b.covariance.get(row, column)).abs();
             assert!(difference <= 1e-9 * scale, "covariances differ: {a:?} {b:?}");
         }
     }

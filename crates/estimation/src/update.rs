@@ -6,136 +6,174 @@
 //! factorisation for gain, covariance, distance and likelihood, and a third of the work of the Joseph form (Bar-Shalom
 //! et al. 2001, chapters 5 and 7).
 
-use messages::STATE_LEN;
-use nalgebra::{SMatrix, SVector};
+use messages::{AXES, STATE_LEN};
 
-use crate::Gaussian;
+use crate::gaussian::{Gaussian, Symmetric3, at};
 
-/// By how much a measurement differed from what was expected, and how much it was allowed to.
+/// By how much a measured position differed from what was expected, and how much it was allowed to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Innovation<const D: usize> {
-    /// Measured minus predicted position, metres.
-    pub residual_m: SVector<f64, D>,
-    /// Covariance of the residual, m².
-    pub covariance_m2: SMatrix<f64, D, D>,
-    /// Squared statistical length of the residual: chi-square with D degrees of freedom if all is as modelled.
+pub struct Innovation {
+    /// Squared statistical length: chi-square with as many degrees of freedom as axes were measured.
     pub squared_distance: f64,
-    /// Logarithm of the determinant of the residual's covariance: what a likelihood needs besides.
+    /// Logarithm of the determinant of its covariance.
     pub log_determinant: f64,
 }
 
 impl Gaussian {
-    /// Updates with a measured position in the first `D` axes (2: east and north; 3: also up) of covariance
-    /// `covariance_m2`.
+    /// Updates with a measured position of covariance `r` in the first `D` axes (2: east and north; 3: also up).
     ///
     /// `None`, and no change, if the residual's covariance is not positive definite or a value not finite.
-    pub fn update_position<const D: usize>(
-        &mut self,
-        measured_m: SVector<f64, D>,
-        covariance_m2: SMatrix<f64, D, D>,
-    ) -> Option<Innovation<D>> {
-        const { assert!(D == 2 || D == 3, "a position has two or three axes") };
-        let residual = measured_m - self.mean.fixed_rows::<D>(0);
-        let s = self.covariance.fixed_view::<D, D>(0, 0) + covariance_m2;
-        let lower = lower_factor(&s)?;
-        let whitened = forward(&lower, &residual);
-        let squared_distance = whitened.norm_squared();
+    pub fn update_position<const D: usize>(&mut self, measured_m: [f64; AXES], r: &Symmetric3) -> Option<Innovation> {
+        let root = Root::<D>::of(&self.position_covariance(), r)?;
+        let whitened = root.whitened(self.residual(measured_m));
+        let squared_distance = dot(&whitened, &whitened);
         if !squared_distance.is_finite() {
             return None;
         }
-        let rows: [SVector<f64, D>; STATE_LEN] = std::array::from_fn(|row| {
-            let cross = SVector::<f64, D>::from_fn(|axis, _| self.covariance[(row, axis)]);
-            forward(&lower, &cross)
-        });
+        // One whitened column of the position's rows per component, all of them axis by axis.
+        let p = &mut self.covariance.upper;
+        let mut whitened_rows = [
+            [p[0], p[1], p[2], p[3], p[4], p[5]],
+            [p[1], p[6], p[7], p[8], p[9], p[10]],
+            [p[2], p[7], p[11], p[12], p[13], p[14]],
+        ];
+        let [x, y, z] = &mut whitened_rows;
+        for column in 0..STATE_LEN {
+            [x[column], y[column], z[column]] = root.whitened([x[column], y[column], z[column]]);
+        }
         for row in 0..STATE_LEN {
-            self.mean[row] += rows[row].dot(&whitened);
+            let own = [x[row], y[row], z[row]];
+            self.mean[row] += dot(&own, &whitened);
             for column in row..STATE_LEN {
-                let value = self.covariance[(row, column)] - rows[row].dot(&rows[column]);
-                self.covariance[(row, column)] = value;
-                self.covariance[(column, row)] = value;
+                p[at(row, column)] -= dot(&own, &[x[column], y[column], z[column]]);
             }
         }
-        let root = (0..D).fold(1.0, |product, axis| product * lower[(axis, axis)]);
         Some(Innovation {
-            residual_m: residual,
-            covariance_m2: s,
             squared_distance,
-            log_determinant: 2.0 * root.ln(),
+            log_determinant: 2.0 * root.determinant().ln(),
         })
     }
+
+    /// Squared statistical length of the difference to a measured position of covariance `r` in the first `D` axes;
+    /// `None` if its covariance is not positive definite or a value not finite.
+    pub fn squared_distance<const D: usize>(&self, measured_m: [f64; AXES], r: &Symmetric3) -> Option<f64> {
+        let root = Root::<D>::of(&self.position_covariance(), r)?;
+        let whitened = root.whitened(self.residual(measured_m));
+        let squared = dot(&whitened, &whitened);
+        squared.is_finite().then_some(squared)
+    }
+
+    fn residual(&self, measured_m: [f64; AXES]) -> [f64; AXES] {
+        [
+            measured_m[0] - self.mean[0],
+            measured_m[1] - self.mean[1],
+            measured_m[2] - self.mean[2],
+        ]
+    }
 }
 
-/// L of S = L·Lᵀ; `None` if `s` is not positive definite.
-fn lower_factor<const D: usize>(s: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
-    let mut lower = SMatrix::<f64, D, D>::zeros();
-    for column in 0..D {
-        for row in column..D {
-            let mut value = s[(row, column)];
-            for k in 0..column {
-                value -= lower[(row, k)] * lower[(column, k)];
-            }
-            if row > column {
-                lower[(row, column)] = value / lower[(column, column)];
-            } else if value > 0.0 {
-                lower[(column, column)] = value.sqrt();
-            } else {
-                // Not a number, too.
-                return None;
-            }
-        }
-    }
-    Some(lower)
+/// L of S = L·Lᵀ, S being the covariance of a residual in two or three axes; with its diagonal inverted, since it is
+/// divided by again and again.
+struct Root<const D: usize> {
+    diagonal: [f64; AXES],
+    inverse: [f64; AXES],
+    l10: f64,
+    l20: f64,
+    l21: f64,
 }
 
-/// L⁻¹·b.
-fn forward<const D: usize>(lower: &SMatrix<f64, D, D>, b: &SVector<f64, D>) -> SVector<f64, D> {
-    let mut x = *b;
-    for row in 0..D {
-        for k in 0..row {
-            x[row] -= lower[(row, k)] * x[k];
+impl<const D: usize> Root<D> {
+    #[inline]
+    fn of(p: &Symmetric3, r: &Symmetric3) -> Option<Self> {
+        const { assert!(D == 2 || D == 3, "a position has two or three axes") };
+        let s = |place: usize| p[place] + r[place];
+        let l00 = root(s(0))?;
+        let l10 = s(1) / l00;
+        let l11 = root(s(3) - l10 * l10)?;
+        if D == 2 {
+            // Nothing of the third axis.
+            return Some(Self {
+                diagonal: [l00, l11, 1.0],
+                inverse: [1.0 / l00, 1.0 / l11, 0.0],
+                l10,
+                l20: 0.0,
+                l21: 0.0,
+            });
         }
-        x[row] /= lower[(row, row)];
+        let l20 = s(2) / l00;
+        let l21 = (s(4) - l20 * l10) / l11;
+        let l22 = root(s(5) - l20 * l20 - l21 * l21)?;
+        Some(Self {
+            diagonal: [l00, l11, l22],
+            inverse: [1.0 / l00, 1.0 / l11, 1.0 / l22],
+            l10,
+            l20,
+            l21,
+        })
     }
-    x
+
+    /// L⁻¹·b.
+    #[inline]
+    fn whitened(&self, b: [f64; AXES]) -> [f64; AXES] {
+        let x = b[0] * self.inverse[0];
+        let y = (b[1] - self.l10 * x) * self.inverse[1];
+        [x, y, (b[2] - self.l20 * x - self.l21 * y) * self.inverse[2]]
+    }
+
+    fn determinant(&self) -> f64 {
+        self.diagonal[0] * self.diagonal[1] * self.diagonal[2]
+    }
+}
+
+#[inline]
+fn dot(a: &[f64; AXES], b: &[f64; AXES]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// √x of a positive number.
+fn root(x: f64) -> Option<f64> {
+    // Written so that NaN is refused.
+    if x > 0.0 { Some(x.sqrt()) } else { None }
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+    use messages::Covariance;
+    use nalgebra::{SMatrix, SVector};
     use proptest::prelude::*;
 
     use super::*;
-    use crate::definite::is_positive_definite;
-    use crate::gaussian::Matrix6;
+    use crate::definite::is_usable;
+    use crate::gaussian::{Vector6, packed, unpacked};
     use crate::motion::{AxisNoise, NearlyConstantVelocity};
-    use crate::testing::any_gaussian;
+    use crate::testing::{any_gaussian, assert_close};
+
+    /// No correlation, variances of 1 m².
+    const UNIT: Symmetric3 = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
+
+    fn uncertain(sigma: f64) -> Gaussian {
+        Gaussian::new([0.0; 3], [0.0; 3], &Covariance::diagonal([sigma; 3], [sigma; 3]))
+    }
 
     /// The published steady state at T = 1, R = 1, manoeuvring index 1 holds for piecewise-constant acceleration.
     #[test]
     fn steady_state_of_the_literature() {
-        let mut gaussian = Gaussian {
-            mean: nalgebra::zero(),
-            covariance: Matrix6::identity() * 100.0,
-        };
+        let mut gaussian = uncertain(10.0);
         for _ in 0..200 {
             gaussian = gaussian.moved(1.0, [AxisNoise::piecewise_constant(1.0, 1.0); 3]);
             let before = gaussian.mean;
             // A measurement one metre east of the prediction shows the gain in the change of the mean.
-            let measured = Vector2::new(before[0] + 1.0, before[1]);
             gaussian
-                .update_position(measured, Matrix2::identity())
+                .update_position::<2>([before[0] + 1.0, before[1], 0.0], &UNIT)
                 .expect("positive definite");
-            let change = gaussian.mean - before;
-            gaussian.mean = nalgebra::zero();
-            gaussian.mean[0] = change[0];
-            gaussian.mean[3] = change[3];
+            let change: [f64; STATE_LEN] = std::array::from_fn(|row| gaussian.mean[row] - before[row]);
+            gaussian.mean = [change[0], 0.0, 0.0, change[3], 0.0, 0.0];
         }
         assert!((gaussian.mean[0] - 0.75).abs() < 1e-9, "gain in position");
         assert!((gaussian.mean[3] - 0.5).abs() < 1e-9, "gain in velocity");
         for ((row, column), expected) in [((0, 0), 0.75), ((0, 3), 0.5), ((3, 3), 1.0)] {
-            assert!((gaussian.covariance[(row, column)] - expected).abs() < 1e-9);
-            let north = (row + 1, column + 1);
-            assert!((gaussian.covariance[north] - expected).abs() < 1e-9);
+            assert!((gaussian.covariance.get(row, column) - expected).abs() < 1e-9);
+            assert!((gaussian.covariance.get(row + 1, column + 1) - expected).abs() < 1e-9);
         }
     }
 
@@ -143,75 +181,89 @@ mod tests {
     #[test]
     fn white_noise_reaches_a_steady_state() {
         let model = NearlyConstantVelocity::new(1.0, 1.0);
-        let mut gaussian = Gaussian {
-            mean: nalgebra::zero(),
-            covariance: Matrix6::identity() * 1e4,
-        };
+        let mut gaussian = uncertain(100.0);
         let mut before = gaussian.covariance;
         for _ in 0..200 {
             before = gaussian.covariance;
             gaussian = model.predicted(&gaussian, 1.0);
             gaussian
-                .update_position(Vector3::zeros(), Matrix3::identity())
+                .update_position::<3>([0.0; 3], &UNIT)
                 .expect("positive definite");
         }
-        assert!((gaussian.covariance - before).amax() < 1e-12);
+        assert!((unpacked(&gaussian.covariance) - unpacked(&before)).amax() < 1e-12);
         // Alpha and beta of a steady filter are tied; for this noise by the Riccati equation of one axis:
         // β² / (1 − α) = q·T³/R, whatever the discretisation's position term.
-        let (alpha, beta) = (gaussian.covariance[(0, 0)], gaussian.covariance[(0, 3)]);
+        let (alpha, beta) = (gaussian.covariance.get(0, 0), gaussian.covariance.get(0, 3));
         assert!((beta * beta / (1.0 - alpha) - 1.0).abs() < 1e-9);
     }
 
     #[test]
     fn accurate_measurement_in_the_plane_leaves_height() {
-        let mut gaussian = Gaussian {
-            mean: nalgebra::zero(),
-            covariance: Matrix6::identity() * 100.0,
-        };
+        let mut gaussian = uncertain(10.0);
         let innovation = gaussian
-            .update_position(Vector2::new(3.0, 4.0), Matrix2::identity() * 1e-6)
+            .update_position::<2>([3.0, 4.0, 0.0], &[1e-6, 0.0, 0.0, 1e-6, 0.0, 0.0])
             .expect("positive definite");
         assert!((innovation.squared_distance - 0.25).abs() < 1e-6);
         assert!((gaussian.mean[0] - 3.0).abs() < 1e-6 && (gaussian.mean[1] - 4.0).abs() < 1e-6);
-        assert_eq!(gaussian.mean[2], 0.0);
-        assert_eq!(gaussian.covariance[(2, 2)], 100.0);
+        assert_eq!((gaussian.mean[2], gaussian.covariance.get(2, 2)), (0.0, 100.0));
     }
 
     #[test]
     fn impossible_measurements_change_nothing() {
-        let start = Gaussian {
-            mean: nalgebra::zero(),
-            covariance: Matrix6::identity(),
-        };
-        for (measured, covariance) in [
-            (Vector2::new(f64::NAN, 0.0), Matrix2::identity()),
-            (Vector2::zeros(), Matrix2::identity() * -2.0),
-            (Vector2::zeros(), Matrix2::identity() * f64::NAN),
+        let start = NearlyConstantVelocity::new(1.0, 1.0).predicted(&uncertain(1.0), 1.0);
+        for (z, r) in [
+            ([f64::NAN, 0.0, 0.0], UNIT),
+            ([0.0; 3], [-9.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
+            ([0.0; 3], [f64::NAN, 0.0, 0.0, 1.0, 0.0, 1.0]),
         ] {
-            let mut gaussian = start;
-            assert_eq!(gaussian.update_position(measured, covariance), None);
-            assert_eq!(gaussian, start);
+            let (mut plane, mut space) = (start, start);
+            assert_eq!(plane.update_position::<2>(z, &r), None);
+            assert_eq!(space.update_position::<3>(z, &r), None);
+            assert_eq!((plane, space), (start, start));
         }
+    }
+
+    /// The textbook's update, x + K·ν and (I − K·H)·P, with its squared distance and log determinant.
+    fn textbook<const D: usize>(state: &Gaussian, z: [f64; AXES], r: &Symmetric3) -> (Gaussian, f64, f64) {
+        let r = SMatrix::<f64, 3, 3>::new(r[0], r[1], r[2], r[1], r[3], r[4], r[2], r[4], r[5]);
+        let (mean, p) = (Vector6::from(state.mean), unpacked(&state.covariance));
+        let s = p.fixed_view::<D, D>(0, 0) + r.fixed_view::<D, D>(0, 0);
+        let factor = s.cholesky().expect("positive definite");
+        let inverse = factor.inverse();
+        let residual = SVector::<f64, D>::from_fn(|axis, _| z[axis] - mean[axis]);
+        let gain = p.fixed_view::<6, D>(0, 0) * inverse;
+        let updated = Gaussian {
+            mean: (mean + gain * residual).into(),
+            covariance: packed(&(p - gain * p.fixed_view::<D, 6>(0, 0))),
+        };
+        (
+            updated,
+            (residual.transpose() * inverse * residual)[0],
+            2.0 * factor.l().diagonal().iter().map(|root| root.ln()).sum::<f64>(),
+        )
     }
 
     proptest! {
         #[test]
-        fn update_shrinks_and_stays_positive_definite(
-            start in any_gaussian(), sigma in 1.0..500.0f64, ratio in 0.1..10.0f64, shift in -1e4..1e4f64,
+        fn equals_the_textbooks_update_and_stays_positive_definite(
+            start in any_gaussian(), sigma in 5.0..500.0f64, shift in -500.0..500.0f64,
         ) {
-            let mut plane = start;
-            let covariance = Matrix2::new(sigma * sigma, 0.3 * sigma * sigma * ratio, 0.3 * sigma * sigma * ratio,
-                sigma * sigma * ratio * ratio);
-            plane.update_position(start.mean.fixed_rows::<2>(0) + Vector2::new(shift, -shift), covariance)
-                .expect("positive definite");
-            prop_assert!(is_positive_definite(&plane.covariance));
-            prop_assert!(plane.covariance.trace() < start.covariance.trace());
-
-            let mut space = start;
-            space.update_position(Vector3::new(shift, 0.0, 1.0), Matrix3::identity() * sigma * sigma)
-                .expect("positive definite");
-            prop_assert!(is_positive_definite(&space.covariance));
-            prop_assert!(space.covariance.trace() < start.covariance.trace());
+            let r = [1.0, 0.3, 0.0, 2.0, 0.0, 1.0].map(|factor| factor * sigma * sigma);
+            let z = [start.mean[0] + shift, start.mean[1] - shift, start.mean[2] + 0.5 * shift];
+            let (mut plane, mut space) = (start, start);
+            let found = [
+                plane.update_position::<2>(z, &r).expect("positive definite"),
+                space.update_position::<3>(z, &r).expect("positive definite"),
+            ];
+            let expected = [textbook::<2>(&start, z, &r), textbook::<3>(&start, z, &r)];
+            for ((updated, found), (expected, squared, log_determinant)) in [plane, space].iter().zip(found).zip(expected) {
+                assert_close(updated, &expected);
+                prop_assert!((found.squared_distance - squared).abs() < 1e-9 * (1.0 + squared));
+                prop_assert!((found.log_determinant - log_determinant).abs() < 1e-9 * log_determinant.abs());
+                prop_assert!(is_usable(&updated.covariance));
+                let whole = |state: &Gaussian| state.covariance.trace(0..STATE_LEN);
+                prop_assert!(whole(updated) < whole(&start));
+            }
         }
     }
 }

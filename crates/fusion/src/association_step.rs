@@ -12,7 +12,7 @@
 //! spread of these points is added, as configured or as learned.
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
-use messages::{SensorTrack, sensor_track_bits};
+use messages::{Covariance, SensorTrack, sensor_track_bits};
 
 use crate::measurement::gaussian_of;
 use crate::sensor_tracks::{NO_SYSTEM, SensorSlot};
@@ -92,7 +92,7 @@ impl Search<'_> {
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
         let entry = self.tracks.systems.get(own);
-        let state = entry.filter.full_at(now_ns, &self.sources.motion);
+        let state = entry.filter.at(now_ns, &self.sources.motion);
         let sources = self.tracks.sources_of(own, now_ns);
         let (mut best, mut second): (Option<(f64, SystemSlot)>, f64) = (None, f64::INFINITY);
         let reach = self.reach(&state);
@@ -107,7 +107,7 @@ impl Search<'_> {
                 if entry.identity.contradicts(&other.identity) && self.settings.association.use_identity {
                     return;
                 }
-                let theirs = other.filter.full_at(now_ns, &self.sources.motion);
+                let theirs = other.filter.at(now_ns, &self.sources.motion);
                 let heights = entry.filter.has_height && other.filter.has_height;
                 if let Some(d2) = self.compare(&state, &theirs, heights, self.sources.spread_m2(self.settings, None)) {
                     if best.is_none_or(|(least, slot)| (d2, system) < (least, slot)) {
@@ -137,8 +137,8 @@ impl Search<'_> {
     /// How far from `state` a system track of the same target can have been placed.
     fn reach(&self, state: &Gaussian) -> f64 {
         let settings = &self.settings.association;
-        let p = &state.covariance;
-        let sigma = association::distance::largest_sigma2([p[(0, 0)], p[(0, 1)], p[(1, 1)]]);
+        let [xx, xy, _, yy, ..] = state.position_covariance();
+        let sigma = association::distance::largest_sigma2([xx, xy, yy]);
         let sigma = sigma.hypot(self.sources.spread_m2(self.settings, None).sqrt());
         let speed = state.mean[3].hypot(state.mean[4]);
         // The system track was placed at its latest report; its own uncertainty is covered by half a cell.
@@ -152,7 +152,7 @@ impl Search<'_> {
             return None;
         }
         let filter = &self.tracks.systems.get(system).filter;
-        let other = filter.full_at(report.time_of_measurement_ns, &self.sources.motion);
+        let other = filter.at(report.time_of_measurement_ns, &self.sources.motion);
         let heights = filter.has_height && report.has(sensor_track_bits::HEIGHT);
         self.compare(
             state,
@@ -167,8 +167,8 @@ impl Search<'_> {
         let settings = &self.settings.association;
         let mut wider = *a;
         for axis in 0..2 {
-            wider.covariance[(axis, axis)] += spread_m2;
-            wider.covariance[(axis + 3, axis + 3)] += VELOCITY_FLOOR_M2PS2;
+            wider.covariance.upper[Covariance::index(axis, axis)] += spread_m2;
+            wider.covariance.upper[Covariance::index(axis + 3, axis + 3)] += VELOCITY_FLOOR_M2PS2;
         }
         let scale = 1.0 / (1.0 - settings.error_correlation);
         let position = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPosition);
@@ -220,7 +220,7 @@ impl Search<'_> {
 
 /// d² of two heights.
 fn height_distance(a: &Gaussian, b: &Gaussian) -> f64 {
-    let variance = a.covariance[(2, 2)] + b.covariance[(2, 2)] + HEIGHT_FLOOR_M2;
+    let variance = a.covariance.get(2, 2) + b.covariance.get(2, 2) + HEIGHT_FLOOR_M2;
     let apart_m = a.mean[2] - b.mean[2];
     apart_m * apart_m / variance
 }

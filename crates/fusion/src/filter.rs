@@ -18,7 +18,7 @@
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988); P. J. Huber, *Robust Statistics* (Wiley, 1981), for
 //! the weighing down.
 
-use estimation::{AxisNoise, Gaussian, NearlyConstantVelocity, PackedGaussian, Symmetric3};
+use estimation::{AxisNoise, Gaussian, NearlyConstantVelocity, Symmetric3};
 use messages::{AXES, NS_PER_S, STATE_LEN};
 
 use crate::measurement::Measurement;
@@ -42,9 +42,9 @@ const PROBABILITY_MIN: f64 = 1e-3;
 pub(crate) struct Filter {
     pub(crate) time_ns: i64,
     /// All models together.
-    pub(crate) estimate: PackedGaussian,
+    pub(crate) estimate: Gaussian,
     pub(crate) has_height: bool,
-    modes: [PackedGaussian; MODES],
+    modes: [Gaussian; MODES],
     probability: [f64; MODES],
 }
 
@@ -60,7 +60,7 @@ pub(crate) struct Innovation {
 }
 
 impl Filter {
-    pub(crate) fn new(time_ns: i64, estimate: PackedGaussian, has_height: bool) -> Self {
+    pub(crate) fn new(time_ns: i64, estimate: Gaussian, has_height: bool) -> Self {
         Self {
             time_ns,
             estimate,
@@ -85,7 +85,7 @@ impl Filter {
     }
 
     /// The estimate at `time_ns`, later or earlier; `noise` is that of manoeuvres.
-    pub(crate) fn at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> PackedGaussian {
+    pub(crate) fn at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> Gaussian {
         let ns = time_ns - self.time_ns;
         if ns == 0 {
             return self.estimate;
@@ -99,11 +99,6 @@ impl Filter {
     pub(crate) fn place_at(&self, time_ns: i64) -> [f64; AXES] {
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
         std::array::from_fn(|axis| self.estimate.mean[axis] + seconds * self.estimate.mean[axis + AXES])
-    }
-
-    /// [`Self::at`] with a full matrix.
-    pub(crate) fn full_at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> Gaussian {
-        self.at(time_ns, noise).unpacked()
     }
 
     /// Whether its position is known better than the other's.
@@ -137,7 +132,7 @@ impl Filter {
         let steady = p * stay[0] + q * leave[1];
         let turn = p * leave[0] + q * stay[1];
         let [a, b] = &mut self.modes;
-        PackedGaussian::exchange(a, b, [q * leave[1] / steady, q * stay[1] / turn]);
+        Gaussian::exchange(a, b, [q * leave[1] / steady, q * stay[1] / turn]);
         self.probability = [steady, turn];
     }
 
@@ -224,14 +219,7 @@ impl Filter {
         const VERTICAL_SPEED_M2PS2: f64 = 400.0;
         self.has_height = true;
         for estimate in self.modes.iter_mut().chain([&mut self.estimate]) {
-            for (component, value, variance) in [(2, height_m, variance_m2), (5, 0.0, VERTICAL_SPEED_M2PS2)] {
-                estimate.mean[component] = value;
-                for other in 0..STATE_LEN {
-                    let (row, column) = (component.min(other), component.max(other));
-                    estimate.covariance.set(row, column, 0.0);
-                }
-                estimate.covariance.set(component, component, variance);
-            }
+            estimate.replace_vertical([height_m, 0.0], [variance_m2, VERTICAL_SPEED_M2PS2]);
         }
     }
 }

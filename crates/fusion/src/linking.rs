@@ -11,7 +11,7 @@ use messages::{Counter, NO_SOURCE, SensorTrack, TrackState, sensor_track_bits};
 use crate::association_step::Search;
 use crate::explanation::{Decision, DecisionKind, Sink};
 use crate::filter::Filter;
-use crate::measurement::packed_gaussian_of;
+use crate::measurement::gaussian_of;
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, NO_SYSTEM, Role, SensorSlot};
 use crate::settings::Settings;
@@ -94,7 +94,7 @@ impl Linking<'_> {
     pub(crate) fn start<S: Sink>(&mut self, sensor: SensorSlot, deadline_ns: i64, out: &mut Outlet<'_, S>) -> bool {
         let report = &self.tracks.sensors.get(sensor).latest;
         let (source, has_height) = (report.source, report.has(sensor_track_bits::HEIGHT));
-        let filter = Filter::new(report.time_of_measurement_ns, packed_gaussian_of(report), has_height);
+        let filter = Filter::new(report.time_of_measurement_ns, gaussian_of(report), has_height);
         let Some(system) = self.tracks.systems.insert(filter, deadline_ns) else {
             out.count(source, Counter::DroppedTable);
             return false;

@@ -5,8 +5,8 @@
 //! some reports. Such a one stands for a measurement with three times its covariance. A covariance without correlation
 //! of position and velocity shows no filter: then the report is taken as it is.
 
-use estimation::{Gaussian, PackedGaussian, Recovered, Symmetric3, recovered};
-use messages::{AXES, SensorTrack, sensor_track_bits};
+use estimation::{Gaussian, Recovered, Symmetric3, recovered};
+use messages::{AXES, Covariance, SensorTrack, sensor_track_bits};
 
 /// Factor on the covariance of reports from a filter that cannot be undone.
 const SMOOTHED: f64 = 3.0;
@@ -15,14 +15,9 @@ const FILTERED: f64 = 0.2;
 /// Difference of the regression of velocity on position that rounding explains.
 const SLOPE_TOLERANCE: f64 = 0.1;
 
-/// The state of a report as a Gaussian.
+/// The state of a report.
 pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
-    Gaussian::from_message(report.position_m, report.velocity_mps, &report.covariance)
-}
-
-/// The state of a report as a packed Gaussian.
-pub(crate) fn packed_gaussian_of(report: &SensorTrack) -> PackedGaussian {
-    PackedGaussian::new(report.position_m, report.velocity_mps, &report.covariance)
+    Gaussian::new(report.position_m, report.velocity_mps, &report.covariance)
 }
 
 /// What is known to be wrong with a report.
@@ -130,7 +125,7 @@ pub(crate) fn recovered_measurement(
 /// velocity on position as it was.
 fn is_one_update(predicted: &Gaussian, updated: &Gaussian) -> bool {
     (0..2).all(|axis| {
-        let slope = |p: &estimation::Matrix6| p[(axis, axis + AXES)] / p[(axis, axis)];
+        let slope = |p: &Covariance| p.get(axis, axis + AXES) / p.get(axis, axis);
         let (before, after) = (slope(&predicted.covariance), slope(&updated.covariance));
         (before - after).abs() <= SLOPE_TOLERANCE * before.abs().max(after.abs())
     })

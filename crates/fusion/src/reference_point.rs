@@ -9,7 +9,7 @@ use messages::sensor_track_bits;
 
 use crate::explanation::{DecisionKind, Sink};
 use crate::filter::{Filter, Innovation};
-use crate::measurement::{Measurement, packed_gaussian_of};
+use crate::measurement::{Measurement, gaussian_of};
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, SensorSlot};
 use crate::source_model::SourceModel;
@@ -173,7 +173,7 @@ fn senior(tracks: &Tracks, system: SystemSlot, now_ns: i64) -> Option<SensorSlot
 fn begin_at(tracks: &mut Tracks, sensor: SensorSlot, system: SystemSlot) {
     let report = &tracks.sensors.get(sensor).latest;
     let has_height = report.has(sensor_track_bits::HEIGHT);
-    let filter = Filter::new(report.time_of_measurement_ns, packed_gaussian_of(report), has_height);
+    let filter = Filter::new(report.time_of_measurement_ns, gaussian_of(report), has_height);
     tracks.systems.get_mut(system).filter = filter;
 }
 

@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-use estimation::PackedGaussian;
+use estimation::Gaussian;
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::description::Description;
 use crate::history::Histories;
-use crate::measurement::Correction;
+use crate::measurement::{Correction, gaussian_of};
 use crate::quality::Qualities;
 use crate::track_numbers::TrackNumbers;
 
@@ -139,9 +139,8 @@ impl Default for SensorEntry {
 
 impl SensorEntry {
     /// The latest report as the source gave it, nothing taken off.
-    pub(crate) fn as_reported(&self) -> PackedGaussian {
-        let latest = &self.latest;
-        let mut state = PackedGaussian::new(latest.position_m, latest.velocity_mps, &latest.covariance);
+    pub(crate) fn as_reported(&self) -> Gaussian {
+        let mut state = gaussian_of(&self.latest);
         for (component, shift) in state.mean.iter_mut().zip(self.correction.shift_m) {
             *component += shift;
         }

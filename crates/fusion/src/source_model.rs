@@ -13,7 +13,8 @@
 //!
 //! Everything is tracked by medians that move by a bounded step, so that no single report can spoil them.
 
-use estimation::{Matrix6, NearlyConstantVelocity, implied_noise};
+use estimation::{NearlyConstantVelocity, implied_noise};
+use messages::Covariance;
 
 /// Median of chi-square with two degrees of freedom.
 const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
@@ -121,7 +122,7 @@ impl SourceModel {
     }
 
     /// Learns from two successive reports of one sensor track.
-    pub(crate) fn learn_noise(&mut self, before: &Matrix6, after: &Matrix6, seconds: f64, has_height: bool) {
+    pub(crate) fn learn_noise(&mut self, before: &Covariance, after: &Covariance, seconds: f64, has_height: bool) {
         let implied = |axis| implied_noise(before, after, seconds, axis);
         let horizontal = [implied(0), implied(1)];
         for noise in horizontal.into_iter().flatten() {

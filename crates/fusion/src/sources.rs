@@ -89,7 +89,7 @@ impl Sources {
             return Some(as_reported(report));
         }
         let has_height = report.has(sensor_track_bits::HEIGHT);
-        let (before, after) = (earlier.as_reported().unpacked(), gaussian_of(report));
+        let (before, after) = (earlier.as_reported(), gaussian_of(report));
         if looks {
             model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
         }

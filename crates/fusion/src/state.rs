@@ -1,6 +1,6 @@
 //! A position, a velocity and their covariance, carried through time.
 
-use estimation::{AxisNoise, PackedGaussian};
+use estimation::{AxisNoise, Gaussian};
 use messages::{AXES, Covariance, SensorTrack, sensor_track_bits};
 
 /// State of a target at a time.
@@ -30,7 +30,7 @@ impl State {
     }
 
     #[inline]
-    pub(crate) fn of_estimate(time_ns: i64, estimate: &PackedGaussian, has_height: bool) -> Self {
+    pub(crate) fn of_estimate(time_ns: i64, estimate: &Gaussian, has_height: bool) -> Self {
         Self {
             time_ns,
             position_m: estimate.position_m(),
@@ -48,7 +48,7 @@ impl State {
         }
         let seconds = ns as f64 / messages::NS_PER_S;
         let noise = [AxisNoise::white(process_noise_m2ps3, seconds); AXES];
-        let now = PackedGaussian::new(self.position_m, self.velocity_mps, &self.covariance);
+        let now = Gaussian::new(self.position_m, self.velocity_mps, &self.covariance);
         Self::of_estimate(time_ns, &now.moved(seconds, noise), self.has_height)
     }
 

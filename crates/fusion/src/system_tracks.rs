@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
 use association::Grid;
-use estimation::PackedGaussian;
+use estimation::Gaussian;
 use messages::{Covariance, Identity, NO_SOURCE, TrackState};
 
 use crate::description::Description;
@@ -108,7 +108,7 @@ pub(crate) struct SystemTracks {
 impl SystemTracks {
     /// With room for `capacity` system tracks, and, if the rule `remembers`, for what it remembers of them.
     pub(crate) fn new(capacity: usize, cell_m: f64, remembers: bool) -> Self {
-        let nowhere = PackedGaussian::new([0.0; 3], [0.0; 3], &Covariance::default());
+        let nowhere = Gaussian::new([0.0; 3], [0.0; 3], &Covariance::default());
         let empty = SystemEntry::new(0, TrackState::Terminated, Filter::new(0, nowhere, false), i64::MIN);
         Self {
             entries: vec![empty; capacity],

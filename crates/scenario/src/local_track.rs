@@ -26,10 +26,9 @@ impl LocalTrack {
     pub(crate) fn new(number: u32, time_s: f64, first: &Measurement, tracking: &Tracking) -> Self {
         let velocity = tracking.first_velocity;
         let gaussian = if first.height {
-            Gaussian::from_first_position(first.position_m, first.covariance_m2, velocity)
+            Gaussian::from_first_position::<3>(first.position_m, &first.covariance_m2, velocity)
         } else {
-            let (position, covariance) = first.plane();
-            Gaussian::from_first_position(position, covariance, velocity)
+            Gaussian::from_first_position::<2>(first.position_m, &first.covariance_m2, velocity)
         };
         Self {
             number,
@@ -74,14 +73,12 @@ impl LocalTrack {
     }
 
     fn update(&mut self, measurement: &Measurement, tracking: &Tracking) {
+        let (position_m, r) = (measurement.position_m, &measurement.covariance_m2);
         let updated = if measurement.height {
-            self.gaussian
-                .update_position(measurement.position_m, measurement.covariance_m2)
-                .is_some()
+            self.gaussian.update_position::<3>(position_m, r).is_some()
         } else {
-            let (position, covariance) = measurement.plane();
             self.gaussian.forget_height(tracking.first_velocity);
-            self.gaussian.update_position(position, covariance).is_some()
+            self.gaussian.update_position::<2>(position_m, r).is_some()
         };
         debug_assert!(updated, "simulated covariances are positive definite");
     }
@@ -94,8 +91,6 @@ impl LocalTrack {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Matrix3, Vector3};
-
     use super::*;
     use crate::sensor_settings::{SensorKind, SensorSettings};
 
@@ -107,8 +102,8 @@ mod tests {
             .expect("usable")
             .tracking;
         let measurement = Measurement {
-            position_m: Vector3::zeros(),
-            covariance_m2: Matrix3::identity(),
+            position_m: [0.0; 3],
+            covariance_m2: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0],
             height: true,
         };
         let follow = |looks: &str| {

@@ -1,6 +1,7 @@
 //! What a look yields: a measured position with its covariance.
 
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use estimation::Symmetric3;
+use nalgebra::Matrix2;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
@@ -9,19 +10,11 @@ use crate::sensor_settings::{MeasurementErrors, PlaneErrors};
 /// A measured position, as the sensor understands it: its covariance knows nothing of biases.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measurement {
-    pub(crate) position_m: Vector3<f64>,
-    pub(crate) covariance_m2: Matrix3<f64>,
+    /// East, north, up, metres.
+    pub(crate) position_m: [f64; 3],
+    pub(crate) covariance_m2: Symmetric3,
     /// Whether the third component was measured.
     pub(crate) height: bool,
-}
-
-impl Measurement {
-    pub(crate) fn plane(&self) -> (Vector2<f64>, Matrix2<f64>) {
-        (
-            self.position_m.fixed_rows::<2>(0).into_owned(),
-            self.covariance_m2.fixed_view::<2, 2>(0, 0).into_owned(),
-        )
-    }
 }
 
 impl MeasurementErrors {
@@ -37,22 +30,12 @@ impl MeasurementErrors {
             0.0
         };
         Measurement {
-            position_m: Vector3::new(
+            position_m: [
                 site_m[0] + plane[0] + self.bias_m[0],
                 site_m[1] + plane[1] + self.bias_m[1],
                 height,
-            ),
-            covariance_m2: Matrix3::new(
-                r[(0, 0)],
-                r[(0, 1)],
-                0.0,
-                r[(1, 0)],
-                r[(1, 1)],
-                0.0,
-                0.0,
-                0.0,
-                sigma * sigma,
-            ),
+            ],
+            covariance_m2: [r[(0, 0)], r[(0, 1)], 0.0, r[(1, 1)], 0.0, sigma * sigma],
             height: self.height_sigma_m.is_some(),
         }
     }
@@ -91,6 +74,9 @@ impl PlaneErrors {
 
 #[cfg(test)]
 mod tests {
+    use estimation::Gaussian;
+    use messages::Covariance;
+
     use super::*;
     use crate::random::{Purpose, stream};
 
@@ -116,17 +102,20 @@ mod tests {
             let errors = errors(plane);
             let (truth, site) = ([70_000.0, -30_000.0, 9000.0], [5000.0, 2000.0, 0.0]);
             let mut random = stream(1, Purpose::Look, 0, 0, 0);
-            let (count, mut sum, mut mean) = (20_000, 0.0, Vector3::zeros());
+            let (count, mut sum, mut mean) = (20_000, 0.0, [0.0; 3]);
+            let exact = Gaussian::new(truth, [0.0; 3], &Covariance::default());
             for _ in 0..count {
                 let measured = errors.measure(site, truth, &mut random);
-                let error = measured.position_m - Vector3::from(truth);
-                sum += estimation::squared_length(&error, &measured.covariance_m2);
-                mean += error / f64::from(count);
+                let squared = exact.squared_distance::<3>(measured.position_m, &measured.covariance_m2);
+                sum += squared.expect("positive definite");
+                for axis in 0..3 {
+                    mean[axis] += (measured.position_m[axis] - truth[axis]) / f64::from(count);
+                }
             }
             let average = sum / f64::from(count);
             let four_sigma = 4.0 * (6.0 / f64::from(count)).sqrt();
             assert!((average - 3.0).abs() < four_sigma, "{average}");
-            assert!(mean.norm() < 4.0, "no bias: {mean}");
+            assert!(mean.iter().all(|mean| mean.abs() < 2.5), "no bias: {mean:?}");
         }
     }
 
@@ -146,7 +135,8 @@ mod tests {
         let mut random = stream(1, Purpose::Look, 0, 0, 0);
         // North of the site: range is north, azimuth grows to the east.
         let measured = errors.measure([0.0; 3], [0.0, 50_000.0, 1000.0], &mut random);
-        let expected = Vector3::new(50_100.0 * 0.001f64.sin(), 50_100.0 * 0.001f64.cos() + 7.0, 1005.0);
-        assert!((measured.position_m - expected).norm() < 1e-3, "{measured:?}");
+        let expected = [50_100.0 * 0.001f64.sin(), 50_100.0 * 0.001f64.cos() + 7.0, 1005.0];
+        let close = |axis: usize| (measured.position_m[axis] - expected[axis]).abs() < 1e-3;
+        assert!((0..3).all(close), "{measured:?}");
     }
 }

@@ -45,8 +45,8 @@ impl Plot {
             time_of_measurement_ns,
             scan,
             of,
-            position_m: found.position_m.into(),
-            sigma_m: std::array::from_fn(|axis| found.covariance_m2[(axis, axis)].sqrt()),
+            position_m: found.position_m,
+            sigma_m: [0, 3, 5].map(|place| found.covariance_m2[place].sqrt()),
             height: found.height,
             site_m,
             polar_sigma: match errors.plane {
@@ -82,7 +82,7 @@ impl Plot {
             let [east, north, _] = coverage.position_m;
             let place = [east + range * sin, north + range * cos, 0.0];
             let mut found = settings.errors.measure(coverage.position_m, place, &mut random);
-            (found.height, found.position_m[2], found.covariance_m2[(2, 2)]) = (false, 0.0, 0.0);
+            (found.height, found.position_m[2], found.covariance_m2[5]) = (false, 0.0, 0.0);
             each(time_s, found);
         }
     }

@@ -363,8 +363,8 @@ impl Looks {
             identity: seen.identity,
             position_m: track.gaussian.position_m(),
             velocity_mps: track.gaussian.velocity_mps(),
-            covariance: track.gaussian.packed_covariance(),
-            measured_m: found.map_or([0.0; 3], |found| found.position_m.into()),
+            covariance: track.gaussian.covariance,
+            measured_m: found.map_or([0.0; 3], |found| found.position_m),
             trace_m2: track.gaussian.horizontal_trace_m2(),
             state: track.state as u8,
             ..SensorTrack::default()

@@ -14,7 +14,7 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use estimation::PackedGaussian;
+use estimation::Gaussian;
 use settings::{Degrees, SettingsError};
 
 settings::settings! {
@@ -60,7 +60,7 @@ impl FieldOfView {
     }
 
     /// Probability that a target is inside, seen from `sensor_m` unless the sensor's place is fixed.
-    pub(crate) fn holds(&self, target: &PackedGaussian, sensor_m: Option<[f64; 2]>) -> f64 {
+    pub(crate) fn holds(&self, target: &Gaussian, sensor_m: Option<[f64; 2]>) -> f64 {
         let Some([east, north]) = self.position_m.or(sensor_m) else {
             return 0.0;
         };
@@ -134,8 +134,8 @@ mod tests {
 
     use super::*;
 
-    fn target(east: f64, north: f64, sigma_m: f64) -> PackedGaussian {
-        PackedGaussian {
+    fn target(east: f64, north: f64, sigma_m: f64) -> Gaussian {
+        Gaussian {
             mean: [east, north, 0.0, 0.0, 0.0, 0.0],
             covariance: Covariance::diagonal([sigma_m; 3], [1.0; 3]),
         }
@@ -224,7 +224,7 @@ mod tests {
     fn what_cannot_be_is_refused() {
         assert!(RING.check().is_ok());
         for range_m in [[-1.0, 5.0], [5.0, 5.0], [f64::NAN, 5.0], [0.0, f64::NAN]] {
-            assert!(!FieldOfView { range_m, ..RING }.check().is_ok(), "{range_m:?}");
+            assert!(FieldOfView { range_m, ..RING }.check().is_err(), "{range_m:?}");
         }
         assert!(
             FieldOfView {

@@ -10,7 +10,7 @@
 //! In the gate of a track that is believed, a new one is likelier a target that has flown along and now parts; then it
 //! may start with that track's motion instead (SP-2, [`crate::splitting`]).
 
-use estimation::PackedGaussian;
+use estimation::Gaussian;
 use messages::{Covariance, STATE_LEN};
 use observations::DetectionKind;
 
@@ -35,10 +35,10 @@ settings::settings! {
 }
 
 /// The state after a first measurement; `None` of a direction alone.
-pub(crate) fn first_state(measurement: &Measurement, guess: &Initiation) -> Option<PackedGaussian> {
+pub(crate) fn first_state(measurement: &Measurement, guess: &Initiation) -> Option<Gaussian> {
     let [a, b, c] = measurement.values;
     let [sa, sb, sc, _] = measurement.sigmas;
-    let mut state = PackedGaussian {
+    let mut state = Gaussian {
         mean: [0.0; STATE_LEN],
         covariance: Covariance::diagonal(
             [sa, sb, guess.height_sigma_m],
@@ -83,7 +83,7 @@ pub(crate) fn first_state(measurement: &Measurement, guess: &Initiation) -> Opti
 }
 
 /// Position covariance Σ σ²·u·uᵀ over the axes u; of two axes in the plane the height's variance stays.
-fn set_position<const N: usize>(state: &mut PackedGaussian, axes: [[f64; 3]; N], sigmas: [f64; N]) {
+fn set_position<const N: usize>(state: &mut Gaussian, axes: [[f64; 3]; N], sigmas: [f64; N]) {
     for row in 0..N {
         for column in row..N {
             let sum = (0..N)

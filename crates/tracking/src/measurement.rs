@@ -14,7 +14,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use estimation::PackedGaussian;
+use estimation::Gaussian;
 use messages::{AXES, STATE_LEN};
 use observations::{Detection, DetectionKind, QUANTITIES_MAX, Quantity};
 
@@ -105,14 +105,14 @@ impl Measurement {
     }
 
     /// Compares with a predicted state; `None` if that cannot be done in numbers.
-    pub(crate) fn innovation(&self, state: &PackedGaussian) -> Option<Innovation> {
+    pub(crate) fn innovation(&self, state: &Gaussian) -> Option<Innovation> {
         let mut tangents = Tangents::of(self, state)?;
         tangents.factorise(state)?;
         tangents.innovation()
     }
 
     /// Updates a predicted state; `None`, and no change, if that cannot be done in numbers.
-    pub(crate) fn update(&self, state: &mut PackedGaussian) -> Option<Innovation> {
+    pub(crate) fn update(&self, state: &mut Gaussian) -> Option<Innovation> {
         let mut tangents = Tangents::of(self, state)?;
         tangents.factorise(state)?;
         let innovation = tangents.innovation()?;
@@ -121,7 +121,7 @@ impl Measurement {
     }
 
     /// Updates a predicted state with its turn rate; `None`, and no change, if that cannot be done in numbers.
-    pub(crate) fn update_turning(&self, state: &mut PackedGaussian, turn: &mut TurnRate) -> Option<Innovation> {
+    pub(crate) fn update_turning(&self, state: &mut Gaussian, turn: &mut TurnRate) -> Option<Innovation> {
         let mut tangents = Tangents::of(self, state)?;
         tangents.factorise(state)?;
         let innovation = tangents.innovation()?;
@@ -133,7 +133,7 @@ impl Measurement {
     }
 
     /// Updates by the range rate alone, if there is one.
-    pub(crate) fn update_range_rate(&self, state: &mut PackedGaussian) {
+    pub(crate) fn update_range_rate(&self, state: &mut Gaussian) {
         let Some(sight) = Sight::of(self, state) else { return };
         let Some(tangent) = self.range_rate_tangent(&sight, state) else {
             return;
@@ -145,7 +145,7 @@ impl Measurement {
         }
     }
 
-    fn range_rate_tangent(&self, sight: &Sight, state: &PackedGaussian) -> Option<Tangent> {
+    fn range_rate_tangent(&self, sight: &Sight, state: &Gaussian) -> Option<Tangent> {
         let rate = self.range_rate_mps?;
         let velocity = state.velocity_mps();
         let along: f64 = (0..AXES).map(|axis| sight.direction(axis) * velocity[axis]).sum();
@@ -172,7 +172,7 @@ struct Sight {
 
 impl Sight {
     /// `None` where the state is at the sensor.
-    fn of(measurement: &Measurement, state: &PackedGaussian) -> Option<Self> {
+    fn of(measurement: &Measurement, state: &Gaussian) -> Option<Self> {
         let position = state.position_m();
         let line_m: [f64; AXES] = std::array::from_fn(|axis| position[axis] - measurement.platform_m[axis]);
         let [east, north, up] = line_m;
@@ -234,7 +234,7 @@ impl Tangents {
         self.count += 1;
     }
 
-    fn of(measurement: &Measurement, state: &PackedGaussian) -> Option<Self> {
+    fn of(measurement: &Measurement, state: &Gaussian) -> Option<Self> {
         let mut tangents = Self::NONE;
         let is_position = matches!(measurement.kind, DetectionKind::Position2 | DetectionKind::Position3);
         let sight = if is_position && measurement.range_rate_mps.is_none() {
@@ -272,7 +272,7 @@ impl Tangents {
     }
 
     /// `None` if S is not positive definite.
-    fn factorise(&mut self, state: &PackedGaussian) -> Option<()> {
+    fn factorise(&mut self, state: &Gaussian) -> Option<()> {
         let p = &state.covariance;
         for row in 0..self.count {
             let mut products = [0.0; STATE_LEN];
@@ -333,7 +333,7 @@ impl Tangents {
         })
     }
 
-    fn apply(&self, state: &mut PackedGaussian) {
+    fn apply(&self, state: &mut Gaussian) {
         for (w, whitened) in self.gain[..self.count].iter().zip(&self.whitened) {
             for row in 0..STATE_LEN {
                 state.mean[row] += w[row] * whitened;
@@ -357,12 +357,12 @@ mod tests {
 
     use super::*;
 
-    fn state(mean: [f64; STATE_LEN]) -> PackedGaussian {
+    fn state(mean: [f64; STATE_LEN]) -> Gaussian {
         let mut covariance = Covariance::diagonal([30.0, 40.0, 50.0], [5.0, 6.0, 7.0]);
         covariance.set(0, 3, 60.0);
         covariance.set(1, 4, -80.0);
         covariance.set(0, 1, 200.0);
-        PackedGaussian { mean, covariance }
+        Gaussian { mean, covariance }
     }
 
     fn any_measurement() -> impl Strategy<Value = Measurement> {
@@ -384,7 +384,7 @@ mod tests {
         })
     }
 
-    fn any_state() -> impl Strategy<Value = PackedGaussian> {
+    fn any_state() -> impl Strategy<Value = Gaussian> {
         let far = prop_oneof![300.0..5e3f64, -5e3..-300.0f64];
         (prop::array::uniform2(far), prop::array::uniform4(-100.0..100.0f64))
             .prop_map(|([east, north], [up, a, b, c])| state([east, north, up, a, b, c]))

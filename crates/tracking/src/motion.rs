@@ -12,7 +12,7 @@
 //! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988).
 
-use estimation::{AxisNoise, PackedGaussian};
+use estimation::{AxisNoise, Gaussian};
 use messages::STATE_LEN;
 
 use crate::initiation::{Initiation, first_state};
@@ -57,9 +57,9 @@ impl MotionSettings {
 /// Position and velocity of a target by each model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Motion {
-    steady: PackedGaussian,
+    steady: Gaussian,
     /// Like the steady one where there is no such model.
-    turning: PackedGaussian,
+    turning: Gaussian,
     /// Turn rate of the turning model; [`TurnRate::NONE`] where there are no coordinated turns.
     turn: TurnRate,
     /// Probability that the target manoeuvres; 0 where there is no such model.
@@ -99,7 +99,7 @@ impl Motion {
     }
 
     /// Begins with the same state in both models.
-    pub(crate) fn begun(state: PackedGaussian, settings: &MotionSettings) -> Self {
+    pub(crate) fn begun(state: Gaussian, settings: &MotionSettings) -> Self {
         let prior = |manoeuvres: &Manoeuvres| {
             let [steady_s, turning_s] = manoeuvres.durations_s;
             turning_s / (steady_s + turning_s)
@@ -141,7 +141,7 @@ impl Motion {
         let (p, q) = (1.0 - self.turning_probability, self.turning_probability);
         let (begins, ends) = (p * time / (time + steady_s), q * time / (time + turning_s));
         let (steady, turning) = (p - begins + ends, q - ends + begins);
-        let mixed = |from_turning: f64| PackedGaussian::mixture(&self.steady, &self.turning, from_turning);
+        let mixed = |from_turning: f64| Gaussian::mixture(&self.steady, &self.turning, from_turning);
         let (straight, still) = (mixed(ends / steady), (q - ends) / turning);
         let (turned, turn) = match &manoeuvres.turn {
             None => (
@@ -162,12 +162,12 @@ impl Motion {
     /// The turning state, of which `still` was turning before, on its circle.
     fn turned(
         &self,
-        mut state: PackedGaussian,
+        mut state: Gaussian,
         still: f64,
         seconds: f64,
         manoeuvres: &Manoeuvres,
         turn: &Turn,
-    ) -> (PackedGaussian, TurnRate) {
+    ) -> (Gaussian, TurnRate) {
         let begun = TurnRate::begun(turn);
         let mut rate = TurnRate::mixture((&begun, &self.steady), (&self.turn, &self.turning), still);
         rate.turn(&mut state, seconds, turn);
@@ -212,11 +212,11 @@ impl Motion {
     }
 
     /// Mixture of both models.
-    pub(crate) fn estimate(&self) -> PackedGaussian {
+    pub(crate) fn estimate(&self) -> Gaussian {
         if self.turning_probability == 0.0 {
             return self.steady;
         }
-        PackedGaussian::mixture(&self.steady, &self.turning, self.turning_probability)
+        Gaussian::mixture(&self.steady, &self.turning, self.turning_probability)
     }
 
     /// Mean of both models together.
@@ -226,7 +226,7 @@ impl Motion {
     }
 
     /// Variances and covariance of the position in the plane by the wider model, and where it is.
-    pub(crate) fn widest(&self) -> &PackedGaussian {
+    pub(crate) fn widest(&self) -> &Gaussian {
         if self.turning_probability == 0.0 {
             &self.steady
         } else {
@@ -246,8 +246,8 @@ impl Motion {
         };
         let (p, q) = (a.turning_probability, b.turning_probability);
         Self {
-            steady: PackedGaussian::mixture(&a.steady, &b.steady, weight(1.0 - p, 1.0 - q)),
-            turning: PackedGaussian::mixture(&a.turning, &b.turning, weight(p, q)),
+            steady: Gaussian::mixture(&a.steady, &b.steady, weight(1.0 - p, 1.0 - q)),
+            turning: Gaussian::mixture(&a.turning, &b.turning, weight(p, q)),
             turn: if a.turn == TurnRate::NONE {
                 TurnRate::NONE
             } else {

@@ -16,7 +16,7 @@
 
 use std::f64::consts::TAU;
 
-use estimation::PackedGaussian;
+use estimation::Gaussian;
 use messages::NS_PER_S;
 
 use crate::clutter::{Estimate, Extent};
@@ -116,7 +116,7 @@ impl Sensor {
     }
 
     /// Probability that a target is in the field of view.
-    pub(crate) fn probability_in_view(&self, predicted: &PackedGaussian) -> f64 {
+    pub(crate) fn probability_in_view(&self, predicted: &Gaussian) -> f64 {
         let seen = |view: &FieldOfView| view.holds(predicted, self.platform_m);
         self.field_of_view.as_ref().map_or(1.0, seen)
     }
@@ -181,7 +181,7 @@ mod tests {
         });
         let sensor = Sensor::new(&settings.sensors[0], &settings, [9.21; 4]);
         let mut memory = Memory::NONE;
-        let near = PackedGaussian {
+        let near = Gaussian {
             mean: [1050.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             covariance: messages::Covariance::diagonal([1.0; 3], [1.0; 3]),
         };

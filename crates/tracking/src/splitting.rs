@@ -109,7 +109,7 @@ pub(crate) fn mean_motion(branches: impl Iterator<Item = (Motion, f64)>) -> Opti
 
 #[cfg(test)]
 mod tests {
-    use estimation::PackedGaussian;
+    use estimation::Gaussian;
     use messages::Covariance;
 
     use super::*;
@@ -174,7 +174,7 @@ mod tests {
     fn the_parents_motion_has_the_spread_of_the_branches() {
         let settings = crate::Settings::default().motion;
         let branch = |east: f64, variance: f64| {
-            let state = PackedGaussian {
+            let state = Gaussian {
                 mean: [east, 0.0, 0.0, 10.0, 0.0, 0.0],
                 covariance: Covariance::diagonal([variance.sqrt(); 3], [1.0; 3]),
             };

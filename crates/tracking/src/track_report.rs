@@ -1,6 +1,6 @@
 //! What is said of the confirmed tracks after a scan: each by its best branch, or several as one group.
 
-use estimation::PackedGaussian;
+use estimation::Gaussian;
 use messages::{NS_PER_S, SensorTrack, TargetType, TrackKind, TrackState, sensor_track_bits};
 
 use crate::motion::noise;
@@ -19,7 +19,7 @@ pub struct TrackReport {
     /// Time of the latest scan or of its detection in it, nanoseconds.
     pub time_ns: i64,
     /// Position and velocity then.
-    pub estimate: PackedGaussian,
+    pub estimate: Gaussian,
     /// Whether any detection has told its height.
     pub height_known: bool,
     /// Sum over the hypotheses that contain the branch.

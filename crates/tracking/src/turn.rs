@@ -7,7 +7,7 @@
 //! Gaussian per track, and fits only turns of those rates.
 //!
 //! The state moves on a circle, which depends on ω by a curve; covariances follow its tangent (extended Kalman filter).
-//! The first six components stay a [`PackedGaussian`] as in all other models; this module keeps the rest: ω, its
+//! The first six components stay a [`Gaussian`] as in all other models; this module keeps the rest: ω, its
 //! variance, and its covariance with the six. A measurement says nothing of ω itself; what is learned of it comes
 //! through that.
 //!
@@ -16,7 +16,7 @@
 //! Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (Wiley,
 //! 2001), section 11.7.
 
-use estimation::PackedGaussian;
+use estimation::Gaussian;
 use messages::STATE_LEN;
 
 /// Below this angle, radians, series stand for quotients of small numbers.
@@ -62,7 +62,7 @@ impl TurnRate {
     }
 
     /// Moves a state on its circle, without the noise of accelerations.
-    pub(crate) fn turn(&mut self, state: &mut PackedGaussian, seconds: f64, turn: &Turn) {
+    pub(crate) fn turn(&mut self, state: &mut Gaussian, seconds: f64, turn: &Turn) {
         let (rate, t) = (f64::from(self.rate), seconds);
         let [vx, vy] = [state.mean[3], state.mean[4]];
         let [along, across, along_by_rate, across_by_rate] = arcs(rate, t);
@@ -121,8 +121,8 @@ impl TurnRate {
 
     /// Rate of a mixture of two states with their turn rates.
     pub(crate) fn mixture(
-        (a, a_state): (&Self, &PackedGaussian),
-        (b, b_state): (&Self, &PackedGaussian),
+        (a, a_state): (&Self, &Gaussian),
+        (b, b_state): (&Self, &Gaussian),
         weight_of_b: f64,
     ) -> Self {
         let [p, q] = [1.0 - weight_of_b, weight_of_b];
@@ -139,7 +139,7 @@ impl TurnRate {
         }
     }
 
-    fn joint(&self, state: &PackedGaussian) -> [[f64; WITH_TURN]; WITH_TURN] {
+    fn joint(&self, state: &Gaussian) -> [[f64; WITH_TURN]; WITH_TURN] {
         std::array::from_fn(|row| {
             std::array::from_fn(|column| match (row, column) {
                 (TURN, TURN) => f64::from(self.variance),
@@ -172,14 +172,14 @@ mod tests {
         rate_noise_rad2ps3: 1e-4,
     };
 
-    fn state() -> PackedGaussian {
-        PackedGaussian {
+    fn state() -> Gaussian {
+        Gaussian {
             mean: [10.0, 20.0, 30.0, 50.0, -20.0, 1.0],
             covariance: Covariance::diagonal([10.0, 12.0, 14.0], [3.0, 4.0, 5.0]),
         }
     }
 
-    fn turned(rate: f32, seconds: f64) -> (PackedGaussian, TurnRate) {
+    fn turned(rate: f32, seconds: f64) -> (Gaussian, TurnRate) {
         let mut turn = TurnRate {
             rate,
             ..TurnRate::begun(&TURN_SETTINGS)

@@ -220,9 +220,8 @@ fn local_tracks_are_consistent() {
             if target.kind != TargetKind::EnRoute {
                 continue;
             }
-            let exact =
-                Gaussian::from_message(target.position_m, target.velocity_mps, &messages::Covariance::default());
-            let track = Gaussian::from_message(report.position_m, report.velocity_mps, &report.covariance);
+            let exact = Gaussian::new(target.position_m, target.velocity_mps, &messages::Covariance::default());
+            let track = Gaussian::new(report.position_m, report.velocity_mps, &report.covariance);
             let distance = statistical_distance(&track, &exact, ComparedComponents::PositionAndVelocity);
             assert!(distance.is_finite());
             sum += distance;

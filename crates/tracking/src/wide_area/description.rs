@@ -1,7 +1,7 @@
 //! What wide-area support adds to the tracks that are given out: who they are and where they came from (WA-9), and that
 //! several are one group (WA-7).
 
-use estimation::PackedGaussian;
+use estimation::Gaussian;
 use messages::TrackState;
 use observations::WideAreaReport;
 
@@ -158,7 +158,7 @@ fn mean_report(
             } else {
                 TrackState::Coasted
             },
-            estimate: PackedGaussian::mixture(&all.estimate, &track.estimate, track.reliability / sum),
+            estimate: Gaussian::mixture(&all.estimate, &track.estimate, track.reliability / sum),
             reliability: all.reliability.max(track.reliability),
             missed: all.missed.min(track.missed),
             detections: if of_one { all.detections } else { track.detections },

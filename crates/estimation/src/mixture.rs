@@ -1,0 +1,86 @@
+//! Mixtures: what is known if one of two states holds, each with a probability.
+//!
+//! The mean is the weighted mean; the covariance is the weighted mean of both, and what the means differ by (Bar-Shalom
+//! et al. 2001, section 1.4.16). Interacting multiple models are made of these.
+
+use messages::STATE_LEN;
+
+use crate::gaussian::{Gaussian, at};
+
+impl Gaussian {
+    /// Mean and covariance of a mixture of two: `a` with probability `1 − weight_of_b`, else `b`.
+    pub fn mixture(a: &Self, b: &Self, weight_of_b: f64) -> Self {
+        let mut mixture = *a;
+        mixture.mix::<STATE_LEN>(a, b, weight_of_b);
+        mixture
+    }
+
+    /// Replaces `a` and `b` by two mixtures of them, in which `b` has the weights given.
+    #[allow(clippy::needless_range_loop)] // Iterators keep these loops from being unrolled.
+    pub fn exchange(a: &mut Self, b: &mut Self, weights_of_b: [f64; 2]) {
+        let difference = a.difference(b);
+        for row in 0..STATE_LEN {
+            let of = (a.mean[row], b.mean[row]);
+            a.mean[row] = weighted(of, weights_of_b[0]);
+            b.mean[row] = weighted(of, weights_of_b[1]);
+            let spread = weights_of_b.map(|q| (1.0 - q) * q * difference[row]);
+            for column in row..STATE_LEN {
+                let (p, q) = (
+                    &mut a.covariance.upper[at(row, column)],
+                    &mut b.covariance.upper[at(row, column)],
+                );
+                let of = (*p, *q);
+                *p = weighted(of, weights_of_b[0]) + spread[0] * difference[column];
+                *q = weighted(of, weights_of_b[1]) + spread[1] * difference[column];
+            }
+        }
+    }
+
+    /// Sets the first `N` components, and what is known of them, to the mixture of `a` and `b`; the others are left.
+    #[allow(clippy::needless_range_loop)] // As above.
+    pub fn mix<const N: usize>(&mut self, a: &Self, b: &Self, weight_of_b: f64) {
+        let difference = a.difference(b);
+        for row in 0..N {
+            self.mean[row] = weighted((a.mean[row], b.mean[row]), weight_of_b);
+            let spread = (1.0 - weight_of_b) * weight_of_b * difference[row];
+            for column in row..N {
+                let of = (a.covariance.upper[at(row, column)], b.covariance.upper[at(row, column)]);
+                self.covariance.upper[at(row, column)] = weighted(of, weight_of_b) + spread * difference[column];
+            }
+        }
+    }
+
+    fn difference(&self, other: &Self) -> [f64; STATE_LEN] {
+        std::array::from_fn(|row| self.mean[row] - other.mean[row])
+    }
+}
+
+/// `a` with weight `1 − weight_of_b`, and `b`.
+#[inline]
+fn weighted((a, b): (f64, f64), weight_of_b: f64) -> f64 {
+    (1.0 - weight_of_b) * a + weight_of_b * b
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::gaussian::{Vector6, packed, unpacked};
+    use crate::testing::{any_gaussian, assert_close};
+
+    proptest! {
+        #[test]
+        fn equals_the_matrix_form(a in any_gaussian(), b in any_gaussian(), weight in 0.0..1.0f64) {
+            let (mean_a, mean_b) = (Vector6::from(a.mean), Vector6::from(b.mean));
+            let apart = mean_a - mean_b;
+            let mixture = Gaussian {
+                mean: (mean_a * (1.0 - weight) + mean_b * weight).into(),
+                covariance: packed(&(unpacked(&a.covariance) * (1.0 - weight)
+                    + unpacked(&b.covariance) * weight
+                    + apart * apart.transpose() * (weight * (1.0 - weight)))),
+            };
+            assert_close(&Gaussian::mixture(&a, &b, weight), &mixture);
+        }
+    }
+}
