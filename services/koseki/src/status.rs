@@ -4,12 +4,12 @@
 //! leaves. Rates are the differences between the two rounds.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::time::Duration;
 
 use bus::{Bus, BusError, Instance, Process, Root, SharedMemory};
 use messages::{Counter, Health, NO_SOURCE, ProcessKind, Registration};
 use runtime::clock::{instant, mono_ns};
+use telemetry::table::{Align, Table};
 
 /// How long to listen: health messages come five times a second.
 const LISTEN: Duration = Duration::from_millis(700);
@@ -151,7 +151,17 @@ fn is_launcher(health: &Health) -> bool {
 
 /// One line per process: first the launcher and its children, then what else has joined the instance.
 fn table(heard: &[Heard], processes: &[Process]) -> String {
-    let mut rows = vec![Row::title()];
+    // Numbers have room for eight digits, so that columns stay where they are from one look to the next.
+    let columns = [
+        ("process", Align::Left),
+        ("     pid", Align::Right),
+        ("state   ", Align::Left),
+        ("restarts", Align::Right),
+        ("    in/s", Align::Right),
+        ("   out/s", Align::Right),
+        ("note", Align::Left),
+    ];
+    let mut rows = Vec::new();
     let launched: Vec<&Heard> = heard.iter().filter(|each| is_launcher(&each.last)).collect();
     for each in &launched {
         let own = heard
@@ -172,16 +182,17 @@ fn table(heard: &[Heard], processes: &[Process]) -> String {
         name: process.name.clone(),
         pid: process.pid.to_string(),
         note: "says nothing of itself".to_owned(),
-        ..Row::blank()
+        ..Row::default()
     }));
-    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
-    let mut text = String::new();
+    let mut table = Table::new(&columns);
     for row in rows {
-        row.write(&mut text, width);
+        table.row(row.cells());
     }
-    text
+    table.to_string().lines().map(|line| format!("  {line}\n")).collect()
 }
 
+/// Line of the table; an empty cell is shown as a dash.
+#[derive(Default)]
 struct Row {
     name: String,
     pid: String,
@@ -193,29 +204,17 @@ struct Row {
 }
 
 impl Row {
-    fn title() -> Self {
-        Self {
-            name: "process".to_owned(),
-            pid: "pid".to_owned(),
-            state: "state".to_owned(),
-            restarts: "restarts".to_owned(),
-            taken: "in/s".to_owned(),
-            published: "out/s".to_owned(),
-            note: "note".to_owned(),
-        }
-    }
-
-    fn blank() -> Self {
-        let nothing = || "-".to_owned();
-        Self {
-            name: nothing(),
-            pid: nothing(),
-            state: nothing(),
-            restarts: nothing(),
-            taken: nothing(),
-            published: nothing(),
-            note: String::new(),
-        }
+    fn cells(self) -> [String; 7] {
+        let [name, pid, state, restarts, taken, published] = [
+            self.name,
+            self.pid,
+            self.state,
+            self.restarts,
+            self.taken,
+            self.published,
+        ]
+        .map(|cell| if cell.is_empty() { "-".to_owned() } else { cell });
+        [name, pid, state, restarts, taken, published, self.note]
     }
 
     /// A child, as the launcher speaks of it, and as it speaks of itself if it does.
@@ -225,11 +224,11 @@ impl Row {
         let row = Self {
             name: child.name().to_owned(),
             pid: match child.process_id {
-                0 => "-".to_owned(),
+                0 => String::new(),
                 pid => pid.to_string(),
             },
             restarts: if is_launcher_itself {
-                "-".to_owned()
+                String::new()
             } else {
                 child.restarts.to_string()
             },
@@ -238,7 +237,7 @@ impl Row {
                 "" => String::new(),
                 end => format!("the last one {end}"),
             },
-            ..Self::blank()
+            ..Self::default()
         };
         let Some(own) = own else { return row };
         let of_itself = Self::of_process(own);
@@ -271,17 +270,8 @@ impl Row {
             taken: heard.rate(taken),
             published: heard.rate(published),
             note: last.note().to_owned(),
-            ..Self::blank()
+            ..Self::default()
         }
-    }
-
-    fn write(&self, text: &mut String, width: usize) {
-        let line = format!(
-            "  {:<width$}  {:>8}  {:<8}  {:>8}  {:>8}  {:>8}  {}",
-            self.name, self.pid, self.state, self.restarts, self.taken, self.published, self.note
-        );
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{}", line.trim_end());
     }
 }
 
@@ -291,7 +281,7 @@ impl Heard {
         let seconds = (self.last.said_ns - self.first.said_ns) as f64 / messages::NS_PER_S;
         let (first, last) = (self.first.counters[counter], self.last.counters[counter]);
         if seconds <= 0.0 || last == 0 {
-            return "-".to_owned();
+            return String::new();
         }
         format!("{:.0}", last.saturating_sub(first) as f64 / seconds)
     }
@@ -331,9 +321,13 @@ mod tests {
         let table = table(&heard, &[subscriber]);
         let lines: Vec<Vec<&str>> = table.lines().map(|line| line.split_whitespace().collect()).collect();
         assert_eq!(lines.len(), 5, "{table}");
+        let title = "  process         pid  state     restarts      in/s     out/s  note\n";
+        assert!(table.starts_with(title), "{table}");
         assert_eq!(lines[1][..4], ["launcher", "1", "running", "-"]);
         assert_eq!(lines[2][..6], ["fusion", "2", "running", "3", "-", "500"]);
-        assert!(table.contains("the last one was killed by SIGKILL"));
+        let child =
+            "  fusion            2  running          3         -       500  the last one was killed by SIGKILL\n";
+        assert!(table.contains(child), "{table}");
         assert_eq!(lines[3][..2], ["second", "9"]);
         assert_eq!(lines[4][..2], ["subscribe", "10"]);
     }
