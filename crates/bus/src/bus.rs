@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use iceoryx2::node::{Node, NodeBuilder};
 use iceoryx2::port::listener::{Listener, ListenerCreateError};
-use iceoryx2::port::notifier::NotifierCreateError;
+use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
 use iceoryx2::port::publisher::PublisherCreateError;
 use iceoryx2::port::subscriber::SubscriberCreateError;
 use iceoryx2::prelude::{NodeName, SignalHandlingMode};
@@ -19,11 +19,11 @@ use iceoryx2::service::builder::publish_subscribe::{
     PublishSubscribeCreateError, PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError,
 };
 use iceoryx2::service::port_factory::{event, publish_subscribe};
-use messages::{BatchHeader, Topic};
+use messages::{BatchHeader, Capacity, Topic, TopicName};
 
 use crate::error::{BusError, Role};
 use crate::publisher::{self, Publisher};
-use crate::quality::{LEAVERS_MAX, NODES_MAX, describe};
+use crate::quality::{LEAVERS_MAX, NODES_MAX, describe_slices, describe_wake_ups};
 use crate::root::{Root, tame_logging};
 use crate::subscriber::{self, Subscriber};
 use crate::transport::{Payload, Transport};
@@ -113,13 +113,12 @@ impl<S: Transport> Bus<S> {
     /// # Errors
     /// If it exists with another type or smaller sizes, or cannot be created.
     pub fn hold<T: Payload>(&self, topic: &Topic<T>) -> Result<Held, BusError> {
-        let (slices, wake_ups) = describe(&self.node, topic)?;
-        let slices = slices
+        let slices = describe_slices(&self.node, topic)?
             .open_or_create()
-            .map_err(|error| held_slices_error(error, topic))?;
-        let wake_ups = wake_ups
+            .map_err(|error| held_slices_error(error, &topic.name))?;
+        let wake_ups = describe_wake_ups(&self.node, &topic.name, topic.capacity)?
             .open_or_create()
-            .map_err(|error| held_wake_ups_error(error, topic))?;
+            .map_err(|error| held_wake_ups_error(error, &topic.name))?;
         Ok(Held {
             topic: topic.name.as_str().into(),
             _services: Box::new((slices, wake_ups)),
@@ -134,23 +133,16 @@ impl<S: Transport> Bus<S> {
     /// dead processes were removed.
     pub fn publisher<T: Payload>(&self, topic: &Topic<T>, incarnation: u64) -> Result<Publisher<S, T>, BusError> {
         let slices = self.open_slices(topic)?;
-        let wake_ups = self.open_wake_ups(topic)?;
-        let full = |role| full_error(topic, role, topic.capacity.publishers);
+        let full = |role| full_error(&topic.name, role, topic.capacity.publishers);
         let (port, failed_connections) = self.in_place(
             || publisher::port(&slices, topic),
             |error| match error {
                 PublisherCreateError::ExceedsMaxSupportedPublishers => full(Role::Publisher),
-                error => topic_error(topic, "make a publisher", error),
+                error => topic_error(&topic.name, "make a publisher", error),
             },
         )?;
         // After the port: making the notifier wakes subscribers, which then connect to the port.
-        let notifier = self.in_place(
-            || wake_ups.notifier_builder().create(),
-            |error| match error {
-                NotifierCreateError::ExceedsMaxSupportedNotifiers => full(Role::Publisher),
-                error => topic_error(topic, "make a notifier", error),
-            },
-        )?;
+        let notifier = self.notifier(&topic.name, topic.capacity)?;
         Ok(Publisher::new(port, notifier, failed_connections, topic, incarnation))
     }
 
@@ -171,9 +163,9 @@ impl<S: Transport> Bus<S> {
             || subscriber::port(&slices),
             |error| match error {
                 SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
-                    full_error(topic, Role::Subscriber, topic.capacity.subscribers)
+                    full_error(&topic.name, Role::Subscriber, topic.capacity.subscribers)
                 }
-                error => topic_error(topic, "make a subscriber", error),
+                error => topic_error(&topic.name, "make a subscriber", error),
             },
         )?;
         let joined_ns = now_ns();
@@ -195,15 +187,28 @@ impl<S: Transport> Bus<S> {
         }
     }
 
-    fn listener<T: Payload>(&self, topic: &Topic<T>) -> Result<Listener<S>, BusError> {
-        let wake_ups = self.open_wake_ups(topic)?;
+    fn notifier(&self, name: &TopicName, capacity: Capacity) -> Result<Notifier<S>, BusError> {
+        let wake_ups = self.open_wake_ups(name, capacity)?;
+        self.in_place(
+            || wake_ups.notifier_builder().create(),
+            |error| match error {
+                NotifierCreateError::ExceedsMaxSupportedNotifiers => {
+                    full_error(name, Role::Publisher, capacity.publishers)
+                }
+                error => topic_error(name, "make a notifier", error),
+            },
+        )
+    }
+
+    fn listener(&self, name: &TopicName, capacity: Capacity) -> Result<Listener<S>, BusError> {
+        let wake_ups = self.open_wake_ups(name, capacity)?;
         self.in_place(
             || wake_ups.listener_builder().create(),
             |error| match error {
                 ListenerCreateError::ExceedsMaxSupportedListeners => {
-                    full_error(topic, Role::Listener, topic.capacity.subscribers)
+                    full_error(name, Role::Listener, capacity.subscribers)
                 }
-                error => topic_error(topic, "make a listener", error),
+                error => topic_error(name, "make a listener", error),
             },
         )
     }
@@ -213,15 +218,15 @@ impl<S: Transport> Bus<S> {
         topic: &Topic<T>,
     ) -> Result<publish_subscribe::PortFactory<S, [T], BatchHeader>, BusError> {
         self.patiently(|| {
-            let (slices, _) = describe(&self.node, topic)?;
-            slices.open().map_err(|error| slices_error(error, topic))
+            let opened = describe_slices(&self.node, topic)?.open();
+            opened.map_err(|error| slices_error(error, &topic.name))
         })
     }
 
-    fn open_wake_ups<T: Payload>(&self, topic: &Topic<T>) -> Result<event::PortFactory<S>, BusError> {
+    fn open_wake_ups(&self, name: &TopicName, capacity: Capacity) -> Result<event::PortFactory<S>, BusError> {
         self.patiently(|| {
-            let (_, wake_ups) = describe(&self.node, topic)?;
-            wake_ups.open().map_err(|error| wake_ups_error(error, topic))
+            let opened = describe_wake_ups(&self.node, name, capacity)?.open();
+            opened.map_err(|error| wake_ups_error(error, name))
         })
     }
 
@@ -261,16 +266,20 @@ impl<S: Transport> Waiter<S> {
     /// # Errors
     /// If the topic does not exist, has no place left for a listener, or too many are watched.
     pub fn watch<T: Payload>(&mut self, bus: &Bus<S>, topic: &Topic<T>) -> Result<(), BusError> {
+        self.watch_wake_ups(bus, &topic.name, topic.capacity)
+    }
+
+    fn watch_wake_ups(&mut self, bus: &Bus<S>, name: &TopicName, capacity: Capacity) -> Result<(), BusError> {
         if self.mode() == WaitMode::Spin {
             return Ok(());
         }
         if !self.has_room() {
             return Err(BusError::WatchedTooMany {
-                topic: topic.name.as_str().into(),
+                topic: name.as_str().into(),
                 limit: WATCHED_MAX,
             });
         }
-        self.listen(bus.listener(topic)?);
+        self.listen(bus.listener(name, capacity)?);
         Ok(())
     }
 }
@@ -299,37 +308,37 @@ pub struct DeadProcesses {
     pub failed: u64,
 }
 
-fn topic_error<T>(topic: &Topic<T>, action: &'static str, error: impl ToString) -> BusError {
+fn topic_error(topic: &TopicName, action: &'static str, error: impl ToString) -> BusError {
     BusError::Topic {
-        topic: topic.name.as_str().into(),
+        topic: topic.as_str().into(),
         action,
         reason: error.to_string(),
     }
 }
 
-fn full_error<T>(topic: &Topic<T>, role: Role, limit: usize) -> BusError {
+fn full_error(topic: &TopicName, role: Role, limit: usize) -> BusError {
     BusError::Full {
-        topic: topic.name.as_str().into(),
+        topic: topic.as_str().into(),
         role,
         limit,
     }
 }
 
-fn missing_error<T>(topic: &Topic<T>) -> BusError {
+fn missing_error(topic: &TopicName) -> BusError {
     BusError::NoSuchTopic {
-        topic: topic.name.as_str().into(),
+        topic: topic.as_str().into(),
         waited_ms: 0,
     }
 }
 
-fn incompatible_error<T>(topic: &Topic<T>, error: impl ToString) -> BusError {
+fn incompatible_error(topic: &TopicName, error: impl ToString) -> BusError {
     BusError::Incompatible {
-        topic: topic.name.as_str().into(),
+        topic: topic.as_str().into(),
         reason: error.to_string(),
     }
 }
 
-fn slices_error<T>(error: PublishSubscribeOpenError, topic: &Topic<T>) -> BusError {
+fn slices_error(error: PublishSubscribeOpenError, topic: &TopicName) -> BusError {
     use PublishSubscribeOpenError as E;
     match error {
         E::DoesNotExist | E::IsMarkedForDestruction => missing_error(topic),
@@ -349,7 +358,7 @@ fn slices_error<T>(error: PublishSubscribeOpenError, topic: &Topic<T>) -> BusErr
     }
 }
 
-fn wake_ups_error<T>(error: EventOpenError, topic: &Topic<T>) -> BusError {
+fn wake_ups_error(error: EventOpenError, topic: &TopicName) -> BusError {
     use EventOpenError as E;
     match error {
         E::DoesNotExist | E::IsMarkedForDestruction => missing_error(topic),
@@ -369,7 +378,7 @@ fn wake_ups_error<T>(error: EventOpenError, topic: &Topic<T>) -> BusError {
     }
 }
 
-fn held_slices_error<T>(error: PublishSubscribeOpenOrCreateError, topic: &Topic<T>) -> BusError {
+fn held_slices_error(error: PublishSubscribeOpenOrCreateError, topic: &TopicName) -> BusError {
     use PublishSubscribeOpenOrCreateError as E;
     match error {
         E::PublishSubscribeOpenError(error) => slices_error(error, topic),
@@ -380,7 +389,7 @@ fn held_slices_error<T>(error: PublishSubscribeOpenOrCreateError, topic: &Topic<
     }
 }
 
-fn held_wake_ups_error<T>(error: EventOpenOrCreateError, topic: &Topic<T>) -> BusError {
+fn held_wake_ups_error(error: EventOpenOrCreateError, topic: &TopicName) -> BusError {
     use EventOpenOrCreateError as E;
     match error {
         E::EventOpenError(error) => wake_ups_error(error, topic),

@@ -2,7 +2,7 @@
 //!
 //! iceoryx2 refuses to open a service with larger demands than its creator made, and its defaults (two publishers,
 //! buffers of two, a publisher that waits) suit nobody here. So all who create or open a topic describe it through
-//! [`describe`], from the topic's own [`Capacity`], and no setting is left to a default.
+//! [`describe_slices`] and [`describe_wake_ups`], from the topic's own [`Capacity`], and no setting is left to a default.
 //!
 //! A topic is two iceoryx2 services of one name: *slices* (publish-subscribe of `[T]` with a
 //! [`BatchHeader`] as user header) and *wake-ups* (events). They are apart so that one who spins, or polls, costs a
@@ -11,7 +11,7 @@
 use iceoryx2::node::Node;
 use iceoryx2::prelude::{EventId, ServiceName};
 use iceoryx2::service::builder::{event, publish_subscribe};
-use messages::{BatchHeader, Capacity, Topic};
+use messages::{BatchHeader, Capacity, Topic, TopicName};
 
 use crate::error::BusError;
 use crate::transport::{Payload, Transport};
@@ -28,26 +28,19 @@ pub const BORROWED_MAX: usize = 2;
 /// Slices that a publisher writes at a time.
 pub(crate) const LOANED_MAX: usize = 2;
 
-/// Everything about `topic`: the slices and the wake-ups.
-#[expect(clippy::type_complexity, reason = "two builders, named where they are used")]
-pub(crate) fn describe<S: Transport, T: Payload>(
+/// Everything about the slices of `topic`.
+pub(crate) fn describe_slices<S: Transport, T: Payload>(
     node: &Node<S>,
     topic: &Topic<T>,
-) -> Result<(publish_subscribe::Builder<[T], BatchHeader, S>, event::Builder<S>), BusError> {
-    let name = ServiceName::new(topic.name.as_str()).map_err(|error| BusError::Topic {
-        topic: topic.name.as_str().into(),
-        action: "use its name",
-        reason: format!("{error:?}"),
-    })?;
+) -> Result<publish_subscribe::Builder<[T], BatchHeader, S>, BusError> {
     let Capacity {
         depth,
         slice_len: _, // of the publisher, not of the topic
         publishers,
         subscribers,
     } = topic.capacity;
-
-    let slices = node
-        .service_builder(&name)
+    Ok(node
+        .service_builder(&service_name(&topic.name)?)
         .publish_subscribe::<[T]>()
         .user_header::<BatchHeader>()
         .max_nodes(NODES_MAX)
@@ -56,20 +49,35 @@ pub(crate) fn describe<S: Transport, T: Payload>(
         .subscriber_max_buffer_size(depth)
         .subscriber_max_borrowed_samples(BORROWED_MAX)
         .enable_safe_overflow(true)
-        .history_size(0);
-    let wake_ups = node
-        .service_builder(&name)
+        .history_size(0))
+}
+
+/// Everything about the wake-ups of the topic called `name`.
+pub(crate) fn describe_wake_ups<S: Transport>(
+    node: &Node<S>,
+    name: &TopicName,
+    capacity: Capacity,
+) -> Result<event::Builder<S>, BusError> {
+    Ok(node
+        .service_builder(&service_name(name)?)
         .event()
         .max_nodes(NODES_MAX)
-        .max_notifiers(publishers)
-        .max_listeners(subscribers)
+        .max_notifiers(capacity.publishers)
+        .max_listeners(capacity.subscribers)
         .event_id_max_value(0)
         .disable_deadline()
         // A new publisher wakes those who wait, so that they connect to it before its first slice comes.
         .notifier_created_event(EventId::new(0))
         .disable_notifier_dropped_event()
-        .disable_notifier_dead_event();
-    Ok((slices, wake_ups))
+        .disable_notifier_dead_event())
+}
+
+fn service_name(name: &TopicName) -> Result<ServiceName, BusError> {
+    ServiceName::new(name.as_str()).map_err(|error| BusError::Topic {
+        topic: name.as_str().into(),
+        action: "use its name",
+        reason: format!("{error:?}"),
+    })
 }
 
 /// Slices for which a publisher reserves memory.
