@@ -32,9 +32,10 @@ fn settings(targets: usize) -> Settings {
     Settings {
         sources: (0..SOURCES).map(source).collect(),
         capacity: Capacity {
-            system_tracks: 2 * targets,
-            sensor_tracks: 2 * targets * usize::from(SOURCES),
+            system_tracks: Some(2 * targets),
+            sensor_tracks: Some(2 * targets * usize::from(SOURCES)),
             stored_reports: 8,
+            ..Capacity::default()
         },
         association: AssociationSettings {
             cell_m: 1000.0,
@@ -45,8 +46,8 @@ fn settings(targets: usize) -> Settings {
         process_noise_m2ps3: 1.0,
         registration: RegistrationSettings::default(),
         consistency: true,
-        refresh_ns: None,
-        refresh_delay_ns: 0,
+        refresh_s: None,
+        refresh_delay_s: settings::Seconds::default(),
     }
 }
 

@@ -203,14 +203,17 @@ fn what_cannot_be_fused_is_refused_in_one_line_and_nothing_is_written() {
         ("--tracks a.csv --out f.csv --refresh 0", "more than 0"),
         ("--tracks a.csv --out f.csv --refresh 7200", "between 0.001 and 3600"),
         ("--tracks a.csv", "--out <FILE>"),
-        ("--tracks a.csv --config wrong.toml --out f.csv", "`speed`"),
+        (
+            "--tracks a.csv --config wrong.toml --out f.csv",
+            "wrong.toml:2: fusion.speed: unknown key",
+        ),
         (
             "--tracks a.csv --config twice.toml --out f.csv",
             "twice.toml:4: sensor[1].id: 7 is the id of an earlier",
         ),
         (
             "--tracks a.csv --config range.toml --out f.csv",
-            "range.toml:5: sensor[0].accuracy.sigma_m: -1: must",
+            "range.toml:5: sensor[0].accuracy.sigma_m: -1 is out of range",
         ),
         (
             "--tracks a.csv --config placeless.toml --out f.csv",

@@ -60,9 +60,14 @@ impl Recorded {
     /// `held_out`.
     fn fused_without(&self, held_out: u16, rule: FusionRule) -> BTreeMap<u32, Vec<SystemTrack>> {
         let mut settings = self.settings.clone();
-        settings.rule.rule = rule;
-        if settings.registration.reference_source == Some(held_out) {
-            settings.registration.reference_source = Some(if held_out == MLAT { ADSB } else { MLAT });
+        settings.rule.name.0 = rule;
+        if settings
+            .registration
+            .reference_source
+            .as_ref()
+            .is_some_and(|source| source.number == held_out)
+        {
+            settings.registration.reference_source = Some(if held_out == MLAT { ADSB } else { MLAT }.into());
         }
         let mut engine = Engine::new(settings).unwrap();
         let mut tracks: BTreeMap<u32, Vec<SystemTrack>> = BTreeMap::new();

@@ -5,37 +5,26 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use ::fusion::settings::{AccuracyTable, CoverageArea, SourceSettings};
 use bus::WaitMode;
 use frames::{Geodetic, SensorFrame, SystemFrame};
-use fusion::settings as engine;
-use messages::NS_PER_S;
 use reception::SourceModel;
 use settings::SettingsError;
 
 use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
-use super::check_rule::check_rule;
-use super::raw::{AccuracyModel, RawAccuracy, RawAssociation, RawCoverage, RawFusion};
-use super::tables::{DeploymentTable, PlaceTable, RecordedTable, SourceTable};
+use super::tables::{DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable, WaitWord};
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
 use super::{Config, Fusion, Input, Instrument, Links, Order, Recorded, RecordedFormat, Source};
-use runtime::cores::{self, Placement};
+use runtime::cores::Placement;
 use sources::{Processing, TrackerSettings};
 
 pub(super) type Checked<T> = Result<T, SettingsError>;
 
 pub(super) fn problem(key: impl Into<String>, what: impl Into<String>) -> SettingsError {
     SettingsError::new(key, what)
-}
-
-pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
-    settings::within(key, value, low, high).map(|()| value)
-}
-
-pub(super) fn nanoseconds(seconds: f64) -> i64 {
-    (seconds * NS_PER_S).round() as i64
 }
 
 pub(super) fn check_name(key: &str, name: &str) -> Checked<()> {
@@ -95,7 +84,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
             "\"time\" is for recorded inputs; simulated, external and received sources are live: use \"arrival\"",
         ));
     }
-    let fusion = check_fusion(&raw.fusion, weighing)?;
+    let fusion = fusion(raw.fusion, weighing)?;
     Ok(Config {
         monitor: check_monitor(&raw.monitor, &fusion)?,
         fusion,
@@ -131,7 +120,7 @@ fn check_source(
     system: &SystemFrame,
     origin: &PlaceTable,
     network: &mut Network,
-) -> Checked<(Source, engine::SourceSettings)> {
+) -> Checked<(Source, SourceSettings)> {
     let key = |part: &str| format!("source[{index}].{part}");
     let sensor_place = raw.place.as_ref().unwrap_or(origin);
     let mut origin = place(&key("place"), sensor_place)?;
@@ -186,20 +175,15 @@ fn check_source(
         input,
         adapter,
     };
-    let weighed = engine::SourceSettings {
-        name: raw.name.clone(),
-        sensor_uid: source.uid,
-        period_ns: nanoseconds(raw.period_s),
-        fresh_ns: nanoseconds(raw.fresh_s()),
-        accuracy: accuracy(&raw.accuracy, source.model.frame.place()),
-        adjustment: raw.accuracy.adjustment,
-        priority: raw.priority.unwrap_or(index as u32),
-        ceiling_m: raw.ceiling_m.unwrap_or(f64::INFINITY),
-        coverage: match &raw.coverage {
-            Some(area) => Some(coverage(&key("coverage"), area, source.model.frame.place())?),
-            None => source.locator().is_some().then(silence_says_nothing),
-        },
-    };
+    let place_m = source.model.frame.place();
+    let usual = (raw.period_s(), u32::from(source.number));
+    let weighed = SourceSettings::new(&raw.name, &raw.weighing, usual, place_m, &AccuracyTable::default());
+    let mut weighed = weighed.map_err(|error| error.under(&format!("source[{index}]")))?;
+    weighed.sensor_uid = source.uid;
+    if source.locator().is_some() {
+        // A direction finder hears what transmits: its silence is no evidence of absence.
+        weighed.coverage.get_or_insert_with(CoverageArea::none);
+    }
     Ok((source, weighed))
 }
 
@@ -225,7 +209,7 @@ fn check_tracker(
                     plots = true";
         return Err(problem(key(), what));
     }
-    source_tracker(tracker, index as u16, raw.period_s).map(Some)
+    source_tracker(tracker, index as u16, raw.period_s()).map(Some)
 }
 
 /// A direction finder has bearings and nothing else, whether it is simulated or said to be one by its
@@ -261,67 +245,6 @@ fn check_recorded(index: usize, raw: &RecordedTable) -> Checked<Recorded> {
         asterix: asterix(&format!("source[{index}].recorded.editions"), &raw.sender.reading)?,
         reorder_ns: raw.reorder_s.ns(),
         truncated: raw.truncated,
-    })
-}
-
-pub(super) fn accuracy(raw: &RawAccuracy, place_m: [f64; 2]) -> engine::Accuracy {
-    engine::Accuracy {
-        base: match raw.model {
-            AccuracyModel::Constant => engine::AccuracyBase::Constant { sigma_m: raw.sigma_m },
-            AccuracyModel::Polar => engine::AccuracyBase::Polar {
-                place_m,
-                range_sigma_m: raw.range_sigma_m,
-                azimuth_sigma_rad: raw.azimuth_sigma_deg.to_radians(),
-            },
-            AccuracyModel::Reported => engine::AccuracyBase::Reported,
-            AccuracyModel::Estimated => engine::AccuracyBase::Estimated {
-                initial_m: raw.initial_m,
-                memory: raw.memory,
-            },
-        },
-        per_speed_s: raw.per_speed_s,
-        conditions: raw
-            .conditions
-            .iter()
-            .map(|(name, factor)| (name.clone(), *factor))
-            .collect(),
-    }
-}
-
-/// Who only hears what transmits does not deny what is silent.
-fn silence_says_nothing() -> engine::CoverageArea {
-    engine::CoverageArea {
-        place_m: [0.0; 2],
-        range_m: f64::INFINITY,
-        sector_rad: None,
-        polygon_m: Vec::new(),
-        probability: 0.0,
-    }
-}
-
-/// Where the source at `place_m` sees.
-pub(super) fn coverage(key: &str, raw: &RawCoverage, place_m: [f64; 2]) -> Checked<engine::CoverageArea> {
-    let part = |part: &str| format!("{key}.{part}");
-    let range_m = match raw.range_m {
-        Some(range_m) => within(&part("range_m"), range_m, 1.0, 2e6)?,
-        None => f64::INFINITY,
-    };
-    for azimuth_deg in raw.sector_deg.into_iter().flatten() {
-        within(&part("sector_deg"), azimuth_deg, -360.0, 360.0)?;
-    }
-    for coordinate_m in raw.polygon_m.iter().flatten() {
-        within(&part("polygon_m"), *coordinate_m, -2e6, 2e6)?;
-    }
-    if (1..3).contains(&raw.polygon_m.len()) {
-        let what = "a polygon has three corners or more, each [east, north]; leave it out for no further limit";
-        return Err(problem(part("polygon_m"), what));
-    }
-    Ok(engine::CoverageArea {
-        place_m,
-        range_m,
-        sector_rad: raw.sector_deg.map(|sector_deg| sector_deg.map(f64::to_radians)),
-        polygon_m: raw.polygon_m.clone(),
-        probability: within(&part("probability"), raw.probability, 0.01, 1.0)?,
     })
 }
 
@@ -370,111 +293,29 @@ fn check_scenario(
     }
 }
 
-pub(super) fn check_fusion(fusion: &RawFusion, sources: Vec<engine::SourceSettings>) -> Checked<Fusion> {
-    let wait = match fusion.wait.as_str() {
-        "spin" => WaitMode::Spin,
-        "event" => WaitMode::Event,
-        "hybrid" => {
-            let spin_us = within("fusion.hybrid_spin_us", fusion.hybrid_spin_us, 0.1, 1e6)?;
-            WaitMode::Hybrid {
-                spin_ns: (spin_us * 1e3) as u64,
-            }
-        }
-        other => {
-            let what = format!("\"{other}\" is no wait mode; there are \"spin\", \"event\" and \"hybrid\"");
-            return Err(problem("fusion.wait", what));
-        }
-    };
-    if let Some(core) = fusion.core
-        && !cores::available().contains(&core)
-    {
-        let what = format!(
-            "{core} does not exist or may not be used; this machine offers cores {:?}",
-            cores::available()
-        );
-        return Err(problem("fusion.core", what));
-    }
-    if let Some(priority) = fusion.realtime_priority {
-        within("fusion.realtime_priority", f64::from(priority), 1.0, 99.0)?;
-    }
-    let usual = engine::Capacity::default();
-    let usual_life = engine::LifeSettings::default();
-    let settings = engine::Settings {
-        rule: check_rule(&fusion.rule, &sources)?,
-        registration: engine::RegistrationSettings {
-            enabled: fusion.registration.enabled,
-            reference_source: fusion
-                .registration
-                .reference_source
-                .as_deref()
-                .map(|name| source_called("fusion.registration.reference_source", name, &sources))
-                .transpose()?,
-            memory_s: within("fusion.registration.memory_s", fusion.registration.memory_s, 1.0, 1e6)?,
-        },
-        consistency: fusion.consistency,
-        sources,
-        capacity: engine::Capacity {
-            system_tracks: fusion.capacity.system_tracks.unwrap_or(usual.system_tracks),
-            sensor_tracks: fusion.capacity.sensor_tracks.unwrap_or(usual.sensor_tracks),
-            stored_reports: fusion.capacity.stored_reports,
-        },
-        association: check_association(&fusion.association)?,
-        life: engine::LifeSettings {
-            confirm_reports: fusion.life.confirm_reports,
-            terminate_ns: fusion.life.terminate_s.map_or(usual_life.terminate_ns, nanoseconds),
-            tentative_ns: fusion.life.tentative_s.map_or(usual_life.tentative_ns, nanoseconds),
-        },
-        process_noise_m2ps3: fusion.process_noise_m2ps3,
-        refresh_ns: fusion.refresh_s.map(nanoseconds),
-        refresh_delay_ns: nanoseconds(fusion.refresh_delay_s),
-    };
-    settings
-        .check()
-        .map_err(|error| problem(&error.key, format!("{}: {}", error.value, error.reason)))?;
-    // A source must be able to hand over a whole slice at any time.
-    let queue = within("fusion.capacity.queue", fusion.capacity.queue as f64, 128.0, 1e7)? as usize;
+/// The fusion process, which fuses these sources.
+fn fusion(raw: FusionTable, sources: Vec<SourceSettings>) -> Checked<Fusion> {
+    let queue = raw.engine.capacity.queue;
     Ok(Fusion {
-        settings,
-        wait,
-        placement: Placement {
-            core: fusion.core,
-            realtime_priority: fusion.realtime_priority,
-            lock_memory: fusion.lock_memory,
+        settings: raw
+            .engine
+            .with_sources(sources)
+            .map_err(|error| error.under("fusion"))?,
+        wait: match raw.wait {
+            WaitWord::Event => WaitMode::Event,
+            WaitWord::Spin => WaitMode::Spin,
+            WaitWord::Hybrid => WaitMode::Hybrid {
+                spin_ns: (raw.hybrid_spin_us * 1e3) as u64,
+            },
         },
-        required: fusion.required,
-        rests: fusion.rests,
+        placement: Placement {
+            core: raw.core,
+            realtime_priority: raw.realtime_priority,
+            lock_memory: raw.lock_memory,
+        },
+        required: raw.required,
+        rests: raw.rests,
         queue,
-        deadline_ns: (within("fusion.deadline_us", fusion.deadline_us, 0.1, 1e9)? * 1e3) as i64,
-    })
-}
-
-fn check_association(raw: &RawAssociation) -> Checked<engine::AssociationSettings> {
-    let gate = |key: &str, probability: f64| -> Checked<f64> {
-        let probability = within(&format!("fusion.association.{key}"), probability, 0.5, 1.0 - 1e-12)?;
-        Ok(-2.0 * (1.0 - probability).ln())
-    };
-    Ok(engine::AssociationSettings {
-        use_identity: raw.use_identity,
-        join_gate: gate("join_probability", raw.join_probability)?,
-        keep_gate: raw.keep_gate,
-        velocity_gate: gate("velocity_probability", raw.velocity_probability)?,
-        extent_sigma_m: raw.extent_sigma_m,
-        target_extent_m: raw.target_extent_m,
-        height_gate_m: raw.height_gate_m,
-        split_reports: raw.split_reports,
-        merge_reports: raw.merge_reports,
-        cell_m: raw.cell_m,
-        error_correlation: raw.error_correlation,
-        scan_wait: raw.scan_wait,
-    })
-}
-
-/// Number of the source called `name`, which stands at `key`.
-pub(super) fn source_called(key: &str, name: &str, sources: &[engine::SourceSettings]) -> Checked<u16> {
-    let number = sources.iter().position(|source| source.name == name);
-    number.map(|number| number as u16).ok_or_else(|| {
-        let known: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
-        let what = format!("there is no source named \"{name}\"; there are: {}", known.join(", "));
-        problem(key, what)
+        deadline_ns: (raw.deadline_us * 1e3) as i64,
     })
 }

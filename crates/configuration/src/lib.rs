@@ -8,12 +8,10 @@
 mod check;
 mod check_monitor;
 mod check_network;
-mod check_rule;
 mod deployment;
 mod locating;
 mod network;
 mod offline;
-mod raw;
 mod tables;
 mod tracker;
 mod tracker_links;

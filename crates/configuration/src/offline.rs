@@ -24,16 +24,13 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use fusion::settings as engine;
-use messages::NS_PER_S;
-use settings::{Document, SettingsError};
+use fusion::settings::{AccuracyModel, AccuracyTable, Settings, SourceSettings, Weighing};
+use settings::{Document, Seconds, SettingsError};
 
 use super::ConfigError;
-use super::check::{Checked, accuracy, check_fusion, check_name, coverage, nanoseconds, problem, within};
-use super::raw::{AccuracyModel, RawAccuracy, RawCoverage, RawFusion};
+use super::check::{Checked, check_name, problem};
+use super::tables::FusionTable;
 
-/// A report is fresh for so many periods: two may be missed.
-const FRESH_PERIODS: f64 = 2.5;
 /// Period of a sensor that never reported a track twice, and has none configured, seconds.
 const PERIOD_UNKNOWN_S: f64 = 1.0;
 /// Accuracy of a sensor that has not said how accurate it is, metres.
@@ -62,7 +59,7 @@ pub struct OfflineSettings {
     /// The files' `sensor_id` of each source.
     pub sensor_ids: Vec<u32>,
     /// The engine's settings.
-    pub engine: engine::Settings,
+    pub engine: Settings,
 }
 
 /// A configuration as read; an empty one says nothing.
@@ -76,33 +73,46 @@ pub struct Offline {
 settings::settings! {
     /// A configuration of `koseki fuse`: what is not configured, a first pass over the files tells.
     pub(crate) struct OfflineTable {
+        check OfflineTable::check;
         /// Fusion.
-        fusion: RawFusion = RawFusion::default();
+        fusion: FusionTable = FusionTable::default();
         /// Sensor that something is known of.
         sensors as "sensor": Vec<OfflineSensorTable> = Vec::new();
     }
 
     /// Facts about a sensor.
-    pub(crate) struct OfflineSensorTable {
+    pub(crate) struct OfflineSensorTable with weighing: Weighing {
         check OfflineSensorTable::check;
-        /// The `sensor_id` of the files.
+        /// Number by which the files name it.
         id: u32;
         /// Name, for messages and rules.
         name: Option<String> = None, usually "its id";
-        /// Time between two reports of one track.
-        period_s: Option<f64> = None, in [1e-3, 3600], usually "as seen";
-        /// Age beyond which a report no longer counts.
-        fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
-        /// Priority for ties: of equally good sensors the one with the smallest number is taken.
-        priority: Option<u32> = None, usually "its place among the ids";
-        /// Targets higher than this above the origin cannot be seen by this sensor.
-        ceiling_m: Option<f64> = None;
         /// East and north in the files' frame, for accuracies that depend on the distance.
         position_m: Option<[f64; 2]> = None;
-        /// Accuracy by which it is weighed.
-        accuracy: Option<RawAccuracy> = None, usually "as it states";
-        /// Where it sees.
-        coverage: Option<RawCoverage> = None, usually "learned from its reports";
+    }
+}
+
+impl OfflineTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        let (mut ids, mut names) = (BTreeSet::new(), BTreeSet::new());
+        for (index, sensor) in self.sensors.iter().enumerate() {
+            let key = |part: &str| format!("sensor[{index}].{part}");
+            if !ids.insert(sensor.id) {
+                let what = format!(
+                    "{} is the id of an earlier sensor; say everything of it there",
+                    sensor.id
+                );
+                return Err(problem(key("id"), what));
+            }
+            if let Some(name) = &sensor.name {
+                check_name(&key("name"), name)?;
+                if !names.insert(name) {
+                    let what = format!("\"{name}\" is the name of an earlier sensor; give each its own");
+                    return Err(problem(key("name"), what));
+                }
+            }
+        }
+        Ok(())
     }
 }
 
@@ -117,7 +127,7 @@ impl OfflineSensorTable {
 
     /// A key whose meaning depends on where the sensor stands.
     fn needs_place(&self) -> Option<&'static str> {
-        let (accuracy, coverage) = (self.accuracy.as_ref(), self.coverage.as_ref());
+        let (accuracy, coverage) = (self.weighing.accuracy.as_ref(), self.weighing.coverage.as_ref());
         if accuracy.is_some_and(|accuracy| accuracy.model == AccuracyModel::Polar) {
             return Some("accuracy.model");
         }
@@ -137,13 +147,11 @@ impl Offline {
     /// [`ConfigError`] with file, line, key, value and remedy.
     pub fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
         let raw = super::read(path, text)?;
-        let config = Self {
+        Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
             raw,
-        };
-        config.check_sensors().map_err(|error| config.in_file(error))?;
-        Ok(config)
+        })
     }
 
     /// The engine's settings for the sensors that were seen, in the order of their ids.
@@ -159,107 +167,48 @@ impl Offline {
         super::in_file(&self.path, located.unwrap_or(error))
     }
 
-    fn check_sensors(&self) -> Checked<()> {
-        let (mut ids, mut names) = (BTreeSet::new(), BTreeSet::new());
-        for (index, sensor) in self.raw.sensors.iter().enumerate() {
-            let key = |part: &str| format!("sensor[{index}].{part}");
-            if !ids.insert(sensor.id) {
-                let what = format!(
-                    "{} is the id of an earlier sensor; say everything of it there",
-                    sensor.id
-                );
-                return Err(problem(key("id"), what));
-            }
-            if let Some(name) = &sensor.name {
-                check_name(&key("name"), name)?;
-                if !names.insert(name) {
-                    let what = format!("\"{name}\" is the name of an earlier sensor; give each its own");
-                    return Err(problem(key("name"), what));
-                }
-            }
-        }
-        Ok(())
-    }
-
     fn build(&self, seen: &[SeenSensor]) -> Checked<OfflineSettings> {
         let mut sources = Vec::new();
         for (place, sensor) in seen.iter().enumerate() {
             sources.push(self.source(place, sensor)?);
         }
         let longest_ns = sources.iter().map(|source| source.fresh_ns).max().unwrap_or_default();
-        let checked = check_fusion(&self.raw.fusion, sources);
-        let mut engine = checked.map_err(|problem| self.by_sensor(problem, seen))?.settings;
+        let engine = self.raw.fusion.engine.clone();
+        let mut engine = engine.with_sources(sources).map_err(|error| error.under("fusion"))?;
         let room = room_for(seen.iter().map(|sensor| sensor.tracks_max).sum());
-        let (capacity, life) = (&self.raw.fusion.capacity, &self.raw.fusion.life);
-        engine.capacity.sensor_tracks = capacity.sensor_tracks.unwrap_or(room);
-        engine.capacity.system_tracks = capacity.system_tracks.unwrap_or(room);
+        engine.capacity.sensor_tracks.get_or_insert(room);
+        engine.capacity.system_tracks.get_or_insert(room);
         // A track must live until its slowest sensor can have reported it again.
-        if life.tentative_s.is_none() {
-            engine.life.tentative_ns = engine.life.tentative_ns.max(longest_ns);
-        }
-        if life.terminate_s.is_none() {
-            engine.life.terminate_ns = engine.life.terminate_ns.max(longest_ns + 1);
-        }
+        let (tentative_ns, terminate_ns) = (engine.life.tentative_ns(), engine.life.terminate_ns());
+        engine
+            .life
+            .tentative_s
+            .get_or_insert(Seconds::of_ns(tentative_ns.max(longest_ns)));
+        engine
+            .life
+            .terminate_s
+            .get_or_insert(Seconds::of_ns(terminate_ns.max(longest_ns + 1)));
         Ok(OfflineSettings {
             sensor_ids: seen.iter().map(|sensor| sensor.id).collect(),
             engine,
         })
     }
 
-    /// The engine knows sources; this file knows sensors.
-    fn by_sensor(&self, mut problem: SettingsError, seen: &[SeenSensor]) -> SettingsError {
-        let part = problem
-            .key
-            .strip_prefix("source[")
-            .and_then(|rest| rest.split_once("]."));
-        let index = |place: &str| {
-            let id = seen.get(place.parse::<usize>().ok()?)?.id;
-            self.raw.sensors.iter().position(|sensor| sensor.id == id)
-        };
-        if let Some((place, part)) = part
-            && let Some(index) = index(place)
-        {
-            problem.key = format!("sensor[{index}].{part}");
-        }
-        problem
-    }
-
-    fn source(&self, place: usize, seen: &SeenSensor) -> Checked<engine::SourceSettings> {
+    fn source(&self, place: usize, seen: &SeenSensor) -> Checked<SourceSettings> {
+        let usual = OfflineSensorTable::default();
         let configured = self.raw.sensors.iter().position(|sensor| sensor.id == seen.id);
-        let key = |part: &str| format!("sensor[{}].{part}", configured.unwrap_or_default());
-        let raw = configured.map(|index| &self.raw.sensors[index]);
-        let seen_s = seen.period_ns.map_or(PERIOD_UNKNOWN_S, |ns| ns as f64 / NS_PER_S);
-        let period_s = match raw.and_then(|raw| raw.period_s) {
-            Some(given_s) => given_s,
-            // What was seen cannot be refused; a sensor that reports a track once a day is of no use to the others.
-            None => seen_s.clamp(1e-3, 3600.0),
-        };
-        let fresh_s = match raw.and_then(|raw| raw.fresh_s) {
-            Some(given_s) => within(&key("fresh_s"), given_s, period_s, 1e5)?,
-            None => FRESH_PERIODS * period_s,
-        };
-        let place_m = raw.and_then(|raw| raw.position_m).unwrap_or_default();
-        let stated = RawAccuracy {
+        let table = configured.map_or(&usual, |index| &self.raw.sensors[index]);
+        let seen_s = seen.period_ns.map_or(PERIOD_UNKNOWN_S, |ns| Seconds::of_ns(ns).s());
+        // What was seen cannot be refused; a sensor that reports a track once a day is of no use to the others.
+        let period_s = table.weighing.period_s.unwrap_or(seen_s.clamp(1e-3, 3600.0));
+        let name = table.name.clone().unwrap_or_else(|| seen.id.to_string());
+        let stated = AccuracyTable {
             sigma_m: seen.sigma_m.unwrap_or(SIGMA_UNKNOWN_M).clamp(1e-3, 1e6),
-            ..RawAccuracy::default()
+            ..AccuracyTable::default()
         };
-        let raw_accuracy = raw.and_then(|raw| raw.accuracy.as_ref()).unwrap_or(&stated);
-        Ok(engine::SourceSettings {
-            sensor_uid: 0,
-            name: raw
-                .and_then(|raw| raw.name.clone())
-                .unwrap_or_else(|| seen.id.to_string()),
-            period_ns: nanoseconds(period_s),
-            fresh_ns: nanoseconds(fresh_s),
-            accuracy: accuracy(raw_accuracy, place_m),
-            adjustment: raw_accuracy.adjustment,
-            priority: raw.and_then(|raw| raw.priority).unwrap_or(place as u32),
-            ceiling_m: raw.and_then(|raw| raw.ceiling_m).unwrap_or(f64::INFINITY),
-            coverage: match raw.and_then(|raw| raw.coverage.as_ref()) {
-                Some(area) => Some(coverage(&key("coverage"), area, place_m)?),
-                None => None,
-            },
-        })
+        let place_m = table.position_m.unwrap_or_default();
+        let source = SourceSettings::new(&name, &table.weighing, (period_s, place as u32), place_m, &stated);
+        source.map_err(|error| error.under(&format!("sensor[{}]", configured.unwrap_or_default())))
     }
 }
 

@@ -11,7 +11,6 @@ use settings::{Degrees, Seconds, SettingsError};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
-use super::raw::{RawAccuracy, RawCoverage, RawFusion};
 use super::{Order, RecordedFormat, Truncated};
 
 settings::settings! {
@@ -36,7 +35,7 @@ settings::settings! {
         /// World that simulated sources observe.
         scenario: Option<scenario::ScenarioSettings> = None;
         /// Fusion process.
-        fusion: RawFusion = RawFusion::default();
+        fusion: FusionTable = FusionTable::default();
         /// Monitor process.
         monitor: MonitorTable = MonitorTable::default();
         /// Recorder process.
@@ -96,20 +95,12 @@ settings::settings! {
     }
 
     /// A source: exactly one of `recorded`, `live`, `simulated`, `simulated_direction_finder` and `external`.
-    pub struct SourceTable {
+    pub struct SourceTable with weighing: fusion::settings::Weighing {
         check SourceTable::check;
         /// Name, which is also part of its topic's name.
         name: String;
         /// Identity of the sensor, the same in every deployment that hears it. 0 stands for an unknown sensor.
         uid: Option<u32> = None, in [1, u32::MAX], usually "derived from the name";
-        /// Time between two reports of one target.
-        period_s: f64 = 1.0, in [1e-3, 3600];
-        /// Age beyond which a report no longer counts.
-        fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
-        /// Priority for ties: of equally good sources the one with the smallest number is taken.
-        priority: Option<u32> = None, usually "its place in the file";
-        /// Targets higher than this above the system origin cannot be seen by this source.
-        ceiling_m: Option<f64> = None;
         /// Technology by which it observes.
         technology: Option<Technology> = None, usually "what it sends tells";
         /// Height of targets without one, for slant ranges: between the low fliers without transponder and the high
@@ -137,10 +128,6 @@ settings::settings! {
         limits: Limits = Limits::default();
         /// Covariance of its reports.
         covariance: CovarianceModel = CovarianceModel::default();
-        /// Accuracy by which it is weighed.
-        accuracy: RawAccuracy = RawAccuracy::default();
-        /// Where it sees.
-        coverage: Option<RawCoverage> = None;
     }
 
     /// A recording. Times before the first one are of the day before.
@@ -282,6 +269,28 @@ settings::settings! {
         heights: HeightReference = HeightReference::Barometric;
     }
 
+    /// The fusion process.
+    pub struct FusionTable with engine: fusion::Settings {
+        check FusionTable::check;
+        /// How it waits for work: by asking again and again, which costs a whole core; asleep until notified; or both,
+        /// one after the other.
+        wait: WaitWord = WaitWord::Event;
+        /// Time for which `hybrid` spins.
+        hybrid_spin_us: f64 = 20.0, in [0.1, 1e6];
+        /// Core to run on.
+        core: Option<usize> = None, usually "any";
+        /// `SCHED_FIFO` priority.
+        realtime_priority: Option<i32> = None, in [1, 99];
+        /// All memory is locked, so that no page is ever fetched late.
+        lock_memory: bool = false;
+        /// A machine that refuses core, priority or locking is an error.
+        required: bool = false;
+        /// A thread that spins with `SCHED_FIFO` pauses often enough that the kernel does not make it.
+        rests: bool = true;
+        /// Time through fusion beyond which a report has missed its deadline.
+        deadline_us: f64 = 1000.0, in [0.1, 1e9];
+    }
+
     /// The monitor process.
     pub struct MonitorTable {
         /// Time between two tables.
@@ -328,6 +337,16 @@ settings::settings! {
 }
 
 settings::words! {
+    /// Words for how fusion waits.
+    pub enum WaitWord {
+        /// Asleep until notified.
+        Event = "event",
+        /// Asks again and again.
+        Spin = "spin",
+        /// Spins for a while, then sleeps until notified.
+        Hybrid = "hybrid",
+    }
+
     /// Words for how the monitor waits.
     pub enum MonitorWord {
         /// Woken for each slice.
@@ -379,14 +398,26 @@ impl SourceTable {
             let what = "bearings are located, detections are tracked: leave one of locator and tracker out";
             return Err(SettingsError::new("locator", what));
         }
-        settings::within("fresh_s", self.fresh_s(), self.period_s, 1e5)?;
         let wait_s = self.tracker.as_ref().and_then(|tracker| tracker.wait_s);
-        settings::within("tracker.wait_s", wait_s.unwrap_or(0.0), 0.0, self.period_s)
+        settings::within("tracker.wait_s", wait_s.unwrap_or(0.0), 0.0, self.period_s())
     }
 
-    /// Age beyond which a report no longer counts, seconds.
-    pub(crate) fn fresh_s(&self) -> f64 {
-        self.fresh_s.unwrap_or(2.5 * self.period_s)
+    /// Time between two reports of one target, seconds.
+    pub(crate) fn period_s(&self) -> f64 {
+        self.weighing.period_s.unwrap_or(1.0)
+    }
+}
+
+impl FusionTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        let cores = runtime::cores::available();
+        match self.core {
+            Some(core) if !cores.contains(&core) => {
+                let what = format!("{core} does not exist or may not be used; this machine offers cores {cores:?}");
+                Err(SettingsError::new("core", what))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

@@ -61,11 +61,7 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
             "latitude_deg = 141.0",
             "not between -90° and 90°",
         ),
-        (
-            "wait = \"event\"",
-            "wait = \"sleep\"",
-            "there are \"spin\", \"event\" and \"hybrid\"",
-        ),
+        ("wait = \"event\"", "wait = \"sleep\"", "there are: event, spin, hybrid"),
         (
             "name = \"auto\"",
             "name = \"beste-quelle\"",
@@ -123,18 +119,19 @@ fn every_option_of_weighing_can_be_set_and_its_mistakes_are_named() {
         .rule;
     assert_eq!((rule.hysteresis, rule.hold_refreshes), (0.8, 2));
     assert_eq!((rule.overdue_periods, rule.quality_scans), (2.0, 6));
-    assert_eq!(rule.intersection, engine::Intersection::Trace);
+    assert_eq!(rule.intersection, fusion::settings::Intersection::Trace);
     assert_eq!(rule.common_noise_m2ps3, Some(4.0));
     let hand_over = &rule.hand_over;
     assert_eq!((&hand_over.ramp[..], hand_over.by_traces), (&[0.2, 0.6][..], true));
-    assert_eq!(hand_over.drop_out, engine::DropOut::Blend);
-    assert_eq!((hand_over.pairs[0].from, hand_over.pairs[0].to), (0, 2));
-    assert_eq!((rule.mosaic.cell_m, &rule.mosaic.default[..]), (2000.0, &[2, 0][..]));
+    assert_eq!(hand_over.drop_out, fusion::settings::DropOut::Blend);
+    assert_eq!((hand_over.pairs[0].from.number, hand_over.pairs[0].to.number), (0, 2));
+    let default: Vec<u16> = rule.mosaic.default.iter().map(|source| source.number).collect();
+    assert_eq!((rule.mosaic.cell_m, &default[..]), (2000.0, &[2, 0][..]));
     let cells: Vec<_> = rule
         .mosaic
         .cells
         .iter()
-        .map(|cell| (cell.east, cell.sources[0]))
+        .map(|cell| (cell.east, cell.sources[0].number))
         .collect();
     assert_eq!(cells, [(0, 1), (1, 0)], "sorted");
 
@@ -159,6 +156,16 @@ fn every_option_of_weighing_can_be_set_and_its_mistakes_are_named() {
         ("ramp = [0.45]", "ramp = [1.5]", "must lie between 0 and 1"),
         ("hysteresis = 0.8", "hysteresis = 1.8", "must lie between"),
         ("quality_scans = 6", "quality_scans = 1", "must lie between 2 and 64"),
+        (
+            "drop_out = \"blend\"",
+            "drop_out = \"mix\"",
+            "\"mix\" is not known; there are: switch, blend",
+        ),
+        (
+            "intersection = \"trace\"",
+            "intersektion = \"trace\"",
+            "fusion.rule.intersektion: unknown key",
+        ),
     ] {
         assert!(text.contains(old), "{old}");
         let message = refused(&text.replacen(old, new, 1));
@@ -196,7 +203,7 @@ fn overrides_replace_values_and_are_checked_too() {
         read(&["fusion.nonsense=1"])
             .unwrap_err()
             .to_string()
-            .contains("unknown field")
+            .contains("fusion.nonsense: unknown key")
     );
     assert!(
         read(&["source[9].name=x"])

@@ -65,7 +65,7 @@ impl Accuracies {
             let s = self.s(settings, source, position_m, speed_mps, reported_m);
             settings.sources[usize::from(source)].adjustment * s
         };
-        match settings.rule.reference_source {
+        match settings.rule.reference_source.as_ref().map(|source| source.number) {
             Some(reference) => alpha(source) / alpha(reference),
             None => alpha(source),
         }
@@ -165,7 +165,7 @@ mod tests {
     fn the_reference_source_has_alpha_1() {
         let mut settings = test_settings(2);
         settings.sources[1].accuracy.base = AccuracyBase::Constant { sigma_m: 25.0 };
-        settings.rule.reference_source = Some(0);
+        settings.rule.reference_source = Some(0.into());
         let accuracies = Accuracies::new(2);
         assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 0.0) - 1.0).abs() < 1e-12);
         assert!((accuracies.alpha(&settings, 1, &target([0.0; 3], 0.0), 0.0) - 2.5).abs() < 1e-12);
@@ -180,7 +180,7 @@ mod tests {
         settings.sources[0].adjustment = 2.0;
         let accuracies = Accuracies::new(2);
         assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 35.0) - 70.0).abs() < 1e-9);
-        settings.rule.reference_source = Some(0);
+        settings.rule.reference_source = Some(0.into());
         assert!(settings.check().unwrap_err().to_string().contains("what it reports"));
     }
 }

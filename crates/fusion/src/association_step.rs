@@ -77,7 +77,7 @@ impl Search<'_> {
             let metres = apart(0).hypot(apart(1));
             let number = self.tracks.systems.get(system).number;
             if metres <= self.settings.association.target_extent_m
-                && !(both && height_distance(&state, &other) > self.settings.association.join_gate)
+                && !(both && height_distance(&state, &other) > self.settings.association.join_gate())
                 && self.is_compatible(report, system)
                 && best.is_none_or(|(least, least_number, _)| (metres, number) < (least, least_number))
             {
@@ -143,7 +143,7 @@ impl Search<'_> {
         let speed = state.mean[3].hypot(state.mean[4]);
         // The system track was placed at its latest report; its own uncertainty is covered by half a cell.
         let moved = speed * self.settings.longest_period_s();
-        (settings.join_gate.sqrt() * sigma).max(settings.target_extent_m) + 0.5 * settings.cell_m + moved
+        (settings.join_gate().sqrt() * sigma).max(settings.target_extent_m) + 0.5 * settings.cell_m + moved
     }
 
     /// d² between a report and a system track; `None` if the report may not join it.
@@ -172,13 +172,13 @@ impl Search<'_> {
         }
         let scale = 1.0 / (1.0 - settings.error_correlation);
         let position = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPosition);
-        if position > settings.join_gate {
+        if position > settings.join_gate() {
             return None;
         }
         let both = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPositionAndVelocity);
         let height = if heights { height_distance(a, b) } else { 0.0 };
         // Written so that NaN is refused.
-        let inside = height <= settings.join_gate && both + height <= settings.scan_gate();
+        let inside = height <= settings.join_gate() && both + height <= settings.scan_gate();
         inside.then_some(both + height)
     }
 

@@ -7,6 +7,7 @@
 //! [`Tracks`] are what they share.
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState};
+use settings::SettingsError;
 
 use crate::association_step::Search;
 use crate::counts::Counts;
@@ -23,7 +24,7 @@ use crate::rules;
 use crate::scan::{Assigned, Scans};
 use crate::schedule::Schedule;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
-use crate::settings::{Settings, SettingsError};
+use crate::settings::Settings;
 use crate::source_model::SourceModel;
 use crate::sources::Sources;
 use crate::system_tracks::{SystemSlot, SystemTracks};
@@ -56,12 +57,12 @@ impl Engine {
         let capacity = settings.capacity;
         let sources = settings.sources.len();
         // Rules that take their state from the filter do not look back.
-        let rule = rules::entry(settings.rule.rule);
+        let rule = rules::entry(settings.rule.name.0);
         let looks_back = !rule.is_from_filter();
         Ok(Self {
             tracks: Tracks::new(
-                SensorTracks::new(capacity.sensor_tracks, looks_back.then_some(capacity.stored_reports)),
-                SystemTracks::new(capacity.system_tracks, settings.association.cell_m, looks_back),
+                SensorTracks::new(capacity.sensor_tracks(), looks_back.then_some(capacity.stored_reports)),
+                SystemTracks::new(capacity.system_tracks(), settings.association.cell_m, looks_back),
                 settings.sources.iter().map(|source| source.fresh_ns).collect(),
             ),
             sources: Sources::new(&settings),
@@ -69,7 +70,7 @@ impl Engine {
             scans: Scans::new(&settings),
             life: Life::new(&settings),
             publisher: Publisher::new(rule, sources),
-            schedule: Schedule::new(settings.refresh_ns, settings.refresh_delay_ns),
+            schedule: Schedule::new(settings.refresh_ns(), settings.refresh_delay_s.ns()),
             counts: Counts::new(sources),
             settings,
         })
@@ -252,7 +253,7 @@ impl Engine {
             self.counts.add(report.source, Counter::RejectedOutOfOrder);
             return None;
         }
-        if age_ns > self.settings.life.terminate_ns {
+        if age_ns > self.settings.life.terminate_ns() {
             // The source has used the number again for something else.
             self.tracks.drop_sensor_track(sensor);
             return Some(None);
@@ -559,7 +560,7 @@ impl Engine {
             self.publisher.set_point_spread(self.points.spread_m2());
             self.sources.look_at_motion();
         }
-        let silent_ns = self.schedule.now_ns().saturating_sub(self.settings.life.terminate_ns);
+        let silent_ns = self.schedule.now_ns().saturating_sub(self.settings.life.terminate_ns());
         self.tracks.drop_silent(silent_ns);
     }
 }

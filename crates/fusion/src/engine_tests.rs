@@ -12,6 +12,7 @@ use proptest::prelude::*;
 use crate::settings::DropOut;
 use crate::testing::test_settings;
 use crate::{Engine, Settings};
+use settings::Seconds;
 use test_support::S;
 
 /// A report of a target on a straight path: sources differ by an offset, as body-fixed detection points do.
@@ -324,8 +325,8 @@ fn a_report_brings_a_coasted_track_back_and_it_coasts_again_in_time() {
 #[test]
 fn full_tables_refuse_new_entries_and_serve_the_rest() {
     let mut settings = test_settings(1);
-    settings.capacity.system_tracks = 2;
-    settings.capacity.sensor_tracks = 3;
+    settings.capacity.system_tracks = Some(2);
+    settings.capacity.sensor_tracks = Some(3);
     let mut harness = Harness::new(settings);
     for number in 0..5 {
         harness.take(&report(
@@ -344,7 +345,7 @@ fn full_tables_refuse_new_entries_and_serve_the_rest() {
 #[test]
 fn sensor_tracks_that_fall_silent_do_not_fill_the_table() {
     let mut settings = test_settings(1);
-    settings.capacity.sensor_tracks = 20;
+    settings.capacity.sensor_tracks = Some(20);
     let mut harness = Harness::new(settings);
     // Seen once, believed by nobody, never ended: a source's noise, for minutes.
     for number in 0..400 {
@@ -437,7 +438,7 @@ fn a_ground_sensor_does_not_join_what_flies_overhead() {
 #[test]
 fn with_a_refresh_time_states_come_at_its_multiples_and_at_no_other_time() {
     let mut settings = test_settings(2);
-    settings.refresh_ns = Some(2 * S);
+    settings.refresh_s = Some(Seconds::of_ns(2 * S));
     let mut harness = Harness::new(settings);
     for step in 0..8 {
         let time = f64::from(step);
@@ -484,8 +485,8 @@ fn with_a_delay_slow_sources_are_interpolated() {
         let mut settings = test_settings(1);
         settings.sources[0].period_ns = 4 * S;
         settings.sources[0].fresh_ns = 10 * S;
-        settings.refresh_ns = Some(4 * S);
-        settings.refresh_delay_ns = delay_ns;
+        settings.refresh_s = Some(Seconds::of_ns(4 * S));
+        settings.refresh_delay_s = Seconds::of_ns(delay_ns);
         let mut harness = Harness::new(settings);
         // It flies east until 2 s, then turns north at once.
         harness.take(&report(0, 1, 2.0, [0.0, 0.0], [100.0, 0.0]));
@@ -507,7 +508,7 @@ fn with_a_delay_slow_sources_are_interpolated() {
 #[test]
 fn a_track_that_no_usable_source_sees_coasts_until_one_does() {
     let mut settings = test_settings(1);
-    settings.rule.rule = messages::FusionRule::QualityFactor;
+    settings.rule.name.0 = messages::FusionRule::QualityFactor;
     let mut harness = Harness::new(settings);
     let with_state = |time_s: f64, state: TrackState| {
         let mut report = report(0, 1, time_s, [0.0, 0.0], [10.0, 0.0]);
@@ -575,7 +576,7 @@ fn a_source_that_drops_out_is_blended_out_by_its_last_report() {
 #[test]
 fn what_cannot_be_used_for_weighing_is_counted_at_its_source() {
     let mut settings = test_settings(2);
-    settings.rule.rule = messages::FusionRule::Information;
+    settings.rule.name.0 = messages::FusionRule::Information;
     let mut harness = Harness::new(settings);
     let mut bad = report(1, 1, 0.1, [0.0, 0.0], [0.0, 0.0]);
     bad.covariance.set(0, 1, 150.0);
@@ -585,7 +586,7 @@ fn what_cannot_be_used_for_weighing_is_counted_at_its_source() {
     assert_eq!((of(0), of(1)), (0, 1));
 
     let mut settings = test_settings(2);
-    settings.rule.rule = messages::FusionRule::InverseTrace;
+    settings.rule.name.0 = messages::FusionRule::InverseTrace;
     let mut harness = Harness::new(settings);
     let mut bad = report(1, 1, 0.1, [0.0, 0.0], [0.0, 0.0]);
     (bad.valid, bad.trace_m2) = (bad.valid | sensor_track_bits::TRACE, f64::NAN);

@@ -53,5 +53,5 @@ pub use counts::Counts;
 pub use engine::Engine;
 pub use explanation::{Decision, DecisionKind, Sink};
 pub use merger::{Merger, Pushed};
-pub use settings::{Settings, SettingsError};
+pub use settings::Settings;
 pub use state::State;

@@ -168,11 +168,11 @@ fn run_timer<S: Sink>(
     let life = settings.life;
     let entry = tracks.systems.get(slot);
     let (coast_ns, last_ns) = (entry.fresh_until_ns, entry.last_report_ns);
-    let end_ns = last_ns.saturating_add(life.terminate_ns);
+    let end_ns = last_ns.saturating_add(life.terminate_ns());
     let due_ns = match entry.life {
         TrackState::Terminated => return None,
         TrackState::Tentative if entry.was_shown => end_ns,
-        TrackState::Tentative => last_ns.saturating_add(life.tentative_ns),
+        TrackState::Tentative => last_ns.saturating_add(life.tentative_ns()),
         TrackState::Confirmed => coast_ns,
         TrackState::Coasted => end_ns,
     };

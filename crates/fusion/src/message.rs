@@ -18,7 +18,7 @@ pub(crate) fn publish_change<S: Sink>(
     now_ns: i64,
     out: &mut Outlet<'_, S>,
 ) {
-    if settings.refresh_ns.is_none() {
+    if settings.refresh_s.is_none() {
         publish_extrapolated(settings, tracks, slot, now_ns, out);
     }
 }
@@ -66,7 +66,7 @@ pub(crate) fn system_track(
         contribution_count: members.len() as u16,
         state: entry.life as u8,
         height_valid: u8::from(entry.state.has_height),
-        rule: settings.rule.rule.code(),
+        rule: settings.rule.name.0.code(),
         alerts: entry.alerts,
         merged_into: entry.merged_into,
         on_ground: u8::from(entry.on_ground),

@@ -57,7 +57,7 @@ impl Publisher {
     ) {
         let time_ns = tracks.systems.get(system).state.time_ns;
         let reference_ns = time_ns.max(report.time_of_measurement_ns);
-        if settings.refresh_ns.is_none() {
+        if settings.refresh_s.is_none() {
             self.weigh(settings, tracks, sources, (system, reference_ns, Some(report)), out);
         } else if learns(settings, report.source) {
             // A report teaches once, however often its system track is weighed.

@@ -1,48 +1,412 @@
-//! What the engine is told once, before its first report.
-//!
-//! These are checked values: the configuration reader turns its file into them, and [`Settings::check`] refuses what
-//! cannot work, naming the key as the file spells it.
+//! The engine's settings: the keys of `[fusion]`, and what is known of each source.
 
-use messages::FusionRule;
+use std::collections::{BTreeMap, BTreeSet};
+
+use messages::{FusionRule, NS_PER_S};
+use settings::{Degrees, Node, Place, Range, Seconds, SettingsError, Value};
 
 use crate::quality::SCANS_MAX;
 
-/// Everything the engine needs to know.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// The sources; a report's source number is its place here.
-    pub sources: Vec<SourceSettings>,
-    /// Sizes of all tables.
-    pub capacity: Capacity,
-    /// Which report belongs to which system track.
-    pub association: AssociationSettings,
-    /// When a system track is confirmed, coasted, ended.
-    pub life: LifeSettings,
-    /// How sources are weighed.
-    pub rule: RuleSettings,
-    /// Spectral density of the white-noise acceleration with which states are carried forward, m²/s³.
-    pub process_noise_m2ps3: f64,
-    /// Systematic errors of the sources.
-    pub registration: RegistrationSettings,
-    /// Whether covariances that claim too much are inflated (BF-5).
-    pub consistency: bool,
-    /// Time between two states of a system track, nanoseconds: published at its whole multiples for every system track
-    /// (QF-6). `None`: whenever a report has changed a system track.
-    pub refresh_ns: Option<i64>,
-    /// How long after a refresh time its states are formed, nanoseconds. Reports measured meanwhile lie on the far side
-    /// of it, so that slow sources are interpolated where they would be extrapolated (QF-6).
-    pub refresh_delay_ns: i64,
+/// Most stored reports per source and target.
+pub const STORED_REPORTS_MAX: usize = 64;
+/// Most refreshes that a hand-over can take.
+pub const RAMP_MAX: usize = 256;
+/// Most sources.
+pub const SOURCES_MAX: usize = 64;
+/// A report is fresh for so many periods where nobody says more: two may be missed.
+const FRESH_PERIODS: f64 = 2.5;
+
+settings::settings! {
+    /// Fusion.
+    pub struct Settings beside [sources: Vec<SourceSettings>] {
+        /// Spectral density of the white-noise acceleration with which states are carried forward.
+        process_noise_m2ps3: f64 = 1.0, in [0, 1e6];
+        /// Covariances that claim too much are inflated (BF-5).
+        consistency: bool = true;
+        /// Time between two states of a system track: published at its whole multiples for every system track (QF-6).
+        refresh_s: Option<Seconds> = None, in [1e-3, 3600], usually "whenever a report has changed a system track";
+        /// Time after a refresh time at which its states are formed. Reports measured meanwhile lie on the far side of
+        /// it, so that slow sources are interpolated where they would be extrapolated (QF-6).
+        refresh_delay_s: Seconds = Seconds::default(), in [0, 3600];
+        /// Sizes of the tables.
+        capacity: Capacity = Capacity::default();
+        /// Association of reports with system tracks (TI-3).
+        association: AssociationSettings = AssociationSettings::default();
+        /// Life of system tracks.
+        life: LifeSettings = LifeSettings::default();
+        /// Systematic errors of the sources (BF-3).
+        registration: RegistrationSettings = RegistrationSettings::default();
+        /// Weighing of the sources.
+        rule: RuleSettings = RuleSettings::default();
+    }
+
+    /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4).
+    #[derive(Copy)]
+    pub struct Capacity {
+        /// System tracks.
+        system_tracks: Option<usize> = None, in [1, 1e6], usually "2000; offline as seen";
+        /// Live sensor tracks of all sources together.
+        sensor_tracks: Option<usize> = None, in [1, 1e7], usually "8000; offline as seen";
+        /// Earlier reports kept per source and target, beside the latest (N of TI-4).
+        stored_reports: usize = 5, in [1, STORED_REPORTS_MAX];
+        /// Reports that wait per source in order `time`: a source must be able to hand over a whole slice at any time.
+        queue: usize = 4096, in [128, 1e7];
+    }
+
+    /// Association of reports with system tracks (TI-3).
+    #[derive(Copy)]
+    pub struct AssociationSettings {
+        check AssociationSettings::check;
+        /// Identity is used. Without it only position and motion count; identities are still shown.
+        use_identity: bool = true;
+        /// Probability that a report of a target lies in the gate for joining a track: on d² in the plane (chi-square,
+        /// two degrees of freedom).
+        join_probability: GateProbability = GateProbability::of(0.999), in [0.5, 1.0 - 1e-12];
+        /// Gate on d² in the plane for staying: wider than joining, so that pairs do not flicker.
+        keep_gate: f64 = association::distance::gate2(1e-6), in [0.1, 1e6], usually "27.6: probability 0.999999";
+        /// Probability that the gate on d² of position, velocity and height together allows for the horizontal
+        /// velocity.
+        velocity_probability: GateProbability = GateProbability::of(0.999), in [0.5, 1.0 - 1e-12];
+        /// Standard deviation of where on a target a sensor's detection point lies; for large targets.
+        extent_sigma_m: f64 = 0.0, in [0, 1e4];
+        /// Distance within which a second track of one source is taken for another part of the same target.
+        target_extent_m: f64 = 0.0, in [0, 1e4];
+        /// Largest difference of two known heights for joining.
+        height_gate_m: f64 = 600.0, in [0, 1e5];
+        /// Reports in a row that must miss the keep gate before a sensor track is taken out.
+        split_reports: u32 = 5, in [1, 1e6];
+        /// Reports in a row that must find the same other track before two are merged.
+        merge_reports: u32 = 2, in [1, 1e6];
+        /// Cell width of the neighbourhood grid.
+        cell_m: f64 = 1000.0, in [1, 1e6];
+        /// Part of the variance of a difference that two tracks of one target have in common: both lag behind the same
+        /// manoeuvres.
+        error_correlation: f64 = 0.1, in [0, 0.9];
+        /// Time for which sensor tracks that belong nowhere yet wait for the rest of their scan, as a part of their
+        /// source's period; 0: each is placed at once, without regard to the others.
+        scan_wait: f64 = 0.05, in [0, 1];
+    }
+
+    /// Life of system tracks (QF-8 names the counts; TI has none).
+    #[derive(Copy)]
+    pub struct LifeSettings {
+        /// Reports until a tentative track is confirmed.
+        confirm_reports: u32 = 3, in [1, 1e6];
+        /// Time without a report after which a confirmed track ends.
+        terminate_s: Option<Seconds> = None, in [1e-3, 1e5], usually "20; offline at least what a sensor needs";
+        /// Time without a report after which a tentative track ends.
+        tentative_s: Option<Seconds> = None, in [1e-3, 1e5], usually "6; offline at least what a sensor needs";
+    }
+
+    /// Systematic errors of the sources (BF-3).
+    pub struct RegistrationSettings {
+        /// They are estimated and removed.
+        enabled: bool = true;
+        /// Name of the source that is taken as true.
+        reference_source: Option<SourceRef> = None, usually "the mean of all sources";
+        /// Time constant with which old comparisons are forgotten.
+        memory_s: f64 = 600.0, in [1, 1e6];
+    }
+
+    /// Weighing of the sources.
+    pub struct RuleSettings {
+        /// Name of the rule; `koseki fuse --help` lists them.
+        name: RuleName = RuleName::default();
+        /// Residual V (TI-6): `position`, norm of the position difference over the axes; `velocity`, of the velocity
+        /// difference; `per-axis`, position difference with an accuracy value, a choice and a weight per axis;
+        /// `innovation`, |measured − predicted| where raw detections are delivered, else `position`.
+        residual: Residual = Residual::Position;
+        /// Weight of an earlier report relative to the next newer one in the mean of second positions (TI-5); 1 is
+        /// plain.
+        recency: f64 = 1.0, in [1e-6, 1];
+        /// Name of the source whose alpha is normalised to 1 (TI-8).
+        reference_source: Option<SourceRef> = None;
+        /// Decision between equal accuracy values (TI-11): the source chosen last time, then priority; or priority
+        /// alone.
+        tie: Tie = Tie::LastThenPriority;
+        /// Age beyond which a source has missed its expected report, in periods of its own (TI-15).
+        overdue_periods: f64 = 1.5, in [0.5, 1e3];
+        /// Due scans over which the quality index is summed (N of QF-4).
+        quality_scans: u32 = 10, in [2, SCANS_MAX];
+        /// Factor by which another source's lambda must be below that of the present one (h of TI-18); 1 is TI-11.
+        hysteresis: f64 = 1.0, in [1e-6, 1];
+        /// Refreshes for which a chosen source is kept at least (TI-18).
+        hold_refreshes: u32 = 0, in [0, 1e6];
+        /// Measure that covariance intersection makes small: the determinant of the covariance of position and
+        /// velocity, or the trace of that of position.
+        intersection: Intersection = Intersection::Determinant;
+        /// Spectral density of the process noise that the sources' errors have in common.
+        common_noise_m2ps3: Option<f64> = None, in [0, 1e6], usually "that of fusion";
+        /// Passing of the output from one source to another (TI-13 … TI-16).
+        hand_over: HandOverSettings = HandOverSettings::default();
+        /// Cells of the area and the sources that hold there (QF-9).
+        mosaic: MosaicSettings = MosaicSettings::default();
+    }
+
+    /// Passing of the output from one source to another (TI-13 … TI-16).
+    pub struct HandOverSettings {
+        check HandOverSettings::check;
+        /// Coefficients eta_0 of the new source at the first refresh and those that follow, rising; after the last it
+        /// is 1. Empty: at once.
+        ramp: Vec<f64> = Vec::new(), in [0, 1];
+        /// Eta_0 comes from the covariance traces of both sources, for one refresh (TI-16); where a trace cannot be
+        /// used the ramp holds.
+        by_traces: bool = false;
+        /// Blending when the source that is left has missed its expected report (TI-15): `switch`, the new one gets all
+        /// at once; `blend`, by its last stored report, moved to the reference time.
+        drop_out: DropOut = DropOut::Switch;
+        /// Ordered pair of sources with a ramp of its own.
+        pairs as "pair": Vec<PairRamp> = Vec::new();
+    }
+
+    /// The ramp from one source to another.
+    pub struct PairRamp {
+        check PairRamp::check;
+        /// Name of the source that is left.
+        from: SourceRef;
+        /// Name of the source that takes over.
+        to: SourceRef;
+        /// Coefficients eta_0 at successive refreshes, as for those that are no pair.
+        ramp: Vec<f64>, in [0, 1];
+    }
+
+    /// Cells of the area and the sources that hold there (QF-9).
+    pub struct MosaicSettings {
+        check MosaicSettings::check;
+        /// Width of a cell. Cell (0, 0) begins at the system origin and lies north-east of it.
+        cell_m: f64 = 10_000.0, in [1, 1e7];
+        /// Names of sources, the most wanted first, where no cell says otherwise. Empty: by the sources' priorities.
+        default: Vec<SourceRef> = Vec::new();
+        /// Cell with a list of its own.
+        cells as "cell": Vec<MosaicCell> = Vec::new();
+    }
+
+    /// One cell.
+    pub struct MosaicCell {
+        /// Column, counted from the system origin to the east.
+        east: i32;
+        /// Row, counted from the system origin to the north.
+        north: i32;
+        /// Names of sources, the most wanted first. Those left out are not used there.
+        sources: Vec<SourceRef>;
+    }
+
+    /// Weighing of one source (TI-2).
+    pub struct Weighing {
+        /// Time between two reports of one target.
+        period_s: Option<f64> = None, in [1e-3, 3600], usually "1; offline as seen";
+        /// Age beyond which a report no longer contributes, at least a period.
+        fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
+        /// Priority for ties: of equally good sources the one with the smallest number is taken (TI-11).
+        priority: Option<u32> = None, usually "its place";
+        /// Height above the system origin beyond which this source cannot see targets.
+        ceiling_m: Option<f64> = None;
+        /// Sensor accuracy (TI-7).
+        accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
+        /// Where it sees.
+        coverage: Option<CoverageTable> = None, usually "learned from its reports";
+    }
+
+    /// Sensor accuracy s ≥ 0 as a function of conditions (TI-7).
+    pub struct AccuracyTable {
+        /// Kind of accuracy: `constant`, the same everywhere; `polar`, range and azimuth errors, turned into a position
+        /// error at the target's place; `reported`, root mean square of the horizontal standard deviations that the
+        /// source states; `estimated`, root mean square of the source's own residuals over its recent reports.
+        model: AccuracyModel = AccuracyModel::Constant;
+        /// Constant accuracy.
+        sigma_m: f64 = 20.0, in [0, 1e6];
+        /// Polar: range error.
+        range_sigma_m: f64 = 20.0, in [0, 1e6];
+        /// Polar: azimuth error.
+        azimuth_sigma_deg: Degrees = Degrees::of(0.1), in [0, 90];
+        /// Estimated: accuracy until there are residuals.
+        initial_m: f64 = 20.0, in [1e-3, 1e6];
+        /// Estimated: number of residuals that the mean reaches back over.
+        memory: f64 = 200.0, in [1, 1e9];
+        /// Accuracy that is added per m/s of target speed.
+        per_speed_s: f64 = 0.0, in [0, 1e6];
+        /// Adjustment coefficient k (TI-8): small for a main source, large for a standby one.
+        adjustment: f64 = 1.0, in [0, 1e9];
+        /// Factors for named conditions (weather), which can be changed while running; 1 for those not named.
+        conditions: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1e6];
+    }
+
+    /// Where a source sees; a key that is left out does not limit it.
+    pub struct CoverageTable {
+        check CoverageTable::check;
+        /// Farthest horizontal distance.
+        range_m: Option<f64> = None, in [1, 2e6];
+        /// First and last azimuth of the sector that is seen, clockwise from north.
+        sector_deg: Option<[Degrees; 2]> = None, in [-360, 360];
+        /// Corners of the area that is seen, east and north in the system frame.
+        polygon_m: Vec<[f64; 2]> = Vec::new(), in [-2e6, 2e6];
+        /// Probability that it follows a target in there.
+        probability: f64 = 0.9, in [0.01, 1];
+    }
 }
 
-/// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4).
+settings::words! {
+    /// Variants of the residual V (TI-6).
+    pub enum Residual {
+        /// Norm of the position difference over the axes.
+        Position = "position",
+        /// Norm of the velocity difference over the axes.
+        Velocity = "velocity",
+        /// Position difference, each axis on its own: an accuracy value, a choice and a weight per axis.
+        PerAxis = "per-axis",
+        /// |measured − predicted| where raw detections are delivered; `Position` for sources that deliver none.
+        Innovation = "innovation",
+    }
+
+    /// Decision between equal accuracy values (TI-11).
+    pub enum Tie {
+        /// The source chosen last time, then priority.
+        LastThenPriority = "last-then-priority",
+        /// Priority alone.
+        Priority = "priority",
+    }
+
+    /// Blending when the source that is left has missed its expected report (TI-15).
+    pub enum DropOut {
+        /// The new one gets all at once.
+        Switch = "switch",
+        /// It is blended by its last stored report, moved to the reference time.
+        Blend = "blend",
+    }
+
+    /// Measure that covariance intersection makes small.
+    pub enum Intersection {
+        /// The determinant of the covariance of position and velocity.
+        Determinant = "determinant",
+        /// The trace of the covariance of position.
+        Trace = "trace",
+    }
+
+    /// Kinds of sensor accuracy.
+    pub enum AccuracyModel {
+        /// The same everywhere.
+        Constant = "constant",
+        /// Range and azimuth errors.
+        Polar = "polar",
+        /// Root mean square of the standard deviations that the source states.
+        Reported = "reported",
+        /// Root mean square of the source's own residuals.
+        Estimated = "estimated",
+    }
+}
+
+/// A source that a key names: its number follows when all sources are known.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SourceRef {
+    name: String,
+    /// Its number, its place among the sources.
+    pub number: u16,
+}
+
+impl From<u16> for SourceRef {
+    fn from(number: u16) -> Self {
+        Self {
+            name: String::new(),
+            number,
+        }
+    }
+}
+
+impl Value for SourceRef {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        Value::read(&mut self.name, node, range, at)
+    }
+
+    fn check(&self, _: Range, _: &Place<'_>) -> Result<(), SettingsError> {
+        Ok(())
+    }
+
+    fn kind(&self) -> String {
+        "name of a source".to_owned()
+    }
+
+    fn text(&self) -> String {
+        self.name.text()
+    }
+}
+
+/// The name of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Capacity {
-    /// System tracks.
-    pub system_tracks: usize,
-    /// Live sensor tracks of all sources together.
-    pub sensor_tracks: usize,
-    /// N of TI-4: earlier reports kept per source and target, beside the latest.
-    pub stored_reports: usize,
+pub struct RuleName(pub FusionRule);
+
+impl Default for RuleName {
+    /// The best there is for unknown data.
+    fn default() -> Self {
+        Self(FusionRule::Auto)
+    }
+}
+
+impl Value for RuleName {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        let mut word = String::new();
+        Value::read(&mut word, node, range, at)?;
+        let rule = FusionRule::from_word(&word);
+        self.0 = rule.ok_or_else(|| {
+            let known = FusionRule::ALL.map(FusionRule::word);
+            at.error(format!("\"{word}\" is no fusion rule; there are: {}", known.join(", ")))
+        })?;
+        Ok(())
+    }
+
+    fn check(&self, _: Range, _: &Place<'_>) -> Result<(), SettingsError> {
+        Ok(())
+    }
+
+    fn kind(&self) -> String {
+        "name of a rule".to_owned()
+    }
+
+    fn text(&self) -> String {
+        format!("\"{}\"", self.0.word())
+    }
+}
+
+/// A gate on d² of two degrees of freedom that files state by its probability.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GateProbability {
+    probability: f64,
+    gate: f64,
+}
+
+impl GateProbability {
+    /// The gate in which a target lies with this probability.
+    pub fn of(probability: f64) -> Self {
+        Self {
+            probability,
+            gate: -2.0 * (1.0 - probability).ln(),
+        }
+    }
+
+    /// Greatest d².
+    pub fn gate(self) -> f64 {
+        self.gate
+    }
+}
+
+impl Value for GateProbability {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        let mut probability = 0.0;
+        Value::read(&mut probability, node, range, at)?;
+        *self = Self::of(probability);
+        Ok(())
+    }
+
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        range.check(self.probability, at)
+    }
+
+    fn kind(&self) -> String {
+        "number".to_owned()
+    }
+
+    fn text(&self) -> String {
+        self.probability.text()
+    }
 }
 
 /// One source (TI-2).
@@ -58,14 +422,44 @@ pub struct SourceSettings {
     pub fresh_ns: i64,
     /// Sensor accuracy s (TI-7).
     pub accuracy: Accuracy,
-    /// Adjustment coefficient k (TI-8): small for a main source, large for a standby one.
+    /// Adjustment coefficient k (TI-8).
     pub adjustment: f64,
     /// Priority for ties, smaller first (TI-11).
     pub priority: u32,
-    /// Targets higher than this above the system origin cannot be seen by this source, metres.
+    /// Height above the system origin beyond which it cannot see targets, metres.
     pub ceiling_m: f64,
     /// Where it sees; `None`: learned from its reports.
     pub coverage: Option<CoverageArea>,
+}
+
+impl SourceSettings {
+    /// The source called `name`, whose sensor stands at `place_m` (east and north, metres) and reports every `period_s`. It is
+    /// weighed as the file says, else it has this `accuracy` and `priority`.
+    ///
+    /// # Errors
+    /// If its reports are not fresh for a period.
+    pub fn new(
+        name: &str,
+        weighing: &Weighing,
+        (period_s, priority): (f64, u32),
+        place_m: [f64; 2],
+        accuracy: &AccuracyTable,
+    ) -> Result<Self, SettingsError> {
+        let fresh_s = weighing.fresh_s.unwrap_or(FRESH_PERIODS * period_s);
+        settings::within("fresh_s", fresh_s, period_s, 1e5)?;
+        let accuracy = weighing.accuracy.as_ref().unwrap_or(accuracy);
+        Ok(Self {
+            name: name.to_owned(),
+            sensor_uid: 0,
+            period_ns: Seconds::of(period_s).ns(),
+            fresh_ns: Seconds::of(fresh_s).ns(),
+            accuracy: accuracy.at(place_m),
+            adjustment: accuracy.adjustment,
+            priority: weighing.priority.unwrap_or(priority),
+            ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
+            coverage: weighing.coverage.as_ref().map(|coverage| coverage.at(place_m)),
+        })
+    }
 }
 
 /// Where a source sees targets, and how surely.
@@ -103,27 +497,6 @@ impl CoverageArea {
             (*ay > y) != (*by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax
         };
         corners.is_empty() || edges.filter(crosses).count() % 2 == 1
-    }
-}
-
-/// Systematic errors of the sources (BF-3).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RegistrationSettings {
-    /// Whether they are estimated and removed.
-    pub enabled: bool,
-    /// Source that is taken as true; `None`: the mean of all sources is.
-    pub reference_source: Option<u16>,
-    /// Time constant with which old comparisons are forgotten, seconds.
-    pub memory_s: f64,
-}
-
-impl Default for RegistrationSettings {
-    fn default() -> Self {
-        Self {
-            enabled: true,
-            reference_source: None,
-            memory_s: 600.0,
-        }
     }
 }
 
@@ -166,166 +539,157 @@ pub enum AccuracyBase {
     },
 }
 
-/// How reports find their system track (TI-3).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AssociationSettings {
-    /// Whether identity is used. Without it only position and motion count; identities are still shown.
-    pub use_identity: bool,
-    /// Gate on d² in the plane (chi-square, two degrees of freedom) for joining a track.
-    pub join_gate: f64,
-    /// Gate on d² for staying: wider than joining, so that pairs do not flicker.
-    pub keep_gate: f64,
-    /// Gate on d² of the horizontal velocity for joining.
-    pub velocity_gate: f64,
-    /// Standard deviation of where on a target a sensor's detection point lies, metres; for large targets.
-    pub extent_sigma_m: f64,
-    /// Within this distance a second track of one source is taken for another part of the same target, metres.
-    pub target_extent_m: f64,
-    /// Largest difference of two known heights for joining, metres.
-    pub height_gate_m: f64,
-    /// Reports in a row that must miss the keep gate before a sensor track is taken out.
-    pub split_reports: u32,
-    /// Reports in a row that must find the same other track before two are merged.
-    pub merge_reports: u32,
-    /// Cell width of the neighbourhood grid, metres.
-    pub cell_m: f64,
-    /// Part of the variance of a difference that two tracks of one target have in common, in [0, 1): both lag behind
-    /// the same manoeuvres.
-    pub error_correlation: f64,
-    /// How long sensor tracks that belong nowhere yet wait for the rest of their scan, as a part of their source's
-    /// period; 0: each is placed at once, without regard to the others.
-    pub scan_wait: f64,
-}
-
-impl AssociationSettings {
-    /// Gate on d² of position, velocity and height together.
-    pub fn scan_gate(&self) -> f64 {
-        self.join_gate + self.velocity_gate
+impl AccuracyTable {
+    /// The accuracy of a sensor at this place, east and north, metres.
+    fn at(&self, place_m: [f64; 2]) -> Accuracy {
+        Accuracy {
+            base: match self.model {
+                AccuracyModel::Constant => AccuracyBase::Constant { sigma_m: self.sigma_m },
+                AccuracyModel::Polar => AccuracyBase::Polar {
+                    place_m,
+                    range_sigma_m: self.range_sigma_m,
+                    azimuth_sigma_rad: self.azimuth_sigma_deg.rad(),
+                },
+                AccuracyModel::Reported => AccuracyBase::Reported,
+                AccuracyModel::Estimated => AccuracyBase::Estimated {
+                    initial_m: self.initial_m,
+                    memory: self.memory,
+                },
+            },
+            per_speed_s: self.per_speed_s,
+            conditions: self.conditions.clone().into_iter().collect(),
+        }
     }
 }
 
-/// Life of a system track (QF-8 names the counts; TI has none).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LifeSettings {
-    /// Reports until a tentative track is confirmed.
-    pub confirm_reports: u32,
+impl CoverageTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        if !(1..3).contains(&self.polygon_m.len()) {
+            return Ok(());
+        }
+        let what = "a polygon has three corners or more, each [east, north]; leave it out for no further limit";
+        Err(SettingsError::new("polygon_m", what))
+    }
+
+    /// Where the source at this place sees, east and north, metres.
+    fn at(&self, place_m: [f64; 2]) -> CoverageArea {
+        CoverageArea {
+            place_m,
+            range_m: self.range_m.unwrap_or(f64::INFINITY),
+            sector_rad: self.sector_deg.map(|sector| sector.map(Degrees::rad)),
+            polygon_m: self.polygon_m.clone(),
+            probability: self.probability,
+        }
+    }
+}
+
+impl CoverageArea {
+    /// The coverage of a sensor whose silence says nothing, like that of a direction finder: probability 0.
+    pub fn none() -> Self {
+        Self {
+            place_m: [0.0; 2],
+            range_m: f64::INFINITY,
+            sector_rad: None,
+            polygon_m: Vec::new(),
+            probability: 0.0,
+        }
+    }
+}
+
+impl Capacity {
+    /// System tracks.
+    pub fn system_tracks(&self) -> usize {
+        self.system_tracks.unwrap_or(2_000)
+    }
+
+    /// Live sensor tracks of all sources together.
+    pub fn sensor_tracks(&self) -> usize {
+        self.sensor_tracks.unwrap_or(8_000)
+    }
+}
+
+impl LifeSettings {
     /// Time without a report after which a confirmed track ends, nanoseconds.
-    pub terminate_ns: i64,
+    pub fn terminate_ns(&self) -> i64 {
+        self.terminate_s.map_or(20_000_000_000, Seconds::ns)
+    }
+
     /// Time without a report after which a tentative track ends, nanoseconds.
-    pub tentative_ns: i64,
+    pub fn tentative_ns(&self) -> i64 {
+        self.tentative_s.map_or(6_000_000_000, Seconds::ns)
+    }
 }
 
-/// Which rule weighs, and how it scores.
-#[derive(Clone, Debug)]
-pub struct RuleSettings {
-    /// The rule.
-    pub rule: FusionRule,
-    /// How residuals are formed (TI-6).
-    pub residual: Residual,
-    /// Weight of an earlier report relative to the next newer one in the mean of second positions (TI-5); 1 is plain.
-    pub recency: f64,
-    /// Source whose alpha is normalised to 1 (TI-8).
-    pub reference_source: Option<u16>,
-    /// How ties are broken (TI-11).
-    pub tie: Tie,
-    /// Age beyond which a source has missed its expected report, in periods of its own (TI-15).
-    pub overdue_periods: f64,
-    /// N of QF-4: due scans over which the quality index is summed.
-    pub quality_scans: u32,
-    /// How the output passes from one source to another.
-    pub hand_over: HandOverSettings,
-    /// h of TI-18: another source's lambda must be below h times that of the present one; 1 is TI-11.
-    pub hysteresis: f64,
-    /// Refreshes for which a chosen source is kept at least (TI-18).
-    pub hold_refreshes: u32,
-    /// Cells and lists of the mosaic rule.
-    pub mosaic: MosaicSettings,
-    /// What covariance intersection makes small.
-    pub intersection: Intersection,
-    /// Spectral density of the process noise that the sources' errors have in common, m²/s³; `None`: that with which
-    /// fusion carries states forward.
-    pub common_noise_m2ps3: Option<f64>,
+impl AssociationSettings {
+    fn check(&self) -> Result<(), SettingsError> {
+        settings::within("keep_gate", self.keep_gate, self.join_gate(), 1e6)
+    }
+
+    /// Gate on d² in the plane (chi-square, two degrees of freedom) for joining a track.
+    pub fn join_gate(&self) -> f64 {
+        self.join_probability.gate()
+    }
+
+    /// Gate on d² of position, velocity and height together.
+    pub fn scan_gate(&self) -> f64 {
+        self.join_gate() + self.velocity_probability.gate()
+    }
 }
 
-/// How the output passes from one source to another (TI-13 … TI-16).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct HandOverSettings {
-    /// eta_0 of the new source at the first refresh and those that follow, rising; after the last it is 1. Empty: at
-    /// once.
-    pub ramp: Vec<f64>,
-    /// Ordered pairs of sources with ramps of their own.
-    pub pairs: Vec<PairRamp>,
-    /// Whether eta_0 comes from the covariance traces of both sources, for one refresh (TI-16); where a trace cannot be
-    /// used the ramp holds.
-    pub by_traces: bool,
-    /// What happens if the previous source has missed its expected report.
-    pub drop_out: DropOut,
+/// A rising sequence within [0, 1] (TI-14).
+fn check_ramp(ramp: &[f64]) -> Result<(), SettingsError> {
+    let what = match ramp.len() {
+        length if length > RAMP_MAX => format!("{length} values; at most {RAMP_MAX} are possible"),
+        _ if !ramp.is_sorted() => format!("{ramp:?}: a ramp must rise"),
+        _ => return Ok(()),
+    };
+    Err(SettingsError::new("ramp", what))
 }
 
-/// The ramp from one source to another.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PairRamp {
-    /// Number of the source that is left.
-    pub from: u16,
-    /// Number of the source that takes over.
-    pub to: u16,
-    /// eta_0 at successive refreshes, as for those that are no pair.
-    pub ramp: Vec<f64>,
-}
-
-/// What happens if the source that is left has missed its expected report (TI-15).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DropOut {
-    /// The new one gets all at once.
-    #[default]
-    Switch,
-    /// It is blended by its last stored report, moved to the reference time.
-    Blend,
-}
-
-/// Cells of the area and who speaks there (QF-9).
-#[derive(Clone, Debug, PartialEq)]
-pub struct MosaicSettings {
-    /// Width of a cell, metres. Cell (0, 0) begins at the system origin and lies north-east of it.
-    pub cell_m: f64,
-    /// Numbers of sources, the most wanted first, where no cell says otherwise. Empty: by the sources' priorities.
-    pub default: Vec<u16>,
-    /// Cells with lists of their own, in ascending order of (east, north).
-    pub cells: Vec<MosaicCell>,
-}
-
-/// One cell.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MosaicCell {
-    /// Column, counted from the system origin to the east.
-    pub east: i32,
-    /// Row, counted from the system origin to the north.
-    pub north: i32,
-    /// Numbers of sources, the most wanted first. Those left out are not used there.
-    pub sources: Vec<u16>,
-}
-
-/// What covariance intersection makes small.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Intersection {
-    /// The determinant of the covariance of position and velocity.
-    #[default]
-    Determinant,
-    /// The trace of the covariance of position.
-    Trace,
+impl PairRamp {
+    fn check(&self) -> Result<(), SettingsError> {
+        check_ramp(&self.ramp)
+    }
 }
 
 impl HandOverSettings {
+    fn check(&self) -> Result<(), SettingsError> {
+        check_ramp(&self.ramp)?;
+        let mut known = BTreeSet::new();
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let (from, to) = (&pair.from, &pair.to);
+            if !known.insert([(&from.name, from.number), (&to.name, to.number)]) {
+                let what = format!("from \"{}\" to \"{}\" has been given before", from.name, to.name);
+                return Err(SettingsError::new(format!("pair[{index}].from"), what));
+            }
+        }
+        Ok(())
+    }
+
     /// The ramp from source `from` to source `to`.
     pub(crate) fn ramp(&self, from: u16, to: u16) -> &[f64] {
-        let pair = self.pairs.iter().find(|pair| pair.from == from && pair.to == to);
+        let pair = self
+            .pairs
+            .iter()
+            .find(|pair| (pair.from.number, pair.to.number) == (from, to));
         pair.map_or(&self.ramp, |pair| &pair.ramp)
     }
 }
 
 impl MosaicSettings {
+    fn check(&self) -> Result<(), SettingsError> {
+        let mut known = BTreeSet::new();
+        for (index, cell) in self.cells.iter().enumerate() {
+            if !known.insert((cell.east, cell.north)) {
+                let what = format!("cell {} east, {} north has been given before", cell.east, cell.north);
+                return Err(SettingsError::new(format!("cell[{index}].east"), what));
+            }
+        }
+        Ok(())
+    }
+
     /// The list that holds at a place (east, north, up, metres); `None` where priorities decide.
-    pub(crate) fn list_at(&self, place_m: [f64; 3]) -> Option<&[u16]> {
+    pub(crate) fn list_at(&self, place_m: [f64; 3]) -> Option<&[SourceRef]> {
         let cell = |metres: f64| (metres / self.cell_m).floor() as i32;
         let here = (cell(place_m[0]), cell(place_m[1]));
         match self.cells.binary_search_by_key(&here, |cell| (cell.east, cell.north)) {
@@ -335,132 +699,89 @@ impl MosaicSettings {
     }
 }
 
-/// Variants of the residual V (TI-6).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Residual {
-    /// Norm of the position difference over the axes.
-    Position,
-    /// Norm of the velocity difference over the axes.
-    Velocity,
-    /// Position difference, each axis on its own: an accuracy value, a choice and a weight per axis.
-    PerAxis,
-    /// |measured − predicted| where raw detections are delivered; `Position` for sources that deliver none.
-    Innovation,
-}
-
-/// What decides between equal accuracy values (TI-11).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tie {
-    /// The source chosen last time, then priority.
-    LastThenPriority,
-    /// Priority alone.
-    Priority,
-}
-
-/// Most stored reports per source and target.
-pub const STORED_REPORTS_MAX: usize = 64;
-/// Most refreshes that a hand-over can take.
-pub const RAMP_MAX: usize = 256;
-/// Most sources.
-pub const SOURCES_MAX: usize = 64;
-
-/// A setting that cannot work.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{key} = {value}: {reason}")]
-pub struct SettingsError {
-    /// Key, as the configuration file spells it; sources are `source[0]`, `source[1]`, …
-    pub key: String,
-    /// The value found.
-    pub value: String,
-    /// What is wrong with it, and what would be right.
-    pub reason: String,
-}
-
 impl Settings {
+    /// The settings for these sources, with the numbers of those that keys name.
+    ///
+    /// # Errors
+    /// A key, beginning with that of a table of `[fusion]`, whose source there is not.
+    pub fn with_sources(mut self, sources: Vec<SourceSettings>) -> Result<Self, SettingsError> {
+        let rule = &mut self.rule;
+        let mut named = vec![(
+            "registration.reference_source".to_owned(),
+            self.registration.reference_source.as_mut(),
+        )];
+        named.push(("rule.reference_source".to_owned(), rule.reference_source.as_mut()));
+        for (index, pair) in rule.hand_over.pairs.iter_mut().enumerate() {
+            named.push((format!("rule.hand_over.pair[{index}].from"), Some(&mut pair.from)));
+            named.push((format!("rule.hand_over.pair[{index}].to"), Some(&mut pair.to)));
+        }
+        named.extend(
+            rule.mosaic
+                .default
+                .iter_mut()
+                .map(|source| ("rule.mosaic.default".to_owned(), Some(source))),
+        );
+        for (index, cell) in rule.mosaic.cells.iter_mut().enumerate() {
+            let key = format!("rule.mosaic.cell[{index}].sources");
+            named.extend(cell.sources.iter_mut().map(|source| (key.clone(), Some(source))));
+        }
+        for (key, source) in named {
+            let Some(source) = source.filter(|source| !source.name.is_empty()) else {
+                continue;
+            };
+            let number = sources.iter().position(|other| other.name == source.name);
+            source.number = number.ok_or_else(|| {
+                let known: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
+                let what = format!(
+                    "there is no source named \"{}\"; there are: {}",
+                    source.name,
+                    known.join(", ")
+                );
+                SettingsError::new(key, what)
+            })? as u16;
+        }
+        self.rule.mosaic.cells.sort_by_key(|cell| (cell.east, cell.north));
+        self.sources = sources;
+        self.check_sources()?;
+        Ok(self)
+    }
+
     /// Looks for settings that cannot work.
     ///
     /// # Errors
     /// The first such setting, with key, value and remedy.
     pub fn check(&self) -> Result<(), SettingsError> {
-        let capacity = &self.capacity;
-        in_range("fusion.capacity.system_tracks", capacity.system_tracks as f64, 1.0, 1e6)?;
-        in_range("fusion.capacity.sensor_tracks", capacity.sensor_tracks as f64, 1.0, 1e7)?;
-        in_range(
-            "fusion.capacity.stored_reports",
-            capacity.stored_reports as f64,
-            1.0,
-            STORED_REPORTS_MAX as f64,
-        )?;
-        in_range(
-            "source (number of sources)",
-            self.sources.len() as f64,
-            1.0,
-            SOURCES_MAX as f64,
-        )?;
-        let association = &self.association;
-        for (key, value, low, high) in [
-            ("join_gate", association.join_gate, 0.1, 1e4),
-            ("keep_gate", association.keep_gate, association.join_gate, 1e6),
-            ("velocity_gate", association.velocity_gate, 0.1, 1e6),
-            ("extent_sigma_m", association.extent_sigma_m, 0.0, 1e4),
-            ("target_extent_m", association.target_extent_m, 0.0, 1e4),
-            ("height_gate_m", association.height_gate_m, 0.0, 1e5),
-            ("split_reports", f64::from(association.split_reports), 1.0, 1e6),
-            ("merge_reports", f64::from(association.merge_reports), 1.0, 1e6),
-            ("cell_m", association.cell_m, 1.0, 1e6),
-            ("error_correlation", association.error_correlation, 0.0, 0.9),
-            ("scan_wait", association.scan_wait, 0.0, 1.0),
-        ] {
-            in_range(&format!("fusion.association.{key}"), value, low, high)?;
-        }
-        in_range(
-            "fusion.life.confirm_reports",
-            f64::from(self.life.confirm_reports),
-            1.0,
-            1e6,
-        )?;
-        in_range(
-            "fusion.life.terminate_s",
-            self.life.terminate_ns as f64 / messages::NS_PER_S,
-            1e-3,
-            1e5,
-        )?;
-        in_range(
-            "fusion.life.tentative_s",
-            self.life.tentative_ns as f64 / messages::NS_PER_S,
-            1e-3,
-            1e5,
-        )?;
-        in_range("fusion.process_noise_m2ps3", self.process_noise_m2ps3, 0.0, 1e6)?;
-        if let Some(refresh_ns) = self.refresh_ns {
-            in_range("fusion.refresh_s", refresh_ns as f64 / messages::NS_PER_S, 1e-3, 3600.0)?;
-        }
-        let delay_s = self.refresh_delay_ns as f64 / messages::NS_PER_S;
-        in_range("fusion.refresh_delay_s", delay_s, 0.0, 3600.0)?;
-        self.rule.check(self.sources.len())?;
-        for (index, source) in self.sources.iter().enumerate() {
-            source.check(&format!("source[{index}]"))?;
-        }
-        self.check_reference()
+        settings::check(self)?;
+        self.check_sources()
+    }
+
+    /// Time between two states of a system track, nanoseconds; `None`: whenever a report has changed a system track.
+    pub fn refresh_ns(&self) -> Option<i64> {
+        self.refresh_s.map(Seconds::ns)
     }
 
     /// Longest time between two reports of any source, seconds.
     pub(crate) fn longest_period_s(&self) -> f64 {
         let longest = self.sources.iter().map(|source| source.period_ns).max();
-        longest.unwrap_or(0) as f64 / messages::NS_PER_S
+        longest.unwrap_or(0) as f64 / NS_PER_S
     }
 
     /// TI-8: alpha cannot be normalised by a source whose alpha is 0.
-    fn check_reference(&self) -> Result<(), SettingsError> {
-        let Some(number) = self.rule.reference_source else {
+    fn check_sources(&self) -> Result<(), SettingsError> {
+        let refused = |source: &str, reason: &str| {
+            let what = format!("{source}: {reason}");
+            Err(SettingsError::new("rule.reference_source", what))
+        };
+        if !(1..=SOURCES_MAX).contains(&self.sources.len()) {
+            let what = format!("{} sources; there must be 1 to {SOURCES_MAX}", self.sources.len());
+            return Err(SettingsError::new("", what));
+        }
+        let Some(reference) = &self.rule.reference_source else {
             return Ok(());
         };
+        let number = reference.number;
         let Some(source) = self.sources.get(usize::from(number)) else {
-            return Err(refused(
-                "fusion.rule.reference_source",
-                number,
-                "there is no such source",
-            ));
+            return refused(&number.to_string(), "there is no such source");
         };
         let smallest = match source.accuracy.base {
             AccuracyBase::Constant { sigma_m } => sigma_m,
@@ -469,7 +790,7 @@ impl Settings {
             AccuracyBase::Reported => {
                 let reason = "its accuracy is what it reports, so nothing is known of it where it reports nothing; \
                               name a source with another model";
-                return Err(refused("fusion.rule.reference_source", &source.name, reason));
+                return refused(&source.name, reason);
             }
         };
         if source.adjustment * smallest > 0.0 {
@@ -477,188 +798,6 @@ impl Settings {
         }
         let reason = "its adjustment × accuracy is 0, so nothing can be expressed relative to it; \
                       give that source an accuracy and an adjustment above 0, or name another";
-        Err(refused("fusion.rule.reference_source", &source.name, reason))
-    }
-}
-
-impl RuleSettings {
-    fn check(&self, sources: usize) -> Result<(), SettingsError> {
-        let scans = f64::from(self.quality_scans);
-        for (key, value, low, high) in [
-            ("recency", self.recency, 1e-6, 1.0),
-            ("overdue_periods", self.overdue_periods, 0.5, 1e3),
-            ("quality_scans", scans, 2.0, f64::from(SCANS_MAX)),
-            ("hysteresis", self.hysteresis, 1e-6, 1.0),
-            ("hold_refreshes", f64::from(self.hold_refreshes), 0.0, 1e6),
-            ("common_noise_m2ps3", self.common_noise_m2ps3.unwrap_or(0.0), 0.0, 1e6),
-            ("mosaic.cell_m", self.mosaic.cell_m, 1.0, 1e7),
-        ] {
-            in_range(&format!("fusion.rule.{key}"), value, low, high)?;
-        }
-        let check_sources = |key: &str, list: &[u16]| match list.iter().find(|source| usize::from(**source) >= sources)
-        {
-            Some(source) => Err(refused(key, source, "there is no such source")),
-            None => Ok(()),
-        };
-        check_ramp("fusion.rule.hand_over.ramp", &self.hand_over.ramp)?;
-        for (index, pair) in self.hand_over.pairs.iter().enumerate() {
-            let key = format!("fusion.rule.hand_over.pair[{index}]");
-            check_sources(&key, &[pair.from, pair.to])?;
-            check_ramp(&format!("{key}.ramp"), &pair.ramp)?;
-        }
-        check_sources("fusion.rule.mosaic.default", &self.mosaic.default)?;
-        for cell in &self.mosaic.cells {
-            check_sources("fusion.rule.mosaic.cell", &cell.sources)?;
-        }
-        let places = self.mosaic.cells.iter().map(|cell| (cell.east, cell.north));
-        if !places.is_sorted_by(|a, b| a < b) {
-            let reason = "cells must stand in ascending order of (east, north), each once";
-            return Err(refused("fusion.rule.mosaic.cell", "unordered", reason));
-        }
-        Ok(())
-    }
-}
-
-/// TI-14: a rising sequence within [0, 1].
-fn check_ramp(key: &str, ramp: &[f64]) -> Result<(), SettingsError> {
-    for eta in ramp {
-        in_range(key, *eta, 0.0, 1.0)?;
-    }
-    if !ramp.is_sorted() {
-        return Err(refused(key, format!("{ramp:?}"), "a ramp must rise"));
-    }
-    in_range(&format!("{key} (length)"), ramp.len() as f64, 0.0, RAMP_MAX as f64)
-}
-
-impl SourceSettings {
-    fn check(&self, key: &str) -> Result<(), SettingsError> {
-        in_range(
-            &format!("{key}.period_s"),
-            self.period_ns as f64 / messages::NS_PER_S,
-            1e-3,
-            3600.0,
-        )?;
-        in_range(
-            &format!("{key}.fresh_s"),
-            self.fresh_ns as f64 / messages::NS_PER_S,
-            1e-3,
-            1e5,
-        )?;
-        in_range(&format!("{key}.accuracy.adjustment"), self.adjustment, 0.0, 1e9)?;
-        in_range(
-            &format!("{key}.accuracy.per_speed_s"),
-            self.accuracy.per_speed_s,
-            0.0,
-            1e6,
-        )?;
-        for (name, factor) in &self.accuracy.conditions {
-            in_range(&format!("{key}.accuracy.conditions.{name}"), *factor, 0.0, 1e6)?;
-        }
-        match self.accuracy.base {
-            AccuracyBase::Reported => Ok(()),
-            AccuracyBase::Constant { sigma_m } => in_range(&format!("{key}.accuracy.sigma_m"), sigma_m, 0.0, 1e6),
-            AccuracyBase::Polar {
-                range_sigma_m,
-                azimuth_sigma_rad,
-                ..
-            } => {
-                in_range(&format!("{key}.accuracy.range_sigma_m"), range_sigma_m, 0.0, 1e6)?;
-                in_range(
-                    &format!("{key}.accuracy.azimuth_sigma_deg"),
-                    azimuth_sigma_rad.to_degrees(),
-                    0.0,
-                    90.0,
-                )
-            }
-            AccuracyBase::Estimated { initial_m, memory } => {
-                in_range(&format!("{key}.accuracy.initial_m"), initial_m, 1e-3, 1e6)?;
-                in_range(&format!("{key}.accuracy.memory"), memory, 1.0, 1e9)
-            }
-        }
-    }
-}
-
-fn in_range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SettingsError> {
-    // Written so that NaN is refused.
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    Err(refused(key, value, &format!("must lie between {low} and {high}")))
-}
-
-fn refused(key: &str, value: impl ToString, reason: &str) -> SettingsError {
-    SettingsError {
-        key: key.to_owned(),
-        value: value.to_string(),
-        reason: reason.to_owned(),
-    }
-}
-
-impl Default for AssociationSettings {
-    fn default() -> Self {
-        Self {
-            use_identity: true,
-            join_gate: association::distance::gate2(0.001),
-            keep_gate: association::distance::gate2(1e-6),
-            velocity_gate: association::distance::gate2(0.001),
-            extent_sigma_m: 0.0,
-            target_extent_m: 0.0,
-            height_gate_m: 600.0,
-            split_reports: 5,
-            merge_reports: 2,
-            cell_m: 1000.0,
-            error_correlation: 0.1,
-            scan_wait: 0.05,
-        }
-    }
-}
-
-impl Default for LifeSettings {
-    fn default() -> Self {
-        Self {
-            confirm_reports: 3,
-            terminate_ns: 20_000_000_000,
-            tentative_ns: 6_000_000_000,
-        }
-    }
-}
-
-impl Default for Capacity {
-    fn default() -> Self {
-        Self {
-            system_tracks: 2_000,
-            sensor_tracks: 8_000,
-            stored_reports: 5,
-        }
-    }
-}
-
-impl Default for MosaicSettings {
-    fn default() -> Self {
-        Self {
-            cell_m: 10_000.0,
-            default: Vec::new(),
-            cells: Vec::new(),
-        }
-    }
-}
-
-impl Default for RuleSettings {
-    fn default() -> Self {
-        Self {
-            rule: FusionRule::Auto,
-            residual: Residual::Position,
-            recency: 1.0,
-            reference_source: None,
-            tie: Tie::LastThenPriority,
-            overdue_periods: 1.5,
-            quality_scans: 10,
-            hand_over: HandOverSettings::default(),
-            hysteresis: 1.0,
-            hold_refreshes: 0,
-            mosaic: MosaicSettings::default(),
-            intersection: Intersection::default(),
-            common_noise_m2ps3: None,
-        }
+        refused(&source.name, reason)
     }
 }

@@ -39,7 +39,12 @@ impl Sources {
         let tick_s = TICK_NS as f64 / NS_PER_S;
         Self {
             models: vec![SourceModel::default(); count],
-            registration: Registration::new(count, registration.reference_source, registration.memory_s, tick_s),
+            registration: Registration::new(
+                count,
+                registration.reference_source.as_ref().map(|source| source.number),
+                registration.memory_s,
+                tick_s,
+            ),
             motion: NearlyConstantVelocity::new(settings.process_noise_m2ps3, settings.process_noise_m2ps3),
         }
     }

@@ -1,8 +1,8 @@
 //! Settings for tests.
 
 use crate::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleSettings, Settings,
-    SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleName, RuleSettings,
+    Settings, SourceSettings,
 };
 
 /// Settings for `sources` like sources, in small tables.
@@ -25,9 +25,10 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
     Settings {
         sources: (0..sources).map(source).collect(),
         capacity: Capacity {
-            system_tracks: 50,
-            sensor_tracks: 200,
+            system_tracks: Some(50),
+            sensor_tracks: Some(200),
             stored_reports: 3,
+            ..Capacity::default()
         },
         association: AssociationSettings {
             target_extent_m: 40.0,
@@ -36,13 +37,13 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         },
         life: LifeSettings::default(),
         rule: RuleSettings {
-            rule: messages::FusionRule::BestSource,
+            name: RuleName(messages::FusionRule::BestSource),
             ..RuleSettings::default()
         },
         registration: RegistrationSettings::default(),
         consistency: true,
         process_noise_m2ps3: 1.0,
-        refresh_ns: None,
-        refresh_delay_ns: 0,
+        refresh_s: None,
+        refresh_delay_s: settings::Seconds::default(),
     }
 }

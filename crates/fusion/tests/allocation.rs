@@ -32,9 +32,10 @@ fn settings() -> Settings {
     Settings {
         sources: ["a", "b", "c"].map(source).to_vec(),
         capacity: Capacity {
-            system_tracks: 60,
-            sensor_tracks: 200,
+            system_tracks: Some(60),
+            sensor_tracks: Some(200),
             stored_reports: 5,
+            ..Capacity::default()
         },
         association: AssociationSettings {
             target_extent_m: 30.0,
@@ -45,8 +46,8 @@ fn settings() -> Settings {
         registration: RegistrationSettings::default(),
         consistency: true,
         process_noise_m2ps3: 1.0,
-        refresh_ns: None,
-        refresh_delay_ns: 0,
+        refresh_s: None,
+        refresh_delay_s: settings::Seconds::default(),
     }
 }
 
@@ -149,7 +150,7 @@ fn no_rule_allocates_anything_at_reports_or_at_uniform_times() {
         for refresh_ns in [None, Some(S / 2)] {
             let settings = Settings {
                 rule: RuleSettings {
-                    rule: rule.code,
+                    name: fusion::settings::RuleName(rule.code),
                     hand_over: HandOverSettings {
                         ramp: vec![0.3, 0.6],
                         by_traces: index % 2 == 1,
@@ -158,8 +159,8 @@ fn no_rule_allocates_anything_at_reports_or_at_uniform_times() {
                     },
                     ..RuleSettings::default()
                 },
-                refresh_ns,
-                refresh_delay_ns: S,
+                refresh_s: refresh_ns.map(settings::Seconds::of_ns),
+                refresh_delay_s: settings::Seconds::of_ns(S),
                 ..settings()
             };
             let mut engine = Engine::new(settings).unwrap();

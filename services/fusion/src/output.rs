@@ -35,7 +35,7 @@ impl<S: Transport> Output<S> {
         Ok(Self {
             publisher: bus.publisher(&topic, incarnation)?.with_epoch(incarnation),
             // The ends of all tracks at once fit too.
-            waiting: Vec::with_capacity(topic.capacity.slice_len + config.fusion.settings.capacity.system_tracks),
+            waiting: Vec::with_capacity(topic.capacity.slice_len + config.fusion.settings.capacity.system_tracks()),
             flow: follow.then(flow).transpose()?,
             origin: config.origin,
             deadline_ns: config.fusion.deadline_ns,

@@ -85,7 +85,7 @@ impl<S: Transport> GatewayAgent<S> {
                     .with_height(gateway.heights);
                 let topic = messages::system_tracks();
                 waiter.watch(bus, &topic)?;
-                let capacity = config.fusion.settings.capacity.system_tracks;
+                let capacity = config.fusion.settings.capacity.system_tracks();
                 let picture = Picture::open(bus, &topic, incarnation, gateway.refresh_ns, capacity, reports)?;
                 let [of_system, of_sensors] = STATUS_CATEGORIES.map(registry::default_edition);
                 let (of_system, of_sensors) = of_system.zip(of_sensors).context("CAT065 and CAT063 have tables")?;

@@ -40,14 +40,16 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
     };
     let settings = &config.fusion.settings;
     row("deployment", config.name.clone());
-    row("fusion", format!("rule {}, {order}", settings.rule.rule.word()));
+    row("fusion", format!("rule {}, {order}", settings.rule.name.0.word()));
     row("", format!("waits by {}, {}", wait(config.fusion.wait), place(config)));
     let capacity = &settings.capacity;
     row(
         "capacities",
         format!(
             "{} system tracks, {} sensor tracks, {} waiting reports per source",
-            capacity.system_tracks, capacity.sensor_tracks, config.fusion.queue
+            capacity.system_tracks(),
+            capacity.sensor_tracks(),
+            config.fusion.queue
         ),
     );
     let (monitor, seconds) = (&config.monitor, config.monitor.interval_ns as f64 / NS as f64);

@@ -441,7 +441,7 @@ fn run_settings(config: &Config, options: &Options) -> RunSettings {
     RunSettings {
         deployment: config.name.clone(),
         instance: options.instance.clone(),
-        rule: config.fusion.settings.rule.rule.word().to_owned(),
+        rule: config.fusion.settings.rule.name.0.word().to_owned(),
         order: match config.order {
             Order::Arrival => "arrival",
             Order::Time => "time",

@@ -62,7 +62,7 @@ impl TruthWatch {
             start_ns,
             due_ns: begun_utc_ns.max(start_ns).saturating_add(WARM_UP_NS + SECOND_NS - 1) / SECOND_NS * SECOND_NS,
             tracks: BTreeMap::new(),
-            tracks_max: config.fusion.settings.capacity.system_tracks,
+            tracks_max: config.fusion.settings.capacity.system_tracks(),
             fusion: 0,
             accuracy: Accuracy::default(),
             targets: Vec::new(),

@@ -28,7 +28,7 @@ fn bad_reports_are_counted_and_change_nothing() {
 /// What is published of the tracks that start in the west, while `disturb` does its worst in the east.
 fn picture_of_the_west(disturb: impl Fn(&mut Harness, u32)) -> (String, Harness) {
     let mut settings = test_settings(2);
-    settings.rule.rule = messages::FusionRule::Auto;
+    settings.rule.name.0 = messages::FusionRule::Auto;
     let mut harness = Harness::new(settings);
     for step in 0..40 {
         let time_s = 0.5 * f64::from(step);

@@ -2,6 +2,7 @@
 
 use messages::{Counters, FusionRule, SensorTrack, SystemTrack, TrackState};
 use proptest::prelude::*;
+use settings::Seconds;
 
 use super::{S, random, report, with_address};
 use crate::testing::test_settings;
@@ -84,13 +85,14 @@ fn run(
 
 fn settings(rule: &str, scan_wait: f64, refresh_ns: Option<i64>, refresh_delay_ns: i64) -> Settings {
     let mut settings = test_settings(usize::from(SOURCES));
-    settings.rule.rule = FusionRule::from_word(rule).unwrap();
+    settings.rule.name.0 = FusionRule::from_word(rule).unwrap();
     settings.association.scan_wait = scan_wait;
-    settings.life.terminate_ns = 3 * S;
-    settings.life.tentative_ns = 2 * S;
+    settings.life.terminate_s = Some(Seconds::of_ns(3 * S));
+    settings.life.tentative_s = Some(Seconds::of_ns(2 * S));
     // A part of the table is more places than are looked at for one report.
-    settings.capacity.sensor_tracks = 400;
-    (settings.refresh_ns, settings.refresh_delay_ns) = (refresh_ns, refresh_delay_ns);
+    settings.capacity.sensor_tracks = Some(400);
+    settings.refresh_s = refresh_ns.map(Seconds::of_ns);
+    settings.refresh_delay_s = Seconds::of_ns(refresh_delay_ns);
     settings
 }
 

@@ -105,7 +105,7 @@ mod tests {
 
     fn defaults() -> RuleSettings {
         RuleSettings {
-            rule: messages::FusionRule::BestSource,
+            name: crate::settings::RuleName(messages::FusionRule::BestSource),
             ..RuleSettings::default()
         }
     }
@@ -197,7 +197,7 @@ mod tests {
     fn per_axis_each_axis_chooses_for_itself() {
         let settings = RuleSettings {
             residual: Residual::PerAxis,
-            rule: messages::FusionRule::BestSource,
+            name: crate::settings::RuleName(messages::FusionRule::BestSource),
             ..defaults()
         };
         let both = [

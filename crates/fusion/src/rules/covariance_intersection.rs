@@ -56,7 +56,7 @@ mod tests {
         let candidates = [candidate(0, [10.0, 10.0]), candidate(1, [2.0, 40.0])];
         let trace_m2 = |intersection| {
             let settings = RuleSettings {
-                rule: ENTRY.code,
+                name: crate::settings::RuleName(ENTRY.code),
                 intersection,
                 ..RuleSettings::default()
             };

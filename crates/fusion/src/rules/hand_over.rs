@@ -218,8 +218,8 @@ mod tests {
     fn pairs_have_ramps_of_their_own() {
         let mut settings = ramp(&[0.5]);
         settings.pairs.push(PairRamp {
-            from: 1,
-            to: 0,
+            from: 1.into(),
+            to: 0.into(),
             ramp: vec![0.1],
         });
         let found = weights(&settings, &[0, 1, 1, 0], |_, _| {});

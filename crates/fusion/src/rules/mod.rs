@@ -270,7 +270,7 @@ pub(crate) mod testing {
     /// them equally often.
     pub(crate) fn fused_of(rule: &'static RuleEntry, candidates: &[Candidate]) -> (Option<State>, Vec<Share>) {
         let settings = RuleSettings {
-            rule: rule.code,
+            name: crate::settings::RuleName(rule.code),
             ..RuleSettings::default()
         };
         let mut shares = vec![Share::default(); candidates.len()];

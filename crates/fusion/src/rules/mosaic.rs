@@ -25,7 +25,7 @@ fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, share
     let place_m = moved(last.position_m, last.velocity_mps, target.reference_ns - last.time_ns);
     let list = settings.mosaic.list_at(place_m);
     let rank = |candidate: &Candidate| match list {
-        Some(list) => list.iter().position(|source| *source == candidate.source),
+        Some(list) => list.iter().position(|source| source.number == candidate.source),
         None => Some(candidate.priority as usize),
     };
     let (_, source) = target
@@ -45,7 +45,7 @@ fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, share
 mod tests {
     use super::*;
     use crate::rules;
-    use crate::settings::{MosaicCell, MosaicSettings};
+    use crate::settings::{MosaicCell, MosaicSettings, RuleName};
 
     fn selected(settings: &RuleSettings, candidates: &[Candidate], place_m: [f64; 3]) -> Option<u16> {
         let target = Target {
@@ -71,14 +71,14 @@ mod tests {
     #[test]
     fn the_cell_decides_who_speaks() {
         let mut settings = RuleSettings {
-            rule: ENTRY.code,
+            name: RuleName(ENTRY.code),
             mosaic: MosaicSettings {
                 cell_m: 1000.0,
                 default: Vec::new(),
                 cells: vec![MosaicCell {
                     east: -1,
                     north: 0,
-                    sources: vec![2, 1],
+                    sources: vec![2.into(), 1.into()],
                 }],
             },
             ..RuleSettings::default()
@@ -98,7 +98,7 @@ mod tests {
             None,
             "not in the list of this cell"
         );
-        settings.mosaic.default = vec![1];
+        settings.mosaic.default = vec![1.into()];
         assert_eq!(selected(&settings, &candidates, outside), Some(1));
     }
 }

@@ -50,11 +50,11 @@ pub(crate) fn run(compare: &Compare) -> anyhow::Result<()> {
     let read = |file: &std::path::PathBuf| Timeline::truth(open(file)?).map_err(|error| InputError::new(file, error));
     let truth = compare.truth.as_ref().map(read).transpose()?;
     let mut setup = Setup::of(&compare.input)?;
-    setup.settings.refresh_ns = Some(compare.refresh.as_nanos() as i64);
+    setup.settings.refresh_s = Some(settings::Seconds::of_ns(compare.refresh.as_nanos() as i64));
     let mut outcomes = Vec::new();
     let mut refusals = Refusals::default();
     for rule in REGISTRY {
-        setup.settings.rule.rule = rule.code;
+        setup.settings.rule.name.0 = rule.code;
         let (mut outcome, tracks, refused) = fuse(rule, &setup, settings.age_max_s)?;
         refusals = refused;
         if let (Some(truth), Some(file)) = (&truth, &compare.truth) {

@@ -18,6 +18,7 @@ use crate::files::{OutputFile, is_same_file};
 use crate::offline::{Setup, drive, rule};
 use decisions::Decisions;
 use rows::Rows;
+use settings::Seconds;
 use summary::Summary;
 
 /// Fuses.
@@ -29,16 +30,16 @@ pub(crate) fn run(fuse: &Fuse) -> anyhow::Result<()> {
     let named = fuse.rule.as_deref().map(rule).transpose()?;
     let mut setup = Setup::of(&fuse.input)?;
     if let Some(rule) = named {
-        setup.settings.rule.rule = rule;
+        setup.settings.rule.name.0 = rule;
     }
     if let Some(refresh) = fuse.refresh {
-        setup.settings.refresh_ns = Some(nanoseconds(refresh));
+        setup.settings.refresh_s = Some(Seconds::of_ns(nanoseconds(refresh)));
     }
     let mut engine = Engine::new(setup.settings.clone())?;
     let mut reports = setup.reports()?;
     let out = OutputFile::begin(&fuse.out)?;
     let unwritten = || format!("{} cannot be made", fuse.out.display());
-    let mut rows = Rows::begin(out, setup.sensor_ids.clone(), setup.settings.refresh_ns).with_context(unwritten)?;
+    let mut rows = Rows::begin(out, setup.sensor_ids.clone(), setup.settings.refresh_ns()).with_context(unwritten)?;
     let begin = |path: &PathBuf| Decisions::begin(path, &setup.sensor_ids);
     let mut decisions = fuse.explain.as_ref().map(begin).transpose()?;
     let explain = |decision: &Decision| decisions.as_mut().map_or(Ok(()), |table| table.write(decision));

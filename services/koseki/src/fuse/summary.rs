@@ -71,7 +71,7 @@ impl Summary<'_> {
             .collect();
         json!({
             "out": self.out.display().to_string(),
-            "rule": self.engine.settings().rule.rule.word(),
+            "rule": self.engine.settings().rule.name.0.word(),
             "rows": self.written,
             "reports": self.driven.reports,
             "rows_refused": self.refusals.rows(),
@@ -124,7 +124,7 @@ impl Summary<'_> {
         writeln!(
             text,
             "rule {}: {} reports in {:.3} s of the engine, {:.0} a second",
-            self.engine.settings().rule.rule.word(),
+            self.engine.settings().rule.name.0.word(),
             driven.reports,
             driven.engine_ns as f64 / NS_PER_S,
             self.rate()

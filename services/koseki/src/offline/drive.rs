@@ -77,7 +77,7 @@ pub(crate) fn drive(
     if let Some(last_ns) = driven.last_ns {
         // A deadline at this very time is met as soon as time has passed it.
         let settings = engine.settings();
-        let end_ns = end_ns(last_ns, settings.refresh_ns) + settings.refresh_delay_ns + 1;
+        let end_ns = end_ns(last_ns, settings.refresh_ns()) + settings.refresh_delay_s.ns() + 1;
         let begin_ns = runtime::clock::mono_ns();
         engine.advance(end_ns, &mut out);
         driven.engine_ns += runtime::clock::mono_ns() - begin_ns;
