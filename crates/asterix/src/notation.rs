@@ -108,5 +108,6 @@ macro_rules! editions {
         )+
         #[doc = concat!($title, ": the editions of one layout, the oldest first.")]
         pub static $all: &[&Category] = &[$(&$edition),+];
+        const _: () = crate::registry::assert_registered($all);
     };
 }

@@ -32,6 +32,23 @@ const _: () = {
     }
 };
 
+/// Fails the build where one of these editions is not in the registry.
+pub(crate) const fn assert_registered(editions: &[&Category]) {
+    let mut i = 0;
+    while i < editions.len() {
+        let (number, edition) = (editions[i].number, editions[i].edition);
+        let mut j = 0;
+        while REGISTRY[j].number != number
+            || REGISTRY[j].edition.major != edition.major
+            || REGISTRY[j].edition.minor != edition.minor
+        {
+            j += 1;
+            assert!(j < REGISTRY.len(), "an edition is not in the registry");
+        }
+        i += 1;
+    }
+}
+
 /// The table of one edition.
 pub fn find(number: u8, edition: Edition) -> Option<&'static Category> {
     editions(number).find(|table| table.edition == edition)

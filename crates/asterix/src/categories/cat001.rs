@@ -171,3 +171,4 @@ pub static CAT001_V1_4: Category = edition(4);
 
 /// Every edition of the category.
 pub static CAT001: &[&Category] = &[&CAT001_V1_2, &CAT001_V1_3, &CAT001_V1_4];
+const _: () = crate::registry::assert_registered(CAT001);
