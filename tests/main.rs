@@ -10,7 +10,9 @@ mod architecture;
 mod requirements;
 
 // Commands on files.
+mod bearings;
 mod decode;
+mod encode;
 mod fuse;
 mod golden;
 mod locate;

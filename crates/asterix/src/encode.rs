@@ -31,7 +31,8 @@
 //! ```
 
 use super::bits::{fspec_octet, goes_on, put, sign_extend};
-use super::encode_error::{EncodeError, EncodeFault, Place};
+use super::encode_error::{EncodeError, EncodeFault, Failure};
+use super::expansion::Expansion;
 use super::extent::MAX_UNKNOWN_EXTENSION_OCTETS;
 use super::named::{NamedRecord, UNKNOWN_EXTENSION, Value, find};
 use super::table::{Category, Content, Frn, Item, Layout, MAX_FRN, Part, Profile, Uap, extent_of_part};
@@ -56,45 +57,6 @@ impl NamedRecord {
 }
 
 type Encoded = Result<(), Failure>;
-
-/// An error on its way outwards, which collects the names it passes.
-struct Failure {
-    /// Innermost first.
-    path: Vec<String>,
-    fault: EncodeFault,
-}
-
-impl Failure {
-    fn at(name: &str, fault: EncodeFault) -> Self {
-        Self::from(fault).within(name)
-    }
-
-    #[cold]
-    fn within(mut self, name: &str) -> Self {
-        self.path.push(name.to_owned());
-        self
-    }
-
-    fn into_error(mut self, category: u8) -> EncodeError {
-        self.path.reverse();
-        EncodeError {
-            place: Place {
-                category,
-                path: self.path,
-            },
-            fault: self.fault,
-        }
-    }
-}
-
-impl From<EncodeFault> for Failure {
-    fn from(fault: EncodeFault) -> Self {
-        Self {
-            path: Vec::new(),
-            fault,
-        }
-    }
-}
 
 fn encode(record: &NamedRecord, table: &'static Category, out: &mut Vec<u8>) -> Encoded {
     if record.category != table.number {
@@ -126,6 +88,39 @@ fn choose_profile(record: &NamedRecord, table: &'static Category) -> Result<&'st
     let case = cases.iter().find(|(case, _)| Some(*case) == found);
     case.map(|(_, uap)| uap)
         .ok_or_else(|| EncodeFault::ProfileUndecided { item, element, found }.into())
+}
+
+/// The content of a reserved expansion field: an octet of flags, and the subitems that they announce.
+pub(super) fn encode_expansion(
+    rules: &'static Expansion,
+    uap: &'static Uap,
+    content: &Value,
+) -> Result<Vec<u8>, Failure> {
+    let mut out = Vec::new();
+    let all = group_members(content)?;
+    if all.is_empty() {
+        return Ok(out);
+    }
+    let subitems: Vec<Member> = all
+        .iter()
+        .filter(|(name, _)| *name != UNKNOWN_EXTENSION)
+        .cloned()
+        .collect();
+    let name_at = |i: usize| rules.items[i].as_ref().map_or("", |subitem| subitem.name);
+    let announced = Announced::new(&subitems, rules.items.len(), name_at)?;
+    out.push((announced.present as u8).reverse_bits());
+    let mut encode = Encode { uap, out: &mut out };
+    for (i, (name, value)) in announced.members() {
+        if let Some(subitem) = &rules.items[i] {
+            encode
+                .layout(&subitem.layout, value)
+                .map_err(|failure| failure.within(name))?;
+        }
+    }
+    if let Some(behind) = find(all, UNKNOWN_EXTENSION) {
+        out.extend(bytes_of(behind)?);
+    }
+    Ok(out)
 }
 
 type Member = (&'static str, Value);
@@ -532,7 +527,7 @@ fn each(values: &[Value], mut write: impl FnMut(&Value) -> Encoded) -> Encoded {
     values
         .iter()
         .enumerate()
-        .try_for_each(|(i, value)| write(value).map_err(|failure| failure.within(&format!("[{}]", i + 1))))
+        .try_for_each(|(i, value)| write(value).map_err(|failure| failure.within_repetition(i)))
 }
 
 fn group_members(value: &Value) -> Result<&[Member], Failure> {

@@ -159,6 +159,51 @@ pub enum EncodeFault {
     },
 }
 
+/// An error on its way outwards, which collects the names it passes.
+pub(super) struct Failure {
+    /// Innermost first.
+    path: Vec<String>,
+    fault: EncodeFault,
+}
+
+impl Failure {
+    pub(super) fn at(name: &str, fault: EncodeFault) -> Self {
+        Self::from(fault).within(name)
+    }
+
+    #[cold]
+    pub(super) fn within(mut self, name: &str) -> Self {
+        self.path.push(name.to_owned());
+        self
+    }
+
+    /// Names the repetition, counted from 1, at this place of its list.
+    #[cold]
+    pub(super) fn within_repetition(self, place: usize) -> Self {
+        self.within(&format!("[{}]", place + 1))
+    }
+
+    pub(super) fn into_error(mut self, category: u8) -> EncodeError {
+        self.path.reverse();
+        EncodeError {
+            place: Place {
+                category,
+                path: self.path,
+            },
+            fault: self.fault,
+        }
+    }
+}
+
+impl From<EncodeFault> for Failure {
+    fn from(fault: EncodeFault) -> Self {
+        Self {
+            path: Vec::new(),
+            fault,
+        }
+    }
+}
+
 fn describe_unit(unit: &str) -> String {
     match unit {
         "" => String::new(),

@@ -16,7 +16,8 @@ use super::table::{Edition, Item};
 
 /// The flags there are: an octet of them.
 const FLAGS: usize = 8;
-const FIELD: &str = "RE";
+/// The item that is one.
+pub(super) const FIELD: &str = "RE";
 
 /// Edition of the coding rules for the reserved expansion field of a category.
 #[derive(Debug)]

@@ -28,6 +28,7 @@
 //! bytes ── blocks ──► Block ── records(table, mode) ──► Record ──┬── NamedRecord: every item by name, to show
 //!              └────── Decoder does both, and counts ──────┘      └── Field: an element at its place, in SI units
 //!
+//! JSON ── from_json(table) ──► NamedRecord
 //! NamedRecord ──────────── encode(table) ──┬─► octets of a record ── BlockWriter ──► blocks of a size
 //! numbers, item by item ── RecordWriter ────┘
 //! ```
@@ -73,6 +74,7 @@ pub mod text;
 mod bits;
 mod encode;
 mod extent;
+mod from_json;
 mod spare;
 
 pub use block::{Block, BlockWriter, Blocks, blocks, blocks_at};

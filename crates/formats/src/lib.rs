@@ -27,5 +27,6 @@ pub mod recording;
 pub mod rows;
 pub mod sbs;
 pub mod sensor_tracks_csv;
+pub mod snapshots_csv;
 pub mod tracks_csv;
 pub mod wide_area_csv;

@@ -3,7 +3,8 @@
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
 //! that answer questions ([`check`], [`status`], [`top`]), measure ([`mod@bench`]), give orders ([`condition`]) or work
-//! on files ([`decode`], [`simulate`], [`fuse`], [`track`], [`locate`], [`compare`], [`score`]).
+//! on files ([`decode`], [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`], [`locate`], [`compare`],
+//! [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running; the latter two after one line on standard error (FM).
@@ -11,11 +12,13 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod bearings;
 mod bench;
 mod check;
 mod compare;
 mod condition;
 mod decode;
+mod encode;
 mod files;
 mod fuse;
 mod locate;
@@ -90,6 +93,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Top(top) => top::run(&top),
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),
+        Command::Encode(encode) => encode::run(&encode),
+        Command::Bearings(bearings) => bearings::run(&bearings),
         Command::Compare(compare) => compare::run(&compare),
         Command::Fuse(fuse) => fuse::run(&fuse),
         Command::Track(track) => track::run(&track),

@@ -12,6 +12,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Complex;
 
 use super::error::MusicError;
+use super::settings::ElementPosition;
 
 /// Speed of light, metres per second.
 const LIGHT_MPS: f64 = 299_792_458.0;
@@ -19,15 +20,6 @@ const LIGHT_MPS: f64 = 299_792_458.0;
 const LINE_TOLERANCE: f64 = 1e-9;
 /// Greatest coordinate, metres.
 const COORDINATE_MAX_M: f64 = 1e6;
-
-/// Position of an antenna in the frame of the platform.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ElementPosition {
-    /// To the right, metres.
-    pub right_m: f64,
-    /// Forward, metres.
-    pub forward_m: f64,
-}
 
 /// An array of antennas on a platform.
 #[derive(Clone, Debug, PartialEq)]

@@ -37,12 +37,14 @@ mod eigen;
 mod error;
 mod null_spectrum;
 mod order;
+mod settings;
 mod simulation;
 
-pub use array::{AntennaArray, ElementPosition};
+pub use array::AntennaArray;
 pub use bound::stochastic_bound;
 pub use error::MusicError;
 pub use order::SourceCount;
+pub use settings::{ArraySettings, Criterion, ElementPosition};
 pub use simulation::{SimulatedArray, SimulatedWaves};
 
 pub use nalgebra::Complex;

@@ -1,6 +1,8 @@
 //! The command line: every command and option, what they mean when they are left out, and their help.
 
+mod bearings;
 mod bench;
+mod encode;
 mod files;
 mod values;
 
@@ -12,8 +14,12 @@ use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use configuration::{Config, ConfigError};
 use runtime::{Now, Options, Speed};
 
+use bearings::BEARINGS_EXAMPLES;
+pub(crate) use bearings::MeasureBearings;
 use bench::BENCH_EXAMPLES;
 pub(crate) use bench::{Bench, BenchRelay};
+use encode::ENCODE_EXAMPLES;
+pub(crate) use encode::Encode;
 use files::{
     COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, LOCATE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES,
     TRACK_EXAMPLES,
@@ -79,6 +85,9 @@ pub(crate) enum Command {
     /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
     #[command(after_help = DECODE_EXAMPLES)]
     Decode(Decode),
+    /// Encode records, as `decode` writes them, into ASTERIX
+    #[command(after_help = ENCODE_EXAMPLES)]
+    Encode(Encode),
     /// Write what simulated sensors see of a simulated world, and the truth
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),
@@ -88,6 +97,9 @@ pub(crate) enum Command {
     /// Track targets in files of detections
     #[command(after_help = TRACK_EXAMPLES)]
     Track(Track),
+    /// Measure bearings of emitters from snapshots of an antenna array
+    #[command(after_help = BEARINGS_EXAMPLES)]
+    Bearings(MeasureBearings),
     /// Locate emitters from files of bearings, measured by a moving platform
     #[command(after_help = LOCATE_EXAMPLES)]
     Locate(Locate),

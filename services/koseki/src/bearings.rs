@@ -1,0 +1,237 @@
+//! `koseki bearings`: snapshots of an antenna array into bearings (EL-1), as `koseki locate` reads them (FM-7).
+//!
+//! The measurement itself is that of [`locating::music`]; here rows of one time are gathered, and of what was measured the
+//! bearings are written that say one thing: inside the sector in which the antennas hear, and with no other bearing there
+//! that explains the snapshots as well.
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+use anyhow::Context as _;
+use formats::bearings_csv::BearingWriter;
+use formats::snapshots_csv::{Snapshot, SnapshotReader};
+use locating::music::{self, ArraySettings, Complex, Measured, Music, Snapshots};
+use observations::Bearing;
+use serde_json::json;
+
+use crate::args::{MeasureBearings, Usage};
+use crate::files::{InputError, OutputFile, is_same_file, open};
+use crate::offline::Refusals;
+
+/// A bearing whose standard deviation exceeds this says nothing of a direction, radians.
+const SIGMA_MAX_RAD: f64 = 1.0;
+
+/// Measures.
+///
+/// # Errors
+/// If what is asked for makes no sense, or a file cannot be read or written.
+pub(crate) fn run(command: &MeasureBearings) -> anyhow::Result<()> {
+    if [&command.snapshots, &command.array]
+        .iter()
+        .any(|file| is_same_file(&command.out, file))
+    {
+        let what = format!("--out {} is an input; name another file", command.out.display());
+        return Err(Usage(what).into());
+    }
+    let settings = array(&command.array)?;
+    let music = settings
+        .music()
+        .map_err(|error| InputError::new(&command.array, error))?;
+    let file = open(&command.snapshots)?;
+    let unreadable = |error| InputError::new(&command.snapshots, error);
+    let mut rows = SnapshotReader::new(file, 0, settings.antennas.len()).map_err(unreadable)?;
+    let unwritten = || format!("{} cannot be written", command.out.display());
+    let out = BearingWriter::begin(OutputFile::begin(&command.out)?, 0).with_context(unwritten)?;
+    let mut finder = Finder::new(command, settings, music, out);
+    while let Some(row) = rows.next() {
+        if let Some(snapshot) = finder.refusals.usable(&command.snapshots, row)? {
+            finder.take(snapshot, rows.line()).with_context(unwritten)?;
+        }
+    }
+    finder.measure().with_context(unwritten)?;
+    if finder.summary.measurements == 0 {
+        let why = finder.refusals.first.first();
+        let why = why.map_or("the file has a header only", String::as_str);
+        return Err(InputError::new(&command.snapshots, format!("nothing was measured: {why}")).into());
+    }
+    let Finder {
+        out, refusals, summary, ..
+    } = finder;
+    out.into_inner().finish()?;
+    summary.show(command, &refusals)
+}
+
+fn array(file: &Path) -> Result<ArraySettings, InputError> {
+    let text = fs::read_to_string(file).map_err(|error| InputError::new(file, format!("cannot be read: {error}")))?;
+    let read = settings::Document::parse(&text, &[]).and_then(|document| document.read());
+    read.map_err(|error| match error.line {
+        Some(line) => InputError::new(file, format!("line {line}: {error}")),
+        None => InputError::new(file, error),
+    })
+}
+
+/// Finds the bearings of one measurement after the other.
+struct Finder<'a> {
+    path: &'a Path,
+    settings: ArraySettings,
+    music: Music,
+    out: BearingWriter<OutputFile>,
+    /// Rows of the measurement at hand: the first of them and its line, and all samples.
+    first: Option<(Snapshot, u64)>,
+    samples: Vec<Complex<f64>>,
+    refusals: Refusals,
+    summary: Summary,
+}
+
+/// Counts of what was measured.
+#[derive(Debug, Default)]
+struct Summary {
+    snapshots: u64,
+    measurements: u64,
+    bearings: u64,
+    /// Bearings left out: beside another one that explains the snapshots as well, outside the sector, or too uncertain.
+    ambiguous: u64,
+    outside_sector: u64,
+    uncertain: u64,
+    /// Transmitters without a bearing of their own.
+    unresolved: u64,
+}
+
+impl<'a> Finder<'a> {
+    fn new(
+        command: &'a MeasureBearings,
+        settings: ArraySettings,
+        music: Music,
+        out: BearingWriter<OutputFile>,
+    ) -> Self {
+        Self {
+            path: &command.snapshots,
+            settings,
+            music,
+            out,
+            first: None,
+            samples: Vec::new(),
+            refusals: Refusals::default(),
+            summary: Summary::default(),
+        }
+    }
+
+    /// Takes the row of `line`; one of another time ends the measurement before it.
+    fn take(&mut self, snapshot: Snapshot, line: u64) -> anyhow::Result<()> {
+        if let Some((first, _)) = &self.first {
+            if snapshot.time_ns < first.time_ns {
+                let what = "is before the row above; rows come in the order of time";
+                self.refusals.out_of_order(self.path, line, what);
+                return Ok(());
+            }
+            let place = |row: &Snapshot| (row.platform_m, row.heading_rad, row.frequency_hz);
+            if snapshot.time_ns > first.time_ns {
+                self.measure()?;
+            } else if place(&snapshot) != place(first) {
+                let why = "it has the time of the row above, and another place, heading or frequency";
+                self.refusals
+                    .refused("two measurements at one time", self.path, line, why);
+                return Ok(());
+            }
+        }
+        self.samples
+            .extend(snapshot.samples.iter().map(|[re, im]| Complex::new(*re, *im)));
+        self.first.get_or_insert((snapshot, line));
+        self.summary.snapshots += 1;
+        Ok(())
+    }
+
+    /// Measures what was gathered, and writes the bearings that say one thing.
+    fn measure(&mut self) -> anyhow::Result<()> {
+        let Some((at, line)) = self.first.take() else {
+            return Ok(());
+        };
+        let snapshots = Snapshots {
+            samples: &self.samples,
+            frequency_hz: at.frequency_hz,
+        };
+        match self.music.measure(&snapshots) {
+            Ok(measured) => {
+                let forward_rad = at.heading_rad + self.settings.forward_deg.rad();
+                for bearing in self.summary.sort(&self.settings, measured) {
+                    self.out.write(&Bearing {
+                        time_of_measurement_ns: at.time_ns,
+                        emitter_id: None,
+                        bearing_rad: (forward_rad + bearing.bearing_rad).rem_euclid(TAU),
+                        sigma_rad: bearing.sigma_rad,
+                        platform_m: at.platform_m,
+                        heading_rad: Some(at.heading_rad),
+                        frequency_hz: Some(at.frequency_hz),
+                        pulse_interval_s: None,
+                    })?;
+                }
+            }
+            Err(error) => {
+                let reason = "a measurement that cannot be made";
+                self.refusals.refused(reason, self.path, line, error);
+            }
+        }
+        self.samples.clear();
+        Ok(())
+    }
+}
+
+impl Summary {
+    /// Counts what was measured, and gives the bearings to be written.
+    fn sort<'m>(&mut self, settings: &ArraySettings, measured: &'m Measured) -> Vec<&'m music::Bearing> {
+        self.measurements += 1;
+        self.unresolved += measured.unresolved as u64;
+        let hears = |bearing: &&music::Bearing| settings.hears(bearing.bearing_rad);
+        let (heard, elsewhere): (Vec<_>, Vec<_>) = measured.bearings.iter().partition(hears);
+        self.outside_sector += elsewhere.len() as u64;
+        let of = |some: &[&music::Bearing], source| some.iter().filter(|other| other.source == source).count();
+        let mut clear = heard.clone();
+        // One that was ambiguous only with bearings from where nothing is heard is so no longer.
+        clear.retain(|one: &&music::Bearing| {
+            !one.ambiguous || (of(&heard, one.source) == 1 && of(&elsewhere, one.source) > 0)
+        });
+        self.ambiguous += (heard.len() - clear.len()) as u64;
+        let all = clear.len();
+        clear.retain(|bearing| bearing.sigma_rad <= SIGMA_MAX_RAD);
+        self.uncertain += (all - clear.len()) as u64;
+        self.bearings += clear.len() as u64;
+        clear
+    }
+
+    /// Shows it: as JSON on standard output, else on standard error.
+    fn show(&self, command: &MeasureBearings, refusals: &Refusals) -> anyhow::Result<()> {
+        if command.json {
+            let summary = json!({
+                "out": command.out.display().to_string(),
+                "rows": self.bearings,
+                "snapshots": self.snapshots,
+                "measurements": self.measurements,
+                "ambiguous": self.ambiguous,
+                "outside_sector": self.outside_sector,
+                "uncertain": self.uncertain,
+                "unresolved": self.unresolved,
+                "rows_refused": refusals.rows(),
+                "refused": refusals.by_reason,
+                "first_refused": refusals.first,
+            });
+            return crate::print(&format!("{summary}\n"));
+        }
+        let text = format!(
+            "{}{} snapshots in {} measurements; left out: {} ambiguous bearings, {} outside the sector, {} too uncertain; {} \
+             transmitters not resolved\n{}: {} bearings\n",
+            refusals.as_text(),
+            self.snapshots,
+            self.measurements,
+            self.ambiguous,
+            self.outside_sector,
+            self.uncertain,
+            self.unresolved,
+            command.out.display(),
+            self.bearings
+        );
+        // With standard error closed, the file is written all the same.
+        let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
+        Ok(())
+    }
+}
