@@ -47,7 +47,7 @@
 #define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* `origin_m` is known. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* The source's latest report is within its expected period. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* The accuracy value exists: the source has delivered more than one report. */
-#define KOSEKI_CONTRIBUTOR_SET_OVERFLOW UINT64_C(0x1) /* More sensors have contributed than `sensor_uids` can hold: who shares any sensor must take it to be among */
+#define KOSEKI_CONTRIBUTOR_SET_OVERFLOW UINT64_C(0x1) /* More sensors have contributed than `sensor_uids` can hold: any sensor must be taken to be among them. */
 #define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Special position identification: the pilot has pressed the button. */
 #define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* An emergency, of whatever kind; Mode 3/A code 7700. */
 #define KOSEKI_ALERT_COMMUNICATION_FAILURE UINT64_C(0x4) /* Radio communication has failed; code 7600. */
@@ -197,7 +197,7 @@ typedef struct KosekiBatchHeader {
     uint64_t first_sequence; /* Samples sent by this incarnation before this slice: the sequence number of its first sample. */
     int64_t progress_ns; /* Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown. */
     int64_t sent_ns; /* Monotonic time of the send, nanoseconds. */
-    uint64_t epoch; /* Start-up number of fusion, rising with each start; tracks of smaller ones are no longer kept up. 0: not */
+    uint64_t epoch; /* Start-up number of fusion, rising with each start; tracks of smaller ones are not kept up. 0: not fusion. */
     uint32_t flags; /* Bit 0: the source has ended, and nothing follows. */
     uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor. */
     uint32_t origin; /* Deployment that the samples come from, where not the one at hand; 0: the one at hand. */

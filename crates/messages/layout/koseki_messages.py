@@ -46,7 +46,7 @@ PLATFORM_STATE_HEADING_SIGMA = 0x10  # `heading_sigma_rad` is known.
 WIDE_AREA_ORIGIN = 0x1  # `origin_m` is known.
 CONTRIBUTION_FRESH = 0x1  # The source's latest report is within its expected period.
 CONTRIBUTION_SCORED = 0x2  # The accuracy value exists: the source has delivered more than one report.
-CONTRIBUTOR_SET_OVERFLOW = 0x1  # More sensors have contributed than `sensor_uids` can hold: who shares any sensor must take it to be among
+CONTRIBUTOR_SET_OVERFLOW = 0x1  # More sensors have contributed than `sensor_uids` can hold: any sensor must be taken to be among them.
 ALERT_SPECIAL_IDENTIFICATION = 0x1  # Special position identification: the pilot has pressed the button.
 ALERT_EMERGENCY = 0x2  # An emergency, of whatever kind; Mode 3/A code 7700.
 ALERT_COMMUNICATION_FAILURE = 0x4  # Radio communication has failed; code 7600.
@@ -246,7 +246,7 @@ class BatchHeader(ctypes.Structure):
         ("first_sequence", ctypes.c_uint64),  # Samples sent by this incarnation before this slice: the sequence number of its first sample.
         ("progress_ns", ctypes.c_int64),  # Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown.
         ("sent_ns", ctypes.c_int64),  # Monotonic time of the send, nanoseconds.
-        ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start; tracks of smaller ones are no longer kept up. 0: not
+        ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start; tracks of smaller ones are not kept up. 0: not fusion.
         ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, and nothing follows.
         ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
         ("origin", ctypes.c_uint32),  # Deployment that the samples come from, where not the one at hand; 0: the one at hand.

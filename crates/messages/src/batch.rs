@@ -17,8 +17,7 @@ sample! {
         progress_ns: i64,
         /// Monotonic time of the send, nanoseconds.
         sent_ns: i64,
-        /// Start-up number of fusion, rising with each start; tracks of smaller ones are no longer kept up. 0: not
-        /// fusion.
+        /// Start-up number of fusion, rising with each start; tracks of smaller ones are not kept up. 0: not fusion.
         epoch: u64,
         /// Bit 0: the source has ended, and nothing follows.
         flags: u32,

@@ -20,8 +20,7 @@ bits! {
 bits! {
     /// Bits of [`ContributorSet::flags`].
     contributor_set_bits: u16 {
-        /// More sensors have contributed than `sensor_uids` can hold: who shares any sensor must take it to be among
-        /// them.
+        /// More sensors have contributed than `sensor_uids` can hold: any sensor must be taken to be among them.
         OVERFLOW = 1;
     }
 }
