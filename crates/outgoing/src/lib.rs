@@ -4,7 +4,7 @@
 //! in a category that the sensor itself would send, to feed other systems with them.
 //!
 //! ```text
-//! SystemTrack ── SystemReports ──► CAT062                          what the system knows ── StatusReports ──► CAT065, 063
+//! SystemTrack ── SystemReports ──► CAT062     state of the system ── StatusReports ──► CAT065, 063
 //! SensorTrack ── SensorReports ──► CAT048, 020, 021 or 010; status ──► CAT034, 019, 023 or 010
 //! ```
 //!
