@@ -19,15 +19,18 @@ use iceoryx2::service::builder::publish_subscribe::{
     PublishSubscribeCreateError, PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError,
 };
 use iceoryx2::service::port_factory::{event, publish_subscribe};
-use messages::{BatchHeader, Capacity, Topic, TopicName};
+use iceoryx2::service::static_config::message_type_details::TypeDetail;
+use messages::{Capacity, Topic, TopicName};
 
 use crate::error::{BusError, Role};
 use crate::publisher::{self, Publisher};
-use crate::quality::{LEAVERS_MAX, NODES_MAX, describe_slices, describe_wake_ups};
+use crate::quality::{Header, LEAVERS_MAX, NODES_MAX, Octets, describe_slices, describe_wake_ups, samples_of};
 use crate::root::{Root, tame_logging};
 use crate::subscriber::{self, Subscriber};
 use crate::transport::{Payload, Transport};
 use crate::waiter::{WATCHED_MAX, WaitMode, Waiter};
+
+type Slices<S> = publish_subscribe::PortFactory<S, Octets, Header>;
 
 /// How long a topic that does not exist (yet) is asked for.
 const OPEN_PATIENCE: Duration = Duration::from_millis(500);
@@ -113,7 +116,7 @@ impl<S: Transport> Bus<S> {
     /// # Errors
     /// If it exists with another type or smaller sizes, or cannot be created.
     pub fn hold<T: Payload>(&self, topic: &Topic<T>) -> Result<Held, BusError> {
-        let slices = describe_slices(&self.node, topic)?
+        let slices = describe_slices(&self.node, &topic.name, topic.capacity, &samples_of(topic))?
             .open_or_create()
             .map_err(|error| held_slices_error(error, &topic.name))?;
         let wake_ups = describe_wake_ups(&self.node, &topic.name, topic.capacity)?
@@ -132,10 +135,10 @@ impl<S: Transport> Bus<S> {
     /// [`BusError::NoSuchTopic`] if nobody holds the topic; [`BusError::Full`] if it has no place left, even after
     /// dead processes were removed.
     pub fn publisher<T: Payload>(&self, topic: &Topic<T>, incarnation: u64) -> Result<Publisher<S, T>, BusError> {
-        let slices = self.open_slices(topic)?;
+        let slices = self.open_slices(&topic.name, topic.capacity, &samples_of(topic))?;
         let full = |role| full_error(&topic.name, role, topic.capacity.publishers);
         let (port, failed_connections) = self.in_place(
-            || publisher::port(&slices, topic),
+            || publisher::port(&slices, topic.capacity),
             |error| match error {
                 PublisherCreateError::ExceedsMaxSupportedPublishers => full(Role::Publisher),
                 error => topic_error(&topic.name, "make a publisher", error),
@@ -158,7 +161,7 @@ impl<S: Transport> Bus<S> {
         topic: &Topic<T>,
         now_ns: impl FnOnce() -> u64,
     ) -> Result<Subscriber<S, T>, BusError> {
-        let slices = self.open_slices(topic)?;
+        let slices = self.open_slices(&topic.name, topic.capacity, &samples_of(topic))?;
         let (port, failed_connections) = self.in_place(
             || subscriber::port(&slices),
             |error| match error {
@@ -213,13 +216,10 @@ impl<S: Transport> Bus<S> {
         )
     }
 
-    fn open_slices<T: Payload>(
-        &self,
-        topic: &Topic<T>,
-    ) -> Result<publish_subscribe::PortFactory<S, [T], BatchHeader>, BusError> {
+    fn open_slices(&self, name: &TopicName, capacity: Capacity, samples: &TypeDetail) -> Result<Slices<S>, BusError> {
         self.patiently(|| {
-            let opened = describe_slices(&self.node, topic)?.open();
-            opened.map_err(|error| slices_error(error, &topic.name))
+            let opened = describe_slices(&self.node, name, capacity, samples)?.open();
+            opened.map_err(|error| slices_error(error, name))
         })
     }
 
@@ -395,5 +395,32 @@ fn held_wake_ups_error(error: EventOpenOrCreateError, topic: &TopicName) -> BusE
         E::EventOpenError(error) => wake_ups_error(error, topic),
         E::EventCreateError(error @ EventCreateError::AlreadyExists) => incompatible_error(topic, error),
         error => topic_error(topic, "create its wake-ups", error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::{BatchHeader, SensorTrack, SystemTrack};
+
+    use super::*;
+    use crate::transport::InProcess;
+
+    #[test]
+    fn a_topic_is_of_its_type_to_every_reader() {
+        let bus: Bus<InProcess> = Bus::open(&Root::new("typed").unwrap(), "test").unwrap();
+        let topic = messages::sensor_tracks("a");
+        let _held = bus.hold(&topic).unwrap();
+        let service = || {
+            let name = iceoryx2::prelude::ServiceName::new(topic.name.as_str()).unwrap();
+            bus.node().service_builder(&name)
+        };
+        // As programs in other languages open it, by the name, size and alignment of its samples.
+        let tracks = service().publish_subscribe::<[SensorTrack]>();
+        tracks.user_header::<BatchHeader>().open().unwrap();
+        let others = service().publish_subscribe::<[SystemTrack]>();
+        let refused = others.user_header::<BatchHeader>().open().unwrap_err();
+        assert_eq!(refused, PublishSubscribeOpenError::IncompatibleTypes);
+        let without_header = service().publish_subscribe::<[SensorTrack]>();
+        assert!(without_header.open().is_err());
     }
 }

@@ -7,6 +7,7 @@
 //! last of its slices only: the samples of the others are still followed by some of the same send. So all slices but
 //! the last repeat the mark of the previous send, and only the last one can end the source.
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,19 +16,20 @@ use iceoryx2::port::publisher::PublisherCreateError;
 use iceoryx2::port::{DegradationAction, LoanError, SendError};
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy};
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
-use messages::{BatchHeader, Topic};
+use messages::{BatchHeader, Capacity, Topic};
 
 use crate::error::BusError;
-use crate::quality::{LOANED_MAX, reserved_slices};
+use crate::quality::{Header, LOANED_MAX, Octets, reserved_slices};
 use crate::transport::{Payload, Transport};
 
-type Port<S, T> = iceoryx2::port::publisher::Publisher<S, [T], BatchHeader>;
+type Port<S> = iceoryx2::port::publisher::Publisher<S, Octets, Header>;
 
 /// Sends slices of samples `T` on one topic.
 #[derive(Debug)]
 pub struct Publisher<S: Transport, T: Payload> {
-    port: Port<S, T>,
+    port: Port<S>,
     notifier: Notifier<S>,
+    samples: PhantomData<fn(T)>,
     topic: Arc<str>,
     slice_len: usize,
     /// Header of the next slice. Its progress mark is that of the previous send.
@@ -62,7 +64,7 @@ pub struct PublisherCounts {
 
 impl<S: Transport, T: Payload> Publisher<S, T> {
     pub(crate) fn new(
-        port: Port<S, T>,
+        port: Port<S>,
         notifier: Notifier<S>,
         failed_connections: Arc<AtomicU64>,
         topic: &Topic<T>,
@@ -71,6 +73,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         Self {
             port,
             notifier,
+            samples: PhantomData,
             topic: topic.name.as_str().into(),
             slice_len: topic.capacity.slice_len,
             header: BatchHeader {
@@ -171,10 +174,28 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         }
     }
 
-    fn send_slice(&self, header: BatchHeader, length: usize, fill: impl FnMut(usize) -> T) -> Result<(), &'static str> {
-        let mut slice = self.port.loan_slice_uninit(length).map_err(loan_reason)?;
-        *slice.user_header_mut() = header;
-        slice.write_from_fn(fill).send().map_err(send_reason)?;
+    fn send_slice(
+        &self,
+        header: BatchHeader,
+        length: usize,
+        mut fill: impl FnMut(usize) -> T,
+    ) -> Result<(), &'static str> {
+        // SAFETY: samples travel as slices, so any number of them may be asked for.
+        let mut slice = unsafe { self.port.loan_custom_payload(length) }.map_err(loan_reason)?;
+        let place = std::ptr::from_mut(slice.user_header_mut()).cast::<BatchHeader>();
+        // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place.
+        unsafe { place.write(header) };
+        let octets = slice.payload_mut();
+        debug_assert_eq!(octets.len(), length * size_of::<T>());
+        let first = octets.as_mut_ptr().cast::<T>();
+        for index in 0..length {
+            let sample = fill(index);
+            // SAFETY: the slice has `length` places of the size and alignment of `T`, with which the topic was opened.
+            unsafe { first.add(index).write(sample) };
+        }
+        // SAFETY: every sample was written.
+        let slice = unsafe { slice.assume_init() };
+        slice.send().map_err(send_reason)?;
         // Notifying fails only for services with deadlines, which ours are not. A wake-up that does not arrive delays
         // a subscriber (see the waiter), but loses nothing.
         let _ = self.notifier.notify();
@@ -189,16 +210,16 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
 }
 
 /// The port behind a publisher, and a counter of its failed connections.
-pub(crate) fn port<S: Transport, T: Payload>(
-    slices: &PortFactory<S, [T], BatchHeader>,
-    topic: &Topic<T>,
-) -> Result<(Port<S, T>, Arc<AtomicU64>), PublisherCreateError> {
+pub(crate) fn port<S: Transport>(
+    slices: &PortFactory<S, Octets, Header>,
+    capacity: Capacity,
+) -> Result<(Port<S>, Arc<AtomicU64>), PublisherCreateError> {
     let failed_connections = Arc::new(AtomicU64::new(0));
     let counter = Arc::clone(&failed_connections);
-    let reserved = reserved_slices(topic.capacity);
+    let reserved = reserved_slices(capacity);
     let port = slices
         .publisher_builder()
-        .initial_max_slice_len(topic.capacity.slice_len)
+        .initial_max_slice_len(capacity.slice_len)
         .allocation_strategy(AllocationStrategy::Static)
         .max_loaned_samples(LOANED_MAX)
         .override_sample_preallocation(move |_| reserved)

@@ -11,10 +11,20 @@
 use iceoryx2::node::Node;
 use iceoryx2::prelude::{EventId, ServiceName};
 use iceoryx2::service::builder::{event, publish_subscribe};
+use iceoryx2::service::marker::{CustomHeaderMarker, CustomPayloadMarker};
+use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
 use messages::{BatchHeader, Capacity, Topic, TopicName};
 
 use crate::error::BusError;
 use crate::transport::{Payload, Transport};
+
+/// Samples of a slice, as iceoryx2's ports for whatever type name them. Ports of this one type are compiled once, not once
+/// per type of sample: that was half of what each service compiled. The type's name, size and alignment are checked all the
+/// same, and readers in other languages see no difference.
+pub(crate) type Octets = [CustomPayloadMarker];
+
+/// Header of a slice, likewise: a [`BatchHeader`].
+pub(crate) type Header = CustomHeaderMarker;
 
 /// Most processes that have a topic open at a time: 64 sources, the services, each perhaps twice, and spare ones.
 pub(crate) const NODES_MAX: usize = 256;
@@ -28,28 +38,42 @@ pub const BORROWED_MAX: usize = 2;
 /// Slices that a publisher writes at a time.
 pub(crate) const LOANED_MAX: usize = 2;
 
-/// Everything about the slices of `topic`.
-pub(crate) fn describe_slices<S: Transport, T: Payload>(
+/// Everything about the slices of the topic called `name`, whose samples are `samples`.
+pub(crate) fn describe_slices<S: Transport>(
     node: &Node<S>,
-    topic: &Topic<T>,
-) -> Result<publish_subscribe::Builder<[T], BatchHeader, S>, BusError> {
+    name: &TopicName,
+    capacity: Capacity,
+    samples: &TypeDetail,
+) -> Result<publish_subscribe::Builder<Octets, Header, S>, BusError> {
     let Capacity {
         depth,
         slice_len: _, // of the publisher, not of the topic
         publishers,
         subscribers,
-    } = topic.capacity;
-    Ok(node
-        .service_builder(&service_name(&topic.name)?)
-        .publish_subscribe::<[T]>()
-        .user_header::<BatchHeader>()
+    } = capacity;
+    let header = TypeDetail::new::<BatchHeader>(TypeVariant::FixedSize);
+    let described = node
+        .service_builder(&service_name(name)?)
+        .publish_subscribe::<Octets>()
+        .user_header::<Header>()
         .max_nodes(NODES_MAX)
         .max_publishers(publishers)
         .max_subscribers(subscribers)
         .subscriber_max_buffer_size(depth)
         .subscriber_max_borrowed_samples(BORROWED_MAX)
         .enable_safe_overflow(true)
-        .history_size(0))
+        .history_size(0);
+    // SAFETY: both details are those of the types as which `publisher` and `subscriber` write and read these octets.
+    Ok(unsafe {
+        described
+            .__internal_set_payload_type_details(samples)
+            .__internal_set_user_header_type_details(&header)
+    })
+}
+
+/// Type of the samples of a topic, by which iceoryx2 keeps readers of another type away.
+pub(crate) fn samples_of<T: Payload>(_: &Topic<T>) -> TypeDetail {
+    TypeDetail::new::<T>(TypeVariant::Dynamic)
 }
 
 /// Everything about the wake-ups of the topic called `name`.

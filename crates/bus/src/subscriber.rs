@@ -18,6 +18,7 @@
 //! Slices of one publisher come in the order in which they were sent. Between publishers there is no order, and all
 //! that waits from one comes before the next one's: sources that must not displace each other have separate topics.
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -27,14 +28,16 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
+use crate::quality::{Header, Octets};
 use crate::transport::{Payload, Transport};
 
-type Port<S, T> = iceoryx2::port::subscriber::Subscriber<S, [T], BatchHeader>;
+type Port<S> = iceoryx2::port::subscriber::Subscriber<S, Octets, Header>;
 
 /// Takes slices of samples `T` from one topic.
 #[derive(Debug)]
 pub struct Subscriber<S: Transport, T: Payload> {
-    port: Port<S, T>,
+    port: Port<S>,
+    samples: PhantomData<fn() -> T>,
     topic: Arc<str>,
     joined_ns: u64,
     publishers: Publishers,
@@ -55,17 +58,20 @@ pub enum Received<S: Transport, T: Payload> {
 
 /// A slice in shared memory, kept from being overwritten as long as this lives.
 #[derive(Debug)]
-pub struct Slice<S: Transport, T: Payload>(iceoryx2::sample::Sample<S, [T], BatchHeader>);
+pub struct Slice<S: Transport, T: Payload>(iceoryx2::sample::Sample<S, Octets, Header>, PhantomData<fn() -> T>);
 
 impl<S: Transport, T: Payload> Slice<S, T> {
     /// What its publisher says of it.
     pub fn header(&self) -> &BatchHeader {
-        self.0.user_header()
+        // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place, and any bits are one.
+        unsafe { &*std::ptr::from_ref(self.0.user_header()).cast() }
     }
 
     /// Its samples.
     pub fn samples(&self) -> &[T] {
-        self.0.payload()
+        let octets = self.0.payload();
+        // SAFETY: the topic was opened with the size and alignment of `T`, so the octets are whole samples; any bits are one.
+        unsafe { std::slice::from_raw_parts(octets.as_ptr().cast(), octets.len() / size_of::<T>()) }
     }
 }
 
@@ -96,9 +102,10 @@ pub struct Heard {
 }
 
 impl<S: Transport, T: Payload> Subscriber<S, T> {
-    pub(crate) fn new(port: Port<S, T>, failed_connections: Arc<AtomicU64>, topic: &Topic<T>, joined_ns: u64) -> Self {
+    pub(crate) fn new(port: Port<S>, failed_connections: Arc<AtomicU64>, topic: &Topic<T>, joined_ns: u64) -> Self {
         Self {
             port,
+            samples: PhantomData,
             topic: topic.name.as_str().into(),
             joined_ns,
             publishers: Publishers::with_room_for(topic.capacity.publishers),
@@ -138,7 +145,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         let Some(sample) = received else {
             return Ok(Received::Nothing);
         };
-        let slice = Slice(sample);
+        let slice = Slice(sample, PhantomData);
         let header = slice.header();
         if header.schema != T::SCHEMA {
             self.counts.schema_mismatch += 1;
@@ -185,9 +192,9 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
 }
 
 /// The port behind a subscriber, and a counter of its failed connections.
-pub(crate) fn port<S: Transport, T: Payload>(
-    slices: &PortFactory<S, [T], BatchHeader>,
-) -> Result<(Port<S, T>, Arc<AtomicU64>), SubscriberCreateError> {
+pub(crate) fn port<S: Transport>(
+    slices: &PortFactory<S, Octets, Header>,
+) -> Result<(Port<S>, Arc<AtomicU64>), SubscriberCreateError> {
     let failed_connections = Arc::new(AtomicU64::new(0));
     let counter = Arc::clone(&failed_connections);
     let port = slices

@@ -359,9 +359,10 @@ impl Survey {
     }
 
     fn count_late(&self, source: Option<u16>, counters: &mut Counters) {
-        let misses = |stage| self.stages.deadline_misses(stage, source, Span::Total);
-        counters[Counter::DeadlineMisses] = misses(Stage::TakenToFused);
-        counters[Counter::StagesLate] = Stage::ALL.map(misses).iter().sum();
+        let misses = |stage: Stage| self.stages.deadline_misses(stage, source, Span::Total);
+        let late = misses(Stage::TakenToFused);
+        counters[Counter::DeadlineMisses] = late;
+        counters[Counter::StagesLate] = Stage::ALL.into_iter().map(misses).sum();
     }
 
     /// What processes but fusion and the monitor say of themselves as a whole.
