@@ -37,7 +37,7 @@ pub enum CsvError {
     Header {
         /// The column's name.
         column: &'static str,
-        /// What is wrong with it.
+        /// Fault of the column.
         fault: &'static str,
         /// The header as read.
         header: String,
@@ -63,7 +63,7 @@ pub enum CsvError {
         column: &'static str,
         /// The value as read, or its beginning.
         value: String,
-        /// What is wrong with it, and what should stand there.
+        /// Fault of the value, and what should stand there.
         reason: String,
     },
 
@@ -288,7 +288,7 @@ impl Cells<'_> {
         self.time_s(column).map(frames::time::ns)
     }
 
-    /// What is wrong with the value of a column.
+    /// The error that the value of a column is, for this reason.
     pub fn error(&self, column: Column, reason: impl Display) -> CsvError {
         CsvError::Value {
             line: self.line,

@@ -49,26 +49,26 @@ pub enum Sensor {
 /// One turn or image of one sensor, with or without detections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
-    /// Whose.
+    /// Sensor that made it.
     pub sensor: Sensor,
-    /// Its number among the scans of its sensor, from 0.
+    /// Number among the scans of its sensor, from 0.
     pub number: u32,
-    /// When, UTC, nanoseconds since 1970.
+    /// Time of measurement, UTC, nanoseconds since 1970.
     pub time_of_measurement_ns: i64,
-    /// Where the ferry was, metres east, north and up of the origin.
+    /// Position of the ferry, metres east, north and up of the origin.
     pub platform_m: [f64; 3],
-    /// What was seen; the data set states no standard deviations.
+    /// Detections; the data set states no standard deviations.
     pub detections: Vec<Detection>,
-    /// Where the targets were, as last known then.
+    /// Positions of the targets, as last known then.
     pub truth: Vec<TruePosition>,
 }
 
-/// Where a target was.
+/// Position of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TruePosition {
     /// The target.
     pub target_id: u32,
-    /// When it was there, UTC, nanoseconds since 1970; some hundredths of a second from the time of the scan.
+    /// Time of the position, UTC, nanoseconds since 1970; some hundredths of a second from the time of the scan.
     pub time_ns: i64,
     /// Metres east, north and up of the origin.
     pub position_m: [f64; 3],
@@ -81,24 +81,24 @@ pub enum AutoferryError {
     /// A file is no JSON, or lacks a field.
     #[error("{file}: {reason}")]
     Json {
-        /// Which of the two files.
+        /// Name of the file: one of two.
         file: &'static str,
-        /// What is wrong, with line and column.
+        /// Fault, with line and column.
         reason: serde_json::Error,
     },
 
     /// A value is not what its field holds.
     #[error("{file}, entry {entry}, {field}: {value} {reason}")]
     Value {
-        /// Which of the two files.
+        /// Name of the file: one of two.
         file: &'static str,
-        /// Its place in the list, from 0.
+        /// Place in the list, from 0.
         entry: usize,
         /// The field.
         field: &'static str,
         /// The value, or its beginning.
         value: String,
-        /// What is wrong with it, and what should stand there.
+        /// Fault of the value, and what should stand there.
         reason: &'static str,
     },
 

@@ -19,7 +19,7 @@ use crate::rows::{Columns, RowReader};
 pub use crate::tracks_csv::SensorTrackWriter;
 
 const KINEMATICS: [&str; STATE_LEN] = ["x", "y", "z", "vx", "vy", "vz"];
-/// How far a covariance may go beyond the product of its standard deviations: files round to a few decimals.
+/// Excess of a covariance over the product of its standard deviations that is accepted: files round to a few decimals.
 const ROUNDING: f64 = 1e-3;
 
 /// Reads sensor tracks.
@@ -172,7 +172,7 @@ impl<F> SensorTrackColumns<F> {
         }
     }
 
-    /// What the track follows, and how many members a group has.
+    /// Kind of track, and number of members of a group.
     fn kind(&self, row: Cells<'_>) -> Result<(TrackKind, u16), CsvError> {
         let kind = match (self.kind, row.text(self.kind)?) {
             (Some(column), Some(word)) => {

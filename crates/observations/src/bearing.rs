@@ -11,17 +11,18 @@ use crate::{Sampled, flag};
 /// One bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
-    /// When it was measured, UTC, nanoseconds since 1970.
+    /// Time of measurement, UTC, nanoseconds since 1970.
     pub time_of_measurement_ns: i64,
-    /// Whose it is, where the direction finder can tell; otherwise it has to be found by frequency and direction.
+    /// Number of the emitter, where the direction finder can tell; `None`: it has to be found by frequency and
+    /// direction.
     pub emitter_id: Option<u32>,
     /// Direction, radians clockwise from north.
     pub bearing_rad: f64,
-    /// Its standard deviation, radians.
+    /// Standard deviation of the bearing, radians, above 0.
     pub sigma_rad: f64,
-    /// Where the platform was, metres east, north and up.
+    /// Position of the platform, metres east, north and up in the system frame.
     pub platform_m: [f64; 3],
-    /// Where the platform was heading, radians clockwise from north, where that is known: it tells turns.
+    /// Heading of the platform, radians clockwise from north, where that is known: it tells turns.
     pub heading_rad: Option<f64>,
     /// Frequency of the emission, hertz, where it was measured.
     pub frequency_hz: Option<f64>,

@@ -16,7 +16,7 @@ pub const QUANTITIES_MAX: usize = 3;
 /// One measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detection {
-    /// When it was measured, UTC, nanoseconds since 1970.
+    /// Time of measurement, UTC, nanoseconds since 1970.
     pub time_of_measurement_ns: i64,
     /// The sensor, as its files number it.
     pub sensor_id: u32,
@@ -24,7 +24,7 @@ pub struct Detection {
     pub scan: u32,
     /// Number of the detection, unique within its scan at least.
     pub detection_id: u32,
-    /// Which quantities were measured.
+    /// Kind: which quantities were measured.
     pub kind: DetectionKind,
     /// Their values, in the order of [`DetectionKind::quantities`]; 0 beyond.
     pub values: [f64; QUANTITIES_MAX],
@@ -33,20 +33,20 @@ pub struct Detection {
     /// Standard deviations of the values and, last, of the range rate, all above 0, in the units of the values; 0
     /// where there is no value. `None` where the source states none.
     pub sigmas: Option<[f64; QUANTITIES_MAX + 1]>,
-    /// Where the sensor was, metres east, north and up.
+    /// Position of the sensor, metres east, north and up in the system frame.
     pub platform_m: [f64; 3],
-    /// What it was really of, where somebody knows: for scoring, never for tracking.
+    /// Truth, where somebody knows it: for scoring, never for tracking.
     pub truth: Option<Truth>,
 }
 
-/// What a detection was really of.
+/// Truth of a detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truth {
-    /// Of the target with this number.
+    /// The target with this number.
     Target(u32),
-    /// Of none: clutter or noise.
+    /// No target: clutter or noise.
     FalseAlarm,
-    /// Of several that the sensor could not tell apart.
+    /// Several targets that the sensor could not tell apart.
     Merged,
 }
 

@@ -30,11 +30,11 @@ pub struct Observation {
     pub track_number: Option<u32>,
     /// Whether it is a plot: what the sensor saw just now, not yet part of any track of its own.
     pub plot: bool,
-    /// Who the target says it is.
+    /// Identity as the target states it.
     pub identity: Identity,
     /// Position towards the sensor's own x (its east) and y (its north).
     pub cartesian: Option<[f64; 2]>,
-    /// What the plane of `cartesian` is.
+    /// Plane of `cartesian`.
     pub plane: Plane,
     /// Range along the ground (m) and azimuth clockwise from the sensor's north (rad).
     pub polar: Option<[f64; 2]>,
@@ -44,7 +44,7 @@ pub struct Observation {
     pub geodetic: Option<[f64; 2]>,
     /// Horizontal velocity along two axes, metres per second.
     pub velocity: Option<[f64; 2]>,
-    /// Which axes those of `velocity` are.
+    /// Axes of `velocity`.
     pub axes: Axes,
     /// The report's own covariance (xx, xy, yy) of `velocity`, m²/s².
     pub velocity_covariance: Option<[f64; 3]>,
@@ -56,7 +56,8 @@ pub struct Observation {
     pub vertical_rate_mps: Option<f64>,
     /// Whether the target says that it is on the ground.
     pub on_ground: bool,
-    /// What the target or its source wants noticed: see [`alert_bits`]. What the Mode 3/A code alone says is not in it.
+    /// Alerts of the target or its source: see [`messages::alert_bits`]. Those of the Mode 3/A code alone are not among
+    /// them.
     pub alerts: u8,
     /// State of the track at its source.
     pub state: TrackState,
@@ -65,7 +66,7 @@ pub struct Observation {
     pub quality: Quality,
 }
 
-/// What the plane of a Cartesian position is.
+/// Plane of a Cartesian position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
     /// It touches the earth at the sensor, and the position lies straight below or above the target.
@@ -77,7 +78,7 @@ pub enum Plane {
     Stereographic,
 }
 
-/// Which axes those of a velocity are.
+/// Axes of a velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Axes {
     /// The sensor's own x and y.
@@ -101,7 +102,7 @@ pub enum Position {
     Geodetic([f64; 2]),
 }
 
-/// What a report says of its own horizontal accuracy.
+/// Statement of a report on its own horizontal accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Quality {
     /// Nothing.
@@ -113,7 +114,7 @@ pub enum Quality {
     Dilution(f64),
     /// Radius within which the position lies with 95 % probability, metres.
     Radius95(f64),
-    /// That it is unknown.
+    /// The report says that its accuracy is unknown.
     Unknown,
 }
 
@@ -132,7 +133,7 @@ impl Observation {
     }
 }
 
-/// What a record says of the sensor itself.
+/// A record that speaks of the sensor itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Service {
     /// Time of the message, nanoseconds since midnight UTC.

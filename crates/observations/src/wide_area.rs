@@ -6,7 +6,7 @@ use messages::{StageTimes, WideArea, wide_area_bits};
 
 use crate::{Sampled, flag};
 
-/// How many targets there were around a place (WA-2).
+/// Number of targets around a place (WA-2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WideAreaReport {
     /// Time of observation, nanoseconds.
@@ -19,7 +19,7 @@ pub struct WideAreaReport {
     pub velocity_mps: [f64; 3],
     /// Number of targets; 0 says that there were none.
     pub targets: u32,
-    /// Where the targets came from, east and north in metres, if that is known.
+    /// Origin of the targets, east and north in metres, if that is known.
     pub origin_m: Option<[f64; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! How far off a report may be: the covariance of its position and velocity.
+//! Covariance of a report's position and velocity.
 //!
 //! A report's own word is believed down to the configured accuracy: no source knows its positions better than its
 //! antennas, clocks and survey allow, and those that say so are the ones that do not know. Sources that say nothing get
@@ -33,7 +33,7 @@ const ACCELERATION_SIGMA_MPS2: f64 = 1.0;
 /// East-east, east-north and north-north of a horizontal covariance.
 pub(crate) type Horizontal = [f64; 3];
 
-/// Where a velocity comes from.
+/// Velocity with its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Velocity {
     /// From the source, with its own covariance (in the system frame) where it states one.

@@ -16,7 +16,7 @@ const SCALE_M: f64 = 288.15 / 0.0065;
 /// Gas constant of air times the decrease of temperature, divided by gravity.
 const EXPONENT: f64 = 0.190_263;
 
-/// What is to be added to a pressure altitude where mean sea level has the pressure `qnh_hpa`, metres.
+/// Correction to add to a pressure altitude where mean sea level has the pressure `qnh_hpa`, metres.
 pub(crate) fn altitude_correction_m(qnh_hpa: f64) -> f64 {
     SCALE_M * ((qnh_hpa / STANDARD_PRESSURE_HPA).powf(EXPONENT) - 1.0)
 }

@@ -25,14 +25,14 @@ pub use reorder::Reorder;
 use frames::{PolarSigma, SensorFrame, SystemFrame};
 use settings::{Degrees, Seconds, SettingsError};
 
-/// What the converter must know of a source.
+/// Model of a source: all that the converter must know of it.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceModel {
-    /// Its number.
+    /// Number of the source.
     pub number: u16,
     /// Only reports of this SAC/SIC are taken, where given.
     pub sac_sic: Option<(u8, u8)>,
-    /// Which of several position items is used.
+    /// Position item that is used, where there are several.
     pub positions: PositionForm,
     /// The frame it measures in.
     pub frame: SensorFrame,

@@ -32,16 +32,16 @@ const HEIGHT_MAX_M: f64 = 100_000.0;
 /// Mean radius of the earth, metres: what a map's scale depends on only weakly.
 const EARTH_RADIUS_M: f64 = 6_371_000.0;
 
-/// What is known of a target's height.
+/// Knowledge of a target's height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Height {
     /// From the report, metres.
     Known(f64),
     /// From an earlier report of the track.
     Remembered {
-        /// What it was, metres.
+        /// Height then, metres.
         height_m: f64,
-        /// What it may be off by now, metres.
+        /// Error that it may have by now, metres.
         off_m: f64,
     },
     /// Nothing.
@@ -49,7 +49,7 @@ pub(crate) enum Height {
 }
 
 impl Height {
-    /// Where the target is, as far as anybody has said, metres.
+    /// Height of the target, metres; `None` if nothing has stated it.
     fn value_m(self) -> Option<f64> {
         match self {
             Self::Known(height_m) | Self::Remembered { height_m, .. } => Some(height_m),
@@ -67,7 +67,7 @@ impl Height {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     pub(crate) position_m: [f64; 3],
-    /// How it came about, if from a straight distance.
+    /// Slant range behind it, if there is one.
     pub(crate) slant: Option<Slant>,
 }
 
@@ -75,9 +75,9 @@ pub(crate) struct Placed {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slant {
     range_m: f64,
-    /// Of the target above the sensor.
+    /// Height of the target above the sensor, metres.
     up_m: f64,
-    /// Of the sensor.
+    /// Height of the sensor, metres.
     sensor_height_m: f64,
     height: Height,
 }

@@ -13,7 +13,7 @@ use super::velocity::Positions;
 /// Refused reports in a row that agree with each other before they are believed.
 const AGREEING: u32 = 3;
 
-/// What is remembered of one track.
+/// Memory of one track.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TrackMemory {
     pub(crate) positions: Positions,

@@ -1,6 +1,6 @@
 //! A velocity from successive positions, for sources that send none.
 
-/// How many positions are used.
+/// Number of positions that are used.
 const POSITIONS: usize = 5;
 /// Positions older than this say little about the present velocity, nanoseconds.
 const SPAN_MAX_NS: i64 = 8_000_000_000;
@@ -19,7 +19,7 @@ pub(crate) struct Slope {
     /// Sum of the squares of the times' distances from their mean, s²: the variance of a position divided by this is
     /// that of the velocity.
     pub(crate) spread_s2: f64,
-    /// How long ago the mean of the times is, which is when the target had this velocity, seconds.
+    /// Age of the mean of the times, at which the target had this velocity, seconds.
     pub(crate) age_s: f64,
 }
 

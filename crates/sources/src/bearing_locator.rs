@@ -14,7 +14,7 @@ use settings::SettingsError;
 use crate::detection_tracker::ingested;
 use crate::samples::Samples;
 
-/// See the module's header.
+/// Locator of one direction finder.
 #[derive(Debug)]
 pub struct BearingLocator {
     source: u16,
@@ -40,7 +40,7 @@ impl BearingLocator {
     /// The locator of source number `source`, whose tracks keep to `limits`.
     ///
     /// # Errors
-    /// What is wrong with the settings.
+    /// The first setting that cannot be used.
     pub fn new(source: u16, limits: Limits, settings: &Settings) -> Result<Self, SettingsError> {
         Ok(Self {
             source,
@@ -53,7 +53,7 @@ impl BearingLocator {
         })
     }
 
-    /// What follows was received at `received_ns` (UTC, nanoseconds).
+    /// Says when the bearings that follow were received, UTC, nanoseconds.
     pub fn received(&mut self, received_ns: i64) {
         self.received_ns = Some(received_ns);
     }

@@ -32,18 +32,18 @@ use tracking::wide_area::cue::Cue;
 use crate::samples::Samples;
 use crate::scan_tracker::{Outputs, Scan, ScanTracker, TrackSink};
 
-/// How tracks are made of a source's detections.
+/// Settings with which tracks are made of a source's detections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackerSettings {
     /// The tracker's settings; its only sensor is the source, under the number that its files have.
     pub settings: tracking::Settings,
-    /// How detections are cut into scans.
+    /// Rules by which detections are cut into scans.
     pub cutter: CutterSettings,
-    /// What is wanted of the tracker.
+    /// Outputs that are wanted of the tracker.
     pub outputs: Outputs,
 }
 
-/// See the module's header.
+/// Tracker of one sensor that delivers detections.
 #[derive(Debug)]
 pub struct DetectionTracker {
     source: u16,
@@ -69,7 +69,7 @@ impl DetectionTracker {
     /// numbers count from `epoch_ns` (UTC, nanoseconds).
     ///
     /// # Errors
-    /// What is wrong with the settings.
+    /// The first setting that cannot be used.
     pub fn new(
         source: u16,
         settings: &TrackerSettings,

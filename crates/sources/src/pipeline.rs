@@ -14,7 +14,7 @@ use crate::bearing_locator::BearingLocator;
 use crate::detection_tracker::{DetectionTracker, TrackerSettings};
 use crate::samples::Samples;
 
-/// How a source's tracks come about.
+/// Way in which a source's tracks come about.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Processing {
     /// The sensor delivers tracks.
@@ -43,7 +43,7 @@ impl Processing {
     }
 }
 
-/// See the module's header.
+/// One source's way from observations to samples.
 #[derive(Debug)]
 pub struct Pipeline {
     converter: Converter,
@@ -64,7 +64,7 @@ impl Pipeline {
     /// tracker begins with these `reports` of wide-area sensors; more may come.
     ///
     /// # Errors
-    /// What is wrong with the settings.
+    /// The first setting that cannot be used.
     pub fn new(
         model: SourceModel,
         processing: &Processing,
@@ -92,7 +92,7 @@ impl Pipeline {
         })
     }
 
-    /// What follows was received at `received_ns` (UTC, nanoseconds).
+    /// Says when the data that follow were received, UTC, nanoseconds.
     pub fn received(&mut self, received_ns: i64) {
         self.converter.received(received_ns);
         if let Maker::Locator(locator) = &mut self.maker {
@@ -168,12 +168,12 @@ impl Pipeline {
         self.follow();
     }
 
-    /// How far the source has got, UTC, nanoseconds.
+    /// Time that the source has reached, UTC, nanoseconds; `i64::MIN` before its first data.
     pub fn progress_ns(&self) -> i64 {
         self.progress_ns
     }
 
-    /// What has been counted.
+    /// Everything that has been counted.
     pub fn counters(&self) -> Counters {
         let mut counters = *self.converter.counters();
         match &self.maker {

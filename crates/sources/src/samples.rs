@@ -1,4 +1,4 @@
-//! What a source publishes.
+//! Samples that a source publishes.
 
 use messages::{Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack};
 

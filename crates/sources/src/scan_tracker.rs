@@ -19,7 +19,7 @@ use tracking::wide_area::schedule::Schedule;
 use tracking::wide_area::{Emission, EmissionRejection, ReportRejection};
 use tracking::{Rejection, Settings, TrackReport, Tracker};
 
-/// What is wanted of a tracker.
+/// Outputs that are wanted of a tracker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outputs {
     /// Time between two pictures of all confirmed tracks, nanoseconds; `None`: tracks come after each scan.
@@ -37,7 +37,7 @@ pub struct Scan<'a> {
     pub number: u32,
     /// Time of the latest detection, nanoseconds; of a scan without any, between its neighbours.
     pub time_ns: i64,
-    /// Its detections; none say something, too.
+    /// Detections; none say something, too.
     pub detections: &'a [Detection],
 }
 
@@ -62,7 +62,7 @@ pub trait TrackSink {
     fn emission_rejected(&mut self, _reason: EmissionRejection) {}
 }
 
-/// See the module's header.
+/// Tracker with everything that happens round it at a scan.
 #[derive(Debug)]
 pub struct ScanTracker {
     tracker: Tracker,

@@ -10,7 +10,7 @@ use crate::channel::Channel;
 use crate::receiver::{Datagrams, Received};
 use crate::tables::{Tables, utc_ns};
 
-/// See the module's header.
+/// Reader of tables of bearings.
 #[derive(Debug)]
 pub(crate) struct Bearings {
     channel: Channel,

@@ -127,7 +127,7 @@ impl Channel {
         Ok(self.outlets.send(mark, &mut self.gathered)?)
     }
 
-    /// How the source is; `decoded` is what its decoder has counted.
+    /// Health of the source; `decoded` is what its decoder has counted.
     pub(crate) fn health(&self, decoded: &Counters) -> HealthEntry {
         let mut entry = HealthEntry {
             source: self.source,

@@ -1,4 +1,4 @@
-//! What a recorded file holds, read piece by piece.
+//! Content of a recorded file, read piece by piece.
 
 use std::collections::VecDeque;
 use std::io::Cursor;
@@ -13,7 +13,7 @@ use messages::{Counter, Counters};
 use reception::observation::{self, Reading};
 
 use crate::counted::{decoded, merged};
-use crate::recorded_source::Intake;
+use crate::intake::Intake;
 
 /// A recorded file, and how far it has been read.
 #[derive(Debug)]
@@ -140,7 +140,7 @@ impl Tracks {
 #[derive(Debug)]
 pub(crate) struct Packed {
     bytes: Vec<u8>,
-    /// Where each datagram ends, in their order.
+    /// End of each datagram, in their order.
     ends: VecDeque<usize>,
     offset: usize,
 }

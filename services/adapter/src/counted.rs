@@ -1,4 +1,4 @@
-//! What readers of data have counted, as counters.
+//! Counts of readers of data, as counters.
 
 use asterix::Counts;
 use formats::sbs::{Merger, Rejection};

@@ -14,6 +14,7 @@ mod blocks;
 mod channel;
 mod content;
 mod counted;
+mod intake;
 mod lines;
 mod outlet;
 mod receiver;

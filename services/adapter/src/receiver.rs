@@ -26,7 +26,7 @@ pub(crate) trait Datagrams: Debug {
     /// Publishes what has been made of the datagrams of a turn, `count` in number.
     fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()>;
 
-    /// How the whole is, beside its socket, and how each source behind it is.
+    /// Health of the whole, beside its socket, and of each source behind it.
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>);
 }
 

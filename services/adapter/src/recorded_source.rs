@@ -7,13 +7,12 @@ use std::collections::VecDeque;
 
 use anyhow::Context as _;
 use configuration::{Process, Recorded, Source};
-use messages::{Counter, Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
-use observations::{Observation, Service};
-use reception::Reorder;
+use messages::{Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
 use sources::Pipeline;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::content::Content;
+use crate::intake::Intake;
 use crate::replay::{Published, Replay, Replayed};
 use crate::wide_area::recorded;
 
@@ -30,58 +29,6 @@ pub struct RecordedSource {
     /// Detections of which tracks were made, numbered by their place in the recording.
     detections: VecDeque<SensorDetection>,
     next_detection: u64,
-}
-
-/// Takes what a recording holds, and puts it into the order of its times.
-#[derive(Debug)]
-pub(crate) struct Intake {
-    source: u16,
-    pipeline: Pipeline,
-    samples: sources::Samples,
-    reorder: Reorder,
-    late: u64,
-    tracks: u64,
-}
-
-impl Intake {
-    /// A target report.
-    pub(crate) fn observe(&mut self, observed: &Observation) {
-        self.pipeline.take(observed, 0, &mut self.samples);
-        self.put_in_order();
-    }
-
-    /// A record that speaks of the sensor.
-    pub(crate) fn service(&mut self, service: &Service) {
-        self.pipeline.service(service, 0, &mut self.samples);
-        self.put_in_order();
-    }
-
-    /// Nothing follows.
-    fn end(&mut self) {
-        self.pipeline.end(&mut self.samples);
-        self.put_in_order();
-        self.reorder.finish();
-    }
-
-    fn put_in_order(&mut self) {
-        for track in self.samples.tracks.drain(..) {
-            if !self.reorder.push(track) {
-                self.late += 1;
-            }
-        }
-    }
-
-    /// A sensor track, ready made.
-    pub(crate) fn track(&mut self, track: SensorTrack) {
-        self.tracks += 1;
-        let report = SensorTrack {
-            source: self.source,
-            ..track
-        };
-        if !self.reorder.push(report) {
-            self.late += 1;
-        }
-    }
 }
 
 /// The agent that replays a recorded source.
@@ -127,7 +74,7 @@ pub(crate) fn replay(
     )
 }
 
-/// What the wide-area sensors that the source's tracker listens to have counted: read here, and not taken from their
+/// Reports of the wide-area sensors that the source's tracker listens to: read here, and not taken from their
 /// topics, so that the tracks do not depend on who is faster.
 fn counts(process: &Process, source: &Source) -> anyhow::Result<Arrivals> {
     let mut reports = Vec::new();
@@ -159,16 +106,10 @@ impl RecordedSource {
         first_day_ns: i64,
         counts: Arrivals,
     ) -> anyhow::Result<Self> {
+        let pipeline = Pipeline::new(source.model, &source.processing, first_day_ns, counts)?;
         let mut recording = Self {
             content: Content::open(bytes, recorded, first_day_ns)?,
-            intake: Intake {
-                source: source.number,
-                pipeline: Pipeline::new(source.model, &source.processing, first_day_ns, counts)?,
-                samples: sources::Samples::default(),
-                reorder: Reorder::new(recorded.reorder_ns),
-                late: 0,
-                tracks: 0,
-            },
+            intake: Intake::new(source.number, pipeline, recorded.reorder_ns),
             ready: VecDeque::with_capacity(2 * AHEAD),
             next_number: 0,
             detections: VecDeque::new(),
@@ -178,14 +119,10 @@ impl RecordedSource {
         Ok(recording)
     }
 
-    /// What has been counted so far.
+    /// Counts so far.
     pub fn counters(&self) -> Counters {
-        let intake = &self.intake;
-        let mut counters = intake.pipeline.counters();
+        let mut counters = self.intake.counters();
         self.content.count(&mut counters);
-        counters[Counter::RejectedLate] += intake.late;
-        counters[Counter::Reports] += intake.tracks;
-        counters[Counter::Reports] -= intake.late;
         counters
     }
 
@@ -195,15 +132,12 @@ impl RecordedSource {
             if self.content.is_exhausted() {
                 self.intake.end();
             }
-            let samples = &mut self.intake.samples;
-            // A recorded sensor cannot be told where to look.
-            samples.cues.clear();
-            for mut detection in samples.detections.drain(..) {
+            for mut detection in self.intake.detections() {
                 detection.sequence = self.next_detection;
                 self.next_detection += 1;
                 self.detections.push_back(detection);
             }
-            while let Some(mut report) = self.intake.reorder.pop() {
+            while let Some(mut report) = self.intake.pop() {
                 report.sequence = self.next_number;
                 self.next_number += 1;
                 self.ready.push_back(report);

@@ -16,7 +16,7 @@ use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
 use crate::outlet::{Outgoing, PacedOutlet};
 
-/// How long to wait for consumers before looking again.
+/// Time to wait for consumers before looking again.
 const PATIENCE: Duration = Duration::from_millis(20);
 /// Time between two repetitions of the end, nanoseconds.
 const END_REPEAT_NS: i64 = 250_000_000;
@@ -25,7 +25,7 @@ const END_REPEAT_NS: i64 = 250_000_000;
 pub(crate) trait Replayed: Debug {
     /// A sample.
     type Sample: Outgoing;
-    /// Who must be there before the recording's clock starts, in words.
+    /// Consumers that must be there before the recording's clock starts, in words.
     const WAITS_FOR: &'static str;
 
     /// Number of the next sample, and UTC at which the one `ahead` places after it is due, nanoseconds; `None` if there
@@ -48,7 +48,7 @@ pub(crate) trait Replayed: Debug {
         None
     }
 
-    /// What has been counted so far.
+    /// Counts so far.
     fn counters(&self) -> Counters;
 }
 
@@ -75,7 +75,7 @@ struct Clock {
     data_ns: i64,
 }
 
-/// What a recording is published as.
+/// Topic as which a recording is published.
 pub(crate) struct Published<'a, T> {
     pub(crate) topic: &'a Topic<T>,
     pub(crate) stream: StreamId,

@@ -12,7 +12,7 @@ use formats::rows::{Columns, RowReader};
 use frames::time::{DayUnroller, NS_PER_DAY};
 use messages::{Counter, Counters};
 
-/// What has been counted of tables.
+/// Counts of tables and their rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tables {
     rows: u64,

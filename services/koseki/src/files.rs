@@ -52,7 +52,7 @@ pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
 #[derive(Debug)]
 pub(crate) struct OutputFile {
     path: PathBuf,
-    /// What is written to until then; the path itself where that is no file, but a device or a pipe.
+    /// Path that is written to until then; the path itself where that is no file, but a device or a pipe.
     unfinished: Option<PathBuf>,
     writer: Option<BufWriter<File>>,
 }

@@ -21,7 +21,7 @@ use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
 use reception::observation::{Reading, read};
 
-/// How thoroughly to look.
+/// Thoroughness of a look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Depth {
     /// At the headers of all blocks, and for the first target report.
@@ -30,14 +30,14 @@ pub(crate) enum Depth {
     Records,
 }
 
-/// What was found in the recording of one source.
+/// Findings in the recording of one source.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Found {
     /// Number of the source.
     pub(crate) source: u16,
     /// The file.
     pub(crate) file: PathBuf,
-    /// Its length.
+    /// Length, octets.
     pub(crate) bytes: usize,
     /// Data blocks.
     pub(crate) blocks: usize,
@@ -59,7 +59,7 @@ pub(crate) struct RecordingError {
     what: What,
 }
 
-/// What is wrong, and what to do about it.
+/// Fault, and what to do about it.
 #[derive(Debug)]
 enum What {
     Unreadable {
@@ -91,12 +91,12 @@ enum What {
     },
 }
 
-/// Whose recording it is.
+/// Owner of a recording.
 #[derive(Clone, Debug)]
 struct Key {
     /// `source "radar"`.
     whose: Box<str>,
-    /// Where it is configured: `source[0].recorded`.
+    /// Place of its configuration: `source[0].recorded`.
     place: Box<str>,
 }
 

@@ -19,7 +19,7 @@ use super::{Datagram, TimeStamp};
 /// than one per sender is rare.
 pub const FRAGMENTED_MAX: usize = 64;
 
-/// What the fragments of one datagram have in common.
+/// Key that the fragments of one datagram have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Key {
     pub(super) interface: u32,
@@ -49,7 +49,7 @@ struct Open {
     key: Key,
     buffer: IpDefragBuf,
     time_stamp: Option<TimeStamp>,
-    /// Where the first to come lies in the recording.
+    /// Place of the first to come in the recording.
     offset: usize,
     fragments: usize,
     /// The captured octets of their packets.

@@ -1,4 +1,4 @@
-//! What ASTERIX recordings come packed in: one iterator of datagrams over all of it.
+//! Containers of ASTERIX recordings: one iterator of datagrams over all of them.
 //!
 //! # The containers
 //!
@@ -72,15 +72,15 @@ pub fn datagrams(bytes: &[u8]) -> Datagrams<'_> {
 /// One datagram of a recording: data blocks, if it is ASTERIX at all.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Datagram<'a> {
-    /// Its octets; owned only where they were put together from fragments.
+    /// Octets of the datagram; owned only where they were put together from fragments.
     pub bytes: Cow<'a, [u8]>,
-    /// When it was recorded, where the container says so.
+    /// Time of recording, where the container states one.
     pub time_stamp: Option<TimeStamp>,
-    /// Where it begins in the recording; of a fragmented one, where its first fragment to be captured lies.
+    /// Place of its begin in the recording; of a fragmented one, that of its first fragment to be captured.
     pub offset: usize,
 }
 
-/// When a datagram was recorded, by the recorder's clock.
+/// Time at which a datagram was recorded, by the recorder's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeStamp {
     /// Nanoseconds since 1970-01-01, UTC.
@@ -141,7 +141,7 @@ impl Container {
         }
     }
 
-    /// Its name in one word, which [`FromStr`] reads.
+    /// Name in one word, which [`FromStr`] reads.
     pub fn word(self) -> &'static str {
         match self {
             Self::Raw => "raw",
@@ -162,7 +162,7 @@ impl fmt::Display for Container {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{found:?} is no kind of recording; there are raw, pcap, pcapng and final")]
 pub struct ContainerError {
-    /// What was given.
+    /// Word that was given.
     pub found: String,
 }
 
@@ -190,7 +190,7 @@ pub struct Datagrams<'a> {
     accounted: usize,
 }
 
-/// Where the pieces of a recording come from. Each goes through it from begin to end, and has a position in it.
+/// Source of the pieces of a recording. Each goes through it from begin to end, and has a position in it.
 #[derive(Debug)]
 enum Source<'a> {
     Raw { bytes: &'a [u8], position: usize },
@@ -230,7 +230,7 @@ impl<'a> Datagrams<'a> {
         self.container
     }
 
-    /// What was met so far.
+    /// Sums over what was met so far.
     pub fn counts(&self) -> &Counts {
         &self.counts
     }

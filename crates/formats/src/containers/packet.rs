@@ -19,9 +19,9 @@ pub(super) struct Packet<'a> {
     pub(super) interface: u32,
     pub(super) link_type: i32,
     pub(super) time_stamp: Option<TimeStamp>,
-    /// Where its first octet lies in the recording.
+    /// Place of its first octet in the recording.
     pub(super) offset: usize,
-    /// What was captured of it.
+    /// Octets of it that were captured.
     pub(super) bytes: &'a [u8],
     /// The octets it had.
     pub(super) original_octets: usize,
@@ -36,7 +36,7 @@ impl Packet<'_> {
         }
     }
 
-    /// Where a part of the packet lies in the recording.
+    /// Place of a part of the packet in the recording.
     fn offset_of(&self, part: &[u8]) -> usize {
         self.offset + (part.as_ptr() as usize - self.bytes.as_ptr() as usize)
     }
@@ -51,7 +51,7 @@ impl Packet<'_> {
     }
 }
 
-/// What a packet carries.
+/// Payload of a packet.
 #[derive(Debug)]
 pub(super) enum Payload<'a> {
     /// A datagram, and where it lies in the recording.
@@ -91,7 +91,7 @@ fn ethernet<'a>(packet: &Packet<'a>) -> Result<Payload<'a>, Reason> {
     tagged(packet, frame.ether_type(), frame.payload_slice())
 }
 
-/// What is behind the tags of virtual networks.
+/// EtherType and payload behind the tags of virtual networks.
 fn tagged<'a>(packet: &Packet<'a>, mut ether_type: EtherType, mut bytes: &'a [u8]) -> Result<Payload<'a>, Reason> {
     const TAGS: [EtherType; 3] = [
         EtherType::VLAN_TAGGED_FRAME,

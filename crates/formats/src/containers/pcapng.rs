@@ -27,7 +27,7 @@ const BLOCK_OCTETS_MAX: usize = 1 << 20;
 const WITHOUT_PACKETS: [u32; 7] = [
     NRB_MAGIC, ISB_MAGIC, SJE_MAGIC, DSB_MAGIC, PIB_MAGIC, CB_MAGIC, DCB_MAGIC,
 ];
-/// Where the packet begins in its block.
+/// Offset of the packet in its block, octets.
 const ENHANCED_DATA_AT: usize = 28;
 const SIMPLE_DATA_AT: usize = 12;
 /// The resolution of time stamps of interfaces that do not give one: microseconds.
@@ -47,7 +47,7 @@ pub(super) struct Packets<'a> {
     interfaces: Vec<Interface>,
 }
 
-/// What packets refer to.
+/// Interface that packets refer to.
 #[derive(Debug, Clone, Copy)]
 struct Interface {
     link_type: i32,
@@ -199,7 +199,7 @@ impl<'a> Packets<'a> {
         })
     }
 
-    /// What was gone through since `begin`, as skipped.
+    /// The part since `begin`, as skipped.
     fn skipped(&self, begin: usize, why: Reason) -> Skipped {
         Skipped {
             offset: begin,
@@ -242,7 +242,7 @@ impl Interface {
 /// Whether the section at the begin of `block` is big-endian.
 ///
 /// # Errors
-/// What stands in place of the byte-order mark.
+/// Octets in place of the byte-order mark.
 fn byte_order(block: &[u8]) -> Result<bool, u32> {
     match number(block, 8, false).unwrap_or(0) {
         BOM_MAGIC => Ok(false),

@@ -1,4 +1,4 @@
-//! What in a recording gave no datagram, why, and the sum of it.
+//! Parts of a recording that gave no datagram: why, and their sum.
 
 use super::{Container, Datagram};
 
@@ -6,9 +6,9 @@ use super::{Container, Datagram};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("byte {offset}: {why}")]
 pub struct Skipped {
-    /// Where it begins: a captured packet behind its record's header, anything else with its first octet.
+    /// Place of its begin: a captured packet behind its record's header, anything else with its first octet.
     pub offset: usize,
-    /// Its octets; of fragments, those of all that were captured.
+    /// Number of its octets; of fragments, those of all that were captured.
     pub octets: usize,
     /// Why.
     pub why: Reason,
@@ -44,7 +44,7 @@ pub enum Reason {
     /// A pcapng section without a byte-order mark.
     #[error("pcapng section with byte-order mark {mark:08X}, expected 1A2B3C4D: nothing from here on can be read")]
     ByteOrder {
-        /// What stands in its place.
+        /// Octets that stand in its place.
         mark: u32,
     },
     /// A pcapng block whose content contradicts its length.
@@ -52,7 +52,7 @@ pub enum Reason {
     BlockContent {
         /// The type.
         block_type: u32,
-        /// Its octets.
+        /// Number of its octets.
         octets: usize,
     },
     /// A pcapng block of a type that is not known.
@@ -126,7 +126,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// What is wrong in a few words, the same for all parts skipped for the same reason: to count them by.
+    /// Reason in a few words, the same for all parts skipped for the same reason: to count them by.
     pub fn label(&self) -> &'static str {
         match self {
             Self::OtherContainer { .. } => "other container",
@@ -145,12 +145,12 @@ impl Reason {
     }
 }
 
-/// What became of a recording: every octet is in a datagram, in something skipped, or framing.
+/// Sums over a recording: every octet is in a datagram, in something skipped, or framing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
     /// Datagrams given.
     pub datagrams: u64,
-    /// Those of them that were put together from fragments.
+    /// Datagrams that were put together from fragments.
     pub datagrams_joined: u64,
     /// The octets of all datagrams.
     pub datagram_octets: u64,

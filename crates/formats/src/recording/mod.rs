@@ -48,31 +48,31 @@ pub struct Recording<'a> {
 pub struct Found<'r, 'b> {
     /// The record; its offset counts from the begin of the recording, unless its datagram came in fragments.
     pub record: &'r Record<'b>,
-    /// When its datagram was recorded, where that is known.
+    /// Time at which its datagram was recorded, where that is known.
     pub time_stamp: Option<TimeStamp>,
 }
 
-/// What a recording holds.
+/// Content of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// The kind of the recording.
     pub container: Container,
-    /// What became of its octets on the way to datagrams.
+    /// Sums over its octets on the way to datagrams.
     pub unpacked: Counts,
     /// The categories of its blocks.
     pub categories: BTreeMap<u8, CategorySurvey>,
-    /// What is not given, by reason.
+    /// Parts that are not given, by reason.
     pub refusals: Refusals,
 }
 
-/// What a recording holds of one category.
+/// Content of a recording in one category.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CategorySurvey {
     /// The edition it is read with; none if there is no table.
     pub edition: Option<Edition>,
-    /// Its blocks.
+    /// Number of blocks.
     pub blocks: u64,
-    /// Those that do not fit the edition.
+    /// Number of blocks that do not fit the edition.
     pub blocks_refused: u64,
     /// The records in those that do.
     pub records: u64,
@@ -243,7 +243,7 @@ impl CategorySurvey {
 /// The number of records in a block, if they fill it.
 ///
 /// # Errors
-/// What the first that does not fit has wrong.
+/// Fault of the first that does not fit.
 fn fit(block: &Block<'_>, table: &'static Category, mode: Mode) -> Result<u64, Error> {
     block
         .records(table, mode)

@@ -1,4 +1,4 @@
-//! What of a recording is not given: how often, why, and where for the first time.
+//! Parts of a recording that are not given: how often, why, and where for the first time.
 //!
 //! Reasons are few and their occurrences many, so each is counted, and the first is kept with everything it says.
 
@@ -22,13 +22,13 @@ pub struct Refusal {
     pub count: u64,
     /// Their octets.
     pub octets: u64,
-    /// Where the first was noticed, in octets from the begin of the recording.
+    /// Place at which the first was noticed, octets from the begin of the recording.
     pub first_offset: usize,
-    /// What was wrong with the first.
+    /// Fault of the first.
     pub first: String,
 }
 
-/// What of a recording was refused.
+/// Parts of a recording that were rejected.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Refusals {
     by_reason: BTreeMap<Key, Refusal>,

@@ -1,4 +1,4 @@
-//! Who sent how much, and when.
+//! Statistics of senders: how much, and when.
 //!
 //! Records are counted for each sender, that is, for each system identification (SAC/SIC, item 010) in each category,
 //! and for each second. The second is that of the record's own time of day where its category has one, else that of
@@ -21,7 +21,7 @@ use asterix::Record;
 pub struct Sender {
     /// The category.
     pub category: u8,
-    /// Its system area and identification codes, SAC and SIC; none where records carry none.
+    /// System area and identification codes, SAC and SIC; `None` where records carry none.
     pub source: Option<(u8, u8)>,
 }
 
@@ -31,13 +31,13 @@ pub struct Statistics {
     senders: BTreeMap<Sender, Tally>,
 }
 
-/// What a sender sent.
+/// Sums over one sender.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SenderSummary {
     /// The sender.
     #[serde(flatten)]
     pub sender: Sender,
-    /// Its records.
+    /// Number of records.
     pub records: u64,
     /// The earliest time, in seconds since midnight of the first record's day; less than 0 or more than 86,400 on
     /// other days. None where no time is known.

@@ -15,11 +15,11 @@ const VALUES_MAX: usize = 22;
 /// Characters of a value that an error shows.
 const SHOWN_MAX: usize = 40;
 
-/// What transponders can code, in feet: from the lowest to the highest of both codings.
+/// Altitudes that transponders can code, feet: from the lowest to the highest of both codings.
 const ALTITUDE_FT: RangeInclusive<f64> = -1_500.0..=126_750.0;
-/// What transponders can code, in knots, with some margin for slow additions.
+/// Speeds that transponders can code, knots, with some margin for slow additions.
 const SPEED_KT: RangeInclusive<f64> = 0.0..=6_000.0;
-/// What transponders can code, in feet per minute.
+/// Vertical rates that transponders can code, feet per minute.
 const VERTICAL_RATE_FTPMIN: RangeInclusive<f64> = -32_640.0..=32_640.0;
 
 /// One line.
@@ -31,17 +31,17 @@ pub enum Line {
     Other(OtherKind),
 }
 
-/// What an aircraft sent, as far as one transmission says.
+/// Message of an aircraft, as far as one transmission says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Message {
-    /// Which transmission, 1 to 8: identification, surface position, airborne position, velocity, altitude, altitude
-    /// and code, air to air, all-call.
+    /// Number of the transmission, 1 to 8: identification, surface position, airborne position, velocity, altitude,
+    /// altitude and code, air to air, all-call.
     pub transmission: u8,
     /// 24-bit address of the aircraft.
     pub address: u32,
-    /// When it was received, by the receiver's clock.
+    /// Time of receipt, by the receiver's clock.
     pub received: Stamp,
-    /// When the line was written, by the computer's clock.
+    /// Time at which the line was written, by the computer's clock.
     pub written: Stamp,
     /// Callsign, padded with blanks.
     pub callsign: Option<Callsign>,
@@ -106,35 +106,35 @@ pub enum OtherKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Rejection {
-    /// It is not text.
+    /// The line is not text.
     Text,
-    /// It is of no known kind.
+    /// The line is of no known kind.
     Kind,
-    /// It has too few values.
+    /// The line has too few values.
     Length,
-    /// It is of no known transmission.
+    /// The number of the transmission is not 1 to 8.
     Transmission,
-    /// Its address is none.
+    /// The address is not six hexadecimal digits.
     Address,
     /// A date or time is none.
     Time,
-    /// Its callsign is none.
+    /// The callsign is not one.
     Callsign,
-    /// Its altitude cannot be.
+    /// The altitude cannot be.
     Altitude,
-    /// Its speed or track cannot be.
+    /// The speed or track cannot be.
     Velocity,
-    /// Its position is not on the globe, or half of it is missing.
+    /// The position is not on the globe, or half of it is missing.
     Position,
-    /// Its vertical rate cannot be.
+    /// The vertical rate cannot be.
     VerticalRate,
-    /// Its code is none.
+    /// The Mode 3/A code is not four octal digits.
     Code,
     /// A flag is no number.
     Flag,
 }
 
-/// What is wrong with a line.
+/// Fault of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SbsError<'a> {
     /// Why it was rejected.
@@ -175,7 +175,7 @@ impl Rejection {
         Self::Flag,
     ];
 
-    /// What is wrong, and what would be right.
+    /// Fault, and what would be right.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Text => "is not UTF-8 text",

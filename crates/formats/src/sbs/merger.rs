@@ -24,11 +24,11 @@ use super::line::{Line, Message, Rejection, SbsError};
 use observations::Axes;
 use observations::Observation;
 
-/// How long velocity, rate of climb, altitude and on-ground flag are used after their line, nanoseconds.
+/// Time for which velocity, rate of climb, altitude and on-ground flag are used after their line, nanoseconds.
 pub const MOTION_AGE_MAX_NS: i64 = 5 * NS_PER_S;
-/// How long a callsign is used after its line, nanoseconds.
+/// Time for which a callsign is used after its line, nanoseconds.
 pub const CALLSIGN_AGE_MAX_NS: i64 = 60 * NS_PER_S;
-/// How long a Mode 3/A code is used after its line, nanoseconds.
+/// Time for which a Mode 3/A code is used after its line, nanoseconds.
 pub const CODE_AGE_MAX_NS: i64 = 60 * NS_PER_S;
 /// After this silence an aircraft may be forgotten, nanoseconds.
 pub const SILENCE_MAX_NS: i64 = 60 * NS_PER_S;
@@ -57,7 +57,7 @@ impl Default for SbsSettings {
     }
 }
 
-/// What has been counted. Each line is in exactly one of `messages`, `others` and `rejected`.
+/// Counts of lines. Each line is in exactly one of `messages`, `others` and `rejected`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SbsCounters {
     /// Lines that hold what an aircraft sent.
@@ -89,7 +89,7 @@ pub struct Merger {
     counters: SbsCounters,
 }
 
-/// What one aircraft has sent lately.
+/// Latest values that one aircraft has sent.
 #[derive(Clone, Copy, Debug, Default)]
 struct Heard {
     last_ns: i64,
@@ -144,7 +144,7 @@ impl Merger {
         }
     }
 
-    /// What has been counted so far.
+    /// Counts so far.
     pub fn counters(&self) -> &SbsCounters {
         &self.counters
     }
@@ -243,7 +243,7 @@ impl Heard {
     }
 }
 
-/// What a message means beyond its own words.
+/// Consequences of a message beyond its own words.
 struct Own {
     velocity: Option<[f64; 2]>,
     altitude: Option<f64>,

@@ -81,7 +81,7 @@ impl Converter {
         })
     }
 
-    /// What was measured in this look; `None` if nothing was.
+    /// Position measured in this look; `None` if none was.
     fn plot(&self, observation: &Observation) -> Option<Position> {
         if matches!(observation.state, TrackState::Coasted | TrackState::Terminated) {
             return None;
@@ -128,7 +128,8 @@ fn along_the_ground(placed: &Placed, platform_m: [f64; 3], sigma: PolarSigma) ->
     )
 }
 
-/// Of a bearing: the antenna's error is one of angle times the straight distance, however high the target.
+/// Standard deviation of a bearing, radians: the antenna's error is one of angle times the straight distance, however
+/// high the target.
 fn across(placed: &Placed, ground_m: f64, sigma: PolarSigma) -> f64 {
     let straight_m = placed.slant.map_or(ground_m, |slant| slant.range_m());
     (sigma.azimuth_rad * straight_m / ground_m.max(1.0)).clamp(sigma.azimuth_rad, FRAC_PI_4)

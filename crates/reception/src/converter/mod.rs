@@ -19,7 +19,7 @@ use observations::{Axes, Observation, Position};
 
 /// A track's last height is used for so long where its reports have none, nanoseconds.
 const HEIGHT_AGE_MAX_NS: i64 = 30_000_000_000;
-/// How fast an airliner may climb or descend, metres per second.
+/// Fastest climb or descent of an airliner, metres per second.
 const CLIMB_MAX_MPS: f64 = 20.0;
 /// Tracks silent for this long are forgotten when room is needed, nanoseconds.
 const FORGET_NS: i64 = 120_000_000_000;
@@ -33,7 +33,7 @@ pub struct Converter {
     /// Time of receipt of what is converted now, UTC, nanoseconds; `None` for recordings.
     received_ns: Option<i64>,
     time_check: TimeCheck,
-    /// Who sent the latest report; holds for those after it that do not say.
+    /// Sender of the latest report; holds for those after it that name none.
     sender: Option<(u8, u8)>,
     altitude_correction_m: f64,
     tracks: FxHashMap<u32, TrackMemory>,
@@ -277,7 +277,7 @@ impl Converter {
         })
     }
 
-    /// What the sensor measured, where the position used is that of its track.
+    /// Measured position, where the position used is that of the sensor's track.
     fn measured(&self, observation: &Observation, used: Position, height: Height) -> Option<[f64; 3]> {
         // Without detection there may be a range and an azimuth, but they are extrapolated.
         if !matches!(used, Position::Cartesian(..)) || observation.state == TrackState::Coasted {
@@ -343,7 +343,7 @@ fn describe(track: &mut SensorTrack, observation: &Observation) {
     }
 }
 
-/// What a Mode 3/A code says by itself.
+/// Alerts that a Mode 3/A code states by itself.
 fn alerts_of_code(code: Option<u16>) -> u8 {
     match code {
         Some(0o7500) => alert_bits::UNLAWFUL_INTERFERENCE,

@@ -12,7 +12,7 @@ use super::rows::Rows;
 use super::tracks::Tracks;
 use crate::receiver::{Datagrams, Received};
 
-/// What reads the datagrams.
+/// Reader of the datagrams.
 #[derive(Debug)]
 enum Reader {
     /// Rows of counts.

@@ -13,10 +13,10 @@ use tracking::wide_area::WideAreaReport;
 use super::Rejected;
 use crate::tables::{Tables, utc_ns};
 
-/// How far after its receipt a report may say that it arrives, nanoseconds.
+/// Longest time after its receipt at which a report may say that it arrives, nanoseconds.
 const AHEAD_MAX_NS: i64 = 60_000_000_000;
 
-/// See the module's header.
+/// Reader of tables of counts.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
     tables: Tables,

@@ -16,7 +16,7 @@ use tracking::wide_area::counting::{CountedTrack, Counting};
 
 use crate::counted::decoded;
 
-/// See the module's documentation.
+/// Counter of another system's tracks.
 #[derive(Debug)]
 pub(super) struct Tracks {
     period_ns: i64,

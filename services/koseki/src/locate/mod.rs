@@ -79,7 +79,7 @@ pub(crate) fn run(locate: &Locate) -> anyhow::Result<()> {
     summary.show(locate, &locator, &input.refusals)
 }
 
-/// What the command line and the configuration say.
+/// Settings of the command line and the configuration.
 fn settings(locate: &Locate) -> anyhow::Result<Settings> {
     let mut settings = match &locate.config {
         Some(path) => {
@@ -107,7 +107,7 @@ fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {
     Usage(format!("{option} {word}: there are {}", words.join(", ")))
 }
 
-/// What is read must not be written over, nor one output over the other.
+/// No input may be written over, nor one output over the other.
 fn check_out(locate: &Locate) -> Result<(), Usage> {
     let written = [
         ("--out", Some(&locate.out)),

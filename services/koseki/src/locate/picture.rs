@@ -20,17 +20,17 @@ const ROOM: f64 = 0.06;
 type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 
-/// What is drawn of an emitter.
+/// Paths that are drawn of an emitter.
 #[derive(Debug, Default)]
 pub(super) struct Paths {
-    /// Which; that of the first fix if nobody said.
+    /// Number of the emitter; that of the first fix if nobody said.
     emitter: Option<u32>,
     platform_km: Vec<(f64, f64)>,
     raw_km: Vec<(f64, f64)>,
     output_km: Vec<(f64, f64)>,
     /// Time and standard deviation of the position.
     sigma_m: Vec<(f64, f64)>,
-    /// Where selections were made.
+    /// Places at which selections were made.
     selected_km: Vec<(f64, f64)>,
 }
 

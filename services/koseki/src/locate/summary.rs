@@ -1,4 +1,4 @@
-//! What was read and what was found, for a person or as JSON.
+//! Summary of what was read and found, for a person or as JSON.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::args::Locate;
 use crate::offline::Refusals;
 
-/// What is counted on the way.
+/// Counts on the way.
 #[derive(Debug, Default)]
 pub(super) struct Summary {
     /// Emitters with a fix.

@@ -12,7 +12,7 @@ use super::progress::Progress;
 /// refresh.
 const STEP_NS: i64 = 1_000_000_000;
 
-/// What working off the reports has taken.
+/// Sums over the reports that were worked off.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Driven {
     /// Reports worked off.
@@ -25,7 +25,7 @@ pub(crate) struct Driven {
     pub(crate) last_ns: Option<i64>,
 }
 
-/// What the engine hands out for one report.
+/// States and decisions that the engine hands out for one report.
 #[derive(Debug, Default)]
 struct HandedOut {
     states: Vec<SystemTrack>,

@@ -19,7 +19,7 @@ use crate::files::{InputError, open};
 /// A row this much later than the one that follows it is taken for the damaged one of the two, nanoseconds.
 const LEAP_NS: i64 = 600_000_000_000;
 
-/// Which source a `sensor_id` is.
+/// Source of each `sensor_id`.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sensors {
     /// By source number.
@@ -49,7 +49,7 @@ impl Sensors {
 
 type SourceOf = Box<dyn FnMut(u32) -> Option<u16>>;
 
-/// See the module's documentation.
+/// Rows of several files, merged by time.
 pub(crate) struct Merged {
     lanes: Vec<Lane>,
     pub(crate) sensors: Rc<RefCell<Sensors>>,
@@ -63,7 +63,7 @@ pub(crate) struct Merged {
 struct Lane {
     path: PathBuf,
     reader: SensorTrackReader<Counting, SourceOf>,
-    /// Its next row; the row after that has been read too, if there is one.
+    /// Next row; the row after that has been read too, if there is one.
     next: Option<Waiting>,
     after: Option<Waiting>,
     /// Time of the row that was given last.

@@ -1,4 +1,4 @@
-//! How far long work has got, on a terminal.
+//! Progress of long work, on a terminal.
 
 use std::cell::RefCell;
 use std::fs::File;
@@ -19,7 +19,7 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Of work on so many octets.
+    /// Progress of work on so many octets.
     pub(crate) fn new(octets: u64) -> Self {
         Self {
             octets,

@@ -1,4 +1,4 @@
-//! What an offline engine is built from: a configuration, and what the files themselves tell.
+//! Setup of an offline engine: a configuration, and what the files themselves tell.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ pub(crate) struct Setup<'a> {
     pub(crate) settings: Settings,
 }
 
-/// What `--config` names.
+/// Configuration that `--config` names.
 enum Given {
     Deployment(Box<Config>),
     Offline(Box<Offline>),

@@ -15,7 +15,7 @@ const SAMPLE_MAX: usize = 100_000;
 /// A track without a report for this long has ended, nanoseconds. Sensors count slower than that are rare.
 const LIVE_NS: i64 = 60_000_000_000;
 
-/// What there is.
+/// Sensors that there are.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Survey {
     /// By `sensor_id`.

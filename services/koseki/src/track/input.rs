@@ -17,7 +17,7 @@ use crate::offline::Refusals;
 
 const BUFFER_OCTETS: usize = 1 << 18;
 
-/// What was read.
+/// Detections that were read.
 #[derive(Debug)]
 pub(super) struct Input {
     first_file: PathBuf,
@@ -95,7 +95,7 @@ impl Input {
         Ok(())
     }
 
-    /// What the detections tell of the sensors.
+    /// Sensors, as far as the detections tell of them.
     pub(super) fn seen(&self, scans: &[ScanOfDetections]) -> SeenDetections {
         SeenDetections {
             sensor_ids: scans.iter().map(|scan| scan.sensor_id).collect(),

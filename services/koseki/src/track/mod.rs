@@ -112,7 +112,7 @@ fn read<T>(
     }
 }
 
-/// What `--config` names.
+/// Configuration that `--config` names.
 enum Given {
     /// A deployment: what it says of the source whose detections these are.
     Deployment(Box<Config>),

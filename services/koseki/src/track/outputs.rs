@@ -73,7 +73,7 @@ impl Written {
         })
     }
 
-    /// What has failed since the last call.
+    /// The first failure since the last call.
     ///
     /// # Errors
     /// If a table could not be written.

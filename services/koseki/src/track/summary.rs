@@ -1,4 +1,4 @@
-//! What was read and what was found, for a person or as JSON.
+//! Summary of what was read and found, for a person or as JSON.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,13 +11,13 @@ use tracking::{Rejection, Tracker, TrackerCounts};
 use super::input::Input;
 use super::support::Support;
 
-/// What may help where nothing was tracked.
+/// Advice where nothing was tracked.
 const NONE_CONFIRMED: &str = "no track was confirmed: where a sensor shows one target and nothing else, its learned density of \
                               false detections is too high; give clutter_density or field_of_view in --config";
 /// Nanoseconds in a millisecond.
 const NS_PER_MS: f64 = 1e6;
 
-/// What working off the scans has come to.
+/// Sums over the scans.
 #[derive(Debug, Default)]
 pub(super) struct Tracked {
     by_sensor: BTreeMap<u32, OfSensor>,
@@ -55,7 +55,7 @@ impl Tracked {
     }
 }
 
-/// What there is to say.
+/// Everything that is said at the end.
 pub(super) struct Summary<'a> {
     pub(super) out: &'a Path,
     /// Rows written.
@@ -237,7 +237,7 @@ impl Summary<'_> {
     }
 }
 
-/// What the tracker refused, by reason: word, what they are, how many.
+/// Counts of what the tracker rejected or dropped, by reason: word, what they are, how many.
 fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 6] {
     [
         (

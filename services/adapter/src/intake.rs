@@ -1,0 +1,85 @@
+//! Data of a recording through the source's pipeline, and into the order of their times.
+
+use messages::{Counter, Counters, SensorDetection, SensorTrack};
+use observations::{Observation, Service};
+use reception::Reorder;
+use sources::{Pipeline, Samples};
+
+/// Takes what a recording holds.
+#[derive(Debug)]
+pub(crate) struct Intake {
+    source: u16,
+    pipeline: Pipeline,
+    samples: Samples,
+    reorder: Reorder,
+    late: u64,
+    tracks: u64,
+}
+
+impl Intake {
+    /// Of source number `source`, whose reports come at most `reorder_ns` (nanoseconds) out of order.
+    pub(crate) fn new(source: u16, pipeline: Pipeline, reorder_ns: i64) -> Self {
+        Self {
+            source,
+            pipeline,
+            samples: Samples::default(),
+            reorder: Reorder::new(reorder_ns),
+            late: 0,
+            tracks: 0,
+        }
+    }
+
+    /// Takes a target report.
+    pub(crate) fn observe(&mut self, observed: &Observation) {
+        self.pipeline.take(observed, 0, &mut self.samples);
+        self.put_in_order();
+    }
+
+    /// Takes a record that speaks of the sensor.
+    pub(crate) fn service(&mut self, service: &Service) {
+        self.pipeline.service(service, 0, &mut self.samples);
+        self.put_in_order();
+    }
+
+    /// Takes a sensor track, ready made.
+    pub(crate) fn track(&mut self, track: SensorTrack) {
+        self.tracks += 1;
+        self.samples.tracks.push(SensorTrack {
+            source: self.source,
+            ..track
+        });
+        self.put_in_order();
+    }
+
+    /// Works off what waits: nothing follows.
+    pub(crate) fn end(&mut self) {
+        self.pipeline.end(&mut self.samples);
+        self.put_in_order();
+        self.reorder.finish();
+    }
+
+    /// Gives the detections of which tracks have been made since the last call.
+    pub(crate) fn detections(&mut self) -> impl Iterator<Item = SensorDetection> + '_ {
+        self.samples.detections.drain(..)
+    }
+
+    /// Gives the next track in the order of times, if no earlier one can follow.
+    pub(crate) fn pop(&mut self) -> Option<SensorTrack> {
+        self.reorder.pop()
+    }
+
+    /// Counts so far.
+    pub(crate) fn counters(&self) -> Counters {
+        let mut counters = self.pipeline.counters();
+        counters[Counter::RejectedLate] += self.late;
+        counters[Counter::Reports] += self.tracks;
+        counters[Counter::Reports] -= self.late;
+        counters
+    }
+
+    fn put_in_order(&mut self) {
+        for track in self.samples.tracks.drain(..) {
+            self.late += u64::from(!self.reorder.push(track));
+        }
+    }
+}
