@@ -38,7 +38,7 @@ const HALVINGS_MAX: usize = 30;
 pub struct Estimate<const D: usize> {
     /// Expected state.
     pub mean: SVector<f64, D>,
-    /// Its covariance.
+    /// Covariance of the estimate.
     pub covariance: SMatrix<f64, D, D>,
 }
 
@@ -51,7 +51,7 @@ impl<const D: usize> Default for Estimate<D> {
     }
 }
 
-/// What covariance intersection makes small.
+/// Quantity that covariance intersection makes small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Criterion {
     /// The trace over the first so many components.
@@ -163,7 +163,7 @@ impl<const D: usize> Intersection<'_, D> {
         others.all(|(_, y)| worth(y) < (1.0 - 1e-9) * own)
     }
 
-    /// What the gradient is made of: P for the determinant, P·S·P for the trace.
+    /// Matrix of which the gradient is made: P for the determinant, P·S·P for the trace.
     fn outer(&self, covariance: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
         match self.criterion {
             Criterion::Determinant => *covariance,
@@ -325,7 +325,7 @@ fn inverses<const D: usize>(inputs: &[Estimate<D>]) -> Option<[SMatrix<f64, D, D
     Some(found)
 }
 
-/// Of a positive definite matrix; exactly symmetric.
+/// Inverse of a positive definite matrix; exactly symmetric.
 fn inverse<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
     let inverse = matrix.cholesky()?.inverse();
     Some((inverse + inverse.transpose()) * 0.5)

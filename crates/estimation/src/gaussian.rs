@@ -16,12 +16,12 @@ pub type Matrix3 = SMatrix<f64, AXES, AXES>;
 /// Symmetric 3×3 matrix: (xx, xy, xz, yy, yz, zz).
 pub type Symmetric3 = [f64; 6];
 
-/// What is known of a target's position and velocity at one time.
+/// A target's position and velocity at one time, as far as they are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaussian {
     /// Expected state: (x, y, z, vx, vy, vz) in metres and metres per second.
     pub mean: [f64; STATE_LEN],
-    /// Its covariance.
+    /// Covariance of the state.
     pub covariance: Covariance,
 }
 

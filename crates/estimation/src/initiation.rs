@@ -10,7 +10,7 @@ use messages::{AXES, Covariance, STATE_LEN};
 
 use crate::gaussian::{Gaussian, Symmetric3};
 
-/// What is assumed of a velocity before it was observed: zero, with these standard deviations.
+/// A velocity before it was observed: zero, with these standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstVelocity {
     /// Standard deviation east and north, m/s.

@@ -31,7 +31,7 @@ pub struct AxisNoise {
 }
 
 impl AxisNoise {
-    /// Of a white-noise acceleration of density `density_m2ps3` over `duration_s` seconds.
+    /// Noise of a white-noise acceleration of density `density_m2ps3` over `duration_s` seconds.
     ///
     /// A negative duration (bringing a state to an earlier time) adds noise too: the sign goes into the cross term.
     pub fn white(density_m2ps3: f64, duration_s: f64) -> Self {
@@ -43,7 +43,7 @@ impl AxisNoise {
         }
     }
 
-    /// Of an acceleration that is constant over the `duration_s` seconds, with standard deviation `sigma_mps2`.
+    /// Noise of an acceleration that is constant over the `duration_s` seconds, with standard deviation `sigma_mps2`.
     pub fn piecewise_constant(sigma_mps2: f64, duration_s: f64) -> Self {
         let (variance, t) = (sigma_mps2 * sigma_mps2, duration_s);
         Self {

@@ -34,7 +34,7 @@ const CHANGE_MIN: f64 = 1e-6;
 pub struct Recovered<const D: usize> {
     /// Measured position, metres.
     pub position_m: SVector<f64, D>,
-    /// Its covariance R, m².
+    /// Covariance R of the measurement, m².
     pub covariance_m2: SMatrix<f64, D, D>,
 }
 

@@ -7,7 +7,7 @@
 
 use messages::{SensorTrack, TargetType, TrackKind};
 
-/// It.
+/// Kind, number of members and type of a target, as its sources say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Description {
     pub(crate) kind: TrackKind,

@@ -10,7 +10,7 @@ use messages::{Counter, NS_PER_S, SensorTrack, TrackState};
 use settings::SettingsError;
 
 use crate::association_step::Search;
-use crate::counts::Counts;
+use crate::engine_counters::EngineCounters;
 use crate::explanation::{DecisionKind, Sink};
 use crate::inlet;
 use crate::life::{self, Life};
@@ -44,7 +44,7 @@ pub struct Engine {
     life: Life,
     publisher: Publisher,
     schedule: Schedule,
-    counts: Counts,
+    counts: EngineCounters,
 }
 
 impl Engine {
@@ -71,13 +71,13 @@ impl Engine {
             life: Life::new(&settings),
             publisher: Publisher::new(rule, sources),
             schedule: Schedule::new(settings.refresh_ns(), settings.refresh_delay_s.ns()),
-            counts: Counts::new(sources),
+            counts: EngineCounters::new(sources),
             settings,
         })
     }
 
     /// The counters so far.
-    pub fn counts(&self) -> &Counts {
+    pub fn counts(&self) -> &EngineCounters {
         &self.counts
     }
 
@@ -87,7 +87,7 @@ impl Engine {
     }
 
     /// The counters, for what the caller counts on the engine's behalf: losses and queues lie before it.
-    pub fn counts_mut(&mut self) -> &mut Counts {
+    pub fn counts_mut(&mut self) -> &mut EngineCounters {
         &mut self.counts
     }
 

@@ -18,11 +18,11 @@ use crate::settings::CoverageArea;
 
 /// L above which a single source's claim is believed.
 const BELIEVED: f64 = -0.7;
-/// What each further report of a single source's track is worth: −ln(4/5).
+/// Worth of each further report of a single source's track: −ln(4/5).
 const PERSISTENCE: f64 = 0.223;
 /// Reports before persistence counts.
 const PERSISTENCE_FROM: u32 = 3;
-/// What an address is worth.
+/// Worth of an address.
 const ADDRESS: f64 = 5.0;
 /// Sum of the misses at which a target is taken to be gone: one in a thousand would be missed that often.
 pub(crate) const GONE: f64 = -6.9;
@@ -30,7 +30,7 @@ pub(crate) const GONE: f64 = -6.9;
 pub(crate) const MISSES_MAX: u32 = 2;
 /// Probability that a source follows a target at a place, before anything was learned.
 const FOLLOWS_PRIOR: f64 = 0.5;
-/// What the source's general probability is worth in a cell, in observed targets.
+/// Worth of the source's general probability in a cell, in observed targets.
 const GENERAL_WEIGHT: f64 = 4.0;
 /// Observations of a cell are forgotten beyond this number.
 const CELL_MEMORY: f64 = 64.0;
@@ -146,7 +146,7 @@ fn hash((column, row): (i32, i32)) -> usize {
     (mixed ^ (mixed >> 15)) as usize
 }
 
-/// What speaks for a target that only one source reports.
+/// Evidence for a target that only one source reports.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Claim {
     /// Σ ln(1 − pₖ) over the sources that are silent.

@@ -23,7 +23,7 @@ impl<F: FnMut(&SystemTrack)> Sink for F {
     }
 }
 
-/// What was decided.
+/// Kind of a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DecisionKind {
     /// A system track was started for a sensor track that fits none.
@@ -80,7 +80,7 @@ impl DecisionKind {
 pub struct Decision {
     /// Time of the data, UTC, nanoseconds.
     pub time_ns: i64,
-    /// What was decided.
+    /// Kind of a decision.
     pub kind: DecisionKind,
     /// System track it is about.
     pub system_track: u32,
@@ -92,8 +92,8 @@ pub struct Decision {
     pub other_source: u16,
     /// Sensor track it is about, at its source; 0 if none.
     pub sensor_track: u32,
-    /// What was compared; NaN if nothing was.
+    /// Value that was compared; NaN if nothing was.
     pub value: f64,
-    /// What it was compared with; NaN if nothing was.
+    /// Limit that the value was compared with; NaN if nothing was.
     pub limit: f64,
 }

@@ -53,7 +53,7 @@ pub(crate) struct Filter {
 pub(crate) struct Innovation {
     /// East and north, metres.
     pub(crate) residual_m: [f64; 2],
-    /// Its covariance (xx, xy, yy), m².
+    /// Covariance of the residual (xx, xy, yy), m².
     pub(crate) covariance_m2: [f64; 3],
     /// Weight of the measurement in the new horizontal position, in [0, 1]; 0 if it was not used.
     pub(crate) gain: f64,

@@ -9,7 +9,7 @@ use messages::{SensorTrack, sensor_track_bits};
 
 use crate::settings::Residual;
 
-/// What is kept of one report.
+/// The part of a report that is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Stored {
     time_ns: i64,
@@ -37,7 +37,7 @@ pub(crate) struct Histories {
     length: usize,
 }
 
-/// What a ring of `length` reports takes.
+/// Octets that a ring of `length` reports takes.
 #[cfg(test)]
 pub(crate) fn bytes_per_track(length: usize) -> usize {
     length * size_of::<Stored>() + size_of::<Head>()

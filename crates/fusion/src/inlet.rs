@@ -1,10 +1,10 @@
-//! What is checked of a report before it is believed.
+//! Checks of a report before it is believed.
 
 use messages::{Counter, Identity, STATE_LEN, SensorTrack, TrackState};
 
 use crate::system_tracks::SystemTracks;
 
-/// What no sensor on this planet can report: metres, metres per second, and the squares of what it can be unsure of.
+/// Largest values that a sensor on this planet can report: metres, metres per second, and the square of a deviation.
 const POSITION_MAX_M: f64 = 1e8;
 const SPEED_MAX_MPS: f64 = 1e5;
 const COVARIANCE_MAX: f64 = 1e14;

@@ -14,9 +14,9 @@
 
 mod accuracy;
 mod association_step;
-mod counts;
 mod description;
 mod engine;
+mod engine_counters;
 #[cfg(test)]
 mod engine_tests;
 mod existence;
@@ -29,6 +29,7 @@ mod linking;
 mod measurement;
 mod merger;
 mod message;
+mod number_hasher;
 mod outlet;
 mod publishing;
 pub mod quality;
@@ -45,12 +46,11 @@ mod state;
 mod system_tracks;
 #[cfg(test)]
 mod testing;
-mod track_numbers;
 mod tracks;
 mod weighing;
 
-pub use counts::Counts;
 pub use engine::Engine;
+pub use engine_counters::EngineCounters;
 pub use explanation::{Decision, DecisionKind, Sink};
 pub use merger::{Merger, Pushed};
 pub use settings::Settings;

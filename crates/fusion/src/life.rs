@@ -22,7 +22,7 @@ const CHANCE_PERIODS: i64 = 3;
 /// A source that follows fewer targets than this here need not be waited for.
 const FOLLOWS_SELDOM: f64 = 0.1;
 
-/// What the life of system tracks rests on.
+/// Evidence and times on which the life of system tracks rests.
 #[derive(Debug)]
 pub(crate) struct Life {
     /// Where each source follows targets.

@@ -22,13 +22,13 @@ use crate::tracks::Tracks;
 /// Time between two looks for a duplicate of one system track, nanoseconds.
 const DUPLICATE_EVERY_NS: i64 = 1_000_000_000;
 
-/// What is left to be done for a sensor track.
+/// Work that is left to be done for a sensor track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use]
 pub(crate) enum Next {
     /// Nothing.
     Done,
-    /// It waits until its scan is complete.
+    /// The sensor track waits until its scan is complete.
     Wait,
     /// A system track has lost all its sensor tracks to another one, and ends.
     End(Merged),

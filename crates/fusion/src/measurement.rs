@@ -20,7 +20,7 @@ pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
     Gaussian::new(report.position_m, report.velocity_mps, &report.covariance)
 }
 
-/// What is known to be wrong with a report.
+/// Known errors of a report.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Correction {
     /// By how much its source's known errors have moved it, metres.

@@ -2,8 +2,8 @@
 //!
 //! Reports of several recorded sources reach fusion in an order that depends on scheduling and replay speed. Working
 //! them off as they come would make the result depend on it too. So each source also says how far it has got, its
-//! *progress mark*: nothing older will follow. The earliest waiting report may be worked off once no other source can
-//! still deliver an earlier one: every source either has a report waiting, or a mark beyond it, or has ended. The
+//! *watermark*: nothing older will follow. The earliest waiting report may be worked off once no other source can
+//! still deliver an earlier one: every source either has a report waiting, or a watermark beyond it, or has ended. The
 //! price is latency (the slowest source sets the pace), which recorded inputs do not mind and live ones do: they use
 //! order `arrival` and no merger.
 
@@ -14,43 +14,43 @@ use messages::SensorTrack;
 /// Reports of all sources, waiting for their turn.
 #[derive(Debug)]
 pub struct Merger {
-    sources: Vec<Waiting>,
+    sources: Vec<SourceQueue>,
     capacity: usize,
     worked_off_ns: i64,
 }
 
 #[derive(Debug)]
-struct Waiting {
+struct SourceQueue {
     queue: VecDeque<SensorTrack>,
-    mark_ns: i64,
+    watermark_ns: i64,
     ended: bool,
     next_sequence: u64,
 }
 
-/// What became of a report that was handed in.
+/// Fate of a report that was handed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pushed {
-    /// It waits for its turn.
+    /// The report waits for its turn.
     Waiting,
-    /// It waits, and the source's oldest waiting report was dropped for it: the queue was full.
+    /// The report waits, and the source's oldest waiting one was dropped for it: the queue was full.
     DroppedOldest,
-    /// It is older than a report already worked off, and was dropped.
+    /// The report is older than one already worked off, and was rejected.
     OutOfOrder,
-    /// It has been handed in before (its publisher was restarted and repeats itself).
+    /// The report has been handed in before (its publisher was restarted and repeats itself).
     Repeated,
 }
 
 impl Merger {
     /// A merger for `sources` sources with room for `capacity` waiting reports each.
     pub fn new(sources: usize, capacity: usize) -> Self {
-        let waiting = || Waiting {
+        let queue = || SourceQueue {
             queue: VecDeque::with_capacity(capacity),
-            mark_ns: i64::MIN,
+            watermark_ns: i64::MIN,
             ended: false,
             next_sequence: 0,
         };
         Self {
-            sources: (0..sources).map(|_| waiting()).collect(),
+            sources: (0..sources).map(|_| queue()).collect(),
             capacity,
             worked_off_ns: i64::MIN,
         }
@@ -85,13 +85,13 @@ impl Merger {
         result
     }
 
-    /// `source` says that it will deliver nothing measured before `mark_ns`.
-    pub fn mark(&mut self, source: usize, mark_ns: i64) {
+    /// Notes a source's watermark: it will deliver nothing measured before `watermark_ns`.
+    pub fn set_watermark(&mut self, source: usize, watermark_ns: i64) {
         let waiting = &mut self.sources[source];
-        waiting.mark_ns = waiting.mark_ns.max(mark_ns);
+        waiting.watermark_ns = waiting.watermark_ns.max(watermark_ns);
     }
 
-    /// `source` says that nothing follows.
+    /// Notes that nothing follows from `source`.
     pub fn end(&mut self, source: usize) {
         self.sources[source].ended = true;
     }
@@ -118,13 +118,13 @@ impl Merger {
             .filter_map(|(index, waiting)| Some((index, waiting.queue.front()?.time_of_measurement_ns)))
             .min_by_key(|(index, time_ns)| (*time_ns, *index))?;
         let safe = self.sources.iter().enumerate().all(|(index, waiting)| {
-            // A source with a smaller number would go first at an equal time, so its mark must lie beyond.
+            // A source with a smaller number would go first at an equal time, so its watermark must lie beyond.
             let bound_ns = if index < first {
                 time_ns.saturating_add(1)
             } else {
                 time_ns
             };
-            waiting.ended || !waiting.queue.is_empty() || waiting.mark_ns >= bound_ns
+            waiting.ended || !waiting.queue.is_empty() || waiting.watermark_ns >= bound_ns
         });
         if !safe {
             return None;
@@ -141,7 +141,7 @@ impl Merger {
             .map(|waiting| match waiting.queue.front() {
                 Some(report) => report.time_of_measurement_ns,
                 None if waiting.ended => i64::MAX,
-                None => waiting.mark_ns,
+                None => waiting.watermark_ns,
             })
             .min()
             .unwrap_or(i64::MAX)
@@ -168,12 +168,12 @@ mod tests {
         let mut merger = Merger::new(2, 4);
         merger.push(0, &report(0, 0, 10));
         assert_eq!(merger.pop(), None, "source 1 may still be at 5");
-        merger.mark(1, 10);
+        merger.set_watermark(1, 10);
         assert_eq!(merger.pop().unwrap().source, 0, "source 1 comes second at equal times");
         merger.push(1, &report(1, 0, 20));
-        merger.mark(0, 20);
+        merger.set_watermark(0, 20);
         assert_eq!(merger.pop(), None, "source 0 would go first at 20");
-        merger.mark(0, 21);
+        merger.set_watermark(0, 21);
         assert_eq!(merger.pop().unwrap().source, 1);
         assert_eq!(merger.safe_ns(), 10, "source 1 has said nothing beyond 10");
         merger.end(0);
@@ -223,7 +223,7 @@ mod tests {
                 let stream = &streams[source];
                 for report in &stream[delivered[source]..stream.len().min(delivered[source].saturating_add(count))] {
                     prop_assert_eq!(merger.push(source, report), Pushed::Waiting);
-                    merger.mark(source, report.time_of_measurement_ns);
+                    merger.set_watermark(source, report.time_of_measurement_ns);
                     delivered[source] += 1;
                 }
                 if delivered[source] == stream.len() {

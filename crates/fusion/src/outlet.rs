@@ -2,12 +2,12 @@
 
 use messages::{Counter, SystemTrack};
 
-use crate::counts::Counts;
+use crate::engine_counters::EngineCounters;
 use crate::explanation::{Decision, Sink};
 
 /// The caller's sink beside the engine's counters.
 pub(crate) struct Outlet<'a, S> {
-    pub(crate) counts: &'a mut Counts,
+    pub(crate) counts: &'a mut EngineCounters,
     pub(crate) sink: &'a mut S,
 }
 

@@ -35,7 +35,7 @@ pub(crate) struct ReferencePoints {
     epoch: u32,
 }
 
-/// What of a measurement refers to the target's reference point.
+/// A measurement's relation to the target's reference point.
 pub(crate) struct Referred {
     /// Whether the measurement may be used.
     pub(crate) is_usable: bool,

@@ -34,19 +34,19 @@ type Block = SMatrix<f64, ERRORS, ERRORS>;
 
 /// Standard deviations of the errors before anything is known.
 const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
-/// What one sample counts for: errors of tracks persist over several reports.
+/// Weight of one sample: errors of tracks persist over several reports.
 const SAMPLE_WEIGHT: f64 = 0.25;
 /// Sweeps of Gauss–Seidel per tick.
 const SWEEPS: usize = 4;
 /// Work of one step of a solution, in visits to pairs: some ten microseconds. The source begun last is finished.
 const STEP_WORK: usize = 192;
-/// What factoring the equations of a source and solving them take, in such visits.
+/// Work of factoring the equations of a source, and of solving them, in such visits.
 const FACTOR_WORK: usize = 16;
 const SOLVE_WORK: usize = 4;
 /// Chi-square with two degrees of freedom beyond which a horizontal offset is removed, and below which it is no longer.
 const SIGNIFICANT_2: f64 = 13.8;
 const INSIGNIFICANT_2: f64 = 2.8;
-/// The same with one degree of freedom, for the other errors.
+/// Chi-square with one degree of freedom, likewise, for the other errors.
 const SIGNIFICANT_1: f64 = 10.8;
 const INSIGNIFICANT_1: f64 = 1.6;
 /// Samples of a source before any of its errors is removed.
@@ -58,7 +58,7 @@ const DIFFERENCE_GATE: f64 = 25.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     pub(crate) source: u16,
-    /// As reported, nothing removed, metres.
+    /// Position as reported, nothing removed, metres.
     pub(crate) position_m: [f64; AXES],
     pub(crate) covariance_m2: estimation::Matrix3,
     pub(crate) velocity_mps: [f64; AXES],
@@ -109,16 +109,16 @@ const EMPTY: Pair = Pair {
     right: Errors::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; 1])),
 };
 
-/// What is known of one source's errors.
+/// Systematic errors of one source, as far as they are known.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceErrors {
     /// The estimate.
     pub errors: Errors,
-    /// Its variances, same units squared.
+    /// Variances of the estimate, same units squared.
     pub variances: Errors,
     /// Samples that went into it, after forgetting.
     pub samples: f64,
-    /// Which of them are being removed from the source's reports.
+    /// Errors that are being removed from the source's reports.
     pub removed: [bool; ERRORS],
 }
 
@@ -127,10 +127,10 @@ pub struct SourceErrors {
 pub(crate) struct Registration {
     sources: Vec<SourceErrors>,
     pairs: Vec<Pair>,
-    /// With which sources each source was compared, as bits.
+    /// Sources with which each source was compared, as bits.
     partners: Vec<u64>,
     reference: Option<u16>,
-    /// What is left of the sums after one tick.
+    /// Share of the sums that is left after one tick.
     keep: f64,
     solution: Solution,
 }
@@ -169,7 +169,7 @@ impl Registration {
         }
     }
 
-    /// What is known of `source`.
+    /// Errors of `source`, as far as they are known.
     pub(crate) fn of(&self, source: u16) -> &SourceErrors {
         &self.sources[usize::from(source)]
     }

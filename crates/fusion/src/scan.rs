@@ -33,7 +33,7 @@ pub(crate) struct Scans {
     assigned: Vec<Assigned>,
 }
 
-/// What of one source's scan waits.
+/// The part of one source's scan that waits.
 #[derive(Debug)]
 struct Scan {
     waiting: Vec<SensorSlot>,

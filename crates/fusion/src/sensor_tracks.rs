@@ -8,8 +8,8 @@ use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
 use crate::description::Description;
 use crate::history::Histories;
 use crate::measurement::{Correction, gaussian_of};
+use crate::number_hasher::NumberHasher;
 use crate::quality::Qualities;
-use crate::track_numbers::TrackNumbers;
 
 /// Place of a sensor track in its table.
 pub(crate) type SensorSlot = u32;
@@ -17,12 +17,12 @@ pub(crate) type SensorSlot = u32;
 /// [`SensorEntry::system`] of a sensor track that belongs to no system track yet.
 pub(crate) const NO_SYSTEM: u32 = u32::MAX;
 
-/// What a sensor track is to its system track.
+/// Role of a sensor track in its system track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
-    /// It speaks for its source.
+    /// The one that contributes for its source.
     Primary,
-    /// Its source already has a primary there: another part of the same target, or a number not yet taken over.
+    /// One whose source already has a primary there: another part of the target, or a number not yet taken over.
     Duplicate,
 }
 
@@ -59,12 +59,12 @@ pub(crate) struct SensorEntry {
     /// System track it belongs to, or [`NO_SYSTEM`].
     pub(crate) system: u32,
     pub(crate) next: Link,
-    /// Its number at its source.
+    /// Number at the source.
     pub(crate) track_number: u32,
     /// Source of `latest`.
     pub(crate) source: u16,
     pub(crate) role: Role,
-    /// What `latest` wants noticed, and whether it says that the target is on the ground.
+    /// Alerts of `latest`, and whether it says that the target is on the ground.
     pub(crate) alerts: u8,
     pub(crate) on_ground: bool,
     /// Whether `latest` says that it is of a group, or of which type its target is.
@@ -81,7 +81,7 @@ pub(crate) struct SensorEntry {
     live: bool,
     /// Whether it waits for the end of its scan.
     pub(crate) waits: bool,
-    /// What was done to `latest`.
+    /// Correction that was made to `latest`.
     correction: Correction,
     /// Reports so far.
     pub(crate) reports: u32,
@@ -175,7 +175,7 @@ impl SensorEntry {
         self.misses = 0;
     }
 
-    /// It is about to belong to another system track: what it was to the last one says nothing.
+    /// Forgets what it was to its last system track, since it is about to belong to another one.
     pub(crate) fn forget_target(&mut self) {
         self.misfits = 0;
         self.competing = None;
@@ -192,7 +192,7 @@ impl SensorEntry {
 pub(crate) struct SensorTracks {
     entries: Vec<SensorEntry>,
     free: Vec<SensorSlot>,
-    by_number: HashMap<(u16, u32), SensorSlot, TrackNumbers>,
+    by_number: HashMap<(u16, u32), SensorSlot, NumberHasher>,
     /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the
     /// table ends.
     swept: usize,
@@ -208,7 +208,7 @@ impl SensorTracks {
     /// scans confirmed it; nothing but the latest report if `None`.
     pub(crate) fn new(capacity: usize, stored_reports: Option<usize>) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
-        let by_number = HashMap::with_capacity_and_hasher(2 * capacity, TrackNumbers::new(2 * capacity));
+        let by_number = HashMap::with_capacity_and_hasher(2 * capacity, NumberHasher::new(2 * capacity));
         Self {
             entries: vec![SensorEntry::default(); capacity],
             free: (0..capacity as SensorSlot).rev().collect(),

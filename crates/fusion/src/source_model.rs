@@ -29,7 +29,7 @@ const NOISE_SAMPLES_FIRST: u32 = 256;
 const NOISE_SAMPLE_EVERY: u32 = 64;
 /// Inflation below this is within what a consistent source shows by chance.
 const INFLATION_MIN: f64 = 1.3;
-/// Less than its logarithm.
+/// `ln(INFLATION_MIN)`, rounded down.
 const LOG_INFLATION_MIN: f64 = 0.26;
 /// Largest inflation of a covariance.
 const INFLATION_MAX: f64 = 1000.0;
@@ -66,7 +66,7 @@ impl Median {
     }
 }
 
-/// What is known of one source.
+/// Knowledge of one source.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SourceModel {
     horizontal_noise: Median,
@@ -80,11 +80,11 @@ pub(crate) struct SourceModel {
     inflation_trend: f64,
     /// Squared mean innovation over a sensor track, relative to what noise explains.
     spread_ratio: Median,
-    /// What noise explains, m² per axis.
+    /// Part of that which noise explains, m² per axis.
     spread_noise_m2: Median,
     /// Variance of recovered measurements, m² per axis.
     measured_m2: Median,
-    /// What these yield: see [`SourceModel::spread_m2`].
+    /// Variance per axis that these three yield, m²: see [`SourceModel::spread_m2`].
     spread_m2: f64,
     /// Probability that a scan sees a target that the source tracks.
     pub(crate) detection: f64,

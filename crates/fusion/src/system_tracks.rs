@@ -9,10 +9,10 @@ use messages::{Covariance, Identity, NO_SOURCE, TrackState};
 
 use crate::description::Description;
 use crate::filter::Filter;
+use crate::number_hasher::NumberHasher;
 use crate::rules::Memory;
 use crate::sensor_tracks::SensorSlot;
 use crate::state::State;
-use crate::track_numbers::TrackNumbers;
 
 /// Place of a system track in its table.
 pub(crate) type SystemSlot = u32;
@@ -23,7 +23,7 @@ pub(crate) struct SystemEntry {
     pub(crate) number: u32,
     pub(crate) life: TrackState,
     pub(crate) identity: Identity,
-    /// As last weighed.
+    /// State as last weighed.
     pub(crate) state: State,
     /// The system filter: what reports are compared with.
     pub(crate) filter: Filter,
@@ -41,7 +41,7 @@ pub(crate) struct SystemEntry {
     pub(crate) duplicate_due_ns: i64,
     /// When to note again which sources follow it, nanoseconds.
     pub(crate) coverage_due_ns: i64,
-    /// Its column while a scan is being assigned.
+    /// Column while a scan is being assigned.
     pub(crate) column: u32,
     /// First of its sensor tracks; the others are linked from there.
     pub(crate) members: Option<SensorSlot>,
@@ -51,11 +51,11 @@ pub(crate) struct SystemEntry {
     pub(crate) last_report_ns: i64,
     /// When the present contributions cease to be fresh, nanoseconds.
     pub(crate) fresh_until_ns: i64,
-    /// What the contributing sources want noticed.
+    /// Alerts of the contributing sources.
     pub(crate) alerts: u8,
     /// Whether a contributing source says that the target is on the ground.
     pub(crate) on_ground: bool,
-    /// What they say that it is.
+    /// Kind, members and type, as the contributing sources say.
     pub(crate) description: Description,
     /// Number of the system track it was merged into; 0 if it was not.
     pub(crate) merged_into: u32,
@@ -93,11 +93,11 @@ impl SystemEntry {
 #[derive(Debug)]
 pub(crate) struct SystemTracks {
     entries: Vec<SystemEntry>,
-    /// What the rule remembers of each; empty if it remembers nothing.
+    /// The rule's memory of each; empty if it has none.
     memories: Vec<Memory>,
     free: Vec<SystemSlot>,
     pub(crate) grid: Grid,
-    by_address: HashMap<u32, SystemSlot, TrackNumbers>,
+    by_address: HashMap<u32, SystemSlot, NumberHasher>,
     /// When each entry must be looked at next, earliest first. Every entry in use has exactly one deadline here; one
     /// that has become too early is put back when it comes up, so that a report costs no change to the heap.
     deadlines: BinaryHeap<Reverse<(i64, u32, SystemSlot)>>,
@@ -115,7 +115,7 @@ impl SystemTracks {
             memories: vec![Memory::default(); if remembers { capacity } else { 0 }],
             free: (0..capacity as SystemSlot).rev().collect(),
             grid: Grid::new(cell_m, capacity),
-            by_address: HashMap::with_capacity_and_hasher(2 * capacity, TrackNumbers::new(2 * capacity)),
+            by_address: HashMap::with_capacity_and_hasher(2 * capacity, NumberHasher::new(2 * capacity)),
             deadlines: BinaryHeap::with_capacity(capacity),
             next_number: 1,
             in_state: [0; TrackState::ALL.len()],
@@ -144,7 +144,7 @@ impl SystemTracks {
         &mut self.entries[slot as usize]
     }
 
-    /// What the rule, one that remembers, remembers of a system track.
+    /// Memory of a rule that has one, of a system track.
     pub(crate) fn memory(&self, slot: SystemSlot) -> &Memory {
         &self.memories[slot as usize]
     }

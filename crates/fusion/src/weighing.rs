@@ -20,7 +20,7 @@ pub(crate) struct Weigher<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) tracks: &'a Tracks,
     pub(crate) accuracies: &'a Accuracies,
-    /// What the contributions are gathered for.
+    /// Method of the rule that the contributions are gathered for.
     pub(crate) method: Method,
 }
 

@@ -107,7 +107,7 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
             sequences[source] += 1;
             merger.push(source, &report);
             for source in 0..3 {
-                merger.mark(source, report.time_of_measurement_ns);
+                merger.set_watermark(source, report.time_of_measurement_ns);
             }
             while let Some(report) = merger.pop() {
                 engine.take(&report, &mut |_: &SystemTrack| published += 1);

@@ -236,7 +236,7 @@ impl<S: Transport> FusionAgent<S> {
             }
             worked = true;
             if let Some(header) = taken_header {
-                merger.mark(index, header.progress_ns);
+                merger.set_watermark(index, header.progress_ns);
                 if header.flags & BatchHeader::END != 0 {
                     merger.end(index);
                 }
@@ -321,7 +321,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
     }
 }
 
-/// What the engine has learned of a source, as health messages carry it.
+/// Knowledge of a source's systematic errors, as health messages carry it.
 fn registration(engine: &Engine, source: u16) -> Registration {
     let Some(known) = engine.source_errors(source).filter(|known| known.samples > 0.0) else {
         return Registration::default();

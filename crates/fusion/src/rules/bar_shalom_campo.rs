@@ -28,7 +28,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     method: Method::Candidates(fuse),
 };
 
-/// What the model needs beside the inputs.
+/// Inputs of the model beside the states.
 struct CommonNoise {
     density_m2ps3: f64,
     period_s: f64,
@@ -61,7 +61,7 @@ impl Combination for CommonNoise {
     }
 }
 
-/// The same correlation on every axis, none between axes.
+/// Matrix with the same correlation on every axis, none between axes.
 fn spread<const D: usize>(correlation: &Matrix2<f64>) -> SMatrix<f64, D, D> {
     let axes = D / 2;
     SMatrix::from_fn(|row, column| {

@@ -52,7 +52,7 @@ fn choose(settings: &RuleSettings, candidates: &[Candidate], memory: &Memory, ax
     }
 }
 
-/// What two sources are compared by, most important first (TI-10, TI-11).
+/// Criteria by which two sources are compared, most important first (TI-10, TI-11).
 struct Key {
     lambda: f64,
     alpha: f64,

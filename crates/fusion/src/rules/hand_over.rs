@@ -21,7 +21,7 @@ pub(crate) struct HandOver {
     chosen: u16,
     /// Refreshes since it was chosen.
     refreshes: u32,
-    /// What it has got, in [0, 1].
+    /// Weight that it has got, in [0, 1].
     eta: f64,
     /// eta_0 from traces, where that decided the first refresh (TI-16).
     statistical: Option<f64>,

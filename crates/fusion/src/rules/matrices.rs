@@ -14,7 +14,7 @@ use nalgebra::{SMatrix, SVector};
 use super::{Candidate, Share, Target};
 use crate::state::State;
 
-/// What is added to a variance of 0, which claims to know exactly: (1 mm)², (1 mm/s)².
+/// Variance in place of 0, which claims to know exactly: (1 mm)², (1 mm/s)².
 const VARIANCE_MIN: f64 = 1e-6;
 /// x, y, vx, vy.
 const HORIZONTAL: [usize; 4] = [0, 1, 3, 4];

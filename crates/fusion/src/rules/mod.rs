@@ -36,14 +36,14 @@ pub struct RuleEntry {
     pub code: FusionRule,
     /// One line for help texts.
     pub summary: &'static str,
-    /// What the rule assumes about how the sources' errors are correlated (BF-1).
+    /// Assumption about how the sources' errors are correlated (BF-1).
     pub assumption: &'static str,
     /// Whether the covariance it gives is meant to be the true one, which the normalised error squared shows; otherwise
     /// it is a bound.
     pub claims_consistency: bool,
     /// Whether one point of each target is kept where the sources see different ones.
     pub keeps_points: bool,
-    /// Where its states come from.
+    /// Origin of its states.
     pub method: Method,
 }
 
@@ -59,7 +59,7 @@ impl RuleEntry {
     }
 }
 
-/// Where the states of a rule come from.
+/// Origin of the states of a rule.
 #[derive(Clone, Copy, Debug)]
 pub enum Method {
     /// The state is the estimate of the target's filter, and a source's share is what it contributed to that. Nothing
@@ -163,9 +163,9 @@ pub struct Candidate {
     pub trace_m2: Option<f64>,
     /// Quality index M: how many of the last scans confirmed the track (QF-4).
     pub quality: u32,
-    /// Its share in the estimate of the target's filter, not yet scaled to sum to 1.
+    /// Share in the estimate of the target's filter, not yet scaled to sum to 1.
     pub filter_share: f64,
-    /// Its latest report at the reference time.
+    /// Latest report, brought to the reference time.
     pub state: State,
 }
 
@@ -222,7 +222,7 @@ pub struct Share {
     pub repaired: bool,
 }
 
-/// What a rule that works on candidates remembers of one target between refreshes (TI-12).
+/// Memory of a rule that works on candidates: what it keeps of one target between refreshes (TI-12).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory {
     /// Source chosen last time, per axis; [`NO_SOURCE`] where the rule chooses none.

@@ -1,15 +1,15 @@
-//! What the engine counts.
+//! Counters of the engine.
 
 use messages::{Counter, Counters};
 
 /// Counters of the engine as a whole and of each source.
 #[derive(Clone, Debug)]
-pub struct Counts {
+pub struct EngineCounters {
     total: Counters,
     sources: Vec<Counters>,
 }
 
-impl Counts {
+impl EngineCounters {
     /// All zero, for `sources` sources.
     pub fn new(sources: usize) -> Self {
         Self {
@@ -20,20 +20,10 @@ impl Counts {
 
     /// One more of `counter`, for the whole and, if it exists, for `source`.
     pub fn add(&mut self, source: u16, counter: Counter) {
-        self.add_many(source, counter, 1);
-    }
-
-    /// `count` more of `counter`.
-    pub fn add_many(&mut self, source: u16, counter: Counter, count: u64) {
-        self.total[counter] += count;
+        self.total[counter] += 1;
         if let Some(counters) = self.sources.get_mut(usize::from(source)) {
-            counters[counter] += count;
+            counters[counter] += 1;
         }
-    }
-
-    /// Sets the level that `counter` shows for the whole.
-    pub fn set_level(&mut self, counter: Counter, level: u64) {
-        self.total[counter] = level;
     }
 
     /// Counters of the whole, indexed by [`Counter`].

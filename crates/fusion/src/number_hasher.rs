@@ -17,11 +17,11 @@ const TAG_SHIFT: u32 = 57;
 
 /// Makes hashes of (source, track number), or of an address, for a table of a certain size.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TrackNumbers {
+pub(crate) struct NumberHasher {
     places: u64,
 }
 
-impl TrackNumbers {
+impl NumberHasher {
     /// For a table with room for `capacity` numbers.
     pub(crate) fn new(capacity: usize) -> Self {
         Self {
@@ -31,7 +31,7 @@ impl TrackNumbers {
     }
 }
 
-impl BuildHasher for TrackNumbers {
+impl BuildHasher for NumberHasher {
     type Hasher = Place;
 
     fn build_hasher(&self) -> Place {
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn neighbours_lie_side_by_side_sources_apart_and_multiples_scattered() {
-        let numbers = TrackNumbers::new(50_000);
+        let numbers = NumberHasher::new(50_000);
         let place = |source: u16, number: u32| numbers.hash_one((source, number)) & 0xffff;
         assert_eq!(place(0, 5), place(0, 4) + 1);
         assert_ne!(
