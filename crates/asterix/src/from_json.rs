@@ -1,8 +1,8 @@
 //! Records out of JSON: the inverse of how [`named`](super::named) writes them.
 //!
 //! JSON has one kind of number and one of text, a record has several of each: a code, a number with sign or a quantity,
-//! characters or octets. The table says which is meant. A name that the table does not know, or a value of a kind that it
-//! does not take, is an error that names the place; whether a value fits into its bits is for
+//! characters or octets. The table says which is meant. A name that the table does not know, or a value of a kind that
+//! it does not take, is an error that names the place; whether a value fits into its bits is for
 //! [`NamedRecord::encode`] to say.
 
 use serde_json::{Map, Value as Json};

@@ -2,7 +2,8 @@
 //!
 //! iceoryx2 refuses to open a service with larger demands than its creator made, and its defaults (two publishers,
 //! buffers of two, a publisher that waits) suit nobody here. So all who create or open a topic describe it through
-//! [`describe_slices`] and [`describe_wake_ups`], from the topic's own [`Capacity`], and no setting is left to a default.
+//! [`describe_slices`] and [`describe_wake_ups`], from the topic's own [`Capacity`], and no setting is left to a
+//! default.
 //!
 //! A topic is two iceoryx2 services of one name: *slices* (publish-subscribe of `[T]` with a
 //! [`BatchHeader`] as user header) and *wake-ups* (events). They are apart so that one who spins, or polls, costs a

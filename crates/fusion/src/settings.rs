@@ -433,8 +433,8 @@ pub struct SourceSettings {
 }
 
 impl SourceSettings {
-    /// The source called `name`, whose sensor stands at `place_m` (east and north, metres) and reports every `period_s`. It is
-    /// weighed as the file says, else it has this `accuracy` and `priority`.
+    /// The source called `name`, whose sensor stands at `place_m` (east and north, metres) and reports every
+    /// `period_s`. It is weighed as the file says, else it has this `accuracy` and `priority`.
     ///
     /// # Errors
     /// If its reports are not fresh for a period.

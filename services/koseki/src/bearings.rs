@@ -1,8 +1,8 @@
 //! `koseki bearings`: snapshots of an antenna array into bearings (EL-1), as `koseki locate` reads them (FM-7).
 //!
-//! The measurement itself is that of [`locating::music`]; here rows of one time are gathered, and of what was measured the
-//! bearings are written that say one thing: inside the sector in which the antennas hear, and with no other bearing there
-//! that explains the snapshots as well.
+//! The measurement itself is that of [`locating::music`]; here rows of one time are gathered, and of what was measured
+//! the bearings are written that say one thing: inside the sector in which the antennas hear, and with no other bearing
+//! there that explains the snapshots as well.
 
 use std::f64::consts::TAU;
 use std::fs;

@@ -1,8 +1,8 @@
 //! `koseki encode`: records as lines of JSON into data blocks of ASTERIX (FM-11), the inverse of `koseki decode`.
 //!
-//! Successive records of one category share a block as long as it fits a datagram. A record that cannot be written as it
-//! stands is left out, counted by place and told on standard error; what was written instead would be read as something
-//! else.
+//! Successive records of one category share a block as long as it fits a datagram. A record that cannot be written as
+//! it stands is left out, counted by place and told on standard error; what was written instead would be read as
+//! something else.
 
 use std::collections::BTreeMap;
 use std::io::{self, BufRead, BufReader, Write};
@@ -24,7 +24,8 @@ const BLOCK_OCTETS_MAX: u16 = 1400;
 /// Encodes.
 ///
 /// # Errors
-/// If what is asked for makes no sense, a file cannot be read or written or, where `strict`, a record cannot be written.
+/// If what is asked for makes no sense, a file cannot be read or written or, where `strict`, a record cannot be
+/// written.
 pub(crate) fn run(encode: &Encode) -> anyhow::Result<()> {
     if is_same_file(&encode.out, &encode.file) {
         return Err(Usage(format!(

@@ -15,13 +15,14 @@ settings::settings! {
         frequency_max_hz: f64, in [above 0];
         /// Direction of the array's forward axis, clockwise from the platform's heading.
         forward_deg: Degrees = Degrees::of(0.0), in [-360, 360];
-        /// Sector in which the antennas hear, clockwise from the first angle to the second, from the forward axis. What comes
-        /// from elsewhere is left out; so a line of antennas, which hears left and right alike, is told which side is meant.
+        /// Sector in which the antennas hear, clockwise from the first angle to the second, from the forward axis. What
+        /// comes from elsewhere is left out; so a line of antennas, which hears left and right alike, is told which
+        /// side is meant.
         sector_deg: [Degrees; 2] = [Degrees::of(0.0), Degrees::of(360.0)], in [-360, 360];
         /// Number of transmitters, where it is known.
         transmitters: Option<usize> = None, in [1, 1000], usually "estimated";
-        /// How the number is estimated: minimum description length, or Akaike's criterion, which finds weak ones earlier and
-        /// one too many now and then.
+        /// How the number is estimated: minimum description length, or Akaike's criterion, which finds weak ones
+        /// earlier and one too many now and then.
         criterion: Criterion = Criterion::Mdl;
         /// Standard deviation of what calibration leaves of an antenna's phase error.
         phase_sigma_deg: Degrees = Degrees::of(0.0), in [0, 180];
