@@ -22,7 +22,7 @@ use crate::waiter::BACKSTOP;
 /// Places of a service: one process at each end, and their successors.
 const ENDS: usize = 2;
 
-/// What both ends must agree upon.
+/// Settings that both ends must agree upon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BareSettings {
     /// Slices that wait before the oldest is dropped.

@@ -34,7 +34,7 @@ type Slices<S> = publish_subscribe::PortFactory<S, Octets, Header>;
 
 /// How long a topic that does not exist (yet) is asked for.
 const OPEN_PATIENCE: Duration = Duration::from_millis(500);
-/// Of a topic with few publishers.
+/// The same for a topic with few publishers.
 const FEW_LEAVERS: usize = 8;
 /// Pause between two tries.
 const OPEN_PAUSE: Duration = Duration::from_millis(10);
@@ -299,7 +299,7 @@ impl Held {
     }
 }
 
-/// What [`Bus::remove_dead`] did.
+/// Outcome of [`Bus::remove_dead`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeadProcesses {
     /// Dead processes whose memory and places were taken back.

@@ -1,4 +1,4 @@
-//! What can go wrong, and what to do about it.
+//! Errors, each with what to do about it.
 //!
 //! Every message names the thing concerned, what was tried, the limit where there is one, and the remedy. Errors that
 //! can occur in the steady state own no heap memory of their own: a topic's name is shared with the port.
@@ -34,7 +34,7 @@ pub enum BusError {
     PathTooLong {
         /// The folder.
         path: PathBuf,
-        /// Its length in bytes.
+        /// Length of the path in bytes.
         length: usize,
         /// Most bytes.
         limit: usize,
@@ -70,7 +70,7 @@ pub enum BusError {
     StillUsed {
         /// The instance.
         instance: String,
-        /// Who uses it.
+        /// Processes that use it.
         processes: Vec<Process>,
     },
 
@@ -84,7 +84,7 @@ pub enum BusError {
     /// A file operation failed.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// What was tried.
+        /// Attempt that failed.
         action: &'static str,
         /// On which file or folder.
         path: PathBuf,
@@ -102,7 +102,7 @@ pub enum BusError {
         process: String,
         /// The instance.
         instance: String,
-        /// Its folder.
+        /// Folder of the instance.
         path: PathBuf,
         /// iceoryx2's word for it.
         reason: String,
@@ -147,7 +147,7 @@ pub enum BusError {
     Topic {
         /// The topic.
         topic: Arc<str>,
-        /// What was tried.
+        /// Attempt that failed.
         action: &'static str,
         /// iceoryx2's word for it.
         reason: String,
@@ -202,9 +202,9 @@ pub enum BusError {
     Space {
         /// Where the shared memory is.
         path: PathBuf,
-        /// What the topics need.
+        /// Octets that the topics need.
         needed: u64,
-        /// What is free.
+        /// Octets that are free.
         free: u64,
     },
 }

@@ -3,7 +3,7 @@
 /// A live process that has joined an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Process {
-    /// Its number; 0 if it cannot be read.
+    /// Number in the operating system; 0 if it cannot be read.
     pub pid: u32,
     /// The name it gave itself.
     pub name: String,

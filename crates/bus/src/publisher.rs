@@ -38,7 +38,7 @@ pub struct Publisher<S: Transport, T: Payload> {
     failed_connections: Arc<AtomicU64>,
 }
 
-/// What a send says besides its samples: see [`BatchHeader`].
+/// Statements of a send besides its samples: see [`BatchHeader`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mark {
     /// No sample of a later send will have a time of measurement before this (UTC, ns); `i64::MIN` if unknown.
@@ -49,7 +49,7 @@ pub struct Mark {
     pub end: bool,
 }
 
-/// What a publisher has counted since it was made.
+/// Counts of a publisher since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PublisherCounts {
     /// Samples sent.
@@ -166,7 +166,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self.slice_len
     }
 
-    /// What has been counted.
+    /// Counts so far.
     pub fn counts(&self) -> PublisherCounts {
         PublisherCounts {
             failed_connections: self.failed_connections.load(Ordering::Relaxed),

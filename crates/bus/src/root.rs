@@ -41,7 +41,7 @@ pub(crate) const SHARED_MEMORY_DIR: &str = "/dev/shm";
 
 /// Longest path of a socket that the system accepts.
 const SOCKET_PATH_MAX: usize = 107;
-/// What iceoryx2 appends to the folder for a socket, besides the prefix: '/', a 128-bit number, ".event".
+/// Length that iceoryx2 appends to the folder for a socket, besides the prefix: '/', a 128-bit number, ".event".
 const SOCKET_NAME_LEN: usize = 1 + 39 + 6;
 /// Letters of the prefix: 'k', eight hexadecimal digits, '_'.
 const PREFIX_LEN: usize = 10;
@@ -361,7 +361,7 @@ impl Claim {
         &self.root
     }
 
-    /// What an earlier run had left behind.
+    /// Remains of an earlier run.
     pub fn wiped(&self) -> Wiped {
         self.wiped
     }
@@ -411,7 +411,7 @@ pub struct Instance {
     pub root: Root,
     /// Whether a live process runs it.
     pub runs: bool,
-    /// That process's number.
+    /// Number of that process in the operating system.
     pub pid: Option<u32>,
 }
 

@@ -45,7 +45,7 @@ pub struct Subscriber<S: Transport, T: Payload> {
     failed_connections: Arc<AtomicU64>,
 }
 
-/// What [`Subscriber::receive`] found.
+/// Outcome of [`Subscriber::receive`].
 #[derive(Debug)]
 pub enum Received<S: Transport, T: Payload> {
     /// The next slice.
@@ -61,13 +61,13 @@ pub enum Received<S: Transport, T: Payload> {
 pub struct Slice<S: Transport, T: Payload>(iceoryx2::sample::Sample<S, Octets, Header>, PhantomData<fn() -> T>);
 
 impl<S: Transport, T: Payload> Slice<S, T> {
-    /// What its publisher says of it.
+    /// Header that its publisher has written.
     pub fn header(&self) -> &BatchHeader {
         // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place, and any bits are one.
         unsafe { &*std::ptr::from_ref(self.0.user_header()).cast() }
     }
 
-    /// Its samples.
+    /// Samples of the slice.
     pub fn samples(&self) -> &[T] {
         let octets = self.0.payload();
         // SAFETY: the topic was opened with the size and alignment of `T`, so the octets are whole samples; any bits are one.
@@ -75,7 +75,7 @@ impl<S: Transport, T: Payload> Slice<S, T> {
     }
 }
 
-/// What a subscriber has counted since it was made.
+/// Counts of a subscriber since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SubscriberCounts {
     /// Samples taken.
@@ -182,7 +182,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         &self.topic
     }
 
-    /// What has been counted.
+    /// Counts so far.
     pub fn counts(&self) -> SubscriberCounts {
         SubscriberCounts {
             failed_connections: self.failed_connections.load(Ordering::Relaxed),
@@ -231,12 +231,12 @@ struct Followed {
     last_age: u64,
 }
 
-/// What a slice's place in its publisher's sequence says.
+/// Place of a slice in its publisher's sequence.
 #[derive(Debug, PartialEq, Eq)]
 enum Step {
-    /// It follows the previous one, perhaps after a gap.
+    /// After the previous one, perhaps with a gap.
     Next { skipped: u64 },
-    /// Its first sample's number had been passed already.
+    /// Before a place that had been passed already.
     Passed,
 }
 

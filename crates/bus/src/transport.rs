@@ -23,12 +23,12 @@ pub trait Transport: iceoryx2::service::Service + sealed::Sealed + 'static {
     /// Whether other processes can see the topics, so that one of them must hold the instance's claim.
     const CROSSES_PROCESSES: bool;
 
-    /// What becomes readable when `listener` is notified.
+    /// Descriptor that becomes readable when `listener` is notified.
     #[doc(hidden)]
     fn descriptor(listener: &Listener<Self>) -> BorrowedFd<'_>;
 }
 
-/// What a topic can carry: a sample declared in the `messages` crate.
+/// Sample that a topic can carry: one declared in the `messages` crate.
 pub trait Payload: Sample + ZeroCopySend + Debug + 'static {}
 
 impl<T: Sample + ZeroCopySend + Debug + 'static> Payload for T {}

@@ -222,7 +222,7 @@ typedef struct KosekiSensorTrack {
     uint32_t track_number; /* Number of the sensor track at its source. */
     uint16_t source; /* Source: its number in the configuration (TI-2). */
     uint16_t valid; /* Which fields hold something: see `sensor_track_bits`. */
-    KosekiIdentity identity; /* Who the target says it is. */
+    KosekiIdentity identity; /* Identity of the target, as far as it is known. */
     double position_m[3]; /* Position east, north, up, metres. */
     double velocity_mps[3]; /* Velocity east, north, up, metres per second. */
     KosekiCovariance covariance; /* Covariance of position and velocity. */
@@ -230,8 +230,8 @@ typedef struct KosekiSensorTrack {
     double trace_m2; /* Trace of the source's position covariance over east and north, square metres. */
     uint8_t state; /* State of the track at its source: a `TrackState` code. */
     uint8_t method; /* Observation method at the source, as numbered by its format; 0 if it has one only. */
-    uint8_t alerts; /* What the target or its source wants noticed: see `alert_bits`. */
-    uint8_t kind; /* What the track follows: a `TrackKind` code. */
+    uint8_t alerts; /* Alerts of the target or its source: see `alert_bits`. */
+    uint8_t kind; /* Kind of what the track follows: a `TrackKind` code. */
     uint16_t members; /* Expected number of members of a group; 0 for a single target. */
     uint16_t reserved; /* Reserved, 0. */
     KosekiTargetType target_type; /* Type of the target. */
@@ -357,7 +357,7 @@ typedef struct KosekiWideArea {
     uint64_t sequence; /* The report's sequence number at its publisher. */
     KosekiStageTimes stages; /* Stages passed so far. */
     double position_m[3]; /* Middle of the targets at the time of observation, metres east, north and up. */
-    double velocity_mps[3]; /* Their mean velocity east, north, up, metres per second. */
+    double velocity_mps[3]; /* Mean velocity of the targets east, north, up, metres per second. */
     double origin_m[2]; /* Where they came from, metres east and north. */
     uint32_t targets; /* Number of targets; 0 says that there were none. */
     uint16_t sensor; /* The wide-area sensor: its number in the configuration. */
@@ -510,16 +510,16 @@ typedef struct KosekiRegistration {
     double offset_m[3]; /* Estimated offset of the reports from the true positions (east, north, up), metres. */
     double offset_sigma_m[3]; /* Standard deviations of the offset, metres. */
     double time_offset_s; /* Estimated time offset, seconds; positive if the reports show where the target was earlier. */
-    double time_offset_sigma_s; /* Its standard deviation, seconds. */
+    double time_offset_sigma_s; /* Standard deviation of the time offset, seconds. */
     double range_bias_m; /* Estimated range bias, metres. */
-    double range_bias_sigma_m; /* Its standard deviation, metres. */
+    double range_bias_sigma_m; /* Standard deviation of the range bias, metres. */
     double azimuth_bias_rad; /* Estimated azimuth bias, clockwise, radians. */
-    double azimuth_bias_sigma_rad; /* Its standard deviation, radians. */
+    double azimuth_bias_sigma_rad; /* Standard deviation of the azimuth bias, radians. */
     double covariance_inflation; /* Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not. */
     uint32_t removed; /* Which of the errors are being removed from the source's reports: `registration_bits`. */
     uint32_t reserved; /* Reserved, 0. */
     double clock_offset_s; /* Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
-    double clock_offset_sigma_s; /* Its standard deviation, seconds; 0: unknown. */
+    double clock_offset_sigma_s; /* Standard deviation of the clock offset, seconds; 0: unknown. */
     uint64_t spare[4]; /* Reserved, 0. */
 } KosekiRegistration;
 static_assert(sizeof(KosekiRegistration) == 168, "size");
@@ -551,7 +551,7 @@ typedef struct KosekiHealth {
     int64_t progress_ns; /* How far the process has got in the time of its data, UTC, nanoseconds; i64::MIN if unknown. */
     uint32_t process_id; /* Operating system's process number. */
     uint16_t source; /* Source that the counters speak of; 65535 for the process as a whole. */
-    uint8_t kind; /* What kind of process: a `ProcessKind` code. */
+    uint8_t kind; /* Kind of the process: a `ProcessKind` code. */
     uint8_t life; /* A `LifeState` code. */
     uint32_t restarts; /* Restarts of the process so far, as its launcher counts them. */
     uint32_t reserved; /* Reserved, 0. */

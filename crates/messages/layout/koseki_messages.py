@@ -279,7 +279,7 @@ class SensorTrack(ctypes.Structure):
         ("track_number", ctypes.c_uint32),  # Number of the sensor track at its source.
         ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
         ("valid", ctypes.c_uint16),  # Which fields hold something: see `sensor_track_bits`.
-        ("identity", Identity),  # Who the target says it is.
+        ("identity", Identity),  # Identity of the target, as far as it is known.
         ("position_m", ctypes.c_double * 3),  # Position east, north, up, metres.
         ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
         ("covariance", Covariance),  # Covariance of position and velocity.
@@ -287,8 +287,8 @@ class SensorTrack(ctypes.Structure):
         ("trace_m2", ctypes.c_double),  # Trace of the source's position covariance over east and north, square metres.
         ("state", ctypes.c_uint8),  # State of the track at its source: a `TrackState` code.
         ("method", ctypes.c_uint8),  # Observation method at the source, as numbered by its format; 0 if it has one only.
-        ("alerts", ctypes.c_uint8),  # What the target or its source wants noticed: see `alert_bits`.
-        ("kind", ctypes.c_uint8),  # What the track follows: a `TrackKind` code.
+        ("alerts", ctypes.c_uint8),  # Alerts of the target or its source: see `alert_bits`.
+        ("kind", ctypes.c_uint8),  # Kind of what the track follows: a `TrackKind` code.
         ("members", ctypes.c_uint16),  # Expected number of members of a group; 0 for a single target.
         ("reserved", ctypes.c_uint16),  # Reserved, 0.
         ("target_type", TargetType),  # Type of the target.
@@ -446,7 +446,7 @@ class WideArea(ctypes.Structure):
         ("sequence", ctypes.c_uint64),  # The report's sequence number at its publisher.
         ("stages", StageTimes),  # Stages passed so far.
         ("position_m", ctypes.c_double * 3),  # Middle of the targets at the time of observation, metres east, north and up.
-        ("velocity_mps", ctypes.c_double * 3),  # Their mean velocity east, north, up, metres per second.
+        ("velocity_mps", ctypes.c_double * 3),  # Mean velocity of the targets east, north, up, metres per second.
         ("origin_m", ctypes.c_double * 2),  # Where they came from, metres east and north.
         ("targets", ctypes.c_uint32),  # Number of targets; 0 says that there were none.
         ("sensor", ctypes.c_uint16),  # The wide-area sensor: its number in the configuration.
@@ -639,16 +639,16 @@ class Registration(ctypes.Structure):
         ("offset_m", ctypes.c_double * 3),  # Estimated offset of the reports from the true positions (east, north, up), metres.
         ("offset_sigma_m", ctypes.c_double * 3),  # Standard deviations of the offset, metres.
         ("time_offset_s", ctypes.c_double),  # Estimated time offset, seconds; positive if the reports show where the target was earlier.
-        ("time_offset_sigma_s", ctypes.c_double),  # Its standard deviation, seconds.
+        ("time_offset_sigma_s", ctypes.c_double),  # Standard deviation of the time offset, seconds.
         ("range_bias_m", ctypes.c_double),  # Estimated range bias, metres.
-        ("range_bias_sigma_m", ctypes.c_double),  # Its standard deviation, metres.
+        ("range_bias_sigma_m", ctypes.c_double),  # Standard deviation of the range bias, metres.
         ("azimuth_bias_rad", ctypes.c_double),  # Estimated azimuth bias, clockwise, radians.
-        ("azimuth_bias_sigma_rad", ctypes.c_double),  # Its standard deviation, radians.
+        ("azimuth_bias_sigma_rad", ctypes.c_double),  # Standard deviation of the azimuth bias, radians.
         ("covariance_inflation", ctypes.c_double),  # Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
         ("removed", ctypes.c_uint32),  # Which of the errors are being removed from the source's reports: `registration_bits`.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
         ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
-        ("clock_offset_sigma_s", ctypes.c_double),  # Its standard deviation, seconds; 0: unknown.
+        ("clock_offset_sigma_s", ctypes.c_double),  # Standard deviation of the clock offset, seconds; 0: unknown.
         ("spare", ctypes.c_uint64 * 4),  # Reserved, 0.
     ]
 
@@ -696,7 +696,7 @@ class Health(ctypes.Structure):
         ("progress_ns", ctypes.c_int64),  # How far the process has got in the time of its data, UTC, nanoseconds; i64::MIN if unknown.
         ("process_id", ctypes.c_uint32),  # Operating system's process number.
         ("source", ctypes.c_uint16),  # Source that the counters speak of; 65535 for the process as a whole.
-        ("kind", ctypes.c_uint8),  # What kind of process: a `ProcessKind` code.
+        ("kind", ctypes.c_uint8),  # Kind of the process: a `ProcessKind` code.
         ("life", ctypes.c_uint8),  # A `LifeState` code.
         ("restarts", ctypes.c_uint32),  # Restarts of the process so far, as its launcher counts them.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.

@@ -1,4 +1,4 @@
-//! What consumers tell producers, and operators tell fusion.
+//! Messages of consumers to producers, and of operators to fusion.
 
 use crate::layout::sample;
 

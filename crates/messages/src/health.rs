@@ -1,4 +1,4 @@
-//! What every process says about itself, several times a second.
+//! Messages of every process about itself, several times a second.
 
 use crate::codes;
 use crate::layout::sample;
@@ -23,7 +23,7 @@ sample! {
         process_id: u32,
         /// Source that the counters speak of; 65535 for the process as a whole.
         source: u16 = NO_SOURCE,
-        /// What kind of process: a `ProcessKind` code.
+        /// Kind of the process: a `ProcessKind` code.
         kind: u8,
         /// A `LifeState` code.
         life: u8,
@@ -48,7 +48,7 @@ impl Health {
         text(&self.name)
     }
 
-    /// What is wrong, or an empty string; where an adapter speaks of one of its sources, the source's name.
+    /// Trouble of the process, or an empty string; where an adapter speaks of one of its sources, the source's name.
     pub fn note(&self) -> &str {
         text(&self.note)
     }

@@ -152,7 +152,7 @@ impl Identity {
         self
     }
 
-    /// What this identity lacks, taken from `other`.
+    /// This identity, with what it lacks taken from `other`.
     #[must_use]
     pub fn or(mut self, other: &Self) -> Self {
         if self.kind == IdentityKind::None.code() {

@@ -1,4 +1,4 @@
-//! What travels in shared memory: fixed-layout samples, and the topics that carry them (PL-2, PL-8).
+//! Samples of fixed layout that travel in shared memory, and the topics that carry them (PL-2, PL-8).
 //!
 //! Processes that were built apart, perhaps in other languages, read the same bytes. So every sample is
 //! `#[repr(C)]`, holds no pointer, spells out its padding, and has its size asserted at compile time. The

@@ -1,4 +1,4 @@
-//! What fusion has learned of the systematic errors of one source (BF-3).
+//! Systematic errors of one source, as fusion has learned them (BF-3).
 
 use std::fmt;
 
@@ -24,7 +24,7 @@ bits! {
 }
 
 sample! {
-    /// What fusion has learned of the systematic errors of one source (BF-3) and of the truth of its covariances
+    /// Systematic errors of one source, as fusion has learned them (BF-3), and the truth of its covariances
     /// (BF-5).
     Registration, size 168 {
         /// Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known.
@@ -35,15 +35,15 @@ sample! {
         offset_sigma_m: [f64; 3],
         /// Estimated time offset, seconds; positive if the reports show where the target was earlier.
         time_offset_s: f64,
-        /// Its standard deviation, seconds.
+        /// Standard deviation of the time offset, seconds.
         time_offset_sigma_s: f64,
         /// Estimated range bias, metres.
         range_bias_m: f64,
-        /// Its standard deviation, metres.
+        /// Standard deviation of the range bias, metres.
         range_bias_sigma_m: f64,
         /// Estimated azimuth bias, clockwise, radians.
         azimuth_bias_rad: f64,
-        /// Its standard deviation, radians.
+        /// Standard deviation of the azimuth bias, radians.
         azimuth_bias_sigma_rad: f64,
         /// Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
         covariance_inflation: f64 = 1.0,
@@ -53,7 +53,7 @@ sample! {
         reserved: u32,
         /// Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         clock_offset_s: f64,
-        /// Its standard deviation, seconds; 0: unknown.
+        /// Standard deviation of the clock offset, seconds; 0: unknown.
         clock_offset_sigma_s: f64,
         /// Reserved, 0.
         spare: [u64; 4],

@@ -1,4 +1,4 @@
-//! What a sensor saw, before anybody made a track of it.
+//! Detections of a sensor, before anybody makes tracks of them.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -99,7 +99,7 @@ impl DetectionKind {
 }
 
 impl Quantity {
-    /// What is wrong with a finite value of this quantity, and what to do about it; `None` if nothing is.
+    /// Fault of a finite value of this quantity, and what to do about it; `None` if it has none.
     pub fn fault(self, value: f64) -> Option<&'static str> {
         match self {
             Self::East | Self::North | Self::Up => None,

@@ -1,4 +1,4 @@
-//! What an adapter reports.
+//! Reports of adapters to fusion.
 
 use crate::codes::bits;
 use crate::layout::sample;
@@ -63,7 +63,7 @@ sample! {
         source: u16,
         /// Which fields hold something: see `sensor_track_bits`.
         valid: u16,
-        /// Who the target says it is.
+        /// Identity of the target, as far as it is known.
         identity: Identity,
         /// Position east, north, up, metres.
         position_m: [f64; 3],
@@ -79,9 +79,9 @@ sample! {
         state: u8,
         /// Observation method at the source, as numbered by its format; 0 if it has one only.
         method: u8,
-        /// What the target or its source wants noticed: see `alert_bits`.
+        /// Alerts of the target or its source: see `alert_bits`.
         alerts: u8,
-        /// What the track follows: a `TrackKind` code.
+        /// Kind of what the track follows: a `TrackKind` code.
         kind: u8,
         /// Expected number of members of a group; 0 for a single target.
         members: u16,

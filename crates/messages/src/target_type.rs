@@ -1,4 +1,4 @@
-//! What type of target a track is of.
+//! Type of a track's target.
 
 use crate::layout::sample;
 

@@ -196,7 +196,7 @@ pub fn platform_states(platform_name: &str) -> Topic<PlatformState> {
     Topic::new(format!("platform/{platform_name}/state"), capacity)
 }
 
-/// What a wide-area sensor says: read by every tracker that listens to it, and by the recorder.
+/// Reports of a wide-area sensor: read by every tracker that listens to it, and by the recorder.
 pub fn wide_area(sensor_name: &str) -> Topic<WideArea> {
     let capacity = Capacity {
         depth: 64,

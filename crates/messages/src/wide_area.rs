@@ -25,7 +25,7 @@ sample! {
         stages: StageTimes,
         /// Middle of the targets at the time of observation, metres east, north and up.
         position_m: [f64; 3],
-        /// Their mean velocity east, north, up, metres per second.
+        /// Mean velocity of the targets east, north, up, metres per second.
         velocity_mps: [f64; 3],
         /// Where they came from, metres east and north.
         origin_m: [f64; 2],

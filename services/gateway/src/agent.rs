@@ -35,7 +35,7 @@ pub(crate) struct GatewayAgent<S: Transport> {
     next_status_ns: i64,
 }
 
-/// What is sent.
+/// Tracks that are sent.
 #[derive(Debug)]
 enum Content<S: Transport> {
     System(Box<Picture<S, SystemTrack, SystemReports>>, Box<StatusReports>),

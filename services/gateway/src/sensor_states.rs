@@ -13,7 +13,7 @@ const DELIVERY_MAX_NS: i64 = 15_000_000_000;
 /// A process that has not spoken for so long is gone, nanoseconds; it speaks several times a second.
 const SPEECH_MAX_NS: i64 = 2_000_000_000;
 
-/// What is known of fusion and of the sensors of all sources, in the order of their numbers.
+/// States of fusion and of the sensors of all sources, in the order of their numbers.
 #[derive(Debug)]
 pub(crate) struct SensorStates {
     fusion_spoke_ns: i64,

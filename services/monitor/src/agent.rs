@@ -187,7 +187,7 @@ impl<S: Transport> MonitorAgent<S> {
         Ok(length_ns)
     }
 
-    /// What is wrong; empty if nothing is.
+    /// Trouble in a few words; empty if there is none.
     fn note(&self) -> String {
         let of_files = self.files.as_ref().map(Files::note).filter(|note| !note.is_empty());
         let of_metrics = || match &self.metrics {
@@ -197,7 +197,7 @@ impl<S: Transport> MonitorAgent<S> {
         of_files.or_else(of_metrics).unwrap_or_default()
     }
 
-    /// Those who end together with the monitor may need a moment more than it does.
+    /// Wait for the processes that end together with the monitor: they may need a moment more than it does.
     fn wait_for_last_words(&mut self) -> anyhow::Result<()> {
         for _ in 0..LOOKS_FOR_LAST_WORDS {
             self.take_all()?;

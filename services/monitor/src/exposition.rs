@@ -1,4 +1,4 @@
-//! What is known, as metrics in the OpenMetrics text format, which Prometheus collects.
+//! Metrics in the OpenMetrics text format, which Prometheus collects.
 //!
 //! Latencies are histograms, not summaries: quantiles that each process has worked out for itself cannot be combined
 //! over sources, instances or longer stretches of time, counts in common buckets can (`histogram_quantile` does it).
@@ -19,12 +19,12 @@ use telemetry::{BUCKET_BOUNDS_NS, Buckets, Irregularities, Stage};
 
 use crate::report::{Picture, Process, RunSettings, State};
 
-/// Of what is served.
+/// Media type of what is served.
 pub(crate) const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
 const NS_PER_S: f64 = 1e9;
 
-/// What is known at the end of an interval.
+/// State of the deployment at the end of an interval.
 #[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
     pub(crate) settings: RunSettings,
@@ -48,7 +48,7 @@ pub(crate) struct StageSample {
     pub(crate) late: Option<u64>,
 }
 
-/// What one process counted, of a source or, where that is empty, altogether.
+/// Counts of one process, for a source or, where that is empty, altogether.
 #[derive(Clone, Debug)]
 pub(crate) struct Counted {
     pub(crate) kind: ProcessKind,

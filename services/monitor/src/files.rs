@@ -19,7 +19,7 @@ use crate::report::Report;
 /// Nanoseconds in the unit of the percentile files.
 const NS_PER_US: f64 = 1e3;
 
-/// See the module's documentation.
+/// Files of a report.
 pub(crate) struct Files {
     folder: PathBuf,
     log: Result<IntervalLog<BufWriter<File>>, anyhow::Error>,
@@ -61,7 +61,7 @@ impl Files {
         }
     }
 
-    /// What is wrong; empty if nothing is.
+    /// Trouble in a few words; empty if there is none.
     pub(crate) fn note(&self) -> String {
         let error = self.log.as_ref().err();
         error.map_or_else(String::new, |error| format!("{error:#}"))

@@ -1,4 +1,4 @@
-//! What every process has said of itself, and what the launcher says of it.
+//! Health messages of every process, and what the launcher says of each.
 //!
 //! A process counts from its start, so a restarted one begins at 0. Counters here go on: those of earlier incarnations
 //! are kept and added. An incarnation is told from the next by its start time, which every health message carries.
@@ -20,7 +20,7 @@ const SILENT_AFTER_NS: i64 = 1_000_000_000;
 /// Most things that are spoken of: some 100 processes, three of which speak of 64 sources each, and spare ones.
 const SPEAKERS_MAX: usize = 1024;
 
-/// See the module's documentation.
+/// Book of the health messages.
 #[derive(Clone, Debug)]
 pub(crate) struct HealthBook {
     sources: usize,
@@ -29,7 +29,7 @@ pub(crate) struct HealthBook {
     ignored: u64,
 }
 
-/// What one process says of itself as a whole, or of one source.
+/// Messages of one process about itself as a whole, or about one source.
 #[derive(Clone, Debug)]
 struct Speaker {
     latest: Health,
@@ -38,13 +38,13 @@ struct Speaker {
     incarnations: u32,
 }
 
-/// What the launcher says of one process.
+/// Statement of the launcher about one process.
 #[derive(Clone, Copy, Debug)]
 struct Child {
     life: LifeState,
     restarts: u32,
     process_id: u32,
-    /// Its source, if it is an adapter of one.
+    /// Source of the process, if it is an adapter of one.
     source: u16,
     /// The latest message with a note: how the process ended when it should not have.
     last_end: Health,
@@ -131,24 +131,24 @@ impl HealthBook {
         self.ignored
     }
 
-    /// What process `name` says of itself as a whole.
+    /// Messages of process `name` about itself as a whole.
     pub(crate) fn whole(&self, kind: ProcessKind, name: &str) -> Option<Latest<'_>> {
         self.said(kind, name, NO_SOURCE)
     }
 
-    /// What process `name` says of a source.
+    /// Messages of process `name` about a source.
     pub(crate) fn said(&self, kind: ProcessKind, name: &str, source: u16) -> Option<Latest<'_>> {
         self.speakers.get(&(kind, padded(name), source)).map(Latest)
     }
 
-    /// What the adapter `name` says of a source: by its number, or, if it is its only one, of itself as a whole.
+    /// Counters of the adapter `name` for a source: by its number, or, if it is its only one, for itself as a whole.
     pub(crate) fn adapter(&self, name: &str, source: u16) -> Counters {
         let of = |source| self.said(ProcessKind::Adapter, name, source);
         let said = of(source).or_else(|| of(NO_SOURCE));
         said.map_or_else(Counters::default, |said| said.counters())
     }
 
-    /// What the service of a kind counts of one source; of all together for [`NO_SOURCE`].
+    /// Counters of the service of a kind for one source; for all together with [`NO_SOURCE`].
     pub(crate) fn service(&self, kind: ProcessKind, source: u16) -> Counters {
         let said = self.said(kind, kind.word(), source);
         said.map_or_else(Counters::default, |said| said.counters())
@@ -160,7 +160,7 @@ impl HealthBook {
         speakers.map(|((kind, _, source), speaker)| (*kind, *source, Latest(speaker)))
     }
 
-    /// What a source is called by those who know: its adapter, or the launcher of an adapter that has one source. For
+    /// Name of a source, from those who know: its adapter, or the launcher of an adapter that has one source. For
     /// readers without the configuration.
     pub(crate) fn source_name(&self, source: u16) -> Option<&str> {
         let adapters = self.all_said().filter(|(kind, ..)| *kind == ProcessKind::Adapter);
@@ -176,7 +176,7 @@ impl HealthBook {
         })
     }
 
-    /// What the adapter of a source counts of it, whatever its name is.
+    /// Counters of a source's adapter for it, whatever the adapter's name is.
     pub(crate) fn adapter_of(&self, source: u16) -> Counters {
         let of_source = self
             .all_said()
@@ -202,7 +202,7 @@ impl HealthBook {
         })
     }
 
-    /// What fusion has learned of the systematic errors of a source.
+    /// Systematic errors of a source, as fusion has learned them.
     pub(crate) fn registration(&self, source: u16) -> Registration {
         let kind = ProcessKind::Fusion;
         let said = self.said(kind, kind.word(), source);
@@ -253,7 +253,7 @@ impl HealthBook {
     }
 }
 
-/// What the launcher says of a child that says nothing itself.
+/// Statement of the launcher about a child that says nothing itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SilentChild<'a> {
     pub(crate) name: &'a str,
@@ -275,11 +275,11 @@ fn state(latest: Option<&Health>, child: Option<&Child>, now_ns: i64) -> State {
     }
 }
 
-/// What was said last, with the counters of earlier incarnations added.
+/// Last counters, with those of earlier incarnations added.
 pub(crate) struct Latest<'a>(&'a Speaker);
 
 impl<'a> Latest<'a> {
-    /// Who said it.
+    /// Name of the process.
     pub(crate) fn name(&self) -> &'a str {
         self.0.latest.name()
     }

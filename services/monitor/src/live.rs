@@ -1,4 +1,4 @@
-//! What is shown while the deployment runs: a table on a terminal, one line per interval elsewhere.
+//! Display while the deployment runs: a table on a terminal, one line per interval elsewhere.
 
 use telemetry::table::{self, Align, Table};
 use telemetry::{Span, Stage, Stages, Summary};
@@ -13,7 +13,7 @@ const SOURCES_SHOWN_MAX: usize = 16;
 pub(crate) const NOT_MEASURED: &str = "transport out is not measured: the monitor polls, to leave fusion in peace, so end to end and age end where\n\
      fusion has published; `koseki bench` or a monitor with wait = \"event\" measures it\n";
 
-/// What is known at the end of an interval.
+/// State of the deployment at the end of an interval.
 #[derive(Clone, Debug)]
 pub struct Live {
     /// Name of the deployment.
@@ -47,14 +47,14 @@ pub struct Live {
 pub struct LiveStage {
     /// Which.
     pub stage: Stage,
-    /// Its latencies in the interval; `None` if it is not measured.
+    /// Latencies in the interval; `None` if they are not measured.
     pub summary: Option<Summary>,
     /// How often it took longer than its deadline in the interval; `None` if it has none.
     pub late: Option<u64>,
 }
 
 impl LiveStage {
-    /// Of all sources together, in the interval that was closed last.
+    /// Latencies of all sources together, in the interval that was closed last.
     pub(crate) fn of_interval(stages: &Stages, stage: Stage) -> Self {
         let journey = stages.journey();
         Self {
@@ -73,7 +73,7 @@ impl LiveStage {
 /// One source in the live table.
 #[derive(Clone, Debug)]
 pub struct LiveSource {
-    /// Its name.
+    /// Name of the source.
     pub name: String,
     /// Reports that fusion has taken.
     pub taken: u64,

@@ -24,7 +24,7 @@ const LAST_CLIENTS_MAX: usize = 8;
 const END_PATIENCE: Duration = Duration::from_secs(2);
 const END_PAUSE: Duration = Duration::from_millis(5);
 
-/// See the module's documentation.
+/// Page of metrics.
 #[derive(Debug)]
 pub(crate) struct Metrics {
     address: SocketAddr,

@@ -13,10 +13,10 @@ use telemetry::{Irregularities, Span, Stage, Stages, Summary};
 
 use crate::verdict::Verdict;
 
-/// See the module's documentation.
+/// Report on a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// What was run.
+    /// Settings of the run.
     pub settings: RunSettings,
     /// When the monitor began, UTC, nanoseconds.
     pub begun_utc_ns: i64,
@@ -30,7 +30,7 @@ pub struct Report {
     pub sources: Vec<SourceReport>,
     /// Whether every sample arrived.
     pub losses: Losses,
-    /// What is to be known of the latencies, if there is anything: that of a stage which is not measured.
+    /// Remark on the latencies, if there is one: on a stage which is not measured.
     pub latency_remark: Option<String>,
     /// Latencies of all sources together, by stage.
     #[serde(serialize_with = "by_key")]
@@ -43,31 +43,31 @@ pub struct Report {
     pub restarts: Restarts,
     /// How the processes are at the end.
     pub processes: Vec<Process>,
-    /// What fusion counted altogether.
+    /// Counters of fusion altogether.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub fusion: Counters,
-    /// What each other process counted of itself as a whole: recorder, gateways, simulator, adapters.
+    /// Counters of each other process as a whole: recorder, gateways, simulator, adapters.
     pub others: Vec<ProcessCounters>,
-    /// What the monitor itself counted of the system tracks it read.
+    /// Counters of the monitor itself for the system tracks it read.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub monitor: Counters,
-    /// What processes that have a socket counted at it.
+    /// Counters of the processes that have a socket.
     pub network: Vec<ProcessCounters>,
     /// Health messages that could not be understood.
     pub health_ignored: u64,
 }
 
-/// What a process counted of itself as a whole.
+/// Counters of a process as a whole.
 #[derive(Clone, Debug, Serialize)]
 pub struct ProcessCounters {
     /// The process, as it is called in text.
     pub process: String,
-    /// Its counters.
+    /// Values of the counters.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub counters: Counters,
 }
 
-/// What was run, as far as a reader of the report needs to know.
+/// Settings of the run, as far as a reader of the report needs to know.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunSettings {
     /// Name of the deployment.
@@ -107,20 +107,20 @@ pub struct RunSettings {
 /// One source.
 #[derive(Clone, Debug, Serialize)]
 pub struct SourceReport {
-    /// Its number.
+    /// Number of the source.
     pub number: u16,
-    /// Its name.
+    /// Name of the source.
     pub name: String,
-    /// What its adapter counted.
+    /// Counters of its adapter.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub adapter: Counters,
-    /// What fusion counted of its reports.
+    /// Counters of fusion for its reports.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub fusion: Counters,
-    /// What the recorder counted of its reports.
+    /// Counters of the recorder for its reports.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub recorder: Counters,
-    /// Its systematic errors, as fusion has estimated them.
+    /// Systematic errors, as fusion has estimated them.
     #[serde(with = "RegistrationReport")]
     pub registration: Registration,
     /// Latencies of its reports, by stage.
@@ -192,7 +192,7 @@ pub struct StageReport {
 }
 
 impl StageReport {
-    /// Of all sources together, since the beginning.
+    /// Latencies of all sources together, since the beginning.
     pub(crate) fn new(stages: &Stages, stage: Stage) -> Self {
         let Irregularities {
             missing,
@@ -290,7 +290,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// What fusion's counters say of it; `live_max` is the most that were confirmed or coasted so far.
+    /// The picture by fusion's counters; `live_max` is the most that were confirmed or coasted so far.
     pub(crate) fn of(fusion: &Counters, live_max: u64) -> Self {
         let (live, coasted) = (fusion[Counter::LiveTracks], fusion[Counter::CoastedTracks]);
         Self {
@@ -320,10 +320,10 @@ pub struct Restarts {
 /// One process.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Process {
-    /// Its kind.
+    /// Kind of the process.
     #[serde(serialize_with = "as_word")]
     pub kind: ProcessKind,
-    /// Its name.
+    /// Name of the process.
     pub name: String,
     /// How it is.
     pub state: State,
@@ -331,20 +331,20 @@ pub struct Process {
     pub restarts: u32,
     /// How it last ended, where it should not have.
     pub last_end: String,
-    /// What it has to say.
+    /// Note of the process, or of the launcher about it.
     pub note: String,
-    /// Its number in the operating system, while it has one.
+    /// Number in the operating system, while it has one.
     pub pid: Option<u32>,
 }
 
 impl Process {
-    /// What it is called in text.
+    /// Name in text.
     pub fn title(&self) -> String {
         title(self.kind, &self.name)
     }
 }
 
-/// What a process is called in text.
+/// Name of a process in text.
 pub(crate) fn title(kind: ProcessKind, name: &str) -> String {
     if name == kind.word() {
         name.to_owned()
@@ -356,9 +356,9 @@ pub(crate) fn title(kind: ProcessKind, name: &str) -> String {
 /// How a process is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// It has not said anything.
+    /// Nothing was ever said.
     NotHeard,
-    /// It has not said anything for a while, though it has not ended.
+    /// Nothing was said for a while, though the process has not ended.
     Silent {
         /// For how long, nanoseconds.
         for_ns: i64,

@@ -153,7 +153,7 @@ impl Report {
         }
     }
 
-    /// What else was counted, if anything: nothing that a process says is kept back.
+    /// Other counts, if there are any: nothing that a process says is kept back.
     fn also_counted(&self) -> Option<String> {
         let mut rows = Table::new(&[
             ("of", Align::Left),

@@ -14,7 +14,7 @@ const ERASE_LINE: &str = "\x1b[K";
 /// Erases from the cursor to the end of the screen.
 const ERASE_BELOW: &str = "\x1b[J";
 
-/// See the module's documentation.
+/// Screen of the monitor.
 pub struct Screen {
     out: Box<dyn Write>,
     terminal: bool,

@@ -20,7 +20,7 @@ use crate::report::{
 use crate::truth_watch::TruthWatch;
 use crate::verdict::Verdict;
 
-/// See the module's documentation.
+/// Survey of a deployment.
 #[derive(Debug)]
 pub(crate) struct Survey {
     settings: RunSettings,
@@ -140,7 +140,7 @@ impl Survey {
         self.stages.close_next_source()
     }
 
-    /// What there is to show of the interval that was closed last, which took `interval_ns`.
+    /// Display of the interval that was closed last, which took `interval_ns`.
     pub(crate) fn live(&mut self, now: Now, interval_ns: i64, own: SubscriberCounts) -> Live {
         let numbers = 0..self.sources.len();
         let sources: Vec<LiveSource> = numbers.map(|index| self.live_source(index)).collect();
@@ -228,7 +228,7 @@ impl Survey {
         report
     }
 
-    /// What there is to tell a collector of metrics.
+    /// State for a collector of metrics.
     pub(crate) fn snapshot(&self, now: Now, own: SubscriberCounts) -> Snapshot {
         let journey = self.stages.journey();
         let measured = || Stage::ALL.into_iter().filter(|stage| stage.is_measured(journey.end));
@@ -336,7 +336,7 @@ impl Survey {
         self.book.processes(&self.expected, now.mono_ns)
     }
 
-    /// What the monitor has counted at the system tracks.
+    /// Counters of the monitor for the system tracks.
     pub(crate) fn own_counters(&self, own: SubscriberCounts) -> Counters {
         let mut counters = Counters::default();
         counters[Counter::Taken] = own.taken;
@@ -365,7 +365,7 @@ impl Survey {
         counters[Counter::StagesLate] = Stage::ALL.into_iter().map(misses).sum();
     }
 
-    /// What processes but fusion and the monitor say of themselves as a whole.
+    /// Counters of the processes but fusion and the monitor, each as a whole.
     fn others(&self) -> Vec<ProcessCounters> {
         let apart = [ProcessKind::Fusion, ProcessKind::Monitor];
         let others = self.expected.iter().filter(|(kind, _)| !apart.contains(kind));
@@ -379,7 +379,7 @@ impl Survey {
         said.collect()
     }
 
-    /// What processes with a socket say of it.
+    /// Counters of the processes with a socket.
     fn network(&self) -> Vec<ProcessCounters> {
         let mut said = self.others();
         said.retain(|report| {
@@ -390,7 +390,7 @@ impl Survey {
     }
 }
 
-/// What is measured, and how far.
+/// Stages that are measured, and how far they go.
 fn journey(config: &Config) -> Journey {
     Journey {
         end: match config.monitor.wait {

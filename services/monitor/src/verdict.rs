@@ -7,14 +7,14 @@ use telemetry::{Stage, table};
 use crate::report::{Hop, Report, State};
 use crate::text::{percent, several, times};
 
-/// Of a live deployment, this share of the reports may be unread: some are on their way when it stops.
+/// Share of a live deployment's reports that may be unread: some are on their way when it stops.
 const UNREAD_SHARE_MAX: f64 = 0.01;
 /// Share of reports that may take longer through fusion than configured.
 const DEADLINE_MISS_SHARE_MAX: f64 = 0.01;
 /// Share of the targets in view that should be held by exactly one system track.
 const HELD_ONCE_SHARE_MIN: f64 = 0.95;
 
-/// See the module's documentation.
+/// Verdict on a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Verdict {
     /// Whether there is nothing to worry about.

@@ -1,4 +1,4 @@
-//! What is recorded: one line per kind of topic.
+//! Registry of what is recorded: one line per kind of topic.
 //!
 //! A row of a file is made of a sample alone and of the number under which the configuration knows its source: what a
 //! sample says of its own source need not be true, its topic is.

@@ -46,7 +46,7 @@ pub(crate) trait StreamFile: Debug {
     /// Whether something has arrived.
     fn has_slices(&self) -> bool;
 
-    /// What has been counted.
+    /// Counts so far.
     fn counts(&self) -> FileCounts;
 
     /// Whether the publisher has said that nothing follows.
@@ -56,7 +56,7 @@ pub(crate) trait StreamFile: Debug {
     fn flush(&mut self) -> anyhow::Result<()>;
 }
 
-/// What is counted of one file.
+/// Counts of one file.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FileCounts {
     pub(crate) subscriber: SubscriberCounts,

@@ -18,7 +18,7 @@ const OWN_NAME: &str = "top";
 /// Slices taken in one look: as many as can wait.
 const SLICES_PER_LOOK: usize = 256;
 
-/// See the module's documentation.
+/// Attachment to a deployment that runs.
 pub(super) struct Attached<S: Transport> {
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
@@ -31,7 +31,7 @@ pub(super) struct Attached<S: Transport> {
     root: Root,
 }
 
-/// What a look came to.
+/// Outcome of a look.
 #[derive(Debug)]
 pub(super) enum Look {
     /// Nothing is to be shown yet.

@@ -1,11 +1,11 @@
-//! What is known of a deployment at the end of an interval.
+//! State of a deployment at the end of an interval.
 
 use messages::Counter;
 use telemetry::{Span, Stage, Summary};
 
 use crate::report::{Picture, State};
 
-/// See the module's documentation.
+/// Overview of a deployment.
 #[derive(Clone, Debug)]
 pub(crate) struct Overview {
     pub(crate) instance: String,
@@ -70,9 +70,9 @@ impl StageRow {
 /// One counter of one process.
 #[derive(Clone, Debug)]
 pub(crate) struct CounterRow {
-    /// Who counted.
+    /// Process that counted.
     pub(crate) process: String,
-    /// Of which source; empty: of all.
+    /// Source that it counted for; empty: all.
     pub(crate) source: String,
     pub(crate) counter: Counter,
     pub(crate) value: u64,

@@ -77,7 +77,7 @@ pub(super) fn line(overview: &Overview) -> String {
     parts.join(" | ") + "\n"
 }
 
-/// What is looked at.
+/// Line that says what is looked at.
 pub(super) fn title(overview: &Overview) -> String {
     format!(
         "Koseki {}   {} UTC   watched for {}   {}",
@@ -108,7 +108,7 @@ pub(super) fn tracks(overview: &Overview) -> String {
     )
 }
 
-/// What makes the figures less than they seem.
+/// Warning that the figures are less than they seem.
 pub(super) fn remark(overview: &Overview) -> Option<String> {
     if overview.queues_are_full {
         let text = "recordings are worked off as fast as possible: latencies are those of full queues";

@@ -67,7 +67,7 @@ pub(super) fn show(mut attached: Attached<SharedMemory>, stop: &Stop) -> anyhow:
 /// A terminal in our hands.
 struct Screen(DefaultTerminal);
 
-/// What came from it.
+/// Event of the terminal.
 enum Input {
     Key(Key),
     Resized,
@@ -111,7 +111,7 @@ impl Drop for Screen {
     }
 }
 
-/// What a key means; `None` if nothing.
+/// Meaning of a key; `None` if it has none.
 fn meaning(event: KeyEvent) -> Option<Key> {
     let control = event.modifiers.contains(KeyModifiers::CONTROL);
     Some(match event.code {

@@ -1,4 +1,4 @@
-//! What the keys have chosen to see.
+//! View that the keys have chosen.
 
 use telemetry::Span;
 
@@ -19,7 +19,7 @@ impl Page {
     /// In the order of their keys.
     pub(crate) const ALL: [Self; 4] = [Self::Sources, Self::Stages, Self::Counters, Self::Processes];
 
-    /// What it is called.
+    /// Name of the page.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Sources => "sources",
@@ -43,7 +43,7 @@ pub(crate) enum Key {
     Pause,
 }
 
-/// See the module's documentation.
+/// View of the screen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     pub(crate) page: Page,

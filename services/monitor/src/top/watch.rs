@@ -11,20 +11,20 @@ use super::overview::{CounterRow, Overview, ProcessRow, SourceRow, StageRow};
 use crate::health_book::{HealthBook, Latest};
 use crate::report::{Picture, State, title};
 
-/// Who speaks, and of which source.
+/// Process that speaks, and the source that it speaks of.
 type Speaker = (ProcessKind, String, u16);
 
-/// What a speaker had counted, and when it said so (monotonic, nanoseconds).
+/// Counters of a speaker, and when it stated them (monotonic, nanoseconds).
 type Said = (i64, Counters);
 
-/// See the module's documentation.
+/// Watch over a deployment.
 #[derive(Debug)]
 pub(crate) struct Watch {
     instance: String,
     begun: Now,
     stages: Stages,
     book: HealthBook,
-    /// What was said at the end of the previous interval, or first of all: rates count from there.
+    /// Counters at the end of the previous interval, or the first ones: rates count from there.
     before: BTreeMap<Speaker, Said>,
     live_max: u64,
     ended: bool,
