@@ -12,6 +12,7 @@ mod deployment;
 mod locating;
 mod network;
 mod offline;
+mod reference;
 mod tables;
 mod tracker;
 mod tracker_links;
@@ -37,6 +38,7 @@ use tables::DeploymentTable;
 pub use locating::locating_settings;
 pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
+pub use reference::{locating_help, reference, sensor_help, tracking_help};
 pub use tracker::{SeenDetections, Tracking};
 pub use wide_area_sensor::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 

@@ -53,7 +53,7 @@ impl Range {
     pub(crate) fn text(self) -> String {
         let text = |limit: f64| match limit.abs() {
             0.0 => "0".to_owned(),
-            size if (1e-3..1e7).contains(&size) => format!("{limit}"),
+            size if (1e-3..1e10).contains(&size) => format!("{limit}"),
             _ => format!("{limit:e}"),
         };
         match self {

@@ -59,3 +59,6 @@ pub use reference::{help, reference};
 pub use table::{check, check_table, read_table};
 pub use value::{Node, Table, Value};
 pub use words::not_known;
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,9 @@ use std::fmt::Write as _;
 
 use crate::{Key, Table, Value, unit_of};
 
+/// Text of an option that is `None`.
+const OFF: &str = "\"off\"";
+
 /// A document in Markdown with a section for each table of `files`, which are (title, sentence, table): name, type,
 /// unit, range, default and text of every key. A table that stands at several places is written once.
 pub fn reference(files: &[(&str, &str, &dyn Table)]) -> String {
@@ -19,20 +22,20 @@ pub fn reference(files: &[(&str, &str, &dyn Table)]) -> String {
 
 fn section(out: &mut String, written: &mut BTreeMap<String, String>, file: &str, path: &str, table: &dyn Table) {
     if !path.is_empty() {
-        let _ = writeln!(out, "\n### {file}: `{path}`\n\n{}", joined(table.doc()));
+        let _ = writeln!(out, "\n### `{path}`\n\n{}", joined(table.doc()));
     }
     let place = if path.is_empty() {
         format!("*{file}*")
     } else {
         format!("`{path}` (*{file}*)")
     };
-    for base in table.bases() {
-        table_once(out, written, &place, base);
+    let mut fresh = Vec::new();
+    for part in table.bases().into_iter().chain([table]) {
+        if table_once(out, written, &place, part) {
+            fresh.extend(part.keys().iter().zip(part.values()));
+        }
     }
-    if !table_once(out, written, &place, table) {
-        return;
-    }
-    for (key, value) in all(table) {
+    for (key, value) in fresh {
         let Some(inner) = value.table() else { continue };
         let name = key.name;
         let path = match (path.trim_matches(['[', ']']), value.kind().starts_with("list")) {
@@ -95,7 +98,8 @@ fn all(table: &dyn Table) -> Vec<(&'static Key, &dyn Value)> {
     own.chain(table.bases().into_iter().flat_map(all)).collect()
 }
 
-/// A line for each key with its default and the first sentence of its text, as in a file, each line after `indent`.
+/// A line for each key with its default and the first sentence of its text, as in a file, each line after `indent`. Tables
+/// follow the keys beside them.
 pub fn help(table: &dyn Table, indent: &str) -> String {
     let mut out = String::new();
     help_table(&mut out, table, indent, "");
@@ -110,12 +114,7 @@ fn help_table(out: &mut String, table: &dyn Table, indent: &str, path: &str) {
             (None, true) => "[must be given]".to_owned(),
             (None, false) => format!("= {}", value.text()),
         };
-        let _ = writeln!(
-            out,
-            "{indent}{:<38} # {}",
-            format!("{} {default}", key.name),
-            sentence(key.doc)
-        );
+        help_line(out, indent, &format!("{} {default}", key.name), &sentence(key.doc));
     }
     for (key, value) in tables {
         let Some(inner) = value.table() else { continue };
@@ -128,14 +127,28 @@ fn help_table(out: &mut String, table: &dyn Table, indent: &str, path: &str) {
             true => format!("[[{path}]]"),
             false => format!("[{path}]"),
         };
-        let off = if value.text() == "\"off\"" {
-            " off unless given."
-        } else {
-            ""
-        };
-        let _ = writeln!(out, "{indent}{header:<38} # {}{off}", sentence(key.doc));
+        let off = if value.text() == OFF { "; off unless given" } else { "" };
+        help_line(out, indent, &header, &format!("{}{off}", sentence(key.doc)));
         help_table(out, &*inner, indent, &path);
     }
+}
+
+/// Columns of what stands before a comment, and of a whole line.
+const COMMENT_AT: usize = 40;
+const LINE: usize = 120;
+
+/// What a file could say, with a comment that goes on in the next lines where it must.
+fn help_line(out: &mut String, indent: &str, text: &str, comment: &str) {
+    let mut line = format!("{text:<COMMENT_AT$} #");
+    for word in comment.split_whitespace() {
+        if indent.len() + line.chars().count() + 1 + word.chars().count() > LINE {
+            let _ = writeln!(out, "{indent}{line}");
+            line = format!("{:<COMMENT_AT$} #", "");
+        }
+        line.push(' ');
+        line.push_str(word);
+    }
+    let _ = writeln!(out, "{indent}{line}");
 }
 
 /// The lines of a document text as one.

@@ -94,7 +94,7 @@ impl Value for Rule {
     }
 
     fn table(&self) -> Option<Box<dyn Table>> {
-        Some(Box::new(RuleKeys::default()))
+        Some(Box::new(RuleKeys::from(*self)))
     }
 }
 

@@ -99,7 +99,7 @@ pub(crate) struct Simulate {
     pub(crate) set: Vec<String>,
 }
 
-pub(super) const FUSE_EXAMPLES: &str = "\
+const FUSE_EXAMPLES: &str = "\
 Examples:
   koseki fuse --tracks radar.csv adsb.csv --refresh 1 --out fused.csv
   koseki fuse --tracks all.csv --rule best-source --out fused.csv --json
@@ -120,19 +120,15 @@ FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state  
            [fusion.rule]
            name = \"best-source\"
            [[sensor]]
-           id = 3                # the sensor_id of the files
-           period_s = 4.0        # time between two reports of a track
-           fresh_s = 10.0        # age beyond which a report no longer counts
-           priority = 1          # of equally good sensors the one with the smallest number is taken
-           [sensor.accuracy]
-           sigma_m = 50.0
-           adjustment = 1.0      # more makes it count less
-           [sensor.coverage]     # where it sees; else that is learned from its reports
-           polygon_m = [[-9e3, -9e3], [9e3, -9e3], [0, 9e3]]    # or range_m, sector_deg and the sensor's position_m
-           probability = 0.9     # that it follows a target in there
+{KEYS}         docs/configuration.md says what [fusion] may hold, and which values are possible.
          What is not configured, a first pass over the files tells: sensors, periods, accuracy as stated, sizes of tables.
 
 The same files and options give the same bytes.";
+
+/// Help of `koseki fuse`, with the keys of a sensor.
+pub(super) fn fuse_examples() -> String {
+    FUSE_EXAMPLES.replace("{KEYS}", &configuration::sensor_help())
+}
 
 /// `koseki fuse`.
 #[derive(Debug, Args)]
@@ -167,7 +163,7 @@ pub(crate) struct OfflineInput {
     pub(crate) config: Option<PathBuf>,
 }
 
-pub(super) const TRACK_EXAMPLES: &str = "\
+const TRACK_EXAMPLES: &str = "\
 Examples:
   koseki track --detections radar.csv --out tracks.csv
   koseki track --detections radar.csv lidar.csv camera.csv --config sensors.toml --out tracks.csv
@@ -198,46 +194,15 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
 --explain what became of each scan, cluster, hypothesis and track, and why; docs/tracking.md says what the columns are
 --config a deployment as for `koseki up` (sensor_id 1 is its first source, whose [source.tracker] holds), or the
          following alone. Nothing of it has to be given; what is said of a sensor are facts, the rest serves all alike:
-           [[sensor]]
-           id = 1                        # the sensor_id of the files
-           detection_probability = 0.9   # that a target is detected in a scan
-           clutter_density = 2e-8        # false detections per scan and m² (of directions alone: per rad) [learned]
-           sigmas = [50.0, 0.002]        # of detections that state none, in the order of their quantities
-           range_rate_sigma_mps = 1.0
-           field_of_view = { range_m = [0, 400], sector_deg = [-30, 30], position_m = [0, 0] }    # the last two may be left out
-           resolution_m = 5.0            # detections nearer to each other are of one target; priority = 0, see [selection]
-           [gate]
-           probability = 0.99            # that a target's detection lies in its gate
-           [motion]
-           process_noise_m2ps3 = [5.0, 1.0]                                     # horizontal, vertical
-           manoeuvres = { process_noise_m2ps3 = [100.0, 10.0], durations_s = [60.0, 10.0] }    # or { enabled = false };
-                                         # turn = { rate_sigma_radps = 0.05, rate_noise_rad2ps3 = 1e-5 } besides
-           [initiation]
-           new_target_share = 0.04       # new targets per false detection
-           speed_sigma_mps = 100.0       # of targets; slow_sigma_mps = 10.0, climb_sigma_mps = 10.0, height_sigma_m = 5000.0
-           [confirmation]
-           reliability_min = 0.99        # detections_min = 2, log_likelihood_ratio_min (not tested)
-           [deletion]
-           missed_probability = 2e-5     # silent_s = 60.0, coherence_s = 1.0
-           [reduction]
-           hypotheses_max = 30           # merge_scans = 2, reliability_min = 0.001
-           [splitting]
-           new_target_share = 1.0        # parents_motion = 4, start_in_confirmed_gates = false, and \"off\" unless given:
-                                         # new_tracks_max, tentative_tracks (a number or \"computed\"), company_min
-           [capacity]
-           tracks = 16384                # detections = 16384 in a scan, open_scans = 0
-           [selection]                   # refuse detections: age_max_s, sigma_max_m, same_time_s of sensors by their priority;
-                                         # kept_weight: use them with less weight
-           [wide_area]
-           correction = { share = 0.6 }  # or { factor = 4.0 }; corrects_confirmed_only = true, held = { share = 0.1 },
-                                         # range_m = 5000.0, tracks_min = 0.5, others_count = true, valid_s = 30.0,
-                                         # delay_max_s = 120.0, and \"off\" unless given: sharing, deletion, groups, each {}
-                                         # or with keys; confirmation = {} is on
-           [[wide_area.type]]            # name = \"patrol\", emissions = [{ frequency_hz = [9.3e9, 9.5e9] }]
-           [[wide_area.prior]]           # sector = { from_m = [0, 0], bearings_deg = [20, 60] } or circle; types, formations
-         docs/tracking.md says when to choose what, docs/wide-area.md what stands in [wide_area] and [selection].
+{KEYS}         docs/tracking.md says when to choose what, docs/wide-area.md what stands in [wide_area] and [selection],
+         docs/configuration.md which values are possible.
 
 The same files and options give the same bytes.";
+
+/// Help of `koseki track`, with the keys of its configuration.
+pub(super) fn track_examples() -> String {
+    TRACK_EXAMPLES.replace("{KEYS}", &configuration::tracking_help())
+}
 
 /// `koseki track`.
 #[derive(Debug, Args)]
@@ -271,7 +236,7 @@ pub(crate) struct Track {
     pub(crate) json: bool,
 }
 
-pub(super) const LOCATE_EXAMPLES: &str = "\
+const LOCATE_EXAMPLES: &str = "\
 Examples:
   koseki locate --bearings flight.csv --out fixes.csv
   koseki locate --bearings flight.csv --filter fixed --select staged --out fixes.csv --explain why.csv
@@ -294,25 +259,13 @@ FILE     time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency
          fix (raw) with its covariance; the model that is believed; 0 in agreed while its bearings are set aside.
 --explain time_s,emitter_id,decision,subject,reason,value,limit    value is what was compared with limit
 --config a TOML file; every key has a default:
-           [locating]
-           emitters_max = 20000
-           [locating.motion]
-           speed_sigma_mps = 30.0           # of an unknown emitter, along each axis
-           wandering_noise_m2ps = 400.0     # how fixed points wander, if they do
-           manoeuvring_noise_m2ps3 = 0.01
-           [locating.consistency]
-           limit = 3.5                      # standard deviations; bearings that are off together are set aside
-           disagreement_max_s = 90.0        # then it is the fix that is wrong
-           [locating.selection]
-           position_sigma_max_m = 500.0     # threshold: root of the variance value
-           interval_s = 250.0
-           above_threshold = \"continue\"    # or \"use-crossings\"
-           minimum_rise = 0.3               # a minimum counts when the variance has risen by this share
-           minimum_gap_s = 100.0            # … and that long after the last selection
-           minimum_wait_s = 750.0           # staged: intervals again when none has come for so long
-           steering_s = 30.0
-
+{KEYS}
 The same file and options give the same bytes. `koseki score fixes` scores them against a truth.";
+
+/// Help of `koseki locate`, with the keys of its configuration.
+pub(super) fn locate_examples() -> String {
+    LOCATE_EXAMPLES.replace("{KEYS}", &configuration::locating_help())
+}
 
 /// `koseki locate`.
 #[derive(Debug, Args)]

@@ -21,8 +21,8 @@ pub(crate) use bench::{Bench, BenchRelay};
 use encode::ENCODE_EXAMPLES;
 pub(crate) use encode::Encode;
 use files::{
-    COMPARE_EXAMPLES, DECODE_EXAMPLES, FUSE_EXAMPLES, LOCATE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES,
-    TRACK_EXAMPLES,
+    COMPARE_EXAMPLES, DECODE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES, fuse_examples, locate_examples,
+    track_examples,
 };
 pub(crate) use files::{
     ChosenEdition, Compare, Decode, Fuse, Locate, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
@@ -92,16 +92,16 @@ pub(crate) enum Command {
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),
     /// Fuse files of sensor tracks into one file of system tracks
-    #[command(after_help = FUSE_EXAMPLES)]
+    #[command(after_help = fuse_examples())]
     Fuse(Fuse),
     /// Track targets in files of detections
-    #[command(after_help = TRACK_EXAMPLES)]
+    #[command(after_help = track_examples())]
     Track(Track),
     /// Measure bearings of emitters from snapshots of an antenna array
     #[command(after_help = BEARINGS_EXAMPLES)]
     Bearings(MeasureBearings),
     /// Locate emitters from files of bearings, measured by a moving platform
-    #[command(after_help = LOCATE_EXAMPLES)]
+    #[command(after_help = locate_examples())]
     Locate(Locate),
     /// Run every fusion rule on the same sensor tracks, and show them side by side
     #[command(after_help = COMPARE_EXAMPLES)]

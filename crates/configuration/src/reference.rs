@@ -1,0 +1,76 @@
+//! All keys for people, from their declarations.
+
+use super::locating::LocatingTable;
+use super::offline::{OfflineSensorTable, OfflineTable};
+use super::tables::DeploymentTable;
+
+/// Spaces before the keys in help texts.
+const INDENT: &str = "           ";
+
+const HEAD: &str = "\
+# Configuration
+
+Every key of every file that `koseki` reads, made from the declarations in the source; do not edit it by hand.
+
+Files are TOML. Unknown keys are refused. A key whose type ends in `or \"off\"` may be switched off by that word, which is \
+the same as leaving it out where the default is `\"off\"`. `--set key.path=value` replaces a value of a deployment's file; \
+`source[0].period_s` is a key of the first `[[source]]`.
+
+- *Tracking*: `koseki track --config`.
+- *Locating*: `koseki locate --config`.
+- *Fusion of files*: `koseki fuse --config`.
+- *Deployment*: `koseki up`, `koseki check`, and `--config` of `koseki fuse`, `koseki track` and `koseki simulate`.
+";
+
+/// The document `docs/configuration.md`: all keys by table with name, type, unit, range, default and text.
+pub fn reference() -> String {
+    let (deployment, offline) = (DeploymentTable::default(), OfflineTable::default());
+    let (tracking, locating) = (tracking::Settings::default(), LocatingTable::default());
+    let files: [(&str, &str, &dyn settings::Table); 4] = [
+        (
+            "Tracking",
+            "The tracker and its sensors; every table may be left out.",
+            &tracking,
+        ),
+        ("Locating", "The locator; every table may be left out.", &locating),
+        (
+            "Fusion of files",
+            "What is not configured, a first pass over the files tells.",
+            &offline,
+        ),
+        (
+            "Deployment",
+            "The processes of a deployment and what they work on.",
+            &deployment,
+        ),
+    ];
+    HEAD.to_owned() + &settings::reference(&files)
+}
+
+/// The keys of `koseki track --config` with their defaults, a line each, for its help.
+pub fn tracking_help() -> String {
+    settings::help(&tracking::Settings::default(), INDENT)
+}
+
+/// The keys of `koseki locate --config` with their defaults, a line each, for its help.
+pub fn locating_help() -> String {
+    settings::help(&LocatingTable::default(), INDENT)
+}
+
+/// The keys of `[[sensor]]` in `koseki fuse --config` with their defaults, a line each, for its help.
+pub fn sensor_help() -> String {
+    settings::help(&OfflineSensorTable::default(), INDENT)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn the_document_says_what_is_declared() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/configuration.md");
+        test_support::assert_golden(&path, &reference());
+    }
+}

@@ -1,0 +1,218 @@
+//! Tables of every sort, read, refused and printed.
+
+use std::collections::BTreeMap;
+
+use super::*;
+
+settings! {
+    /// All sorts of keys.
+    struct Site with place: Spot {
+        check Site::check;
+        /// Name. It must be given.
+        name: String;
+        /// Time between two looks.
+        period_s: Seconds = Seconds::of(4.0), in [0.1, 60];
+        /// Limit of something, at most `period_s`.
+        wait_s: Option<f64> = Some(1.0), in [from 0];
+        /// Way of doing it.
+        way: Way = Way::Slow;
+        /// Two factors.
+        factors: [f64; 2] = [1.0, 2.0], in [above 0];
+        /// Shares by name.
+        shares: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1];
+        /// Parts.
+        parts as "part": Vec<Part> = Vec::new();
+        /// Spare part.
+        spare: Option<Part> = None;
+    }
+
+    /// A place.
+    #[derive(Copy)]
+    struct Spot {
+        /// Direction.
+        bearing_deg: Degrees = Degrees::of(90.0), in [-360, 360];
+    }
+
+    /// A part.
+    struct Part {
+        /// How many.
+        count: usize = 1, in [1, 9];
+    }
+}
+
+words! {
+    /// Ways.
+    enum Way {
+        /// Slowly.
+        Slow = "slow",
+        /// Quickly.
+        Quick = "quick",
+    }
+}
+
+impl Site {
+    fn check(&self) -> Result<(), SettingsError> {
+        within("wait_s", self.wait_s.unwrap_or(0.0), 0.0, self.period_s.s())
+    }
+}
+
+fn read(text: &str, overrides: &[&str]) -> Result<Site, SettingsError> {
+    let overrides: Vec<String> = overrides.iter().map(|each| (*each).to_owned()).collect();
+    let document = Document::parse(text, &overrides)?;
+    document.read()
+}
+
+#[test]
+fn what_is_given_is_taken_and_the_rest_is_as_usual() {
+    let named = Site {
+        name: "a".to_owned(),
+        ..Site::default()
+    };
+    assert_eq!(read("name = \"a\"", &[]).unwrap(), named);
+    let text = "name = \"b\"\nbearing_deg = 180\nperiod_s = 2\nwait_s = \"off\"\nway = \"quick\"\nfactors = [3, 0.5]\n\
+                shares = { x = 1 }\nspare = {}\n[[part]]\ncount = 2\n[[part]]\n";
+    let expected = Site {
+        place: Spot {
+            bearing_deg: Degrees::of(180.0),
+        },
+        name: "b".to_owned(),
+        period_s: Seconds::of(2.0),
+        wait_s: None,
+        way: Way::Quick,
+        factors: [3.0, 0.5],
+        shares: [("x".to_owned(), 1.0)].into(),
+        parts: vec![Part { count: 2 }, Part { count: 1 }],
+        spare: Some(Part { count: 1 }),
+    };
+    assert_eq!(read(text, &[]).unwrap(), expected);
+    let changed = read(text, &["part[1].count=5", "way=slow", "spare.count = 3"]).unwrap();
+    assert_eq!((changed.parts[1].count, changed.way), (5, Way::Slow));
+    assert_eq!(changed.spare, Some(Part { count: 3 }));
+}
+
+#[test]
+fn mistakes_are_named_with_path_line_value_and_remedy() {
+    for (text, line, expected) in [
+        ("period_s = 1", None, "name: missing; it must be given"),
+        (
+            "name = 3",
+            Some(1),
+            "name: invalid type: integer `3`, expected a string",
+        ),
+        (
+            "name = \"a\"\nperiod_s = 0",
+            Some(2),
+            "period_s: 0 is out of range; it must lie between 0.1 and 60",
+        ),
+        ("name = \"a\"\nperiod_s = nan", Some(2), "period_s: NaN is out of range"),
+        (
+            "name = \"a\"\nwait_s = -1",
+            Some(2),
+            "wait_s: -1 is out of range; it must be 0 or greater",
+        ),
+        (
+            "name = \"a\"\nwait_s = \"of\"",
+            Some(2),
+            "wait_s: invalid type: string \"of\", expected f64, or \"off\"",
+        ),
+        (
+            "name = \"a\"\nwait_s = 5",
+            Some(2),
+            "wait_s: 5 is out of range; it must lie between 0 and 4",
+        ),
+        (
+            "name = \"a\"\nway = \"fast\"",
+            Some(2),
+            "way: \"fast\" is not known; there are: slow, quick",
+        ),
+        (
+            "name = \"a\"\nfactors = [1]",
+            Some(2),
+            "factors: 1 values; write 2, like [1.0, 2.0]",
+        ),
+        (
+            "name = \"a\"\nfactors = [1, 0]",
+            Some(2),
+            "factors: 0 is out of range; it must be greater than 0",
+        ),
+        ("name = \"a\"\n[shares]\ny = 2", Some(3), "shares.y: 2 is out of range"),
+        (
+            "name = \"a\"\n[[part]]\n[[part]]\ncount = 10",
+            Some(4),
+            "part[1].count: 10 is out of range",
+        ),
+        (
+            "name = \"a\"\npart = 3",
+            Some(2),
+            "part: invalid type: integer, expected list of: table",
+        ),
+        (
+            "name = \"a\"\n[spare]\ncont = 1",
+            Some(3),
+            "spare.cont: unknown key; there are: count",
+        ),
+        (
+            "name = \"a\"\nbearing = 1",
+            Some(2),
+            "bearing: unknown key; there are: name, period_s, ",
+        ),
+        ("name = \"a\"\nname = \"b\"", Some(2), "duplicate key"),
+    ] {
+        let error = read(text, &[]).unwrap_err();
+        assert!(error.to_string().starts_with(expected), "{text}: {error}");
+        assert_eq!(error.line, line, "{text}");
+    }
+}
+
+#[test]
+fn replacements_are_checked_and_named_without_a_line() {
+    for (assignment, expected) in [
+        (
+            "wait_s=-1",
+            "wait_s: -1 is out of range; it must be 0 or greater (--set)",
+        ),
+        ("nonsense=1", "nonsense: unknown key"),
+        ("part[3].count=1", "--set part[3].count=1: there is no part[3]"),
+        ("name.x=1", "--set name.x=1: name is not a table"),
+        ("name", "--set name: write it as key.path=value"),
+    ] {
+        let error = read("name = \"a\"\npart = [{}]", &[assignment]).unwrap_err();
+        assert!(error.to_string().starts_with(expected), "{assignment}: {error}");
+        assert_eq!(error.line, None);
+    }
+}
+
+#[test]
+fn values_that_no_file_gave_are_checked_alike() {
+    let mut site = Site::default();
+    assert_eq!(check(&site), Ok(()));
+    site.parts = vec![Part::default(), Part { count: 0 }];
+    assert_eq!(check(&site).unwrap_err().key, "part[1].count");
+    site.parts.clear();
+    site.place.bearing_deg = Degrees::of(400.0);
+    assert_eq!(check(&site).unwrap_err().key, "bearing_deg");
+}
+
+#[test]
+fn keys_are_printed_for_people() {
+    let site = Site::default();
+    let document = reference(&[("Site", "What a site is.", &site)]);
+    for expected in [
+        "## Site\n\nWhat a site is.\n",
+        "| `name` | text |  |  | *must be given* | Name. It must be given. |",
+        "| `period_s` | number | s | 0.1 … 60 | `4.0` | Time between two looks. |",
+        "| `wait_s` | number, or \"off\" | s | ≥ 0 | `1.0` |",
+        "| `bearing_deg` | number | ° | -360 … 360 | `90.0` | Direction. |",
+        "### `[[part]]`\n\nA part.\n",
+        "### `[spare]`\n\nA part.\n\nThe keys of `[[part]]` (*Site*) stand here, too.\n",
+    ] {
+        assert!(document.contains(expected), "{expected}\n{document}");
+    }
+    let text = help(&site, "  ");
+    for expected in [
+        "  name [must be given]                     # Name\n",
+        "  [spare]                                  # Spare part; off unless given\n",
+    ] {
+        assert!(text.contains(expected), "{expected}\n{text}");
+    }
+}
