@@ -4,8 +4,8 @@
 //! for a fixed time sorts them, and yields the *progress mark*: everything measured before it has been delivered.
 //!
 //! This is the one place that restores the order of one source. Several sources, each of them in order, are merged
-//! elsewhere: live by their progress marks (`fusion::Merger`), since the next report of a source may not be there yet; of
-//! files by looking at each one's next row (`koseki fuse`). Detections need no order of their own: a scan is cut at
+//! elsewhere: live by their progress marks (`fusion::Merger`), since the next report of a source may not be there yet;
+//! of files by looking at each one's next row (`koseki fuse`). Detections need no order of their own: a scan is cut at
 //! boundaries and sorted when it is complete (`tracking::cutting`).
 
 use std::cmp::Ordering;
