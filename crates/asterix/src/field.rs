@@ -74,8 +74,13 @@ impl Field {
     /// The bits as a number without sign.
     #[inline(always)]
     pub fn number(self, octets: &[u8]) -> Option<u64> {
-        let octets = octets.get(self.byte..self.byte + self.octets)?;
-        let number = octets.iter().fold(0, |number, &octet| number << 8 | u64::from(octet));
+        let number = match *octets.get(self.byte..self.byte + self.octets)? {
+            [octet] => u64::from(octet),
+            [high, low] => u64::from(u16::from_be_bytes([high, low])),
+            [high, middle, low] => u64::from(u32::from_be_bytes([0, high, middle, low])),
+            [a, b, c, d] => u64::from(u32::from_be_bytes([a, b, c, d])),
+            ref more => more.iter().fold(0, |number, &octet| number << 8 | u64::from(octet)),
+        };
         Some(number >> self.shift & (u64::MAX >> (64 - self.bits)))
     }
 
