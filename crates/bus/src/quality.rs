@@ -19,9 +19,9 @@ use messages::{BatchHeader, Capacity, Topic, TopicName};
 use crate::error::BusError;
 use crate::transport::{Payload, Transport};
 
-/// Samples of a slice, as iceoryx2's ports for whatever type name them. Ports of this one type are compiled once, not once
-/// per type of sample: that was half of what each service compiled. The type's name, size and alignment are checked all the
-/// same, and readers in other languages see no difference.
+/// Samples of a slice, as iceoryx2's ports for whatever type name them. Ports of this one type are compiled once, not
+/// once per type of sample: that was half of what each service compiled. The type's name, size and alignment are
+/// checked all the same, and readers in other languages see no difference.
 pub(crate) type Octets = [CustomPayloadMarker];
 
 /// Header of a slice, likewise: a [`BatchHeader`].

@@ -63,14 +63,16 @@ pub struct Slice<S: Transport, T: Payload>(iceoryx2::sample::Sample<S, Octets, H
 impl<S: Transport, T: Payload> Slice<S, T> {
     /// Header that its publisher has written.
     pub fn header(&self) -> &BatchHeader {
-        // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place, and any bits are one.
+        // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place, and any bits are
+        // one.
         unsafe { &*std::ptr::from_ref(self.0.user_header()).cast() }
     }
 
     /// Samples of the slice.
     pub fn samples(&self) -> &[T] {
         let octets = self.0.payload();
-        // SAFETY: the topic was opened with the size and alignment of `T`, so the octets are whole samples; any bits are one.
+        // SAFETY: the topic was opened with the size and alignment of `T`, so the octets are whole samples; any bits
+        // are one.
         unsafe { std::slice::from_raw_parts(octets.as_ptr().cast(), octets.len() / size_of::<T>()) }
     }
 }

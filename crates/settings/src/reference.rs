@@ -98,8 +98,8 @@ fn all(table: &dyn Table) -> Vec<(&'static Key, &dyn Value)> {
     own.chain(table.bases().into_iter().flat_map(all)).collect()
 }
 
-/// A line for each key with its default and the first sentence of its text, as in a file, each line after `indent`. Tables
-/// follow the keys beside them.
+/// A line for each key with its default and the first sentence of its text, as in a file, each line after `indent`.
+/// Tables follow the keys beside them.
 pub fn help(table: &dyn Table, indent: &str) -> String {
     let mut out = String::new();
     help_table(&mut out, table, indent, "");
