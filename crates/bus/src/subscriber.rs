@@ -51,7 +51,7 @@ pub enum Received<S: Transport, T: Payload> {
     /// The next slice.
     Slice(Slice<S, T>),
     /// A slice of another layout: counted, and given back.
-    Refused,
+    Rejected,
     /// The queue is empty.
     Nothing,
 }
@@ -127,7 +127,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         for count in 0..budget {
             match self.receive()? {
                 Received::Slice(slice) => visit(slice.header(), slice.samples()),
-                Received::Refused => {}
+                Received::Rejected => {}
                 Received::Nothing => return Ok(count),
             }
         }
@@ -151,7 +151,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         let header = slice.header();
         if header.schema != T::SCHEMA {
             self.counts.schema_mismatch += 1;
-            return Ok(Received::Refused);
+            return Ok(Received::Rejected);
         }
         let count = slice.samples().len();
         self.counts.slices += 1;

@@ -70,7 +70,7 @@ impl<S: Transport> Input<S> {
         for _ in 0..PASSED_OVER_MAX {
             match self.subscriber.receive()? {
                 Received::Nothing => return Ok(false),
-                Received::Refused => {}
+                Received::Rejected => {}
                 Received::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header().progress_ns),
                 Received::Slice(slice) => {
                     // Read here, not before: until the slice is in hand it may not have been published.

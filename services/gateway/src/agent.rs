@@ -198,7 +198,7 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
         entry.set(Counter::Lost, taken.lost);
         entry.set(Counter::RejectedSchema, taken.schema_mismatch);
         entry.set(Counter::RecordsSent, sent.records);
-        entry.set(Counter::TracksDropped, sent.refused() + self.schedule.refused());
+        entry.set(Counter::TracksDropped, sent.refused() + self.schedule.dropped());
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct Schedule<T> {
     entries: FxHashMap<u32, Entry<T>>,
     /// Turns in their order. One that does not agree with its track's entry is out of date.
     turns: VecDeque<(i64, u32)>,
-    refused: u64,
+    dropped: u64,
 }
 
 #[derive(Debug)]
@@ -38,7 +38,7 @@ impl<T: Copy> Schedule<T> {
             capacity,
             entries: FxHashMap::with_capacity_and_hasher(capacity, rustc_hash::FxBuildHasher),
             turns: VecDeque::with_capacity(2 * capacity),
-            refused: 0,
+            dropped: 0,
         }
     }
 
@@ -53,7 +53,7 @@ impl<T: Copy> Schedule<T> {
             return false;
         }
         if self.entries.len() == self.capacity {
-            self.refused += 1;
+            self.dropped += 1;
             return false;
         }
         let turn_ns = now_ns + self.refresh_ns;
@@ -112,8 +112,8 @@ impl<T: Copy> Schedule<T> {
     }
 
     /// States of tracks for which there was no room.
-    pub(crate) fn refused(&self) -> u64 {
-        self.refused
+    pub(crate) fn dropped(&self) -> u64 {
+        self.dropped
     }
 }
 
@@ -155,11 +155,11 @@ mod tests {
     }
 
     #[test]
-    fn a_full_table_refuses_and_the_silent_are_forgotten() {
+    fn a_full_table_drops_and_the_silent_are_forgotten() {
         let mut schedule = Schedule::new(S, 1);
         assert!(schedule.take(1, 'a', 0));
         assert!(!schedule.take(2, 'b', 0));
-        assert_eq!(schedule.refused(), 1);
+        assert_eq!(schedule.dropped(), 1);
         for second in 1..=120 {
             assert_eq!(schedule.next_turn(second * S), Some('a'));
         }

@@ -35,7 +35,7 @@ pub(crate) struct Snapshot {
     pub(crate) picture: Picture,
     pub(crate) processes: Vec<Process>,
     pub(crate) monitor_missed: u64,
-    pub(crate) health_ignored: u64,
+    pub(crate) health_rejected: u64,
 }
 
 /// Latencies of one stage of one source's reports.
@@ -84,9 +84,9 @@ impl Collector for Snapshot {
             self.monitor_missed,
         )?;
         families.counter(
-            "health_ignored",
+            "health_rejected",
             "Health messages that could not be understood",
-            self.health_ignored,
+            self.health_rejected,
         )
     }
 }
@@ -149,7 +149,7 @@ impl Snapshot {
             reasons.map(|(reason, count)| ([("stage", stage.key()), ("reason", reason)], count))
         });
         let help = "Stamps that are no latency: missing, before their predecessors, or more than ten minutes after";
-        families.counters("stage_stamps_unusable", help, irregular)
+        families.counters("stage_stamps_rejected", help, irregular)
     }
 
     fn counters(&self, families: &mut Families<'_>) -> fmt::Result {
@@ -302,7 +302,7 @@ mod tests {
             picture: report.picture,
             processes: report.processes,
             monitor_missed: 4,
-            health_ignored: 5,
+            health_rejected: 5,
         };
         golden::assert("metrics.txt", &snapshot.text());
     }

@@ -7,7 +7,7 @@
 //! name is one, whoever started it. The larger number counts.
 //!
 //! Health messages come from processes that may have been built elsewhere. One with a code or a source that does not
-//! exist is counted and otherwise ignored.
+//! exist is counted and otherwise rejected.
 
 use std::collections::BTreeMap;
 
@@ -26,7 +26,7 @@ pub(crate) struct HealthBook {
     sources: usize,
     speakers: BTreeMap<(ProcessKind, HealthName, u16), Speaker>,
     children: BTreeMap<HealthName, Child>,
-    ignored: u64,
+    rejected: u64,
 }
 
 /// Messages of one process about itself as a whole, or about one source.
@@ -57,19 +57,19 @@ impl HealthBook {
             sources,
             speakers: BTreeMap::new(),
             children: BTreeMap::new(),
-            ignored: 0,
+            rejected: 0,
         }
     }
 
     /// Enters one message.
     pub(crate) fn hear(&mut self, health: &Health) {
         let (Some(kind), Some(life)) = (health.kind(), health.life()) else {
-            self.ignored += 1;
+            self.rejected += 1;
             return;
         };
         let known_source = health.source == NO_SOURCE || usize::from(health.source) < self.sources;
         if !known_source || health.name().is_empty() {
-            self.ignored += 1;
+            self.rejected += 1;
             return;
         }
         if kind == ProcessKind::Launcher && health.name() != kind.word() {
@@ -81,7 +81,7 @@ impl HealthBook {
 
     fn hear_of_child(&mut self, health: &Health, life: LifeState) {
         if self.children.len() == SPEAKERS_MAX && !self.children.contains_key(&health.name) {
-            self.ignored += 1;
+            self.rejected += 1;
             return;
         }
         let child = self.children.entry(health.name).or_insert(Child {
@@ -122,13 +122,13 @@ impl HealthBook {
                 },
             );
         } else {
-            self.ignored += 1;
+            self.rejected += 1;
         }
     }
 
     /// Messages that could not be understood.
-    pub(crate) fn ignored(&self) -> u64 {
-        self.ignored
+    pub(crate) fn rejected(&self) -> u64 {
+        self.rejected
     }
 
     /// Messages of process `name` about itself as a whole.
@@ -393,10 +393,10 @@ mod tests {
         book.hear(&Health { life: 9, ..good });
         book.hear(&Health { source: 2, ..good });
         book.hear(&health(ProcessKind::Fusion, "", 10, S));
-        assert_eq!(book.ignored(), 4);
+        assert_eq!(book.rejected(), 4);
         assert!(book.processes(&[], S).is_empty());
         book.hear(&Health { source: 1, ..good });
-        assert_eq!((book.ignored(), book.processes(&[], S).len()), (4, 1));
+        assert_eq!((book.rejected(), book.processes(&[], S).len()), (4, 1));
     }
 
     #[test]
@@ -405,7 +405,7 @@ mod tests {
         for number in 0..SPEAKERS_MAX + 5 {
             book.hear(&health(ProcessKind::Adapter, &format!("a{number}"), 1, S));
         }
-        assert_eq!((book.processes(&[], S).len(), book.ignored()), (SPEAKERS_MAX, 5));
+        assert_eq!((book.processes(&[], S).len(), book.rejected()), (SPEAKERS_MAX, 5));
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub struct Report {
     /// Counters of the processes that have a socket.
     pub network: Vec<ProcessCounters>,
     /// Health messages that could not be understood.
-    pub health_ignored: u64,
+    pub health_rejected: u64,
 }
 
 /// Counters of a process as a whole.

@@ -169,7 +169,7 @@ pub(crate) fn good() -> Report {
             process: "adapter ads-b".to_owned(),
             counters: Counters::default().with(Counter::Datagrams, 4_321),
         }],
-        health_ignored: 0,
+        health_rejected: 0,
     })
 }
 
@@ -211,7 +211,7 @@ fn bad() -> Report {
         .with(Counter::DatagramsDropped, 17)
         .with(Counter::DatagramsRejected, 1_000)
         .with(Counter::SendFailures, 2);
-    report.health_ignored = 4;
+    report.health_rejected = 4;
     judged(report)
 }
 

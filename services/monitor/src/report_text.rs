@@ -294,7 +294,7 @@ impl Report {
             .sum();
         if odd > 0 {
             text.push_str(&format!(
-                "{} missing or out of order, and left out.\n",
+                "{} missing or out of order, and rejected.\n",
                 several(odd, "stamp")
             ));
         }
@@ -397,9 +397,9 @@ impl Report {
             ]);
         }
         let mut text = format!("PROCESSES in the end\n{rows}");
-        if self.health_ignored > 0 {
-            let ignored = several(self.health_ignored, "health message");
-            text.push_str(&format!("{ignored} could not be understood and had to be ignored.\n"));
+        if self.health_rejected > 0 {
+            let rejected = several(self.health_rejected, "health message");
+            text.push_str(&format!("{rejected} could not be understood and were rejected.\n"));
         }
         text
     }

@@ -222,7 +222,7 @@ impl Survey {
             others: self.others(),
             monitor: self.own_counters(own),
             network: self.network(),
-            health_ignored: self.book.ignored(),
+            health_rejected: self.book.rejected(),
         };
         report.verdict = Verdict::on(&report);
         report
@@ -266,7 +266,7 @@ impl Survey {
             picture: self.picture(),
             processes: self.processes(now),
             monitor_missed: own.lost,
-            health_ignored: self.book.ignored(),
+            health_rejected: self.book.rejected(),
         }
     }
 
@@ -343,7 +343,7 @@ impl Survey {
         counters[Counter::Lost] = own.lost;
         counters[Counter::RejectedOutOfOrder] = own.out_of_order;
         counters[Counter::RejectedSchema] = own.schema_mismatch;
-        counters[Counter::RejectedInvalid] = self.book.ignored();
+        counters[Counter::RejectedInvalid] = self.book.rejected();
         self.count_late(None, &mut counters);
         counters
     }

@@ -152,7 +152,7 @@ fn about_fusion(report: &Report, concerns: &mut Vec<String>) {
     let mismatched = fusion[Counter::RejectedSchema];
     if mismatched > 0 {
         concerns.push(format!(
-            "fusion refused {} of publishers that were built with another layout",
+            "fusion rejected {} of publishers that were built with another layout",
             several(mismatched, "slice")
         ));
     }

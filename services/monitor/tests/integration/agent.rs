@@ -164,7 +164,7 @@ fn health_that_cannot_be_understood_is_ignored_and_counted() {
     assert_eq!(bench.own_health().counters[Counter::RejectedInvalid], 2);
     bench.close();
     let report = bench.report();
-    assert_eq!(report["health_ignored"], 2);
+    assert_eq!(report["health_rejected"], 2);
     let fusion = report["processes"]
         .as_array()
         .unwrap()
