@@ -284,3 +284,30 @@ fn a_comparison_has_a_row_per_rule_with_the_figures_of_fuse_and_score() {
     assert_eq!(table.lines().count(), 1 + rules.len());
     assert!(table.lines().next().unwrap().contains("nees_pos"), "{table}");
 }
+
+#[test]
+fn a_picture_shows_the_tracks_over_the_reports_of_every_sensor() {
+    let folder = Folder::new();
+    folder.succeed("simulate --scenario demo --for 20 --out case1");
+    let fuse = "fuse --tracks case1/sensor_tracks_1.csv case1/sensor_tracks_3.csv --refresh 1 --out fused.csv";
+    folder.succeed(&format!("{fuse} --picture all.svg"));
+    let all = folder.read("all.svg");
+    for word in [
+        "<svg",
+        "east, km",
+        "sensor 1",
+        "sensor 3",
+        "system track",
+        "<circle",
+        "<polyline",
+    ] {
+        assert!(all.contains(word), "{word}");
+    }
+    let text = folder.read("fused.csv");
+    let number = text.lines().last().unwrap().split(',').nth(1).unwrap();
+    folder.succeed(&format!("{fuse} --picture one.svg --track {number}"));
+    let one = folder.read("one.svg");
+    assert!(one.contains(&format!("System track {number}, its surroundings")) && one.len() < all.len());
+    let line = folder.line_of(1, &format!("{fuse} --picture none.svg --track 99999"));
+    assert!(line.contains("system track 99999 is never confirmed"), "{line}");
+}

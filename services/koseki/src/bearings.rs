@@ -15,8 +15,8 @@ use locating::music::{self, ArraySettings, Complex, Measured, Music, Snapshots};
 use observations::Bearing;
 use serde_json::json;
 
-use crate::args::{MeasureBearings, Usage};
-use crate::files::{InputError, OutputFile, is_same_file, open};
+use crate::args::MeasureBearings;
+use crate::files::{InputError, OutputFile, check_outputs, open};
 use crate::offline::Refusals;
 
 /// A bearing whose standard deviation exceeds this says nothing of a direction, radians.
@@ -27,13 +27,7 @@ const SIGMA_MAX_RAD: f64 = 1.0;
 /// # Errors
 /// If what is asked for makes no sense, or a file cannot be read or written.
 pub(crate) fn run(command: &MeasureBearings) -> anyhow::Result<()> {
-    if [&command.snapshots, &command.array]
-        .iter()
-        .any(|file| is_same_file(&command.out, file))
-    {
-        let what = format!("--out {} is an input; name another file", command.out.display());
-        return Err(Usage(what).into());
-    }
+    check_outputs([&command.snapshots, &command.array], &[("--out", Some(&command.out))])?;
     let settings = array(&command.array)?;
     let music = settings
         .music()

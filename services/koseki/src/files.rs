@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
+use crate::args::Usage;
+
 /// Octets that are gathered before the system is asked to write or read.
 const BUFFER_OCTETS: usize = 1 << 18;
 
@@ -46,6 +48,29 @@ pub(crate) fn open(file: &Path) -> Result<File, InputError> {
 /// Whether two paths lead to one file that is there.
 pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
     matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
+}
+
+/// Refuses to write over an input, or one output over another.
+///
+/// # Errors
+/// The option and the file that it names.
+pub(crate) fn check_outputs<'a>(
+    inputs: impl IntoIterator<Item = &'a PathBuf> + Clone,
+    outputs: &[(&str, Option<&PathBuf>)],
+) -> Result<(), Usage> {
+    for (place, (option, file)) in outputs.iter().enumerate() {
+        let Some(file) = file else { continue };
+        if inputs.clone().into_iter().any(|input| is_same_file(input, file)) {
+            let what = format!("{option} {} is an input; name another file", file.display());
+            return Err(Usage(what));
+        }
+        for (other_option, other) in &outputs[place + 1..] {
+            if other.is_some_and(|other| other == *file || is_same_file(other, file)) {
+                return Err(Usage(format!("{option} and {other_option} name one file; name two")));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// A file that appears when it is complete.

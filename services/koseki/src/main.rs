@@ -23,6 +23,7 @@ mod files;
 mod fuse;
 mod locate;
 mod offline;
+mod picture;
 mod recordings;
 mod score;
 mod simulate;

@@ -104,6 +104,7 @@ Examples:
   koseki fuse --tracks radar.csv adsb.csv --refresh 1 --out fused.csv
   koseki fuse --tracks all.csv --rule best-source --out fused.csv --json
   koseki fuse --tracks all.csv --config sensors.toml --out fused.csv
+  koseki fuse --tracks radar.csv adsb.csv --out fused.csv --picture seven.svg --track 7
 
 FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
          and, where known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, and of what `koseki track`
@@ -147,6 +148,12 @@ pub(crate) struct Fuse {
     /// File for what was decided and why, a row per decision
     #[arg(long, value_name = "FILE")]
     pub(crate) explain: Option<PathBuf>,
+    /// File for a picture (SVG): the system tracks over the reports that they were made from
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture: Option<PathBuf>,
+    /// The system track that the picture is about [default: all]
+    #[arg(long, value_name = "N", requires = "picture")]
+    pub(crate) track: Option<u32>,
     /// Print what was read and found as one JSON object
     #[arg(long)]
     pub(crate) json: bool,

@@ -4,6 +4,7 @@
 //! same bytes. Files are read twice, first to learn what the engine needs to know of the sensors ([`crate::offline`]).
 
 mod decisions;
+mod picture;
 mod rows;
 mod summary;
 
@@ -12,11 +13,13 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use fusion::{Decision, Engine};
+use messages::SystemTrack;
 
-use crate::args::{Fuse, Usage};
-use crate::files::{OutputFile, is_same_file};
+use crate::args::Fuse;
+use crate::files::{OutputFile, check_outputs};
 use crate::offline::{Setup, drive, rule};
 use decisions::Decisions;
+use picture::Picture;
 use rows::Rows;
 use settings::Seconds;
 use summary::Summary;
@@ -26,7 +29,12 @@ use summary::Summary;
 /// # Errors
 /// If what is asked for makes no sense, or a file cannot be read or written.
 pub(crate) fn run(fuse: &Fuse) -> anyhow::Result<()> {
-    check_out(fuse)?;
+    let outputs = [
+        ("--out", Some(&fuse.out)),
+        ("--explain", fuse.explain.as_ref()),
+        ("--picture", fuse.picture.as_ref()),
+    ];
+    check_outputs(fuse.input.tracks.iter().chain(&fuse.input.config), &outputs)?;
     let named = fuse.rule.as_deref().map(rule).transpose()?;
     let mut setup = Setup::of(&fuse.input)?;
     if let Some(rule) = named {
@@ -43,11 +51,25 @@ pub(crate) fn run(fuse: &Fuse) -> anyhow::Result<()> {
     let begin = |path: &PathBuf| Decisions::begin(path, &setup.sensor_ids);
     let mut decisions = fuse.explain.as_ref().map(begin).transpose()?;
     let explain = |decision: &Decision| decisions.as_mut().map_or(Ok(()), |table| table.write(decision));
-    let driven = drive(&mut engine, &mut reports, |state| rows.take(state), explain).with_context(unwritten)?;
+    let mut picture = fuse.picture.as_ref().map(|_| Picture::new(fuse.track));
+    let row = |state: &SystemTrack| {
+        if let Some(picture) = &mut picture {
+            picture.state(state);
+        }
+        rows.take(state)
+    };
+    let driven = drive(&mut engine, &mut reports, row, explain).with_context(unwritten)?;
     let (out, written) = rows.finish().with_context(unwritten)?;
     out.finish()?;
     if let Some(decisions) = decisions {
         decisions.finish()?;
+    }
+    if let (Some(mut picture), Some(file)) = (picture, &fuse.picture) {
+        let mut again = setup.reports()?;
+        while let Some(report) = again.next()? {
+            picture.report(&report);
+        }
+        picture.draw(file, &setup.sensor_ids)?;
     }
     let summary = Summary {
         out: &fuse.out,
@@ -58,23 +80,6 @@ pub(crate) fn run(fuse: &Fuse) -> anyhow::Result<()> {
         written,
     };
     summary.show(fuse.json)
-}
-
-/// What is read must not be written over, nor one output over the other.
-fn check_out(fuse: &Fuse) -> Result<(), Usage> {
-    for (option, written) in [("--out", Some(&fuse.out)), ("--explain", fuse.explain.as_ref())] {
-        let Some(written) = written else { continue };
-        let mut inputs = fuse.input.tracks.iter().chain(&fuse.input.config);
-        if inputs.any(|input| is_same_file(input, written)) {
-            let what = format!("{option} {} is an input; name another file", written.display());
-            return Err(Usage(what));
-        }
-    }
-    let twice = |explain: &PathBuf| *explain == fuse.out || is_same_file(explain, &fuse.out);
-    if fuse.explain.as_ref().is_some_and(twice) {
-        return Err(Usage("--out and --explain name one file; name two".to_owned()));
-    }
-    Ok(())
 }
 
 /// The argument is checked to fit.

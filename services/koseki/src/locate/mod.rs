@@ -21,7 +21,7 @@ use locating::{Locator, Rejection};
 use observations::Bearing;
 
 use crate::args::{Locate, Usage};
-use crate::files::{InputError, OutputFile, is_same_file, open};
+use crate::files::{InputError, OutputFile, check_outputs, open};
 use crate::offline::{Counting, Progress, Refusals};
 use decisions::Decisions;
 use picture::Paths;
@@ -36,7 +36,12 @@ const EMITTERS_MAX: usize = 20_000;
 /// # Errors
 /// If what is asked for makes no sense, or a file cannot be read or written.
 pub(crate) fn run(locate: &Locate) -> anyhow::Result<()> {
-    check_out(locate)?;
+    let outputs = [
+        ("--out", Some(&locate.out)),
+        ("--explain", locate.explain.as_ref()),
+        ("--picture", locate.picture.as_ref()),
+    ];
+    check_outputs(std::iter::once(&locate.bearings).chain(&locate.config), &outputs)?;
     let mut locator = Locator::new(settings(locate)?).map_err(|fault| Usage(fault.to_string()))?;
     let mut input = Input::open(&locate.bearings)?;
     let mut out = OutputFile::begin(&locate.out)?;
@@ -105,30 +110,6 @@ fn settings(locate: &Locate) -> anyhow::Result<Settings> {
 
 fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {
     Usage(format!("{option} {word}: there are {}", words.join(", ")))
-}
-
-/// No input may be written over, nor one output over the other.
-fn check_out(locate: &Locate) -> Result<(), Usage> {
-    let written = [
-        ("--out", Some(&locate.out)),
-        ("--explain", locate.explain.as_ref()),
-        ("--picture", locate.picture.as_ref()),
-    ];
-    for (place, (option, file)) in written.iter().enumerate() {
-        let Some(file) = file else { continue };
-        if is_same_file(file, &locate.bearings)
-            || locate.config.as_ref().is_some_and(|config| is_same_file(file, config))
-        {
-            let what = format!("{option} {} is an input; name another file", file.display());
-            return Err(Usage(what));
-        }
-        for (other_option, other) in &written[place + 1..] {
-            if other.is_some_and(|other| other == *file || is_same_file(other, file)) {
-                return Err(Usage(format!("{option} and {other_option} name one file; name two")));
-            }
-        }
-    }
-    Ok(())
 }
 
 /// The file of bearings. Rows that cannot be used are left out and counted.

@@ -5,8 +5,9 @@ use std::path::Path;
 use anyhow::anyhow;
 use locating::EmitterReport;
 use observations::Bearing;
-use plotters::coord::Shift;
 use plotters::prelude::*;
+
+use crate::picture::{Drawing, Drawn, equal_scales, range};
 
 const SIZE: (u32, u32) = (960, 1040);
 /// Share of the picture for the map, in pixels.
@@ -14,11 +15,8 @@ const MAP_HEIGHT: u32 = 680;
 const PLATFORM: RGBColor = RGBColor(170, 170, 170);
 const RAW: RGBColor = RGBColor(31, 119, 180);
 const OUTPUT: RGBColor = RGBColor(214, 39, 40);
-/// Room around what is drawn, as a share of it.
-const ROOM: f64 = 0.06;
-
-type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
+/// Pixels beside the map: axes, their labels and margins.
+const ASIDE: u32 = 110;
 
 /// Paths that are drawn of an emitter.
 #[derive(Debug, Default)]
@@ -91,27 +89,23 @@ impl Paths {
     }
 
     fn draw_map(&self, area: &Drawing<'_>) -> Drawn {
-        let fixes = || self.raw_km.iter().chain(&self.output_km);
-        // One scale for both axes; the platform is drawn as far as it comes near.
-        let (mut east, mut north) = (range(fixes().map(|at| at.0)), range(fixes().map(|at| at.1)));
-        let (width, height) = (f64::from(SIZE.0 - 110), f64::from(MAP_HEIGHT - 110));
-        let scale = ((east.1 - east.0) / width).max((north.1 - north.0) / height).max(1e-4);
-        widen(&mut east, scale * width);
-        widen(&mut north, scale * height);
+        // The platform is drawn as far as it comes near.
+        let fixes = self.raw_km.iter().chain(&self.output_km);
+        let (east, north, _) = equal_scales(fixes, (SIZE.0 - ASIDE, MAP_HEIGHT - ASIDE));
         let title = format!("Emitter {}: fixes and output", self.emitter.unwrap_or_default());
         let mut chart = ChartBuilder::on(area)
             .caption(title, ("sans-serif", 20))
             .margin(16)
             .x_label_area_size(40)
             .y_label_area_size(60)
-            .build_cartesian_2d(east.0..east.1, north.0..north.1)?;
+            .build_cartesian_2d(east.clone(), north.clone())?;
         chart
             .configure_mesh()
             .x_desc("east, km")
             .y_desc("north, km")
             .light_line_style(RGBColor(235, 235, 235))
             .draw()?;
-        let inside = |at: &(f64, f64)| (east.0..=east.1).contains(&at.0) && (north.0..=north.1).contains(&at.1);
+        let inside = |at: &(f64, f64)| east.contains(&at.0) && north.contains(&at.1);
         let parts = self.platform_km.split(|at| !inside(at)).filter(|part| part.len() > 1);
         for part in parts {
             chart.draw_series(LineSeries::new(part.iter().copied(), PLATFORM))?;
@@ -140,10 +134,7 @@ impl Paths {
             .margin(16)
             .x_label_area_size(40)
             .y_label_area_size(60)
-            .build_cartesian_2d(
-                time.0..time.1,
-                (sigma.0.max(0.1) * 0.9..sigma.1.max(0.2) * 1.1).log_scale(),
-            )?;
+            .build_cartesian_2d(time, (sigma.start.max(0.1) * 0.9..sigma.end.max(0.2) * 1.1).log_scale())?;
         chart
             .configure_mesh()
             .x_desc("time, s")
@@ -153,19 +144,4 @@ impl Paths {
         chart.draw_series(LineSeries::new(self.sigma_m.iter().copied(), RAW))?;
         Ok(())
     }
-}
-
-/// Least and greatest, with room around them.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
-    let room = ROOM * (high - low).max(1e-3);
-    (low - room, high + room)
-}
-
-/// Makes a range as long as `length`, about its middle.
-fn widen(range: &mut (f64, f64), length: f64) {
-    let middle = 0.5 * (range.0 + range.1);
-    *range = (middle - 0.5 * length, middle + 0.5 * length);
 }

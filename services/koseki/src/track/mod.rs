@@ -10,7 +10,7 @@ mod outputs;
 mod summary;
 mod support;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use configuration::{Config, SeenDetections, Source, Tracking};
 use observations::sensor_id;
@@ -21,7 +21,7 @@ use tracking::scans::scans_of;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::args::{Track, Usage};
-use crate::files::{InputError, is_same_file};
+use crate::files::{InputError, check_outputs};
 use crate::offline::Progress;
 use explain::Explained;
 use input::Input;
@@ -167,27 +167,11 @@ fn check_files(track: &Track) -> Result<(), Usage> {
         let what = format!("--detections names {} twice; name it once", file.display());
         return Err(Usage(what));
     }
-    let given = [("--explain", &track.explain), ("--cues", &track.cues)];
-    let given = given
-        .iter()
-        .filter_map(|(option, path)| Some((*option, path.as_ref()?)));
-    let outputs: Vec<(&str, &PathBuf)> = std::iter::once(("--out", &track.out)).chain(given).collect();
-    let inputs: Vec<&PathBuf> = track
-        .detections
-        .iter()
-        .chain(&track.config)
-        .chain(&track.wide_area)
-        .chain(&track.emissions)
-        .collect();
-    for (place, (option, written)) in outputs.iter().enumerate() {
-        if inputs.iter().any(|input| is_same_file(input, written)) {
-            let what = format!("{option} {} is an input; name another file", written.display());
-            return Err(Usage(what));
-        }
-        let is_other = |(_, earlier): &&(&str, &PathBuf)| earlier == written || is_same_file(earlier, written);
-        if let Some((other, _)) = outputs[..place].iter().find(is_other) {
-            return Err(Usage(format!("{other} and {option} name one file; name two")));
-        }
-    }
-    Ok(())
+    let outputs = [
+        ("--out", Some(&track.out)),
+        ("--explain", track.explain.as_ref()),
+        ("--cues", track.cues.as_ref()),
+    ];
+    let inputs = track.detections.iter().chain(&track.config);
+    check_outputs(inputs.chain(&track.wide_area).chain(&track.emissions), &outputs)
 }

@@ -1,0 +1,164 @@
+//! System tracks as a picture (SVG), over the reports that they were made from.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use anyhow::anyhow;
+use messages::{SensorTrack, SystemTrack, TrackState};
+use plotters::prelude::*;
+
+use crate::picture::{Drawing, Drawn, equal_scales};
+
+const SIZE: (u32, u32) = (960, 960);
+/// Pixels beside the map: axes, their labels and margins.
+const ASIDE: u32 = 110;
+const SYSTEM: RGBColor = RGBColor(20, 20, 20);
+/// Colours of the sensors, in the order of their ids; they begin again after the last.
+const SENSORS: [RGBColor; 7] = [
+    RGBColor(31, 119, 180),
+    RGBColor(255, 127, 14),
+    RGBColor(44, 160, 44),
+    RGBColor(214, 39, 40),
+    RGBColor(148, 103, 189),
+    RGBColor(140, 86, 75),
+    RGBColor(23, 190, 207),
+];
+
+/// East and north, kilometres.
+type Place = (f64, f64);
+
+/// The positions to be drawn.
+#[derive(Debug)]
+pub(super) struct Picture {
+    /// System track that the picture is about; `None` for all.
+    about: Option<u32>,
+    /// By source number.
+    reports_km: BTreeMap<u16, Vec<Place>>,
+    /// By the system track's number.
+    tracks_km: BTreeMap<u32, Vec<Place>>,
+}
+
+impl Picture {
+    /// Nothing yet, of the surroundings of a system track or of everything.
+    pub(super) fn new(about: Option<u32>) -> Self {
+        Self {
+            about,
+            reports_km: BTreeMap::new(),
+            tracks_km: BTreeMap::new(),
+        }
+    }
+
+    /// Takes a report as it was read.
+    pub(super) fn report(&mut self, report: &SensorTrack) {
+        let place = kilometres(&report.position_m);
+        self.reports_km.entry(report.source).or_default().push(place);
+    }
+
+    /// Takes a state of a system track; those that are not shown to users are not drawn.
+    pub(super) fn state(&mut self, track: &SystemTrack) {
+        if track.state == TrackState::Confirmed as u8 || track.state == TrackState::Coasted as u8 {
+            let place = kilometres(&track.position_m);
+            self.tracks_km.entry(track.track_number).or_default().push(place);
+        }
+    }
+
+    /// Draws it; `sensor_ids` are the names of the sources in files.
+    ///
+    /// # Errors
+    /// If there is nothing to draw, or the file cannot be written.
+    pub(super) fn draw(&self, file: &Path, sensor_ids: &[u32]) -> anyhow::Result<()> {
+        let faulty = |what: String| anyhow!("--picture {}: {what}", file.display());
+        match self.about {
+            None if self.tracks_km.is_empty() => Err(faulty("there is no confirmed track".to_owned())),
+            Some(number) if !self.tracks_km.contains_key(&number) => Err(faulty(format!(
+                "system track {number} is never confirmed; --out has their numbers"
+            ))),
+            _ => self
+                .try_draw(file, sensor_ids)
+                .map_err(|error| faulty(error.to_string())),
+        }
+    }
+
+    fn try_draw(&self, file: &Path, sensor_ids: &[u32]) -> Drawn {
+        let root = SVGBackend::new(file, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        self.draw_map(&root, sensor_ids)?;
+        root.present()?;
+        Ok(())
+    }
+
+    fn draw_map(&self, area: &Drawing<'_>, sensor_ids: &[u32]) -> Drawn {
+        let shown = |number: &u32| self.about.is_none_or(|about| about == *number);
+        let places = self.tracks_km.iter().filter(|(number, _)| shown(number));
+        let map = (SIZE.0 - ASIDE, SIZE.1 - ASIDE);
+        let (east, north, pixel_km) = equal_scales(places.flat_map(|(_, places)| places), map);
+        let inside = |at: &Place| east.contains(&at.0) && north.contains(&at.1);
+        let title = match self.about {
+            Some(number) => format!("System track {number}, its surroundings, and what they were made from"),
+            None => format!("{} system tracks, and what they were made from", self.tracks_km.len()),
+        };
+        let mut chart = ChartBuilder::on(area)
+            .caption(title, ("sans-serif", 20))
+            .margin(16)
+            .x_label_area_size(40)
+            .y_label_area_size(60)
+            .build_cartesian_2d(east.clone(), north.clone())?;
+        chart
+            .configure_mesh()
+            .x_desc("east, km")
+            .y_desc("north, km")
+            .light_line_style(RGBColor(235, 235, 235))
+            .draw()?;
+        for (place, (source, reports)) in self.reports_km.iter().enumerate() {
+            let colour = SENSORS[place % SENSORS.len()];
+            let id = sensor_ids.get(usize::from(*source)).copied().unwrap_or_default();
+            let dots = one_a_pixel(reports.iter().copied().filter(inside), 2.0 * pixel_km);
+            chart
+                .draw_series(dots.into_iter().map(|at| Circle::new(at, 2, colour.mix(0.5).filled())))?
+                .label(format!("sensor {id}"))
+                .legend(move |(x, y)| Circle::new((x + 12, y), 3, colour.filled()));
+        }
+        let mut label = Some("system track");
+        let parts = self.tracks_km.values().flat_map(|track| track.split(|at| !inside(at)));
+        for part in parts.filter(|part| part.len() > 1) {
+            let drawn = chart.draw_series(LineSeries::new(thinned(part, pixel_km), SYSTEM))?;
+            if let Some(label) = label.take() {
+                drawn
+                    .label(label)
+                    .legend(|(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], SYSTEM));
+            }
+        }
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperLeft)
+            .background_style(WHITE.mix(0.8))
+            .border_style(BLACK.mix(0.3))
+            .draw()?;
+        Ok(())
+    }
+}
+
+fn kilometres(position_m: &[f64; 3]) -> Place {
+    (position_m[0] * 1e-3, position_m[1] * 1e-3)
+}
+
+/// One of all places within a square of this size.
+fn one_a_pixel(places: impl Iterator<Item = Place>, size_km: f64) -> Vec<Place> {
+    let mut taken = BTreeSet::new();
+    let square = |place: &Place| ((place.0 / size_km) as i64, (place.1 / size_km) as i64);
+    places.filter(|place| taken.insert(square(place))).collect()
+}
+
+/// A line without the points that are nearer than `pixel_km` to the one before; its last one stays.
+fn thinned(line: &[Place], pixel_km: f64) -> Vec<Place> {
+    let mut thin: Vec<Place> = Vec::new();
+    for (number, at) in line.iter().enumerate() {
+        let is_far = thin
+            .last()
+            .is_none_or(|last| (last.0 - at.0).hypot(last.1 - at.1) >= pixel_km);
+        if is_far || number + 1 == line.len() {
+            thin.push(*at);
+        }
+    }
+    thin
+}
