@@ -23,10 +23,6 @@ use sources::{Processing, TrackerSettings};
 
 pub(super) type Checked<T> = Result<T, SettingsError>;
 
-pub(super) fn problem(key: impl Into<String>, what: impl Into<String>) -> SettingsError {
-    SettingsError::new(key, what)
-}
-
 pub(super) fn check_name(key: &str, name: &str) -> Checked<()> {
     let fits = (1..=31).contains(&name.len())
         && name
@@ -35,7 +31,7 @@ pub(super) fn check_name(key: &str, name: &str) -> Checked<()> {
     if fits {
         return Ok(());
     }
-    Err(problem(
+    Err(SettingsError::new(
         key,
         format!("\"{name}\" cannot be a name: use 1 to 31 letters, digits, - and _"),
     ))
@@ -46,14 +42,17 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
     check_name("name", &raw.name)?;
     let frame = SystemFrame::at(place("frame", &raw.frame)?);
     if raw.sources.is_empty() {
-        return Err(problem("", "there is no [[source]]: a deployment needs at least one"));
+        return Err(SettingsError::new(
+            "",
+            "there is no [[source]]: a deployment needs at least one",
+        ));
     }
     let mut names = BTreeSet::new();
     for (index, source) in raw.sources.iter().enumerate() {
         let key = format!("source[{index}].name");
         check_name(&key, &source.name)?;
         if !names.insert(source.name.clone()) {
-            return Err(problem(
+            return Err(SettingsError::new(
                 key,
                 format!(
                     "\"{}\" is the name of an earlier source; give each its own",
@@ -79,7 +78,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
     let scenario = check_scenario(&raw, &sources, &wide_area_sensors)?;
     let external = sources.iter().any(|source| matches!(source.input, Input::External));
     if (external || !receivers.is_empty()) && raw.time.order == Order::Time {
-        return Err(problem(
+        return Err(SettingsError::new(
             "time.order",
             "\"time\" is for recorded inputs; simulated, external and received sources are live: use \"arrival\"",
         ));
@@ -110,7 +109,7 @@ pub(super) fn place(key: &str, raw: &PlaceTable) -> Checked<Geodetic> {
             frames::GeodeticError::Longitude(_) => "longitude_deg",
             frames::GeodeticError::Height(_) => "height_m",
         };
-        problem(format!("{key}.{part}"), error.to_string())
+        SettingsError::new(format!("{key}.{part}"), error.to_string())
     })
 }
 
@@ -207,7 +206,7 @@ fn check_tracker(
     if !has_detections {
         let what = "takes plots in ASTERIX; leave it out where a source has tracks already, and give a simulated sensor \
                     plots = true";
-        return Err(problem(key(), what));
+        return Err(SettingsError::new(key(), what));
     }
     source_tracker(tracker, index as u16, raw.period_s()).map(Some)
 }
@@ -231,7 +230,7 @@ fn check_locator(
         (Some(_), _) => {
             let what =
                 "takes bearings: of a [[receiver]] with [receiver.udp], or of a [source.simulated_direction_finder]";
-            Err(problem(key, what))
+            Err(SettingsError::new(key, what))
         }
         (None, Input::Simulated(_)) if may_have_bearings => Ok(Some(locating::Settings::default())),
         (None, _) => Ok(None),
@@ -253,17 +252,17 @@ fn first_day(raw: &DeploymentTable, sources: &[Source]) -> Checked<Option<i64>> 
     match &raw.time.date {
         Some(date) => {
             let day: jiff::civil::Date = date.parse().map_err(|_| {
-                problem(
+                SettingsError::new(
                     "time.date",
                     format!("\"{date}\" is not a date: write year-month-day, as in \"2016-05-10\""),
                 )
             })?;
             let midnight = day
                 .to_zoned(jiff::tz::TimeZone::UTC)
-                .map_err(|error| problem("time.date", error.to_string()))?;
+                .map_err(|error| SettingsError::new("time.date", error.to_string()))?;
             Ok(Some(midnight.timestamp().as_nanosecond() as i64))
         }
-        None if recorded => Err(problem(
+        None if recorded => Err(SettingsError::new(
             "time.date",
             "missing: recordings carry the time of day only, so give their first day (UTC)",
         )),
@@ -287,7 +286,7 @@ fn check_scenario(
     match (&raw.scenario, source.or(sensor)) {
         (None, Some(key)) => {
             let what = "is simulated, but there is no [scenario] to observe";
-            Err(problem(key, what))
+            Err(SettingsError::new(key, what))
         }
         (scenario, _) => Ok(scenario.clone()),
     }

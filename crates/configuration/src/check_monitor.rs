@@ -6,7 +6,9 @@ use std::time::Duration;
 use bus::WaitMode;
 use telemetry::{Deadlines, Stage};
 
-use super::check::{Checked, problem};
+use settings::SettingsError;
+
+use super::check::Checked;
 use super::tables::{DeadlineTable, MonitorTable, MonitorWord};
 use super::{Fusion, Monitor, MonitorWait};
 
@@ -51,7 +53,7 @@ fn deadlines(raw: &DeadlineTable, wait: MonitorWait, fusion_ns: i64) -> Checked<
         if stage == Stage::FusedToReceived && wait != MonitorWait::Event {
             let what =
                 "a monitor that polls does not measure this stage; set monitor.wait = \"event\", or leave it out";
-            return Err(problem(key, what));
+            return Err(SettingsError::new(key, what));
         }
         deadlines = deadlines.with(stage, Some((given_us * 1e3) as u64));
     }
@@ -63,14 +65,14 @@ fn metrics(text: &str, public: bool) -> Checked<SocketAddr> {
     let key = "monitor.prometheus";
     let address: SocketAddr = text.parse().map_err(|_| {
         let what = format!("\"{text}\" is no address with a port; write it as in \"127.0.0.1:9464\"");
-        problem(key, what)
+        SettingsError::new(key, what)
     })?;
     if !address.ip().is_loopback() && !public {
         let what = format!(
             "{text} can be reached from other machines, and whoever can reach it reads everything; use 127.0.0.1, or set \
              prometheus_public = true beside it"
         );
-        return Err(problem(key, what));
+        return Err(SettingsError::new(key, what));
     }
     Ok(address)
 }

@@ -9,7 +9,9 @@ use net::{ReceiverSettings, SenderSettings};
 use outgoing::Technology;
 use scenario::SensorKind;
 
-use super::check::{Checked, check_name, problem};
+use settings::SettingsError;
+
+use super::check::{Checked, check_name};
 use super::network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 use super::tables::{AsterixTable, GatewayTable, LiveTable, ReceiverTable, UdpTable, interface};
 use super::wide_area_sensor::WideAreaSensor;
@@ -49,7 +51,7 @@ impl Network {
                     "\"{}\" is the name of an earlier receiver; give each its own",
                     each.name
                 );
-                return Err(problem(key("name"), what));
+                return Err(SettingsError::new(key("name"), what));
             }
             let transport = match (&each.udp, &each.sbs) {
                 (Some(udp), _) => Transport::Udp(check_udp(&key("udp"), udp)?),
@@ -99,7 +101,7 @@ impl Network {
             } else {
                 known.join(", ")
             };
-            problem(
+            SettingsError::new(
                 key,
                 format!("there is no [[receiver]] named \"{name}\"; there are: {known}"),
             )
@@ -112,7 +114,7 @@ impl Network {
             Transport::Udp(_) => Ok(()),
             _ => {
                 let what = format!("\"{name}\" takes no datagrams; name a [[receiver]] with [receiver.udp]");
-                Err(problem(key, what))
+                Err(SettingsError::new(key, what))
             }
         }
     }
@@ -171,35 +173,35 @@ impl Network {
                 let what = format!(
                     "no source has [source.live] with receiver = \"{name}\", and no wide-area sensor is behind it"
                 );
-                return Err(problem(key, what));
+                return Err(SettingsError::new(key, what));
             }
             if !counting.is_empty() && behind.len() + counting.len() > 1 {
                 let what = format!(
                     "a wide-area sensor is alone behind its receiver, but {} have receiver = \"{name}\"",
                     behind.len() + counting.len()
                 );
-                return Err(problem(key, what));
+                return Err(SettingsError::new(key, what));
             }
             if let Some(other) = sources.iter().find(|source| source.adapter == *name && !owned(source)) {
                 let what = format!(
                     "\"{name}\" is also the name of the adapter process of source \"{}\"; give the receiver another",
                     other.name
                 );
-                return Err(problem(key, what));
+                return Err(SettingsError::new(key, what));
             }
             if matches!(receiver.transport, Transport::Sbs { .. }) && behind.len() > 1 {
                 let what = format!(
                     "an SBS-1 feed is one source, but {} have receiver = \"{name}\"",
                     behind.len()
                 );
-                return Err(problem(key, what));
+                return Err(SettingsError::new(key, what));
             }
             if behind.len() > 1 && behind.iter().any(|source| source.locator().is_some()) {
                 let what = format!(
                     "tables of bearings are of one source, but {} have receiver = \"{name}\"",
                     behind.len()
                 );
-                return Err(problem(key, what));
+                return Err(SettingsError::new(key, what));
             }
             let mut senders = BTreeSet::new();
             for source in &behind {
@@ -211,7 +213,7 @@ impl Network {
                     let what = format!(
                         "two sources with receiver = \"{name}\" have {sender}; reports could not be told apart"
                     );
-                    return Err(problem(format!("source[{}].live", source.number), what));
+                    return Err(SettingsError::new(format!("source[{}].live", source.number), what));
                 }
             }
         }
@@ -227,10 +229,13 @@ fn check_udp(key: &str, raw: &UdpTable) -> Checked<ReceiverSettings> {
              \"239.1.2.3:8600\", \"0.0.0.0:8600\" or \"[ff15::1]:8600\"",
             raw.listen
         );
-        problem(&listen_key, what)
+        SettingsError::new(&listen_key, what)
     })?;
     if listen.port() == 0 {
-        return Err(problem(listen_key, "port 0 is no port; give one from 1 to 65535"));
+        return Err(SettingsError::new(
+            listen_key,
+            "port 0 is no port; give one from 1 to 65535",
+        ));
     }
     let settings = ReceiverSettings {
         interface: raw.interface.as_deref().map(interface),
@@ -240,7 +245,7 @@ fn check_udp(key: &str, raw: &UdpTable) -> Checked<ReceiverSettings> {
     };
     settings
         .check()
-        .map_err(|error| problem(listen_key, error.to_string()))?;
+        .map_err(|error| SettingsError::new(listen_key, error.to_string()))?;
     Ok(settings)
 }
 
@@ -248,7 +253,7 @@ fn server(key: &str, text: &str) -> Checked<SocketAddr> {
     let found = text.to_socket_addrs().ok().and_then(|mut addresses| addresses.next());
     found.ok_or_else(|| {
         let what = format!("\"{text}\" is no server and port, or its name is not known; write \"127.0.0.1:30003\"");
-        problem(key, what)
+        SettingsError::new(key, what)
     })
 }
 
@@ -258,7 +263,7 @@ pub(super) fn asterix(key: &str, reading: &AsterixTable) -> Checked<Asterix> {
     for (category, edition) in &reading.editions {
         let number: u8 = category.parse().map_err(|_| {
             let what = format!("\"{category}\" is not an ASTERIX category: write \"21\" = \"0.23\"");
-            problem(key, what)
+            SettingsError::new(key, what)
         })?;
         tables.push(table(key, number, Some(edition))?);
     }
@@ -272,7 +277,7 @@ pub(super) fn asterix(key: &str, reading: &AsterixTable) -> Checked<Asterix> {
 fn table(key: &str, number: u8, edition: Option<&str>) -> Checked<&'static Category> {
     let Some(edition) = edition else {
         return registry::default_edition(number)
-            .ok_or_else(|| problem(key, format!("category {number} is not known")));
+            .ok_or_else(|| SettingsError::new(key, format!("category {number} is not known")));
     };
     let table = edition
         .parse::<Edition>()
@@ -287,7 +292,7 @@ fn table(key: &str, number: u8, edition: Option<&str>) -> Checked<&'static Categ
             "category {number} edition \"{edition}\" is not known; there are: {}",
             known.join(", ")
         );
-        problem(key, what)
+        SettingsError::new(key, what)
     })
 }
 
@@ -304,7 +309,7 @@ pub(super) fn check_gateways(
         check_name(&key("name"), &each.name)?;
         if !names.insert(&each.name) {
             let what = format!("\"{}\" is the name of an earlier gateway; give each its own", each.name);
-            return Err(problem(key("name"), what));
+            return Err(SettingsError::new(key("name"), what));
         }
         let mut adapters = sources
             .iter()
@@ -315,7 +320,7 @@ pub(super) fn check_gateways(
                 "\"{}\" is the name of an adapter process; give the gateway another",
                 each.name
             );
-            return Err(problem(key("name"), what));
+            return Err(SettingsError::new(key("name"), what));
         }
         gateways.push(check_gateway(&key, each, sources)?);
     }
@@ -328,10 +333,13 @@ fn check_gateway(key: &impl Fn(&str) -> String, raw: &GatewayTable, sources: &[S
             "\"{}\" is no address and port; write a multicast group or an address, as in \"239.1.2.3:8610\"",
             raw.send_to
         );
-        problem(key("send_to"), what)
+        SettingsError::new(key("send_to"), what)
     })?;
     if send_to.port() == 0 {
-        return Err(problem(key("send_to"), "port 0 is no port; give one from 1 to 65535"));
+        return Err(SettingsError::new(
+            key("send_to"),
+            "port 0 is no port; give one from 1 to 65535",
+        ));
     }
     let sender = SenderSettings {
         interface: raw.interface.as_deref().map(interface),
@@ -340,22 +348,22 @@ fn check_gateway(key: &impl Fn(&str) -> String, raw: &GatewayTable, sources: &[S
     };
     sender
         .check()
-        .map_err(|error| problem(key("send_to"), error.to_string()))?;
+        .map_err(|error| SettingsError::new(key("send_to"), error.to_string()))?;
     let (content, category) = match (&raw.source, raw.category) {
         (None, None | Some(SYSTEM_CATEGORY)) => (GatewayContent::SystemTracks, SYSTEM_CATEGORY),
         (None, Some(other)) => {
             let what = format!("{other}: the fused picture goes out in category 62; for sensor tracks give a source");
-            return Err(problem(key("category"), what));
+            return Err(SettingsError::new(key("category"), what));
         }
         (Some(name), Some(category)) if SENSOR_CATEGORIES.contains(&category) => {
             let source = sources.iter().find(|source| source.name == *name);
-            let source =
-                source.ok_or_else(|| problem(key("source"), format!("there is no source named \"{name}\"")))?;
+            let source = source
+                .ok_or_else(|| SettingsError::new(key("source"), format!("there is no source named \"{name}\"")))?;
             (GatewayContent::SensorTracks(source.number), category)
         }
         (Some(_), _) => {
             let what = "sensor tracks go out in category 10, 20, 21 or 48: give one of them";
-            return Err(problem(key("category"), what));
+            return Err(SettingsError::new(key("category"), what));
         }
     };
     Ok(Gateway {

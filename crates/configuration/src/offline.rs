@@ -28,7 +28,7 @@ use fusion::settings::{AccuracyModel, AccuracyTable, Settings, SourceSettings, W
 use settings::{Document, Seconds, SettingsError};
 
 use super::ConfigError;
-use super::check::{Checked, check_name, problem};
+use super::check::{Checked, check_name};
 use super::tables::FusionTable;
 
 /// Period of a sensor that never reported a track twice, and has none configured, seconds.
@@ -102,13 +102,13 @@ impl OfflineTable {
                     "{} is the id of an earlier sensor; say everything of it there",
                     sensor.id
                 );
-                return Err(problem(key("id"), what));
+                return Err(SettingsError::new(key("id"), what));
             }
             if let Some(name) = &sensor.name {
                 check_name(&key("name"), name)?;
                 if !names.insert(name) {
                     let what = format!("\"{name}\" is the name of an earlier sensor; give each its own");
-                    return Err(problem(key("name"), what));
+                    return Err(SettingsError::new(key("name"), what));
                 }
             }
         }

@@ -10,7 +10,9 @@
 //! output_period_s = 1.0            # tracks at even times instead of after each scan (WA-11)
 //! ```
 
-use super::check::{Checked, problem};
+use settings::SettingsError;
+
+use super::check::Checked;
 use super::tables::{SourceTable, WideAreaSensorTable};
 use super::{Input, Source};
 
@@ -40,10 +42,10 @@ pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: 
         }
         if !source.links.emissions.is_empty() {
             let what = "direction finders are live, but the source is a recording: leave it out";
-            return Err(problem(key("emissions"), what));
+            return Err(SettingsError::new(key("emissions"), what));
         }
         if raw.cues {
-            return Err(problem(
+            return Err(SettingsError::new(
                 key("cues"),
                 "the sensor of a recording looks nowhere: leave it out",
             ));
@@ -65,10 +67,13 @@ fn numbers_of(key: &str, names: &[String], kind: &str, known: &[(&str, u16)]) ->
                 names.join(", ")
             };
             let what = format!("there is no {kind} named \"{name}\"; there are: {names}");
-            return Err(problem(key, what));
+            return Err(SettingsError::new(key, what));
         };
         if numbers.contains(number) {
-            return Err(problem(key, format!("\"{name}\" is named twice; name it once")));
+            return Err(SettingsError::new(
+                key,
+                format!("\"{name}\" is named twice; name it once"),
+            ));
         }
         numbers.push(*number);
     }

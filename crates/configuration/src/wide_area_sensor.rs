@@ -36,7 +36,7 @@ use frames::{SensorFrame, SystemFrame};
 use reception::{CovarianceModel, SourceModel};
 use settings::SettingsError;
 
-use super::check::{Checked, check_name, place, problem};
+use super::check::{Checked, check_name, place};
 use super::check_network::{Network, asterix};
 use super::tables::{CountedTracksTable, DeploymentTable, PlaceTable, ReceiverTable, SourceTable, WideAreaSensorTable};
 use super::{Asterix, Input, Source};
@@ -133,7 +133,7 @@ pub(super) fn check_wide_area_sensors(
             "there are {}; at most {SENSORS_MAX} can be",
             raw.wide_area_sensors.len()
         );
-        return Err(problem("wide_area_sensor", what));
+        return Err(SettingsError::new("wide_area_sensor", what));
     }
     let mut names = BTreeSet::new();
     let mut sensors = Vec::new();
@@ -145,7 +145,7 @@ pub(super) fn check_wide_area_sensors(
                 "\"{}\" is the name of an earlier wide-area sensor; give each its own",
                 each.name
             );
-            return Err(problem(key, what));
+            return Err(SettingsError::new(key, what));
         }
         let sensor = check_sensor(index, each, (system, &raw.frame), network)?;
         check_process_name(&sensor, &raw.sources, &raw.receivers)?;
@@ -242,7 +242,7 @@ pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> C
             sensor.name
         );
         let key = format!("source[{}].tracker.wide_area_sensors", source.number);
-        Some(problem(key, what))
+        Some(SettingsError::new(key, what))
     };
     if let Some(problem) = sources.iter().find_map(|source| differ(is_recorded(source), source)) {
         return Err(problem);
@@ -253,7 +253,10 @@ pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> C
             "\"{}\" is live, but all sources are recordings: give it one, too ([wide_area_sensor.recorded])",
             sensor.name
         );
-        return Err(problem(format!("wide_area_sensor[{}].name", sensor.number), what));
+        return Err(SettingsError::new(
+            format!("wide_area_sensor[{}].name", sensor.number),
+            what,
+        ));
     }
     let recording = sensors.iter().find(|sensor| sensor.recording().is_some());
     if let Some(sensor) = recording.filter(|_| !sources.iter().any(is_recorded)) {
@@ -261,7 +264,10 @@ pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> C
             "\"{}\" is a recording, but no source is a recording: its times are of another day",
             sensor.name
         );
-        return Err(problem(format!("wide_area_sensor[{}].name", sensor.number), what));
+        return Err(SettingsError::new(
+            format!("wide_area_sensor[{}].name", sensor.number),
+            what,
+        ));
     }
     Ok(())
 }
@@ -278,7 +284,10 @@ fn check_process_name(sensor: &WideAreaSensor, sources: &[SourceTable], receiver
             "\"{}\" is also the name of an adapter process, that of a source or receiver; give the sensor another",
             sensor.name
         );
-        return Err(problem(format!("wide_area_sensor[{}].name", sensor.number), what));
+        return Err(SettingsError::new(
+            format!("wide_area_sensor[{}].name", sensor.number),
+            what,
+        ));
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use messages::{FusionRule, NS_PER_S};
-use settings::{Degrees, Node, Place, Range, Seconds, SettingsError, Value};
+use settings::{Degrees, Seconds, SettingsError};
 
 use crate::quality::SCANS_MAX;
 
@@ -312,23 +312,13 @@ impl From<u16> for SourceRef {
     }
 }
 
-impl Value for SourceRef {
-    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
-        Value::read(&mut self.name, node, range, at)
-    }
-
-    fn check(&self, _: Range, _: &Place<'_>) -> Result<(), SettingsError> {
-        Ok(())
-    }
-
-    fn kind(&self) -> String {
-        "name of a source".to_owned()
-    }
-
-    fn text(&self) -> String {
-        self.name.text()
-    }
-}
+settings::spelt_as!(
+    SourceRef,
+    String,
+    "name of a source",
+    |name| Ok(Self { name, number: 0 }),
+    |source| source.name.clone()
+);
 
 /// The name of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -341,30 +331,15 @@ impl Default for RuleName {
     }
 }
 
-impl Value for RuleName {
-    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
-        let mut word = String::new();
-        Value::read(&mut word, node, range, at)?;
-        let rule = FusionRule::from_word(&word);
-        self.0 = rule.ok_or_else(|| {
-            let known = FusionRule::ALL.map(FusionRule::word);
-            at.error(format!("\"{word}\" is no fusion rule; there are: {}", known.join(", ")))
-        })?;
-        Ok(())
-    }
-
-    fn check(&self, _: Range, _: &Place<'_>) -> Result<(), SettingsError> {
-        Ok(())
-    }
-
-    fn kind(&self) -> String {
-        "name of a rule".to_owned()
-    }
-
-    fn text(&self) -> String {
-        format!("\"{}\"", self.0.word())
-    }
-}
+settings::spelt_as!(
+    RuleName,
+    String,
+    "name of a rule",
+    |word| FusionRule::from_word(&word)
+        .map(Self)
+        .ok_or_else(|| settings::not_known(&word, &FusionRule::ALL.map(FusionRule::word))),
+    |rule| rule.0.word().to_owned()
+);
 
 /// A gate on d² of two degrees of freedom that files state by its probability.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -388,26 +363,13 @@ impl GateProbability {
     }
 }
 
-impl Value for GateProbability {
-    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
-        let mut probability = 0.0;
-        Value::read(&mut probability, node, range, at)?;
-        *self = Self::of(probability);
-        Ok(())
-    }
-
-    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
-        range.check(self.probability, at)
-    }
-
-    fn kind(&self) -> String {
-        "number".to_owned()
-    }
-
-    fn text(&self) -> String {
-        self.probability.text()
-    }
-}
+settings::spelt_as!(
+    GateProbability,
+    f64,
+    "number",
+    |probability| Ok(Self::of(probability)),
+    |gate| gate.probability
+);
 
 /// One source (TI-2).
 #[derive(Clone, Debug, PartialEq)]

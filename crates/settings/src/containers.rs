@@ -147,25 +147,3 @@ fn list<T: Value>(items: &[T]) -> String {
     let items: Vec<String> = items.iter().map(Value::text).collect();
     format!("[{}]", items.join(", "))
 }
-
-impl<T: Value + ?Sized> Value for Box<T> {
-    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
-        (**self).read(node, range, at)
-    }
-
-    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
-        (**self).check(range, at)
-    }
-
-    fn kind(&self) -> String {
-        (**self).kind()
-    }
-
-    fn text(&self) -> String {
-        (**self).text()
-    }
-
-    fn table(&self) -> Option<Box<dyn Table>> {
-        (**self).table()
-    }
-}

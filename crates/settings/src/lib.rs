@@ -46,6 +46,7 @@ mod leaves;
 mod place;
 mod quantities;
 mod reference;
+mod spelling;
 mod table;
 mod value;
 mod words;

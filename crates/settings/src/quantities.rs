@@ -1,6 +1,6 @@
 //! Quantities that files have in one unit and algorithms in another.
 
-use crate::{Node, Place, Range, SettingsError, Value};
+use crate::spelt_as;
 
 /// Nanoseconds in a second.
 const NS_PER_S: f64 = 1e9;
@@ -65,36 +65,16 @@ impl Degrees {
     }
 }
 
-macro_rules! quantities {
-    ($( $type:ident, $number:ident; )*) => { $(
-        impl Value for $type {
-            fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
-                let mut number = 0.0;
-                Value::read(&mut number, node, range, at)?;
-                // Not every key has a range.
-                if !number.is_finite() {
-                    return Err(at.error(format!("{number} is no quantity; write a number")));
-                }
-                *self = Self::of(number);
-                Ok(())
-            }
-
-            fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
-                Value::check(&self.$number(), range, at)
-            }
-
-            fn kind(&self) -> String {
-                0.0.kind()
-            }
-
-            fn text(&self) -> String {
-                self.$number().text()
-            }
-        }
-    )* };
+/// A quantity is a number, also where a key has no range.
+fn finite<T>(number: f64, of: fn(f64) -> T) -> Result<T, String> {
+    match number.is_finite() {
+        true => Ok(of(number)),
+        false => Err(format!("{number} is no quantity; write a number")),
+    }
 }
 
-quantities! {
-    Seconds, s;
-    Degrees, deg;
-}
+spelt_as!(Seconds, f64, "number", |seconds| finite(seconds, Self::of), |time| time
+    .s());
+spelt_as!(Degrees, f64, "number", |degrees| finite(degrees, Self::of), |angle| {
+    angle.deg()
+});

@@ -1,7 +1,5 @@
 //! Choices that have words.
 
-use crate::{Place, SettingsError};
-
 /// Declares a choice: an enumeration whose variants have words, the first of them the default.
 ///
 /// ```
@@ -59,35 +57,17 @@ macro_rules! words {
             }
         }
 
-        impl $crate::Value for $name {
-            fn read(
-                &mut self,
-                node: &$crate::Node<'_>,
-                _: $crate::Range,
-                at: &$crate::Place<'_>,
-            ) -> Result<(), $crate::SettingsError> {
-                let mut word = String::new();
-                $crate::Value::read(&mut word, node, $crate::Range::Any, at)?;
-                *self = Self::from_word(&word).ok_or_else(|| $crate::not_known(&word, &[ $( $word ),* ], at))?;
-                Ok(())
-            }
-
-            fn check(&self, _: $crate::Range, _: &$crate::Place<'_>) -> Result<(), $crate::SettingsError> {
-                Ok(())
-            }
-
-            fn kind(&self) -> String {
-                [ $( concat!("\"", $word, "\"") ),* ].join(", ")
-            }
-
-            fn text(&self) -> String {
-                format!("\"{}\"", self.word())
-            }
-        }
+        $crate::spelt_as!(
+            $name,
+            String,
+            [ $( concat!("\"", $word, "\"") ),* ].join(", "),
+            |word| Self::from_word(&word).ok_or_else(|| $crate::not_known(&word, &[ $( $word ),* ])),
+            |choice| choice.word().to_owned()
+        );
     )* };
 }
 
-/// The error of a word that stands for none of the choices.
-pub fn not_known(word: &str, words: &[&str], at: &Place<'_>) -> SettingsError {
-    at.error(format!("\"{word}\" is not known; there are: {}", words.join(", ")))
+/// A sentence on a word that stands for none of the choices.
+pub fn not_known(word: &str, words: &[&str]) -> String {
+    format!("\"{word}\" is not known; there are: {}", words.join(", "))
 }

@@ -147,7 +147,7 @@ impl Value for Limit {
         *self = match node.get_ref().as_str() {
             Some("off") => Self::Off,
             Some("computed") => Self::Computed,
-            Some(other) => return Err(settings::not_known(other, &["off", "computed", "a whole number"], at)),
+            Some(other) => return Err(at.error(settings::not_known(other, &["off", "computed", "a whole number"]))),
             None => {
                 let mut number = 0;
                 Value::read(&mut number, node, range, at)?;

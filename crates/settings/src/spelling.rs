@@ -1,0 +1,36 @@
+//! Types that files spell as another one.
+
+/// Implements [`Value`](crate::Value) for a type that files spell as a `$leaf` (a number, a text): `$of` makes it of one or
+/// says what is wrong, `$leaf_of` is the way back, and `$kind` is its type in words.
+#[macro_export]
+macro_rules! spelt_as {
+    ($type:ty, $leaf:ty, $kind:expr, $of:expr, $leaf_of:expr) => {
+        impl $crate::Value for $type {
+            fn read(
+                &mut self,
+                node: &$crate::Node<'_>,
+                range: $crate::Range,
+                at: &$crate::Place<'_>,
+            ) -> Result<(), $crate::SettingsError> {
+                let (mut leaf, of): (_, fn($leaf) -> Result<Self, String>) = (<$leaf>::default(), $of);
+                $crate::Value::read(&mut leaf, node, range, at)?;
+                *self = of(leaf).map_err(|what| at.error(what))?;
+                Ok(())
+            }
+
+            fn check(&self, range: $crate::Range, at: &$crate::Place<'_>) -> Result<(), $crate::SettingsError> {
+                let leaf_of: fn(&Self) -> $leaf = $leaf_of;
+                $crate::Value::check(&leaf_of(self), range, at)
+            }
+
+            fn kind(&self) -> String {
+                String::from($kind)
+            }
+
+            fn text(&self) -> String {
+                let leaf_of: fn(&Self) -> $leaf = $leaf_of;
+                $crate::Value::text(&leaf_of(self))
+            }
+        }
+    };
+}
