@@ -33,7 +33,7 @@ macro_rules! settings {
             fn default() -> Self {
                 Self {
                     $( $plain: Default::default(), )?
-                    $( $( $base: $crate::or_default!($($base_default)?), )+ )?
+                    $( $( $base: $crate::or_default!($($base_default())?), )+ )?
                     $( $field: $crate::or_default!($($default)?), )*
                 }
             }

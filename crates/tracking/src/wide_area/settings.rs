@@ -13,16 +13,20 @@ use crate::life::{Confirmation, Deletion};
 use crate::track::Track;
 
 /// Confirmation where reports show more targets.
-const EASIER: Confirmation = Confirmation {
-    reliability_min: 0.51,
-    detections_min: 2,
-    log_likelihood_ratio_min: None,
-};
+fn easier() -> Confirmation {
+    Confirmation {
+        reliability_min: 0.51,
+        ..Confirmation::default()
+    }
+}
+
 /// Deletion where reports show none: some three scans with a probability of detection of 0.9.
-const EARLIER: Deletion = Deletion {
-    missed_probability: 1e-3,
-    silent_s: Seconds::of_ns(60_000_000_000),
-};
+fn earlier() -> Deletion {
+    Deletion {
+        missed_probability: 1e-3,
+        ..Deletion::default()
+    }
+}
 
 settings::settings! {
     /// Use of a wide-area sensor's reports (WA).
@@ -59,7 +63,7 @@ settings::settings! {
 
     /// Easier confirmation (WA-6). The keys of `[confirmation]` say what a tentative track must have instead.
     #[derive(Copy)]
-    pub struct EarlyConfirmation with confirmation: Confirmation = EASIER {
+    pub struct EarlyConfirmation with confirmation: Confirmation = easier {
         /// Expected new targets per expected false detection, for hypotheses with fewer tracks than reported.
         new_target_share: f64 = 1.0, in [1e-6, 1e3];
         /// Only in clusters that have a confirmed track, so that no clutter near a report is believed sooner.
@@ -71,7 +75,7 @@ settings::settings! {
 
     /// Earlier deletion (WA-8). The keys of `[deletion]` say when a track is given up instead.
     #[derive(Copy)]
-    pub struct EarlyDeletion with deletion: Deletion = EARLIER {
+    pub struct EarlyDeletion with deletion: Deletion = earlier {
         /// Circle that the sensor watches: each of its reports is taken to say that there is nothing elsewhere in it.
         /// Without it only reports of no targets speak of absence, and each of its own place.
         coverage: Option<Circle> = None;
