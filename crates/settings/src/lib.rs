@@ -24,9 +24,9 @@
 //! Per key, in this order: document text; name in Rust, and `as "name"` where the file's is another; type; `= default`
 //! (a key without one must be given); `, in [low, high]`, `, in [above low]` or `, in [from low]`; and `, usually "…"`,
 //! the default in words where the value alone does not say it. The unit is the end of the name (`_s`, `_mps`; see
-//! [`unit_of`]). A table's first line may be `check path;`: a function that looks at several of its keys together. After
-//! the name of a table, `with field: Table` lets the keys of another table stand among its own (`= path` names a function
-//! that makes its defaults), and `beside [field: Type]` adds a field that is no key.
+//! [`unit_of`]). A table's first line may be `check path;`: a function that looks at several of its keys together.
+//! After the name of a table, `with field: Table` lets the keys of another table stand among its own (`= path` names a
+//! function that makes its defaults), and `beside [field: Type]` adds a field that is no key.
 //!
 //! What is read comes from a [`Document`]: TOML text, parsed once, with single values replaced (`--set`). Unknown keys
 //! are refused, since a misspelt key that is silently ignored is a setting that silently does not hold. Every mistake

@@ -7,7 +7,7 @@
 //! | --- | --- |
 //! | false | 1 |
 //! | new | density of new targets / density of false detections |
-//! | of track T | probability of detection × density of the innovation / (density of false detections × that of a miss) |
+//! | of track T | probability of detection × density of the innovation / (false detections' density × that of a miss) |
 //!
 //! with the misses of all its tracks and its own reliability as the problem's base.
 //!
