@@ -7,6 +7,8 @@ mod common;
 
 // The repository.
 mod architecture;
+mod dependencies;
+mod documents;
 mod requirements;
 
 // Commands on files.

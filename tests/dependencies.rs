@@ -1,0 +1,63 @@
+//! What the workspace depends on, against the lists of `deny.toml`, for where cargo-deny is not installed.
+
+use cargo_metadata::MetadataCommand;
+
+use crate::common::repository;
+
+/// The texts in the list called `name`.
+fn list(text: &str, name: &str) -> Vec<String> {
+    let (_, behind) = text.split_once(&format!("{name} = [")).unwrap();
+    let (inside, _) = behind
+        .split_once("\n]")
+        .unwrap_or_else(|| behind.split_once(']').unwrap());
+    inside.split('"').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+/// Whether an expression such as `(MIT OR Apache-2.0) AND Unicode-3.0` can be met with these licences.
+fn is_met(expression: &str, allowed: &[String]) -> bool {
+    let flat = expression.replace(['(', ')'], "").replace('/', " OR ");
+    let choice = |choices: &str| {
+        choices
+            .split(" OR ")
+            .any(|licence| allowed.iter().any(|known| known == licence.trim()))
+    };
+    flat.split(" AND ").all(choice)
+}
+
+#[test]
+fn dependencies_come_from_the_registry_under_licences_that_are_listed() {
+    let rules = std::fs::read_to_string(repository("deny.toml")).unwrap();
+    let allowed = list(&rules, "allow");
+    assert!(allowed.iter().any(|licence| licence == "MIT"));
+    let banned: Vec<&str> = rules
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("{ name = \"")?.split('"').next())
+        .collect();
+    assert!(!banned.is_empty());
+    let options = ["--offline", "--filter-platform", "x86_64-unknown-linux-gnu"];
+    let metadata = MetadataCommand::new()
+        .manifest_path(repository("Cargo.toml"))
+        .other_options(options.map(str::to_owned).to_vec())
+        .exec()
+        .unwrap();
+    let mut seen = 0;
+    for package in metadata.packages.iter().filter(|package| package.source.is_some()) {
+        let (name, source) = (package.name.as_str(), package.source.as_ref().unwrap().to_string());
+        assert!(source.ends_with("/crates.io-index"), "{name} comes from {source}");
+        let licence = package.license.as_deref().unwrap_or_default();
+        assert!(
+            is_met(licence, &allowed),
+            "{name} is under {licence:?}, which deny.toml does not allow"
+        );
+        assert!(!banned.contains(&name), "{name} is banned by deny.toml");
+        seen += 1;
+    }
+    assert!(seen > 100, "{seen}");
+}
+
+#[test]
+fn licences_are_met_by_one_choice_of_each_part() {
+    let allowed = ["MIT".to_owned(), "Unicode-3.0".to_owned()];
+    assert!(is_met("(MIT OR Apache-2.0) AND Unicode-3.0", &allowed) && is_met("Unlicense/MIT", &allowed));
+    assert!(!is_met("MIT AND GPL-3.0", &allowed) && !is_met("", &allowed));
+}
