@@ -240,7 +240,7 @@ pub struct Selector {
 }
 
 impl Selector {
-    /// A selector that has seen no fix. Settings must be without [`fault`](SelectionSettings::fault).
+    /// A selector that has seen no fix. The settings must have passed [`settings::check`].
     pub fn new(settings: SelectionSettings) -> Self {
         let nowhere = Point {
             time_s: 0.0,

@@ -32,7 +32,7 @@ pub enum Explanation<'a> {
         time_ns: i64,
         /// Usable detections.
         detections: usize,
-        /// Density of false detections that was assumed, see [`crate::settings::Clutter`].
+        /// Density of false detections that was assumed, stated (`clutter_density` of the sensor) or learned.
         clutter_density: f64,
     },
     /// A track has changed.
