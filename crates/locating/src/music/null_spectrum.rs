@@ -212,16 +212,20 @@ impl NullSpectrum {
         let (mut low_rad, mut high_rad) = (bearing_rad - self.step_rad, bearing_rad + self.step_rad);
         for _ in 0..STEPS_MAX {
             let (slope, curvature) = self.derivatives(array, eigen, sources, bearing_rad);
+            if slope == 0.0 {
+                break;
+            }
             *if slope < 0.0 { &mut low_rad } else { &mut high_rad } = bearing_rad;
             let newton_rad = bearing_rad - slope / curvature;
-            let next_rad = if curvature > 0.0 && newton_rad > low_rad && newton_rad < high_rad {
+            // At the last digits Newton's step leads nowhere, to the end of the bracket that was just set.
+            let next_rad = if curvature > 0.0 && (low_rad..=high_rad).contains(&newton_rad) {
                 newton_rad
             } else {
                 0.5 * (low_rad + high_rad)
             };
             let step_rad = (next_rad - bearing_rad).abs();
             bearing_rad = next_rad;
-            if step_rad < STEP_MIN_RAD || slope == 0.0 {
+            if step_rad < STEP_MIN_RAD {
                 break;
             }
         }

@@ -395,39 +395,78 @@ fn any_positions() -> impl Strategy<Value = Vec<ElementPosition>> {
     prop::collection::vec(position, 3..10)
 }
 
+/// Geometries that are far from a line: in no direction are they less than a tenth as wide as across it.
+///
+/// An array that is nearly a line takes a wave from along it for several bearings close together. Where the search's
+/// grid lies decides which of those it tells apart, and the accuracy changes within the error.
+fn far_from_a_line() -> impl Strategy<Value = Vec<ElementPosition>> {
+    any_positions().prop_filter("nearly a line", |positions| {
+        let mean =
+            |of: &dyn Fn(&ElementPosition) -> f64| positions.iter().map(of).sum::<f64>() / positions.len() as f64;
+        let [right_m, forward_m] = [mean(&|at| at.right_m), mean(&|at| at.forward_m)];
+        let across = mean(&|at| (at.right_m - right_m).powi(2));
+        let along = mean(&|at| (at.forward_m - forward_m).powi(2));
+        let both = mean(&|at| (at.right_m - right_m) * (at.forward_m - forward_m));
+        let (middle, apart) = (0.5 * (across + along), (0.5 * (across - along)).hypot(both));
+        middle - apart > 0.01 * (middle + apart)
+    })
+}
+
+/// Turns an array, measures one wave with it before and after, and compares.
+fn turn(positions: &[ElementPosition], turn_rad: f64, bearing_rad: f64, seed: u64) -> Result<(), TestCaseError> {
+    let (sin, cos) = turn_rad.sin_cos();
+    let turned: Vec<_> = positions
+        .iter()
+        .map(|at| ElementPosition {
+            right_m: at.right_m * cos + at.forward_m * sin,
+            forward_m: at.forward_m * cos - at.right_m * sin,
+        })
+        .collect();
+    let arrays = [positions, &turned].map(|positions| AntennaArray::new(positions).expect("usable"));
+    let simulated = SimulatedArray::new(&arrays[0], waves(&[bearing_rad], 20.0, 50), seed).expect("usable");
+    let mut samples = Vec::new();
+    simulated.run(0, &mut samples);
+    let snapshots = Snapshots {
+        samples: &samples,
+        frequency_hz: FREQUENCY_HZ,
+    };
+    let [still, turned] = arrays.map(|array| {
+        let mut music = music(array, SourceCount::Given(1));
+        music.measure(&snapshots).expect("measured").clone()
+    });
+    prop_assert_eq!(still.bearings.len(), turned.bearings.len());
+    for bearing in &still.bearings {
+        let as_turned = nearest(&turned, bearing.bearing_rad + turn_rad);
+        prop_assert!(apart(as_turned.bearing_rad, bearing.bearing_rad + turn_rad).abs() < 1e-6);
+        prop_assert!((as_turned.sigma_rad / bearing.sigma_rad - 1.0).abs() < 1e-3);
+    }
+    let nearest = nearest(&still, bearing_rad);
+    let error_rad = apart(nearest.bearing_rad, bearing_rad);
+    prop_assert!(error_rad.abs() < 6.0 * nearest.sigma_rad, "{:?}", nearest);
+    Ok(())
+}
+
+/// The slope of the null spectrum becomes 0 to the last bit during refinement: there the bearing is, not further on.
+#[test]
+fn a_minimum_that_is_met_exactly_is_kept() {
+    let positions = [
+        (0.964563705828253, -1.3056505696134244),
+        (-1.0627120134641581, -0.48849137365149176),
+        (1.080315630898784, 0.23998215766877806),
+    ]
+    .map(|(right_m, forward_m)| ElementPosition { right_m, forward_m });
+    turn(&positions, 3.2909960894627828, 1.9399077872720707, 955).expect("the same bearings");
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// An array that is turned hears every wave from as much further to the left.
     #[test]
     fn turning_the_array_turns_the_bearings(
-        positions in any_positions(), turn_rad in 0.0..TAU, bearing_rad in 0.0..TAU, seed in 0..1000u64,
+        positions in far_from_a_line(), turn_rad in 0.0..TAU, bearing_rad in 0.0..TAU, seed in 0..1000u64,
     ) {
-        let (sin, cos) = turn_rad.sin_cos();
-        let turned: Vec<_> = positions
-            .iter()
-            .map(|at| ElementPosition {
-                right_m: at.right_m * cos + at.forward_m * sin,
-                forward_m: at.forward_m * cos - at.right_m * sin,
-            })
-            .collect();
-        let arrays = [&positions, &turned].map(|positions| AntennaArray::new(positions).expect("usable"));
-        let simulated = SimulatedArray::new(&arrays[0], waves(&[bearing_rad], 20.0, 50), seed).expect("usable");
-        let mut samples = Vec::new();
-        simulated.run(0, &mut samples);
-        let snapshots = Snapshots { samples: &samples, frequency_hz: FREQUENCY_HZ };
-        let [still, turned] = arrays.map(|array| {
-            let mut music = music(array, SourceCount::Given(1));
-            music.measure(&snapshots).expect("measured").clone()
-        });
-        prop_assert_eq!(still.bearings.len(), turned.bearings.len());
-        for bearing in &still.bearings {
-            let as_turned = nearest(&turned, bearing.bearing_rad + turn_rad);
-            prop_assert!(apart(as_turned.bearing_rad, bearing.bearing_rad + turn_rad).abs() < 1e-6);
-            prop_assert!((as_turned.sigma_rad / bearing.sigma_rad - 1.0).abs() < 1e-3);
-        }
-        let nearest = nearest(&still, bearing_rad);
-        prop_assert!(apart(nearest.bearing_rad, bearing_rad).abs() < 6.0 * nearest.sigma_rad, "{:?}", nearest);
+        turn(&positions, turn_rad, bearing_rad, seed)?;
     }
 
     /// Whatever comes, it is measured or refused: every bearing is one, and so is its accuracy.
