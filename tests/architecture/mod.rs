@@ -20,6 +20,7 @@ const ORDER: &[&str] = &[
     "csv_table",
     "estimation",
     "telemetry",
+    "alarms",
     "association",
     "scenario",
     "scoring",

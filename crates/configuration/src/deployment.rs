@@ -25,7 +25,7 @@ impl Deployment for Config {
                 Stream::PlatformStates => visit.visit(&messages::platform_states(name), publishers)?,
                 Stream::Cues => visit.visit(&messages::cues(name), publishers)?,
                 Stream::WideArea => visit.visit(&messages::wide_area(name), publishers)?,
-                Stream::SystemTracks => {}
+                Stream::SystemTracks | Stream::Alarms => {}
             }
         }
         Ok(())

@@ -12,11 +12,12 @@
 //! - [`rows`]: tables of values, a row each, whatever their kind;
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`wide_area_csv`]: observations and sensor tracks as
 //!   rows of text;
-//! - [`platform_states_csv`], [`cues_csv`]: what is written only;
+//! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`]: what is written only;
 //! - [`tracks_csv`]: sensor tracks and system tracks as output.
 
 #![forbid(unsafe_code)]
 
+pub mod alarms_csv;
 pub mod autoferry;
 pub mod bearings_csv;
 pub mod containers;

@@ -14,6 +14,7 @@
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x533817797a6d4cd1) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x934307e9dc3c0033) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0xcf4b0ce1093881cc) /* BatchHeader.schema of its slices. */
+#define KOSEKI_ALARM_SCHEMA UINT64_C(0xab4755e97ccac702) /* BatchHeader.schema of its slices. */
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0x2ee1a77c420b678) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0xd685ec79c1f207d) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTROL_SCHEMA UINT64_C(0xb124b2ef9c9a3290) /* BatchHeader.schema of its slices. */
@@ -105,6 +106,7 @@
 #define KOSEKI_STREAM_CUES UINT64_C(0x5) /* Cues for the sensor of a source. */
 #define KOSEKI_STREAM_WIDE_AREA UINT64_C(0x6) /* Reports of a wide-area sensor. */
 #define KOSEKI_STREAM_SYSTEM_TRACKS UINT64_C(0x7) /* System tracks. */
+#define KOSEKI_STREAM_ALARMS UINT64_C(0x8) /* Alarms. */
 #define KOSEKI_PROCESS_ADAPTER UINT64_C(0x0) /* Turns one sensor's data into sensor tracks. */
 #define KOSEKI_PROCESS_FUSION UINT64_C(0x1) /* Fuses sensor tracks into system tracks. */
 #define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */
@@ -116,6 +118,12 @@
 #define KOSEKI_LIFE_RUNNING UINT64_C(0x1) /* Doing its work. */
 #define KOSEKI_LIFE_FINISHED UINT64_C(0x2) /* Done: all its input has been worked off, and it will exit by itself. */
 #define KOSEKI_LIFE_FAILED UINT64_C(0x3) /* Unable to go on; the note says why. */
+#define KOSEKI_ALARM_SEVERITY_WARNING UINT64_C(0x1) /* Nothing is wrong yet; it may become so. */
+#define KOSEKI_ALARM_SEVERITY_MAJOR UINT64_C(0x2) /* Part of the picture is missing or wrong. */
+#define KOSEKI_ALARM_SEVERITY_CRITICAL UINT64_C(0x3) /* The picture as a whole is not to be relied on. */
+#define KOSEKI_ALARM_EVENT_RAISED UINT64_C(0x1) /* The alarm has just been raised. */
+#define KOSEKI_ALARM_EVENT_STANDING UINT64_C(0x2) /* The alarm was raised before, and stands. */
+#define KOSEKI_ALARM_EVENT_CLEARED UINT64_C(0x3) /* The alarm has just been cleared. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */
@@ -504,6 +512,34 @@ static_assert(offsetof(KosekiContributorSet, count) == 32, "offset");
 static_assert(offsetof(KosekiContributorSet, flags) == 34, "offset");
 static_assert(offsetof(KosekiContributorSet, reserved) == 36, "offset");
 static_assert(offsetof(KosekiContributorSet, sensor_uids) == 48, "offset");
+
+typedef struct KosekiAlarm {
+    int64_t time_ns; /* When this was said, UTC, nanoseconds since 1970. */
+    int64_t raised_ns; /* When the alarm was raised, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The sample's sequence number at its publisher. */
+    uint32_t times; /* Times that the alarm has been raised since its publisher started. */
+    uint16_t code; /* Code of the alarm; docs/alarms.md lists them. */
+    uint16_t source; /* Source concerned: its number in the configuration; 65535 for none. */
+    uint16_t partner; /* Second source concerned; 65535 for none. */
+    uint8_t severity; /* An `AlarmSeverity` code. */
+    uint8_t event; /* An `AlarmEvent` code. */
+    uint32_t reserved; /* Reserved, 0. */
+    uint8_t process[32]; /* Name of the process concerned, UTF-8, padded with zeros; empty for none. */
+    uint8_t text[184]; /* One sentence, UTF-8, padded with zeros. */
+} KosekiAlarm;
+static_assert(sizeof(KosekiAlarm) == 256, "size");
+static_assert(offsetof(KosekiAlarm, time_ns) == 0, "offset");
+static_assert(offsetof(KosekiAlarm, raised_ns) == 8, "offset");
+static_assert(offsetof(KosekiAlarm, sequence) == 16, "offset");
+static_assert(offsetof(KosekiAlarm, times) == 24, "offset");
+static_assert(offsetof(KosekiAlarm, code) == 28, "offset");
+static_assert(offsetof(KosekiAlarm, source) == 30, "offset");
+static_assert(offsetof(KosekiAlarm, partner) == 32, "offset");
+static_assert(offsetof(KosekiAlarm, severity) == 34, "offset");
+static_assert(offsetof(KosekiAlarm, event) == 35, "offset");
+static_assert(offsetof(KosekiAlarm, reserved) == 36, "offset");
+static_assert(offsetof(KosekiAlarm, process) == 40, "offset");
+static_assert(offsetof(KosekiAlarm, text) == 72, "offset");
 
 typedef struct KosekiRegistration {
     double comparisons; /* Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known. */

@@ -13,6 +13,7 @@ WIDE_AREA_SCHEMA = 0x2dfda4c3dd95c740  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x533817797a6d4cd1  # BatchHeader.schema of its slices.
 SYSTEM_TRACK_SCHEMA = 0x934307e9dc3c0033  # BatchHeader.schema of its slices.
 CONTRIBUTOR_SET_SCHEMA = 0xcf4b0ce1093881cc  # BatchHeader.schema of its slices.
+ALARM_SCHEMA = 0xab4755e97ccac702  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0x2ee1a77c420b678  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0xd685ec79c1f207d  # BatchHeader.schema of its slices.
 CONTROL_SCHEMA = 0xb124b2ef9c9a3290  # BatchHeader.schema of its slices.
@@ -104,6 +105,7 @@ STREAM_PLATFORM_STATES = 0x4  # States of the platform that carries a source's s
 STREAM_CUES = 0x5  # Cues for the sensor of a source.
 STREAM_WIDE_AREA = 0x6  # Reports of a wide-area sensor.
 STREAM_SYSTEM_TRACKS = 0x7  # System tracks.
+STREAM_ALARMS = 0x8  # Alarms.
 PROCESS_ADAPTER = 0x0  # Turns one sensor's data into sensor tracks.
 PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
 PROCESS_MONITOR = 0x2  # Records latencies and counters.
@@ -115,6 +117,12 @@ LIFE_STARTING = 0x0  # Opening its topics.
 LIFE_RUNNING = 0x1  # Doing its work.
 LIFE_FINISHED = 0x2  # Done: all its input has been worked off, and it will exit by itself.
 LIFE_FAILED = 0x3  # Unable to go on; the note says why.
+ALARM_SEVERITY_WARNING = 0x1  # Nothing is wrong yet; it may become so.
+ALARM_SEVERITY_MAJOR = 0x2  # Part of the picture is missing or wrong.
+ALARM_SEVERITY_CRITICAL = 0x3  # The picture as a whole is not to be relied on.
+ALARM_EVENT_RAISED = 0x1  # The alarm has just been raised.
+ALARM_EVENT_STANDING = 0x2  # The alarm was raised before, and stands.
+ALARM_EVENT_CLEARED = 0x3  # The alarm has just been cleared.
 
 
 class StageTimes(ctypes.Structure):
@@ -631,6 +639,42 @@ assert ContributorSet.count.offset == 32
 assert ContributorSet.flags.offset == 34
 assert ContributorSet.reserved.offset == 36
 assert ContributorSet.sensor_uids.offset == 48
+
+
+class Alarm(ctypes.Structure):
+    _fields_ = [
+        ("time_ns", ctypes.c_int64),  # When this was said, UTC, nanoseconds since 1970.
+        ("raised_ns", ctypes.c_int64),  # When the alarm was raised, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The sample's sequence number at its publisher.
+        ("times", ctypes.c_uint32),  # Times that the alarm has been raised since its publisher started.
+        ("code", ctypes.c_uint16),  # Code of the alarm; docs/alarms.md lists them.
+        ("source", ctypes.c_uint16),  # Source concerned: its number in the configuration; 65535 for none.
+        ("partner", ctypes.c_uint16),  # Second source concerned; 65535 for none.
+        ("severity", ctypes.c_uint8),  # An `AlarmSeverity` code.
+        ("event", ctypes.c_uint8),  # An `AlarmEvent` code.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+        ("process", ctypes.c_uint8 * 32),  # Name of the process concerned, UTF-8, padded with zeros; empty for none.
+        ("text", ctypes.c_uint8 * 184),  # One sentence, UTF-8, padded with zeros.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Alarm"
+
+
+assert ctypes.sizeof(Alarm) == 256
+assert Alarm.time_ns.offset == 0
+assert Alarm.raised_ns.offset == 8
+assert Alarm.sequence.offset == 16
+assert Alarm.times.offset == 24
+assert Alarm.code.offset == 28
+assert Alarm.source.offset == 30
+assert Alarm.partner.offset == 32
+assert Alarm.severity.offset == 34
+assert Alarm.event.offset == 35
+assert Alarm.reserved.offset == 36
+assert Alarm.process.offset == 40
+assert Alarm.text.offset == 72
 
 
 class Registration(ctypes.Structure):

@@ -78,12 +78,12 @@ impl Health {
     }
 }
 
-fn text(bytes: &[u8]) -> &str {
+pub(crate) fn text(bytes: &[u8]) -> &str {
     let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
     std::str::from_utf8(&bytes[..end]).unwrap_or("?")
 }
 
-fn fill(bytes: &mut [u8], text: &str) {
+pub(crate) fn fill(bytes: &mut [u8], text: &str) {
     let mut end = text.len().min(bytes.len());
     while !text.is_char_boundary(end) {
         end -= 1;

@@ -126,6 +126,7 @@ const TRAVELLING: &[Layout] = &[
     crate::Cue::LAYOUT,
     crate::SystemTrack::LAYOUT,
     crate::ContributorSet::LAYOUT,
+    crate::Alarm::LAYOUT,
     crate::Health::LAYOUT,
     crate::Progress::LAYOUT,
     crate::Control::LAYOUT,
@@ -149,6 +150,7 @@ pub const ALL: &[Layout] = &[
     crate::Contribution::LAYOUT,
     crate::SystemTrack::LAYOUT,
     crate::ContributorSet::LAYOUT,
+    crate::Alarm::LAYOUT,
     crate::Registration::LAYOUT,
     crate::Counters::LAYOUT,
     crate::Health::LAYOUT,
@@ -302,6 +304,8 @@ fn constants() -> Vec<(String, u64, &'static str)> {
         ("STREAM", crate::Stream::constants()),
         ("PROCESS", crate::ProcessKind::constants()),
         ("LIFE", crate::LifeState::constants()),
+        ("ALARM_SEVERITY", crate::AlarmSeverity::constants()),
+        ("ALARM_EVENT", crate::AlarmEvent::constants()),
     ];
     let schema = |layout: &Layout| {
         (

@@ -14,6 +14,7 @@
 
 #![forbid(unsafe_op_in_unsafe_fn)]
 
+mod alarm;
 mod batch;
 mod codes;
 mod control;
@@ -36,6 +37,7 @@ mod target_type;
 mod topics;
 mod wide_area;
 
+pub use alarm::{ALARM_TEXT_MAX, Alarm, AlarmEvent, AlarmSeverity};
 pub use batch::BatchHeader;
 pub use codes::Constant;
 pub use control::{Control, Progress};
@@ -58,8 +60,8 @@ pub use system_track::{
 };
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Capacity, Stream, StreamId, Streamed, Topic, TopicName, contributors, control, cues, health, platform_states,
-    progress, sensor_bearings, sensor_detections, sensor_tracks, system_tracks, wide_area,
+    Capacity, Stream, StreamId, Streamed, Topic, TopicName, alarms, contributors, control, cues, health,
+    platform_states, progress, sensor_bearings, sensor_detections, sensor_tracks, system_tracks, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 

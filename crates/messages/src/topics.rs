@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 use crate::codes;
 use crate::layout::Sample;
 use crate::{
-    ContributorSet, Control, Cue, Health, PlatformState, Progress, SensorBearing, SensorDetection, SensorTrack,
+    Alarm, ContributorSet, Control, Cue, Health, PlatformState, Progress, SensorBearing, SensorDetection, SensorTrack,
     SystemTrack, WideArea,
 };
 
@@ -59,6 +59,8 @@ codes! {
         WideArea = 6, "wide-area";
         /// System tracks.
         SystemTracks = 7, "system-tracks";
+        /// Alarms.
+        Alarms = 8, "alarms";
     }
 }
 
@@ -82,6 +84,11 @@ impl StreamId {
     /// System tracks.
     pub const SYSTEM_TRACKS: Self = Self {
         stream: Stream::SystemTracks,
+        number: 0,
+    };
+    /// Alarms.
+    pub const ALARMS: Self = Self {
+        stream: Stream::Alarms,
         number: 0,
     };
 }
@@ -149,6 +156,7 @@ streamed! {
     Cue: Cues, cues, time_ns;
     WideArea: WideArea, wide_area, time_of_observation_ns;
     SystemTrack: SystemTracks, |_| system_tracks(), reference_time_ns;
+    Alarm: Alarms, |_| alarms(), time_ns;
 }
 
 /// Sensor tracks of one source: one topic per source, so that a flood of one cannot displace another's reports.
@@ -238,6 +246,18 @@ pub fn contributors() -> Topic<ContributorSet> {
         subscribers: 8,
     };
     Topic::new("system/contributors".to_owned(), capacity)
+}
+
+/// Alarms, from the monitor: each slice replaces the one before, and one comes at least twice a second, so whoever joins
+/// late knows after half a second what stands.
+pub fn alarms() -> Topic<Alarm> {
+    let capacity = Capacity {
+        depth: 16,
+        slice_len: 64,
+        publishers: 2,
+        subscribers: 32,
+    };
+    Topic::new("system/alarms".to_owned(), capacity)
 }
 
 /// State and counters of every process.

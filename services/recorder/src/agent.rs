@@ -52,7 +52,10 @@ impl<S: Transport> RecorderAgent<S> {
             first_day_ns,
             replays: config.is_recorded(),
         };
-        let streams: Vec<_> = config.input_streams().chain([(StreamId::SYSTEM_TRACKS, "")]).collect();
+        let streams: Vec<_> = config
+            .input_streams()
+            .chain([(StreamId::SYSTEM_TRACKS, ""), (StreamId::ALARMS, "")])
+            .collect();
         let open = |(id, name): &(StreamId, &str)| recorded::open(&mut place, *id, name);
         let files = streams.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let ids: Vec<_> = streams.iter().map(|(id, _)| *id).collect();
@@ -121,7 +124,7 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                     ..HealthEntry::default()
                 });
             }
-            let is_of_process = matches!(id.stream, Stream::SystemTracks | Stream::WideArea);
+            let is_of_process = matches!(id.stream, Stream::SystemTracks | Stream::WideArea | Stream::Alarms);
             let place = if is_of_process { first } else { entries.len() - 1 };
             let entry = &mut entries[place];
             let lost = match id.stream {

@@ -5,11 +5,14 @@
 
 use std::fmt::Debug;
 
+use alarms::AlarmKind;
 use bus::{Payload, Transport};
+use formats::alarms_csv::AlarmRow;
 use formats::cues_csv::CueRow;
 use formats::rows::Row;
 use messages::{
-    Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream, StreamId, Streamed, SystemTrack, WideArea,
+    Alarm, AlarmEvent, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream, StreamId, Streamed,
+    SystemTrack, WideArea,
 };
 use observations::{Bearing, Detection, Sampled as _, WideAreaReport, sensor_id};
 
@@ -37,6 +40,7 @@ pub(crate) fn open<S: Transport>(
         Stream::Cues => TopicFile::<S, Cue>::open(place, id, name, "cues")?,
         Stream::WideArea => TopicFile::<S, WideArea>::open(place, id, name, "wide_area")?,
         Stream::SystemTracks => TopicFile::<S, SystemTrack>::open(place, id, name, "system_tracks")?,
+        Stream::Alarms => TopicFile::<S, Alarm>::open(place, id, name, "alarms")?,
     })
 }
 
@@ -96,5 +100,20 @@ impl Recorded for SystemTrack {
 
     fn row(&self, _: u16) -> Option<Self> {
         Some(*self)
+    }
+}
+
+impl Recorded for Alarm {
+    type Row = AlarmRow;
+
+    /// What only goes on standing makes no row.
+    fn row(&self, _: u16) -> Option<AlarmRow> {
+        let kind = AlarmKind::from_code(self.code)?;
+        let event = self.event().filter(|event| *event != AlarmEvent::Standing)?;
+        Some(AlarmRow {
+            word: kind.word(),
+            event,
+            alarm: *self,
+        })
     }
 }

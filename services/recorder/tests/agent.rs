@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
 use configuration::Config;
-use messages::{Counter, SensorTrack, SystemTrack};
+use messages::{Alarm, AlarmEvent, Counter, SensorTrack, SystemTrack};
 use recorder::RecorderAgent;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
@@ -32,6 +32,7 @@ impl Bench {
         let held = vec![
             bus.hold(&topic).unwrap(),
             bus.hold(&messages::system_tracks()).unwrap(),
+            bus.hold(&messages::alarms()).unwrap(),
             bus.hold(&messages::progress()).unwrap(),
         ];
         let (source, system) = (
@@ -127,4 +128,33 @@ fn a_restarted_recorder_continues_its_run_and_counts_what_went_missing() {
     bench.send(0..1, false);
     other.close(NOW).unwrap();
     assert_eq!(bench.rows("sensor_tracks_a.csv"), 1, "another run's files are replaced");
+}
+
+#[test]
+fn alarms_make_a_row_when_they_are_raised_and_when_they_are_cleared() {
+    let bench = Bench::new();
+    let mut recorder = bench.recorder("run");
+    let mut alarms = bench.bus.publisher(&messages::alarms(), 2).unwrap();
+    for event in [
+        AlarmEvent::Raised,
+        AlarmEvent::Standing,
+        AlarmEvent::Standing,
+        AlarmEvent::Cleared,
+    ] {
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: 1,
+            end: false,
+        };
+        let alarm = |_: usize, sequence: u64| Alarm {
+            code: 1,
+            event: event.code(),
+            sequence,
+            ..Alarm::default()
+        };
+        alarms.send(mark, 1, alarm).unwrap();
+    }
+    recorder.turn(NOW).unwrap();
+    recorder.close(NOW).unwrap();
+    assert_eq!(bench.rows("alarms.csv"), 2);
 }

@@ -1,0 +1,171 @@
+//! Registry of alarms: a line each.
+//!
+//! A code never changes, and is not used again: recordings and other systems know an alarm by it. Words in braces stand
+//! for what is filled in when the alarm is raised; `source`, `partner` and `process` are the names of its subject.
+
+use messages::AlarmSeverity;
+
+macro_rules! alarms {
+    ($(
+        $name:ident = $code:literal, $word:literal, $severity:ident, raise $raise_s:literal s, clear $clear_s:literal s,
+            $sentence:literal,
+            $remedy:literal;
+    )*) => {
+        /// Kind of an alarm.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[repr(u16)]
+        pub enum AlarmKind {
+            $( #[doc = $sentence] $name = $code, )*
+        }
+
+        impl AlarmKind {
+            /// Every kind, in the order of the registry.
+            pub const ALL: &'static [Self] = &[ $( Self::$name, )* ];
+
+            /// Word that tables, files and metrics use.
+            pub const fn word(self) -> &'static str {
+                match self { $( Self::$name => $word, )* }
+            }
+
+            /// Severity.
+            pub const fn severity(self) -> AlarmSeverity {
+                match self { $( Self::$name => AlarmSeverity::$severity, )* }
+            }
+
+            /// Time for which the condition must have held before the alarm is raised, nanoseconds.
+            pub const fn raise_after_ns(self) -> i64 {
+                match self { $( Self::$name => $raise_s * S, )* }
+            }
+
+            /// Time for which the condition must not have held before the alarm is cleared, nanoseconds.
+            pub const fn clear_after_ns(self) -> i64 {
+                match self { $( Self::$name => $clear_s * S, )* }
+            }
+
+            /// Sentence, with braces round what is filled in.
+            pub const fn sentence(self) -> &'static str {
+                match self { $( Self::$name => $sentence, )* }
+            }
+
+            /// Advice: one sentence or two.
+            pub const fn remedy(self) -> &'static str {
+                match self { $( Self::$name => $remedy, )* }
+            }
+        }
+    };
+}
+
+/// Nanoseconds in a second.
+const S: i64 = 1_000_000_000;
+
+impl AlarmKind {
+    /// Code that samples carry.
+    pub const fn code(self) -> u16 {
+        self as u16
+    }
+
+    /// Kind of a sample's code; `None` for that of a later version.
+    pub fn from_code(code: u16) -> Option<Self> {
+        Self::ALL.iter().copied().find(|kind| kind.code() == code)
+    }
+
+    /// The sentence with each of `values` in the place of its name.
+    pub fn say(self, values: &[(&str, String)]) -> String {
+        values
+            .iter()
+            .fold(self.sentence().to_owned(), |sentence, (name, value)| {
+                sentence.replace(&format!("{{{name}}}"), value)
+            })
+    }
+}
+
+alarms! {
+    SourceSilent = 1, "source-silent", Major, raise 0 s, clear 0 s,
+        "{source} has sent nothing for {silence}, {periods} of its periods.",
+        "Look whether the sensor transmits and the network delivers (address, port, group, interface of the receiver). \
+         A source that may be quiet for so long gets a larger `silent_periods`.";
+    ClockOff = 2, "clock-off", Major, raise 5 s, clear 30 s,
+        "The clock of {source} is {offset} off, by the times at which its reports are received.",
+        "Set the sensor's clock, or this machine's: `[source.limits] time_step_s` says how far it may be off.";
+    SourceIsolated = 3, "source-isolated", Major, raise 0 s, clear 30 s,
+        "{source} is isolated: {reports} of its reports claim times that cannot be, and are kept out of the tracks.",
+        "Set the sensor's clock; its reports are used again as soon as their times can be.";
+    BiasChanged = 4, "bias-changed", Warning, raise 10 s, clear 60 s,
+        "The {error} of {source} has changed from {before} to {now}.",
+        "Look whether the sensor was moved, turned, or set anew. What is known of the error is removed from its reports.";
+    AccuracyOverstated = 5, "accuracy-overstated", Warning, raise 30 s, clear 60 s,
+        "{source} claims too much accuracy: its covariances are enlarged {factor} times.",
+        "Give it larger sigmas in `[source.covariance]`; until then fusion enlarges them itself.";
+    DetectionFell = 6, "detection-fell", Warning, raise 30 s, clear 60 s,
+        "{source} sees its targets in {now} of its scans, {before} before.",
+        "Look at the sensor's transmitter, receiver and antenna, at its thresholds, and at the weather.";
+    SenderUnknown = 7, "sender-unknown", Major, raise 0 s, clear 30 s,
+        "{process} has heard a sender that no source is configured for: SAC/SIC {sender}, {records}{others}.",
+        "Write these codes as `sac` and `sic` of the source that they are of, or keep the sender away from the receiver.";
+    EditionWrong = 8, "edition-wrong", Major, raise 0 s, clear 30 s,
+        "{blocks} of {source} cannot be read as category {category} edition {edition}, and {fitting} of them fit {other}.",
+        "Write the edition that fits into the source's `editions`; `koseki decode --statistics` reads a recording of it.";
+    NeverJoined = 9, "never-joined", Warning, raise 30 s, clear 30 s,
+        "{source} and {partner} see the same area, and none of their tracks has joined: {pairs} fly side by side.",
+        "Compare the places, times and heights of the two sensors: one of them is configured wrongly.";
+    ReportsLost = 10, "samples-lost", Major, raise 0 s, clear 10 s,
+        "{process} has lost {count} because it fell behind{of}.",
+        "Give the process more of the machine (`[fusion] core`, fewer sources, fewer readers), or send less.";
+    DatagramsDropped = 11, "datagrams-dropped", Major, raise 0 s, clear 10 s,
+        "The kernel has dropped {count} before {process} had read them.",
+        "Raise `buffer_bytes` of the receiver, and `net.core.rmem_max` of the machine.";
+    SendFailed = 12, "send-failed", Major, raise 0 s, clear 10 s,
+        "{process} could not send {count}.",
+        "Look at the interface, the route and the group that the gateway sends to.";
+    CapacityReached = 13, "capacity-reached", Major, raise 0 s, clear 10 s,
+        "{process} had no room for {count}{of}.",
+        "Raise `[fusion.capacity]` or `[source.limits] tracks`, or find out who sends so much.";
+    LayoutMismatch = 14, "layout-mismatch", Major, raise 0 s, clear 10 s,
+        "{process} has rejected {count}, whose publisher was built with another layout.",
+        "Build the publisher with the samples of this version.";
+    ProcessRestarted = 15, "process-restarted", Major, raise 0 s, clear 60 s,
+        "{process} was restarted, {times} so far: the last one {end}.",
+        "Read what it wrote to standard error before it ended.";
+    ProcessDown = 16, "process-down", Critical, raise 1 s, clear 1 s,
+        "{process} does not run: {end}.",
+        "Read what it wrote to standard error; it is started again after a while.";
+    ProcessHung = 17, "process-hung", Critical, raise 0 s, clear 2 s,
+        "{process} says nothing for {silence}.",
+        "Look whether the machine is overloaded, or the process was stopped.";
+    DiskLow = 18, "disk-low", Major, raise 2 s, clear 10 s,
+        "{free} are left on the disk of {folder}.",
+        "Make room: a full disk ends the recording.";
+    MemoryLow = 19, "memory-low", Critical, raise 2 s, clear 10 s,
+        "{free} are left of {what}.",
+        "End what else runs on the machine, or give it more; a process that gets none is killed.";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_and_words_name_one_alarm_each() {
+        for (place, kind) in AlarmKind::ALL.iter().enumerate() {
+            assert_eq!(AlarmKind::from_code(kind.code()), Some(*kind));
+            let others = &AlarmKind::ALL[place + 1..];
+            assert!(others.iter().all(|other| other.word() != kind.word()), "{kind:?}");
+            assert!(
+                others.iter().all(|other| other.code() > kind.code()),
+                "{kind:?}: the table is in the order of codes"
+            );
+        }
+        assert_eq!(AlarmKind::from_code(0), None);
+    }
+
+    #[test]
+    fn values_take_the_place_of_their_names() {
+        let values = [
+            ("source", "radar".to_owned()),
+            ("silence", "24 s".to_owned()),
+            ("periods", "6".to_owned()),
+        ];
+        let sentence = AlarmKind::SourceSilent.say(&values);
+        assert_eq!(sentence, "radar has sent nothing for 24 s, 6 of its periods.");
+    }
+}

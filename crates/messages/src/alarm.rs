@@ -1,0 +1,98 @@
+//! Conditions that somebody should look at: raised, standing, cleared.
+
+use crate::codes;
+use crate::health::{HealthName, NO_SOURCE, fill, text};
+use crate::layout::sample;
+
+codes! {
+    /// Severity of an alarm, as ITU-T X.733 has it.
+    pub enum AlarmSeverity: u8, default Warning {
+        /// Nothing is wrong yet; it may become so.
+        Warning = 1, "warning";
+        /// Part of the picture is missing or wrong.
+        Major = 2, "major";
+        /// The picture as a whole is not to be relied on.
+        Critical = 3, "critical";
+    }
+}
+
+codes! {
+    /// Event that an alarm's sample tells.
+    pub enum AlarmEvent: u8, default Standing {
+        /// The alarm has just been raised.
+        Raised = 1, "raised";
+        /// The alarm was raised before, and stands.
+        Standing = 2, "standing";
+        /// The alarm has just been cleared.
+        Cleared = 3, "cleared";
+    }
+}
+
+/// Octets of [`Alarm::text`].
+pub const ALARM_TEXT_MAX: usize = 184;
+
+sample! {
+    /// One alarm. Every slice holds all that stand and those that have just been cleared.
+    Alarm, size 256 {
+        /// When this was said, UTC, nanoseconds since 1970.
+        time_ns: i64,
+        /// When the alarm was raised, UTC, nanoseconds since 1970.
+        raised_ns: i64,
+        /// The sample's sequence number at its publisher.
+        sequence: u64,
+        /// Times that the alarm has been raised since its publisher started.
+        times: u32,
+        /// Code of the alarm; docs/alarms.md lists them.
+        code: u16,
+        /// Source concerned: its number in the configuration; 65535 for none.
+        source: u16 = NO_SOURCE,
+        /// Second source concerned; 65535 for none.
+        partner: u16 = NO_SOURCE,
+        /// An `AlarmSeverity` code.
+        severity: u8,
+        /// An `AlarmEvent` code.
+        event: u8,
+        /// Reserved, 0.
+        reserved: u32,
+        /// Name of the process concerned, UTF-8, padded with zeros; empty for none.
+        process: [u8; 32],
+        /// One sentence, UTF-8, padded with zeros.
+        text: [u8; 184] = [0; ALARM_TEXT_MAX],
+    }
+}
+
+impl Alarm {
+    /// The sentence.
+    pub fn text(&self) -> &str {
+        text(&self.text)
+    }
+
+    /// This alarm with another sentence, cut to what fits.
+    #[must_use]
+    pub fn with_text(mut self, sentence: &str) -> Self {
+        fill(&mut self.text, sentence);
+        self
+    }
+
+    /// Name of the process concerned; empty for none.
+    pub fn process(&self) -> &str {
+        text(&self.process)
+    }
+
+    /// This alarm of another process.
+    #[must_use]
+    pub fn with_process(mut self, process: HealthName) -> Self {
+        self.process = process;
+        self
+    }
+
+    /// Severity; `None` for a code of another schema.
+    pub fn severity(&self) -> Option<AlarmSeverity> {
+        AlarmSeverity::from_code(self.severity)
+    }
+
+    /// Event; `None` for a code of another schema.
+    pub fn event(&self) -> Option<AlarmEvent> {
+        AlarmEvent::from_code(self.event)
+    }
+}
