@@ -2,7 +2,7 @@
 
 use crate::codes;
 use crate::layout::sample;
-use crate::{Counters, Registration};
+use crate::{Counters, ProcessKind, Registration};
 
 /// [`Health::source`] of a message that speaks of the whole process.
 pub const NO_SOURCE: u16 = u16::MAX;
@@ -90,26 +90,6 @@ pub(crate) fn fill(bytes: &mut [u8], text: &str) {
     }
     bytes.fill(0);
     bytes[..end].copy_from_slice(&text.as_bytes()[..end]);
-}
-
-codes! {
-    /// Kind of a deployment's process (PL-1).
-    pub enum ProcessKind: u8 {
-        /// Turns one sensor's data into sensor tracks.
-        Adapter = 0, "adapter";
-        /// Fuses sensor tracks into system tracks.
-        Fusion = 1, "fusion";
-        /// Records latencies and counters.
-        Monitor = 2, "monitor";
-        /// Writes tracks to files.
-        Recorder = 3, "recorder";
-        /// Starts and watches the others.
-        Launcher = 4, "launcher";
-        /// Sends what the simulated sensors observe over the network.
-        Simulator = 5, "simulator";
-        /// Sends tracks to other systems over the network.
-        Gateway = 6, "gateway";
-    }
 }
 
 codes! {

@@ -13,7 +13,8 @@ use settings::SettingsError;
 
 use crate::path::{ClosedPath, Kinematics, Waypoint};
 use crate::random::{Purpose, stream};
-use crate::truth::{TargetState, Truth};
+use crate::target::TargetState;
+use crate::truth::Truth;
 
 /// Lateral acceleration of the platform in its turns, m/s² (25° of bank).
 const TURN_ACCELERATION_MPS2: f64 = 4.57;

@@ -164,7 +164,8 @@ mod tests {
 
     use super::*;
     use crate::settings::ScenarioSettings;
-    use crate::truth::{TargetKind, Truth};
+    use crate::target::TargetKind;
+    use crate::truth::Truth;
 
     fn world(formation: FormationSettings) -> ScenarioSettings {
         ScenarioSettings {

@@ -14,10 +14,10 @@ use observations::Truth as Of;
 use rand::RngExt as _;
 
 use crate::grouping::groups;
+use crate::look::{Looks, Seen, Watched};
 use crate::measurement::Measurement;
 use crate::random::{Purpose, stream};
 use crate::schedule::Slot;
-use crate::sensor::{Looks, Seen, Watched};
 use crate::sensor_settings::ResolutionCell;
 use crate::truth::Truth;
 

@@ -13,7 +13,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 use crate::path::{ClosedPath, Waypoint};
 use crate::random::{Purpose, stream};
 use crate::settings::ScenarioSettings;
-use crate::truth::{Route, Target, TargetKind};
+use crate::target::{Route, Target, TargetKind};
 
 /// Lateral acceleration at 25° of bank, m/s².
 const TURN_ACCELERATION_MPS2: f64 = 4.57;

@@ -16,7 +16,8 @@ use settings::SettingsError;
 use crate::grouping::groups;
 use crate::random::{Purpose, stream};
 use crate::sensor_settings::phase_within;
-use crate::truth::{TargetState, Truth};
+use crate::target::TargetState;
+use crate::truth::Truth;
 
 /// A target not seen for so long is a new one when it comes again, seconds.
 const FORGOTTEN_AFTER_S: f64 = 120.0;

@@ -1,0 +1,23 @@
+//! Kinds of process that a deployment consists of.
+
+use crate::codes;
+
+codes! {
+    /// Kind of a deployment's process (PL-1).
+    pub enum ProcessKind: u8 {
+        /// Turns one sensor's data into sensor tracks.
+        Adapter = 0, "adapter";
+        /// Fuses sensor tracks into system tracks.
+        Fusion = 1, "fusion";
+        /// Records latencies and counters.
+        Monitor = 2, "monitor";
+        /// Writes tracks to files.
+        Recorder = 3, "recorder";
+        /// Starts and watches the others.
+        Launcher = 4, "launcher";
+        /// Sends what the simulated sensors observe over the network.
+        Simulator = 5, "simulator";
+        /// Sends tracks to other systems over the network.
+        Gateway = 6, "gateway";
+    }
+}

@@ -1,0 +1,108 @@
+//! Targets: what they are, and which way they go.
+
+use std::sync::Arc;
+
+use messages::Callsign;
+
+use crate::formation::Formation;
+use crate::path::{ClosedPath, Kinematics};
+
+/// Kind of a target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TargetKind {
+    /// An aircraft between airports, fast and high.
+    EnRoute,
+    /// An aircraft that departs, flies a wide circuit, and lands.
+    Terminal,
+    /// An aircraft in a holding pattern.
+    Holding,
+    /// A vehicle on the airport's surface.
+    Surface,
+    /// A ship.
+    Ship,
+    /// An aircraft that flies in formation for a part of its way.
+    Formation,
+}
+
+impl TargetKind {
+    /// Speed that targets of this kind never exceed, m/s, vertical speed included.
+    pub fn speed_max_mps(self) -> f64 {
+        match self {
+            Self::EnRoute => 260.0,
+            Self::Formation => 300.0,
+            Self::Terminal => 200.0,
+            Self::Holding => 130.0,
+            Self::Surface => 20.0,
+            Self::Ship => 30.0,
+        }
+    }
+}
+
+/// One target at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetState {
+    /// Number of the target, from 0.
+    pub id: u32,
+    /// What it is.
+    pub kind: TargetKind,
+    /// East, north, up, metres.
+    pub position_m: [f64; 3],
+    /// East, north, up, metres per second.
+    pub velocity_mps: [f64; 3],
+    /// 24-bit address; no two targets share one.
+    pub address: u32,
+    /// Callsign, padded with blanks; no two targets share one.
+    pub callsign: Callsign,
+    /// Mode 3/A code; vehicles and ships have none, and the codes of more than 3,840 targets repeat.
+    pub mode_3a: Option<u16>,
+    /// Whether it touches the ground.
+    pub on_ground: bool,
+}
+
+/// One target for all time.
+#[derive(Clone, Debug)]
+pub(crate) struct Target {
+    pub(crate) kind: TargetKind,
+    pub(crate) route: Route,
+    pub(crate) address: u32,
+    pub(crate) callsign: Callsign,
+    pub(crate) mode_3a: Option<u16>,
+}
+
+/// Where a target flies.
+#[derive(Clone, Debug)]
+pub(crate) enum Route {
+    /// By itself.
+    Alone {
+        path: ClosedPath,
+        /// Where in its lap the target is at time 0, seconds.
+        lead_s: f64,
+        /// Added to every position of the path, metres.
+        offset_m: [f64; 3],
+    },
+    /// As this member of a formation.
+    Member { formation: Arc<Formation>, number: u32 },
+}
+
+impl Route {
+    pub(crate) fn at(&self, time_s: f64) -> Kinematics {
+        match self {
+            Self::Alone { path, lead_s, offset_m } => {
+                let mut state = path.at(lead_s + time_s);
+                for (coordinate, offset) in state.position_m.iter_mut().zip(offset_m) {
+                    *coordinate += offset;
+                }
+                state
+            }
+            Self::Member { formation, number } => {
+                let mut state = formation.path.at(formation.lead_s + time_s);
+                let (beside_m, sideways_mps) = formation.beside(*number, formation.lead_s + time_s);
+                for axis in 0..2 {
+                    state.position_m[axis] += beside_m[axis];
+                    state.velocity_mps[axis] += sideways_mps[axis];
+                }
+                state
+            }
+        }
+    }
+}
