@@ -136,7 +136,7 @@ fn the_terminal_is_restored_however_it_ends() {
         let mut top = Seated::start(&home, &["top", "--interval", "0.2"]);
         until("the sources are shown", || top.shown().contains("radar-west"));
         assert!(!top.is_as_before(), "keys come one by one");
-        top.press(b"3");
+        top.press(b"4");
         // Only cells that change are written, so a word must come where there was none.
         until("the counters are shown", || top.shown().contains("decoded"));
         top.press(b"\tp");

@@ -11,6 +11,9 @@ use uom::si::length::meter;
 
 system!(pub(crate) struct SystemEnu using ENU);
 
+/// Metres in a hundred feet.
+const HUNDRED_FEET_M: f64 = 30.48;
+
 /// A place on or above the WGS-84 ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geodetic {
@@ -78,6 +81,11 @@ impl Geodetic {
     /// Height above the ellipsoid, metres.
     pub fn height_m(&self) -> f64 {
         self.wgs84.altitude().get::<meter>()
+    }
+
+    /// Height in hundreds of feet: the flight level, where heights are pressure altitudes.
+    pub fn flight_level(&self) -> f64 {
+        self.height_m() / HUNDRED_FEET_M
     }
 
     pub(crate) fn wgs84(&self) -> &Wgs84 {

@@ -18,6 +18,7 @@
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0x2ee1a77c420b678) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0xd685ec79c1f207d) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTROL_SCHEMA UINT64_C(0xb124b2ef9c9a3290) /* BatchHeader.schema of its slices. */
+#define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x655d541113faae18) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
 #define KOSEKI_CONTRIBUTORS_MAX UINT64_C(0x40) /* Length of ContributorSet.sensor_uids. */
 #define KOSEKI_COUNTERS_MAX UINT64_C(0x60) /* Length of Counters.values. */
@@ -644,5 +645,15 @@ static_assert(sizeof(KosekiControl) == 40, "size");
 static_assert(offsetof(KosekiControl, kind) == 0, "offset");
 static_assert(offsetof(KosekiControl, reserved) == 4, "offset");
 static_assert(offsetof(KosekiControl, name) == 8, "offset");
+
+typedef struct KosekiFrameOrigin {
+    double latitude_deg; /* Latitude on the WGS-84 ellipsoid, degrees, north positive. */
+    double longitude_deg; /* Longitude, degrees, east positive. */
+    double height_m; /* Height above the ellipsoid, metres. */
+} KosekiFrameOrigin;
+static_assert(sizeof(KosekiFrameOrigin) == 24, "size");
+static_assert(offsetof(KosekiFrameOrigin, latitude_deg) == 0, "offset");
+static_assert(offsetof(KosekiFrameOrigin, longitude_deg) == 8, "offset");
+static_assert(offsetof(KosekiFrameOrigin, height_m) == 16, "offset");
 
 #endif

@@ -17,6 +17,7 @@ ALARM_SCHEMA = 0xab4755e97ccac702  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0x2ee1a77c420b678  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0xd685ec79c1f207d  # BatchHeader.schema of its slices.
 CONTROL_SCHEMA = 0xb124b2ef9c9a3290  # BatchHeader.schema of its slices.
+FRAME_ORIGIN_SCHEMA = 0x655d541113faae18  # BatchHeader.schema of its slices.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
 CONTRIBUTORS_MAX = 0x40  # Length of ContributorSet.sensor_uids.
 COUNTERS_MAX = 0x60  # Length of Counters.values.
@@ -819,3 +820,21 @@ assert ctypes.sizeof(Control) == 40
 assert Control.kind.offset == 0
 assert Control.reserved.offset == 4
 assert Control.name.offset == 8
+
+
+class FrameOrigin(ctypes.Structure):
+    _fields_ = [
+        ("latitude_deg", ctypes.c_double),  # Latitude on the WGS-84 ellipsoid, degrees, north positive.
+        ("longitude_deg", ctypes.c_double),  # Longitude, degrees, east positive.
+        ("height_m", ctypes.c_double),  # Height above the ellipsoid, metres.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "FrameOrigin"
+
+
+assert ctypes.sizeof(FrameOrigin) == 24
+assert FrameOrigin.latitude_deg.offset == 0
+assert FrameOrigin.longitude_deg.offset == 8
+assert FrameOrigin.height_m.offset == 16

@@ -130,6 +130,7 @@ const TRAVELLING: &[Layout] = &[
     crate::Health::LAYOUT,
     crate::Progress::LAYOUT,
     crate::Control::LAYOUT,
+    crate::FrameOrigin::LAYOUT,
 ];
 
 /// Every sample, those that others contain first.
@@ -156,6 +157,7 @@ pub const ALL: &[Layout] = &[
     crate::Health::LAYOUT,
     crate::Progress::LAYOUT,
     crate::Control::LAYOUT,
+    crate::FrameOrigin::LAYOUT,
 ];
 
 impl Layout {

@@ -21,6 +21,7 @@ mod control;
 mod counters;
 mod covariance;
 mod extent;
+mod frame_origin;
 mod health;
 mod identity;
 pub mod layout;
@@ -45,6 +46,7 @@ pub use control::{Control, Progress};
 pub use counters::{COUNTERS_MAX, Counter, CounterClass, Counters};
 pub use covariance::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
 pub use extent::Extent;
+pub use frame_origin::FrameOrigin;
 pub use health::{Health, HealthName, LifeState, NO_SOURCE};
 pub use identity::{Callsign, Identity, IdentityKind, NAME_MAX, identity_bits};
 pub use movement::{HorizontalMovement, LongitudinalMovement, Movement, VerticalMovement, movement_bits};
@@ -62,7 +64,7 @@ pub use system_track::{
 };
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Capacity, Stream, StreamId, Streamed, Topic, TopicName, alarms, contributors, control, cues, health,
+    Capacity, Stream, StreamId, Streamed, Topic, TopicName, alarms, contributors, control, cues, frame_origin, health,
     platform_states, progress, sensor_bearings, sensor_detections, sensor_tracks, system_tracks, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};

@@ -8,8 +8,8 @@ use std::marker::PhantomData;
 use crate::codes;
 use crate::layout::Sample;
 use crate::{
-    Alarm, ContributorSet, Control, Cue, Health, PlatformState, Progress, SensorBearing, SensorDetection, SensorTrack,
-    SystemTrack, WideArea,
+    Alarm, ContributorSet, Control, Cue, FrameOrigin, Health, PlatformState, Progress, SensorBearing, SensorDetection,
+    SensorTrack, SystemTrack, WideArea,
 };
 
 /// Name of a topic in shared memory.
@@ -258,6 +258,17 @@ pub fn alarms() -> Topic<Alarm> {
         subscribers: 32,
     };
     Topic::new("system/alarms".to_owned(), capacity)
+}
+
+/// Where the system frame lies, said again and again for whoever joins without the configuration.
+pub fn frame_origin() -> Topic<FrameOrigin> {
+    let capacity = Capacity {
+        depth: 2,
+        slice_len: 1,
+        publishers: 4,
+        subscribers: 16,
+    };
+    Topic::new("system/frame-origin".to_owned(), capacity)
 }
 
 /// State and counters of every process.

@@ -147,6 +147,7 @@ fn each_topic(deployment: &impl Deployment, processes: usize, visit: &mut impl V
     deployment.each_input_topic(ONE_AND_ITS_SUCCESSOR, visit)?;
     visit.visit(&messages::system_tracks(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::alarms(), ONE_AND_ITS_SUCCESSOR)?;
+    visit.visit(&messages::frame_origin(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;
     visit.visit(&messages::control(), ONE_AND_ITS_SUCCESSOR)

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use bus::{Bus, Subscriber, Transport, WaitMode, Waiter};
+use bus::{Bus, Mark, Publisher, Subscriber, Transport, WaitMode, Waiter};
 use configuration::{Config, MonitorWait};
-use messages::{Health, SystemTrack};
+use messages::{FrameOrigin, Health, SystemTrack};
 use runtime::{Agent, HealthEntry, Now, Options, Turn};
 
 use crate::files::Files;
@@ -22,6 +22,9 @@ const PAUSE_BETWEEN_LOOKS: Duration = Duration::from_millis(10);
 /// Longest sleep, so that no health message waits until its place is needed.
 const SLEEP_MAX_NS: i64 = 100_000_000;
 
+/// Time between two words on where the system frame lies, nanoseconds.
+const ORIGIN_PERIOD_NS: i64 = 200_000_000;
+
 /// Reads both clocks.
 pub type Clock = Box<dyn Fn() -> Now>;
 
@@ -30,6 +33,11 @@ pub struct MonitorAgent<S: Transport> {
     survey: Survey,
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
+    /// Says `origin` to whoever looks on without the configuration.
+    origins: Publisher<S, FrameOrigin>,
+    origin: FrameOrigin,
+    /// When that is due again, monotonic, nanoseconds.
+    origin_due_ns: i64,
     waiting: Waiting<S>,
     clock: Clock,
     screen: Screen,
@@ -104,6 +112,7 @@ impl<S: Transport> MonitorAgent<S> {
             bus.subscriber(&messages::health(), now_ns)?,
         );
         let begun = clock();
+        let origin = config.frame.to_geodetic([0.0; 3]);
         let folder = match name {
             "monitor" => options.out.clone(),
             other => options.out.join(other),
@@ -119,6 +128,13 @@ impl<S: Transport> MonitorAgent<S> {
             survey,
             states,
             health,
+            origins: bus.publisher(&messages::frame_origin(), begun.mono_ns as u64)?,
+            origin: FrameOrigin {
+                latitude_deg: origin.latitude_deg(),
+                longitude_deg: origin.longitude_deg(),
+                height_m: origin.height_m(),
+            },
+            origin_due_ns: i64::MIN,
             waiting,
             clock,
             screen,
@@ -132,6 +148,22 @@ impl<S: Transport> MonitorAgent<S> {
     pub fn metrics(&self) -> Option<Result<String, &str>> {
         let metrics = self.metrics.as_ref()?;
         Some(metrics.as_ref().map(Metrics::url).map_err(String::as_str))
+    }
+
+    /// Says where the system frame lies, if it is time to.
+    fn say_origin(&mut self, now: Now) -> anyhow::Result<()> {
+        if now.mono_ns < self.origin_due_ns {
+            return Ok(());
+        }
+        self.origin_due_ns = now.mono_ns + ORIGIN_PERIOD_NS;
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: now.mono_ns,
+            end: false,
+        };
+        let origin = self.origin;
+        self.origins.send(mark, 1, |_, _| origin)?;
+        Ok(())
     }
 
     /// Takes what has arrived; whether more may be waiting.
@@ -214,11 +246,12 @@ impl<S: Transport> Agent for MonitorAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         // First the whole second that has passed, then what came after it.
         self.survey.pass(now);
+        self.say_origin(now)?;
         let more = self.take()?;
         if now.mono_ns - self.begun.mono_ns >= self.interval_ns {
             let length_ns = self.close_interval(now)?;
-            let live = self.survey.live(now, length_ns, self.states.counts());
-            self.screen.show(&live);
+            let overview = self.survey.overview(now, length_ns, self.states.counts());
+            self.screen.show(&overview);
         }
         if more {
             return Ok(Turn::Worked);

@@ -7,10 +7,11 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`MonitorAgent`] | decides *when*: takes messages, closes intervals, shows, writes, ends |
-//! | `survey` | all that is known, and the two summaries drawn from it: [`Live`] and [`Report`] |
+//! | `survey` | all that is known, and the summaries drawn from it: an overview per interval, and the [`Report`] |
 //! | `health_book` | the latest health of every process, its restarts, and its counters across them |
 //! | `truth_watch` | compares the picture with the truth, where the world is simulated |
-//! | `live`, `report_text`, `verdict` | turn a summary into text: pure functions |
+//! | `display` | an overview as text, on a screen or in a line: pure functions |
+//! | `report_text`, `verdict` | turn the report into text: pure functions |
 //! | `screen`, `files` | where text and files go |
 //! | [`top`] | `koseki top`: the same, for whoever looks on from another terminal |
 //! | `exposition`, `metrics` | the same for Prometheus, served on a thread of its own |
@@ -40,18 +41,19 @@
 //! that anybody will see in operation, so none are recorded then. And the adapters wait for fusion and the recorder,
 //! but not for the monitor: it may miss states then, counts them, and nobody else is affected.
 //!
-//! Architecture invariant: the monitor only reads. Nothing that it does can hold up a publisher.
+//! Architecture invariant: of the data, the monitor is a reader only. Nothing that it does can hold up a publisher.
+//! What it publishes itself is for people who look on: where the system frame lies.
 
 #![forbid(unsafe_code)]
 
 mod agent;
 mod counters;
+mod display;
 mod exposition;
 mod files;
 #[cfg(test)]
 mod golden;
 mod health_book;
-mod live;
 mod metrics;
 mod report;
 mod report_text;
@@ -65,10 +67,10 @@ mod verdict;
 use std::io::Write as _;
 
 pub use agent::{Clock, MonitorAgent};
-pub use live::{Live, LiveSource, LiveStage};
-pub use report::{Hop, Picture, Process, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, State};
+pub use report::{
+    Hop, Picture, Process, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, State, Verdict,
+};
 pub use screen::Screen;
-pub use verdict::Verdict;
 
 /// Runs the monitor until the process is told to stop.
 ///

@@ -11,7 +11,9 @@ use scoring::AccuracyReport;
 use serde::{Serialize, Serializer};
 use telemetry::{Irregularities, Span, Stage, Stages, Summary};
 
-use crate::verdict::Verdict;
+/// Why a stage has no figures.
+pub(crate) const NOT_MEASURED: &str = "transport out is not measured: the monitor polls, to leave fusion in peace, so \
+     end to end and age end where fusion has published; `koseki bench` or a monitor with wait = \"event\" measures it";
 
 /// Report on a run.
 #[derive(Clone, Debug, Serialize)]
@@ -24,7 +26,7 @@ pub struct Report {
     pub duration_s: f64,
     /// How far fusion got in a recording's time, UTC, nanoseconds.
     pub recording_reached_utc_ns: Option<i64>,
-    /// One sentence: whether there is something to worry about.
+    /// Whether there is something to worry about.
     pub verdict: Verdict,
     /// In the order of the configuration.
     pub sources: Vec<SourceReport>,
@@ -55,6 +57,15 @@ pub struct Report {
     pub network: Vec<ProcessCounters>,
     /// Health messages that could not be understood.
     pub health_rejected: u64,
+}
+
+/// Verdict on a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Verdict {
+    /// Whether there is nothing to worry about.
+    pub fine: bool,
+    /// One sentence: what there is to worry about, or that there is nothing.
+    pub sentence: String,
 }
 
 /// Counters of a process as a whole.

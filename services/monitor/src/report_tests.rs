@@ -7,10 +7,11 @@ use crate::golden;
 use telemetry::Summary;
 
 use crate::report::{
-    Hop, Losses, Picture, ProcessCounters, Restarts, SourceReport, SourceStageReport, StageReport, State,
+    Hop, Losses, Picture, ProcessCounters, Restarts, SourceReport, SourceStageReport, StageReport, State, Verdict,
 };
-use crate::verdict::Verdict;
+use crate::verdict;
 
+const WIDTH: usize = 110;
 const SUMMARY: Summary = Summary {
     count: 20_000,
     p50_ns: 41_200,
@@ -60,7 +61,7 @@ fn process(kind: ProcessKind, name: &str) -> Process {
 }
 
 fn judged(mut report: Report) -> Report {
-    report.verdict = Verdict::on(&report);
+    report.verdict = verdict::on(&report);
     report
 }
 
@@ -270,31 +271,31 @@ fn empty() -> Report {
 
 #[test]
 fn a_good_run() {
-    golden::assert("report_good.txt", &good().text());
+    golden::assert("report_good.txt", &good().text(WIDTH));
 }
 
 #[test]
 fn a_bad_run() {
-    golden::assert("report_bad.txt", &bad().text());
+    golden::assert("report_bad.txt", &bad().text(WIDTH));
 }
 
 #[test]
 fn a_run_watched_by_polling() {
-    golden::assert("report_poll.txt", &polled().text());
+    golden::assert("report_poll.txt", &polled().text(WIDTH));
 }
 
 #[test]
 fn a_run_without_a_single_report() {
-    golden::assert("report_empty.txt", &empty().text());
+    golden::assert("report_empty.txt", &empty().text(WIDTH));
 }
 
 #[test]
 fn what_is_allowed_of_a_live_run_is_not_of_a_recording() {
     let mut report = good();
     report.losses.reports_unread = 3;
-    assert!(Verdict::on(&report).fine);
+    assert!(verdict::on(&report).fine);
     report.settings.simulated_sources = 0;
-    assert!(!Verdict::on(&report).fine);
+    assert!(!verdict::on(&report).fine);
 }
 
 #[test]
@@ -303,12 +304,12 @@ fn a_restarted_monitor_does_not_accuse_others_of_what_it_has_not_seen() {
     report.losses.complete = false;
     report.losses.reports_unread = 15_000;
     report.processes[3].restarts = 1;
-    let verdict = Verdict::on(&report);
+    let verdict = verdict::on(&report);
     assert_eq!(
         verdict.sentence,
         "Worth a look: monitor was restarted once, so this report speaks of the time since then only."
     );
-    assert!(report.text().contains("The monitor was restarted"));
+    assert!(report.text(WIDTH).contains("The monitor was restarted"));
 }
 
 #[test]
@@ -319,7 +320,7 @@ fn poor_accuracy_and_missed_deadlines_are_worth_a_look() {
         (accuracy.held_once_share, accuracy.identity_errors) = (0.9, 2);
     }
     assert_eq!(
-        Verdict::on(&report).sentence,
+        verdict::on(&report).sentence,
         "Worth a look: 10.0 % of the states took longer through fusion than 1.00 ms; only 90.0 % of the targets in view \
          were held by exactly one system track; system tracks carried a wrong address twice."
     );

@@ -9,17 +9,13 @@ use telemetry::Stage;
 use telemetry::table::{self, Align, Table, count};
 
 use crate::counters::{network_trouble, process_remarks};
-use crate::live::NOT_MEASURED;
-use crate::report::{Process, Report, RunSettings, SourceReport, StageReport};
+use crate::report::{NOT_MEASURED, Process, Report, RunSettings, SourceReport, StageReport};
 use crate::text::{date_time, percent, several, wrapped};
 use crate::truth_watch::WARM_UP_NS;
 
-/// Longest line of prose, characters.
-const WIDTH: usize = 110;
-
 impl Report {
-    /// The report, for people.
-    pub fn text(&self) -> String {
+    /// The report, for people; prose in lines of at most `width` characters.
+    pub fn text(&self, width: usize) -> String {
         let mut sections = vec![self.heading()];
         sections.extend((!self.network.is_empty()).then(|| self.network_traffic()));
         sections.extend([self.reports(), self.not_used()]);
@@ -30,8 +26,9 @@ impl Report {
         sections.extend(self.registration());
         sections.extend(self.accuracy.as_ref().map(accuracy));
         sections.push(self.process_table());
-        sections.push(wrapped(&self.verdict.sentence, WIDTH));
-        format!("\n{}", sections.join("\n"))
+        sections.push(self.verdict.sentence.clone() + "\n");
+        let text = format!("\n{}", sections.join("\n"));
+        text.lines().map(|line| fitted(line, width)).collect()
     }
 
     fn heading(&self) -> String {
@@ -87,7 +84,7 @@ impl Report {
             rows.row([report.process.clone()].into_iter().chain(cells));
             for counter in network_trouble().filter(|counter| of(*counter) > 0) {
                 let line = format!("{}: {}: {}", report.process, count(of(counter)), counter.sentence());
-                trouble.push_str(&wrapped(&line, WIDTH));
+                trouble.push_str(&(line + "\n"));
             }
         }
         if trouble.is_empty() {
@@ -233,7 +230,7 @@ impl Report {
         if !self.losses.complete {
             text.push_str(
                 "The monitor was restarted: what it did not see, and what others had counted before they were restarted, \
-                 shows as\nunread here.\n",
+                 shows as unread here.\n",
             );
         }
         if self.restarts.total > 0 {
@@ -245,7 +242,7 @@ impl Report {
     fn latencies(&self) -> String {
         if !self.settings.latencies_measured {
             return "LATENCY: not measured. The recording was worked off as fast as possible, so reports waited in full \
-                    queues;\nreplay it at a speed (--speed 1) to see latencies.\n"
+                    queues; replay it at a speed (--speed 1) to see latencies.\n"
                 .to_owned();
         }
         if self.stages.iter().all(|(_, figures)| figures.summary.count == 0) {
@@ -266,11 +263,11 @@ impl Report {
             table::latencies("end to end, by source", self.sources.iter().map(end_to_end)),
         );
         text.push_str(
-            "adapter: from a report's last byte to its hand-over to shared memory; transport in: until fusion took it;\n\
+            "adapter: from a report's last byte to its hand-over to shared memory; transport in: until fusion took it; \
              fusion: until the system track was handed over; transport out: until this subscriber had it.\n",
         );
         if self.polls() {
-            text.push_str(NOT_MEASURED);
+            text.push_str(&format!("{NOT_MEASURED}\n"));
         }
         if !recorded {
             let end = if self.polls() {
@@ -402,6 +399,15 @@ impl Report {
             text.push_str(&format!("{rejected} could not be understood and were rejected.\n"));
         }
         text
+    }
+}
+
+/// A line, in several if it is prose and too long. Columns of tables are two blanks apart, words of prose are one.
+fn fitted(line: &str, width: usize) -> String {
+    if line.chars().count() <= width || line.contains("  ") {
+        format!("{line}\n")
+    } else {
+        wrapped(line, width)
     }
 }
 

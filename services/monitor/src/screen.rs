@@ -2,23 +2,30 @@
 
 use std::io::{IsTerminal as _, Write};
 
-use crate::live::Live;
+use ratatui::backend::{Backend as _, CrosstermBackend};
+use ratatui::buffer::Buffer;
+use ratatui::crossterm::terminal;
+use ratatui::layout::{Position, Rect};
+
+use crate::display::draw::{Looks, draw_unattended};
+use crate::display::overview::Overview;
+use crate::display::pages;
 use crate::report::Report;
 
-/// Erases the whole screen.
-const ERASE_ALL: &str = "\x1b[2J";
-/// Moves the cursor to the upper left corner.
-const HOME: &str = "\x1b[H";
-/// Erases from the cursor to the end of the line.
-const ERASE_LINE: &str = "\x1b[K";
-/// Erases from the cursor to the end of the screen.
-const ERASE_BELOW: &str = "\x1b[J";
+/// Columns and rows of a terminal that does not say how many it has.
+const USUAL_SIZE: (u16, u16) = (80, 24);
+/// Longest line of prose where there is room, characters.
+const PROSE_WIDTH: u16 = 110;
+/// Moves the cursor to the upper left corner, and erases from there.
+const CLEAR: &str = "\x1b[H\x1b[J";
 
 /// Screen of the monitor.
 pub struct Screen {
-    out: Box<dyn Write>,
+    out: CrosstermBackend<Box<dyn Write>>,
     terminal: bool,
-    drawn: bool,
+    /// Size at which something was drawn.
+    drawn: Option<(u16, u16)>,
+    looks: Looks,
     /// Whoever read has gone (`| head`). That is no reason to stop watching.
     gone: bool,
 }
@@ -34,46 +41,73 @@ impl Screen {
     /// Text goes to `out`, which can move its cursor if it is a `terminal`.
     pub fn new(out: Box<dyn Write>, terminal: bool) -> Self {
         Self {
-            out,
+            out: CrosstermBackend::new(out),
             terminal,
-            drawn: false,
+            drawn: None,
+            looks: Looks::of_environment(),
             gone: false,
         }
     }
 
-    /// Shows what is known now: the table on a terminal, else one line.
-    pub(crate) fn show(&mut self, live: &Live) {
-        if !self.terminal {
-            self.write(&live.line());
-            return;
+    /// Shows what is known now: tables on a terminal, else one line.
+    pub(crate) fn show(&mut self, overview: &Overview) {
+        if self.terminal {
+            self.attempt(|screen| screen.draw(overview, size()));
+        } else {
+            self.write(&pages::line(overview));
         }
-        // Overwriting line by line does not flicker; erasing first would.
-        let mut text = String::from(if self.drawn { HOME } else { ERASE_ALL });
-        if !self.drawn {
-            text.push_str(HOME);
-        }
-        for line in live.table().lines() {
-            text.push_str(line);
-            text.push_str(ERASE_LINE);
-            text.push('\n');
-        }
-        text.push_str(ERASE_BELOW);
-        self.drawn = true;
-        self.write(&text);
     }
 
-    /// Shows the final report, in place of the table.
-    pub(crate) fn end(&mut self, report: &Report) {
-        if self.drawn {
-            self.write(&format!("{HOME}{ERASE_BELOW}"));
+    /// Every cell is written, so that what others have written on the terminal is gone; erasing first would flicker.
+    fn draw(&mut self, overview: &Overview, size: (u16, u16)) -> std::io::Result<()> {
+        let (width, height) = size;
+        // The last line is left to what others say on standard error.
+        let mut buffer = Buffer::empty(Rect::new(0, 0, width, height.saturating_sub(1)));
+        draw_unattended(&mut buffer, overview, self.looks);
+        if self.drawn.replace(size) != Some(size) {
+            self.out.clear()?;
         }
-        self.write(&report.text());
+        let cells = buffer.content.iter().enumerate();
+        self.out.draw(cells.map(|(index, cell)| {
+            let (x, y) = buffer.pos_of(index);
+            (x, y, cell)
+        }))?;
+        self.out
+            .set_cursor_position(Position::new(0, height.saturating_sub(1)))?;
+        Write::flush(&mut self.out)
+    }
+
+    /// Shows the final report, in place of the tables.
+    pub(crate) fn end(&mut self, report: &Report) {
+        if self.drawn.is_some() {
+            self.write(CLEAR);
+        }
+        let width = if self.terminal {
+            size().0.min(PROSE_WIDTH)
+        } else {
+            PROSE_WIDTH
+        };
+        self.write(&report.text(usize::from(width)));
     }
 
     fn write(&mut self, text: &str) {
+        self.attempt(|screen| {
+            screen.out.write_all(text.as_bytes())?;
+            Write::flush(&mut screen.out)
+        });
+    }
+
+    fn attempt(&mut self, write: impl FnOnce(&mut Self) -> std::io::Result<()>) {
         if !self.gone {
-            let written = self.out.write_all(text.as_bytes()).and_then(|()| self.out.flush());
-            self.gone = written.is_err();
+            self.gone = write(self).is_err();
         }
+    }
+}
+
+/// Columns and rows of the terminal.
+fn size() -> (u16, u16) {
+    match terminal::size() {
+        Ok((width @ 1.., height @ 1..)) => (width, height),
+        _ => USUAL_SIZE,
     }
 }

@@ -10,15 +10,15 @@ use messages::{BatchHeader, Counter, CounterClass, Counters, Health, NO_SOURCE, 
 use runtime::{Now, Options, Speed};
 use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage, Stages};
 
+use crate::display::overview::{Overview, ProcessRow, SourceRow, stage_rows};
 use crate::exposition::{Counted, Snapshot, StageSample};
 use crate::health_book::HealthBook;
-use crate::live::{Live, LiveSource, LiveStage, NOT_MEASURED};
 use crate::report::{
-    Hop, Losses, Picture, Process, ProcessCounters, Report, Restarts, RunSettings, SourceReport, SourceStageReport,
-    StageReport, State, title,
+    Hop, Losses, NOT_MEASURED, Picture, Process, ProcessCounters, Report, Restarts, RunSettings, SourceReport,
+    SourceStageReport, StageReport, State, Verdict, title,
 };
 use crate::truth_watch::TruthWatch;
-use crate::verdict::Verdict;
+use crate::verdict;
 
 /// Survey of a deployment.
 #[derive(Debug)]
@@ -140,29 +140,29 @@ impl Survey {
         self.stages.close_next_source()
     }
 
-    /// Display of the interval that was closed last, which took `interval_ns`.
-    pub(crate) fn live(&mut self, now: Now, interval_ns: i64, own: SubscriberCounts) -> Live {
-        let numbers = 0..self.sources.len();
-        let sources: Vec<LiveSource> = numbers.map(|index| self.live_source(index)).collect();
-        let processes = self.processes(now);
-        let stage = |stage| LiveStage::of_interval(&self.stages, stage);
-        Live {
-            deployment: self.settings.deployment.clone(),
-            elapsed_ns: now.mono_ns - self.begun.mono_ns,
+    /// Overview of the interval that was closed last, which took `interval_ns`.
+    pub(crate) fn overview(&mut self, now: Now, interval_ns: i64, own: SubscriberCounts) -> Overview {
+        let sources: Vec<SourceRow> = (0..self.sources.len()).map(|index| self.source_row(index)).collect();
+        // Data of recordings are as old as the recordings.
+        let is_shown = |stage| stage != Stage::Age || self.settings.recorded_sources == 0;
+        Overview {
+            instance: self.settings.instance.clone(),
             utc_ns: now.utc_ns,
-            recorded: self.settings.recorded_sources > 0,
+            elapsed_ns: now.mono_ns - self.begun.mono_ns,
+            interval_ns,
             recording_ns: self.recording_reached_ns(),
             picture: self.picture(),
-            interval_ns,
-            stages: self.settings.latencies_measured.then(|| Stage::ALL.map(stage).to_vec()),
-            restarts: restarts(&processes).total,
+            tracks: Vec::new(),
+            stages: stage_rows(&self.stages, &sources, is_shown),
+            counters: Vec::new(),
+            processes: self.processes(now).iter().map(ProcessRow::new).collect(),
+            queues_are_full: !self.settings.latencies_measured,
             sources,
-            processes,
-            monitor_missed: own.lost,
+            missed: own.lost,
         }
     }
 
-    fn live_source(&mut self, index: usize) -> LiveSource {
+    fn source_row(&mut self, index: usize) -> SourceRow {
         let Watched { number, name, adapter } = &self.sources[index];
         let adapter = self.book.adapter(adapter, *number);
         let said = self.book.said(ProcessKind::Fusion, ProcessKind::Fusion.word(), *number);
@@ -180,19 +180,15 @@ impl Survey {
             0.0
         };
         self.taken_before[index] = (taken, said_ns);
-        let median = |stage| {
-            let summary = self.stages.summary(stage, Some(*number), Span::Interval);
-            (summary.count > 0).then_some(summary.p50_ns)
-        };
-        LiveSource {
+        SourceRow {
+            number: *number,
             name: name.clone(),
             taken,
             per_s,
             rejected: adapter.sum_of(CounterClass::Rejection),
             lost: fusion[Counter::Lost],
-            age_ns: median(Stage::Age),
-            adapter_ns: median(Stage::IngestToPublish),
-            transport_ns: median(Stage::PublishToTaken),
+            not_used: fusion.sum_of(CounterClass::FusionRejection),
+            late: self.late(Some(*number)),
         }
     }
 
@@ -209,10 +205,7 @@ impl Survey {
             verdict: Verdict::default(),
             losses: self.losses(&sources, own, &processes),
             sources,
-            latency_remark: self
-                .settings
-                .monitor_poll_ms
-                .map(|_| NOT_MEASURED.trim().replace('\n', " ")),
+            latency_remark: self.settings.monitor_poll_ms.map(|_| NOT_MEASURED.to_owned()),
             stages: Stage::ALL.map(stage).to_vec(),
             picture: self.picture(),
             accuracy: self.truth.as_ref().map(TruthWatch::report),
@@ -224,7 +217,7 @@ impl Survey {
             network: self.network(),
             health_rejected: self.book.rejected(),
         };
-        report.verdict = Verdict::on(&report);
+        report.verdict = verdict::on(&report);
         report
     }
 
@@ -359,10 +352,14 @@ impl Survey {
     }
 
     fn count_late(&self, source: Option<u16>, counters: &mut Counters) {
-        let misses = |stage: Stage| self.stages.deadline_misses(stage, source, Span::Total);
-        let late = misses(Stage::TakenToFused);
-        counters[Counter::DeadlineMisses] = late;
-        counters[Counter::StagesLate] = Stage::ALL.into_iter().map(misses).sum();
+        counters[Counter::DeadlineMisses] = self.stages.deadline_misses(Stage::TakenToFused, source, Span::Total);
+        counters[Counter::StagesLate] = self.late(source);
+    }
+
+    /// Stages that took longer than their deadlines, of one source's reports or (`None`) of all.
+    fn late(&self, source: Option<u16>) -> u64 {
+        let misses = |stage| self.stages.deadline_misses(stage, source, Span::Total);
+        Stage::ALL.into_iter().map(misses).sum()
     }
 
     /// Counters of the processes but fusion and the monitor, each as a whole.

@@ -7,13 +7,13 @@
 //! The first ten seconds are left out: radars need several turns until their targets are confirmed. If fusion is
 //! restarted, its picture begins anew, and what is missing until it is complete again does count.
 
-use std::collections::BTreeMap;
-
 use configuration::{Config, Input, Instrument};
-use messages::{SystemTrack, TrackState};
+use messages::SystemTrack;
 use runtime::Options;
 use scenario::{SimulatedSensor, TargetState, Truth};
 use scoring::{Accuracy, AccuracyReport, PictureTarget, PictureTrack};
+
+use crate::display::tracks::LatestStates;
 
 /// Time after the start that is left out.
 pub(crate) const WARM_UP_NS: i64 = 10 * SECOND_NS;
@@ -27,11 +27,8 @@ pub(crate) struct TruthWatch {
     start_ns: i64,
     /// The whole second that is to be compared next, UTC.
     due_ns: i64,
-    /// Latest states, by system-track number; as many as fusion can hold.
-    tracks: BTreeMap<u32, SystemTrack>,
-    tracks_max: usize,
-    /// Incarnation of the fusion process that these states are from.
-    fusion: u64,
+    /// Latest states; as many as fusion can hold.
+    states: LatestStates,
     accuracy: Accuracy,
     targets: Vec<PictureTarget>,
     picture: Vec<PictureTrack>,
@@ -61,9 +58,7 @@ impl TruthWatch {
             sensors,
             start_ns,
             due_ns: begun_utc_ns.max(start_ns).saturating_add(WARM_UP_NS + SECOND_NS - 1) / SECOND_NS * SECOND_NS,
-            tracks: BTreeMap::new(),
-            tracks_max: config.fusion.settings.capacity.system_tracks(),
-            fusion: 0,
+            states: LatestStates::new(config.fusion.settings.capacity.system_tracks()),
             accuracy: Accuracy::default(),
             targets: Vec::new(),
             picture: Vec::new(),
@@ -72,18 +67,7 @@ impl TruthWatch {
 
     /// Keeps a state that arrived from the fusion process of `incarnation`.
     pub(crate) fn keep(&mut self, incarnation: u64, track: &SystemTrack) {
-        if incarnation < self.fusion {
-            return;
-        }
-        if incarnation > self.fusion {
-            self.fusion = incarnation;
-            self.tracks.clear();
-        }
-        if track.state == TrackState::Terminated as u8 {
-            self.tracks.remove(&track.track_number);
-        } else if self.tracks.len() < self.tracks_max || self.tracks.contains_key(&track.track_number) {
-            self.tracks.insert(track.track_number, *track);
-        }
+        self.states.keep(incarnation, track);
     }
 
     /// Compares, if a whole second has passed by `now_utc_ns`. Of several, only the last: the states are of now.
@@ -105,8 +89,8 @@ impl TruthWatch {
         }));
         self.picture.clear();
         let shown = self
-            .tracks
-            .values()
+            .states
+            .iter()
             .filter_map(|track| PictureTrack::from_system_track(track, second_ns));
         self.picture.extend(shown);
         self.accuracy.add_picture(&self.targets, &self.picture);
@@ -127,6 +111,7 @@ mod tests {
     use std::path::Path;
 
     use configuration::BUILT_IN_DEMO;
+    use messages::TrackState;
     use runtime::Speed;
 
     use super::*;
@@ -195,21 +180,5 @@ mod tests {
         let report = watch.report();
         assert!(report.targets > 20.0 && report.targets < 65.0, "{report:?}");
         assert_eq!(report.missed_share, 1.0);
-    }
-
-    #[test]
-    fn a_restarted_fusion_begins_a_new_picture() {
-        let mut watch = watch(&[]);
-        let states = perfect(&watch, START_NS);
-        watch.keep(5, &states[0]);
-        watch.keep(9, &states[1]);
-        watch.keep(5, &states[2]);
-        assert_eq!(watch.tracks.keys().collect::<Vec<_>>(), [&2]);
-        let ended = SystemTrack {
-            state: TrackState::Terminated as u8,
-            ..states[1]
-        };
-        watch.keep(9, &ended);
-        assert!(watch.tracks.is_empty());
     }
 }

@@ -1,10 +1,9 @@
 //! One sentence: whether there is something to worry about.
 
 use messages::{Counter, LifeState, ProcessKind};
-use serde::Serialize;
 use telemetry::{Stage, table};
 
-use crate::report::{Hop, Report, State};
+use crate::report::{Hop, Report, State, Verdict};
 use crate::text::{percent, several, times};
 
 /// Share of a live deployment's reports that may be unread: some are on their way when it stops.
@@ -14,28 +13,17 @@ const DEADLINE_MISS_SHARE_MAX: f64 = 0.01;
 /// Share of the targets in view that should be held by exactly one system track.
 const HELD_ONCE_SHARE_MIN: f64 = 0.95;
 
-/// Verdict on a run.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Verdict {
-    /// Whether there is nothing to worry about.
-    pub fine: bool,
-    /// The sentence.
-    pub sentence: String,
-}
-
-impl Verdict {
-    /// Judges everything in `report` but its verdict.
-    pub(crate) fn on(report: &Report) -> Self {
-        let concerns = concerns(report);
-        let sentence = if concerns.is_empty() {
-            praise(report)
-        } else {
-            format!("Worth a look: {}.", concerns.join("; "))
-        };
-        Self {
-            fine: concerns.is_empty(),
-            sentence,
-        }
+/// Judges everything in `report` but its verdict.
+pub(crate) fn on(report: &Report) -> Verdict {
+    let concerns = concerns(report);
+    let sentence = if concerns.is_empty() {
+        praise(report)
+    } else {
+        format!("Worth a look: {}.", concerns.join("; "))
+    };
+    Verdict {
+        fine: concerns.is_empty(),
+        sentence,
     }
 }
 

@@ -230,8 +230,9 @@ Examples:
   koseki top --once | grep rejected   all tables, once
   koseki top > top.log                one line per interval
 
-Keys: q, Esc or Ctrl-C ends; Tab, arrows and 1 to 4 turn pages; up and down select a source, whose stages are shown below;
-i changes between the last interval and the total since the start of `koseki top`; p pauses.
+Pages: sources, tracks (number, identity, place, flight level, speed, sources, age), stages, counters, processes. Keys: h
+explains them all; q, Esc or Ctrl-C ends; Tab, arrows and 1 to 5 turn pages; up and down select a row; i changes between
+the last interval and the total since the start; p pauses. With NO_COLOR set there are no colours.
 
 It looks on without disturbing: nobody waits for it or has to wake it. So it cannot tell how long a state takes from fusion
 to a subscriber; end to end is taken to where fusion has published. `koseki bench`, or a monitor with wait = \"event\",

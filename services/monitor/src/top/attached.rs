@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, BusError, Root, SharedMemory, Subscriber, Transport};
-use messages::{Health, SystemTrack};
+use messages::{FrameOrigin, Health, SystemTrack};
 use runtime::Now;
 
-use super::overview::Overview;
 use super::watch::Watch;
+use crate::display::overview::Overview;
 
 /// Name under which it joins.
 const OWN_NAME: &str = "top";
@@ -22,6 +22,7 @@ const SLICES_PER_LOOK: usize = 256;
 pub(super) struct Attached<S: Transport> {
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
+    origins: Subscriber<S, FrameOrigin>,
     _bus: Bus<S>,
     watch: Watch,
     clock: fn() -> Now,
@@ -89,6 +90,7 @@ impl<S: Transport> Attached<S> {
         Ok(Self {
             states: bus.subscriber(&messages::system_tracks(), now_ns)?,
             health: bus.subscriber(&messages::health(), now_ns)?,
+            origins: bus.subscriber(&messages::frame_origin(), now_ns)?,
             _bus: bus,
             watch: Watch::new(root.instance(), begun),
             clock,
@@ -106,8 +108,12 @@ impl<S: Transport> Attached<S> {
     /// As [`Attached::look`], without asking whether somebody runs the instance.
     pub(super) fn look_at(&mut self, now: Now) -> Result<Look, BusError> {
         let (watch, clock) = (&mut self.watch, self.clock);
-        self.states
-            .take(SLICES_PER_LOOK, |_, tracks| watch.receive(tracks, clock()))?;
+        self.states.take(SLICES_PER_LOOK, |header, tracks| {
+            watch.receive(header.incarnation, tracks, clock())
+        })?;
+        self.origins.take(SLICES_PER_LOOK, |_, said| {
+            said.iter().for_each(|origin| watch.place(origin))
+        })?;
         self.health.take(SLICES_PER_LOOK, |_, said| {
             said.iter().for_each(|health| watch.hear(health))
         })?;
@@ -151,6 +157,7 @@ mod tests {
         let _held = [
             bus.hold(&messages::system_tracks()).unwrap(),
             bus.hold(&messages::health()).unwrap(),
+            bus.hold(&messages::frame_origin()).unwrap(),
         ];
         let mut health = bus.publisher(&messages::health(), 200).unwrap();
         let mut tracks = bus.publisher(&messages::system_tracks(), 200).unwrap();

@@ -8,10 +8,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | `watch` | puts together what is heard: an `Overview` per interval |
-//! | `pages` | turns one into lines of text: pure functions |
-//! | `view` | what the keys have chosen to see: page, source, span |
-//! | `draw` | lines onto a screen: a pure function of overview and view |
+//! | `watch` | puts together what is heard: an overview per interval |
 //! | `attached` | joins the deployment, and notices its end |
 //! | `terminal` | the screen and the keys, and the restored terminal |
 //!
@@ -22,13 +19,7 @@
 //! has heard itself. Deadlines are the monitor's; what it counted as late is shown.
 
 mod attached;
-mod draw;
-mod overview;
-mod pages;
-#[cfg(test)]
-mod sample;
 mod terminal;
-mod view;
 mod watch;
 
 use std::io::{self, IsTerminal as _, Write as _};
@@ -39,8 +30,9 @@ use runtime::Now;
 use runtime::signals::Stop;
 
 use attached::{Attached, Look};
-use overview::Overview;
-use telemetry::Span;
+
+use crate::display::overview::Overview;
+use crate::display::pages;
 
 /// Time between two looks: the queue holds what comes in thirty at the highest rate that fusion has been measured with.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
@@ -120,13 +112,5 @@ fn print(text: &str) -> anyhow::Result<Shown> {
         Ok(()) => Ok(Shown::More),
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(Shown::Enough),
         Err(error) => Err(error.into()),
-    }
-}
-
-/// In words.
-fn span_word(span: Span) -> &'static str {
-    match span {
-        Span::Interval => "interval",
-        Span::Total => "total",
     }
 }

@@ -13,9 +13,10 @@ use runtime::Now;
 use runtime::signals::Stop;
 
 use super::attached::{Attached, Look};
-use super::overview::Overview;
-use super::view::{Key, Page, View};
-use super::{End, LOOK_EVERY, draw};
+use super::{End, LOOK_EVERY};
+use crate::display::draw::{self, Looks};
+use crate::display::overview::Overview;
+use crate::display::view::{Key, Page, View};
 
 /// Rows that a page key moves.
 const PAGE_ROWS: isize = 10;
@@ -65,7 +66,10 @@ pub(super) fn show(mut attached: Attached<SharedMemory>, stop: &Stop) -> anyhow:
 }
 
 /// A terminal in our hands.
-struct Screen(DefaultTerminal);
+struct Screen {
+    terminal: DefaultTerminal,
+    looks: Looks,
+}
 
 /// Event of the terminal.
 enum Input {
@@ -76,7 +80,10 @@ enum Input {
 impl Screen {
     fn open() -> anyhow::Result<Self> {
         match ratatui::try_init() {
-            Ok(terminal) => Ok(Self(terminal)),
+            Ok(terminal) => Ok(Self {
+                terminal,
+                looks: Looks::of_environment(),
+            }),
             Err(error) => {
                 // It may have been prepared in part.
                 let _ = ratatui::try_restore();
@@ -86,7 +93,10 @@ impl Screen {
     }
 
     fn draw(&mut self, instance: &str, overview: Option<&Overview>, view: &View) -> anyhow::Result<()> {
-        let drawn = self.0.draw(|frame| draw::draw(frame, instance, overview, view));
+        let looks = self.looks;
+        let drawn = self
+            .terminal
+            .draw(|frame| draw::draw(frame.buffer_mut(), instance, overview, view, looks));
         drawn.context("drawing").map(drop)
     }
 
@@ -107,7 +117,7 @@ impl Drop for Screen {
     fn drop(&mut self) {
         // A terminal that has gone cannot be restored.
         let _ = ratatui::try_restore();
-        let _ = self.0.show_cursor();
+        let _ = self.terminal.show_cursor();
     }
 }
 
@@ -119,10 +129,10 @@ fn meaning(event: KeyEvent) -> Option<Key> {
         KeyCode::Char('q') | KeyCode::Esc => Key::Quit,
         KeyCode::Tab | KeyCode::Right => Key::NextPage,
         KeyCode::BackTab | KeyCode::Left => Key::PreviousPage,
-        KeyCode::Char('1') => Key::Page(Page::Sources),
-        KeyCode::Char('2') => Key::Page(Page::Stages),
-        KeyCode::Char('3') => Key::Page(Page::Counters),
-        KeyCode::Char('4') => Key::Page(Page::Processes),
+        KeyCode::Char(digit @ '1'..='9') => {
+            let number = digit.to_digit(10)? as usize;
+            Key::Page(*Page::ALL.get(number - 1)?)
+        }
         KeyCode::Down => Key::Move(1),
         KeyCode::Up => Key::Move(-1),
         KeyCode::PageDown => Key::Move(PAGE_ROWS),
@@ -131,6 +141,7 @@ fn meaning(event: KeyEvent) -> Option<Key> {
         KeyCode::End => Key::Move(isize::MAX),
         KeyCode::Char('i') => Key::Span,
         KeyCode::Char('p') => Key::Pause,
+        KeyCode::Char('h' | '?') | KeyCode::F(1) => Key::Help,
         _ => return None,
     })
 }

@@ -3,13 +3,18 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use bus::SubscriberCounts;
-use messages::{Counter, CounterClass, Counters, Health, LifeState, NO_SOURCE, ProcessKind, SystemTrack};
+use frames::{Geodetic, SystemFrame};
+use messages::{Counter, CounterClass, Counters, FrameOrigin, Health, LifeState, NO_SOURCE, ProcessKind, SystemTrack};
 use runtime::Now;
-use telemetry::{Journey, JourneyEnd, Span, Stage, Stages};
+use telemetry::{Journey, JourneyEnd, Stages};
 
-use super::overview::{CounterRow, Overview, ProcessRow, SourceRow, StageRow};
+use crate::display::overview::{CounterRow, Overview, ProcessRow, SourceRow, joined, stage_rows};
+use crate::display::tracks::LatestStates;
 use crate::health_book::{HealthBook, Latest};
 use crate::report::{Picture, State, title};
+
+/// Most system tracks whose states are kept.
+const TRACKS_MAX: usize = 20_000;
 
 /// Process that speaks, and the source that it speaks of.
 type Speaker = (ProcessKind, String, u16);
@@ -27,6 +32,9 @@ pub(crate) struct Watch {
     /// Counters at the end of the previous interval, or the first ones: rates count from there.
     before: BTreeMap<Speaker, Said>,
     live_max: u64,
+    states: LatestStates,
+    /// System frame, once somebody has said which it is.
+    frame: Option<SystemFrame>,
     ended: bool,
 }
 
@@ -45,15 +53,24 @@ impl Watch {
             book: HealthBook::new(usize::from(NO_SOURCE)),
             before: BTreeMap::new(),
             live_max: 0,
+            states: LatestStates::new(TRACKS_MAX),
+            frame: None,
             ended: false,
         }
     }
 
-    /// A slice of system tracks has come.
-    pub(crate) fn receive(&mut self, tracks: &[SystemTrack], received: Now) {
+    /// A slice of system tracks has come from the fusion process of `incarnation`.
+    pub(crate) fn receive(&mut self, incarnation: u64, tracks: &[SystemTrack], received: Now) {
         for track in tracks {
             self.stages.record(track, received.mono_ns, received.utc_ns);
+            self.states.keep(incarnation, track);
         }
+    }
+
+    /// Somebody has said where the system frame lies; a place that is none is not believed.
+    pub(crate) fn place(&mut self, origin: &FrameOrigin) {
+        let place = Geodetic::from_degrees(origin.latitude_deg, origin.longitude_deg, origin.height_m);
+        self.frame = place.ok().map(SystemFrame::at).or(self.frame);
     }
 
     /// A process has spoken.
@@ -91,8 +108,10 @@ impl Watch {
             utc_ns: now.utc_ns,
             elapsed_ns: now.mono_ns - self.begun.mono_ns,
             interval_ns,
+            recording_ns: None,
             picture: self.picture(),
-            stages: self.stage_rows(&sources),
+            tracks: self.states.rows(self.frame.as_ref(), now.utc_ns),
+            stages: stage_rows(&self.stages, &sources, |_| true),
             queues_are_full: counters.iter().any(waited),
             counters,
             processes: self.processes(now),
@@ -160,28 +179,6 @@ impl Watch {
         said.counters()[counter].saturating_sub(before[counter]) as f64 / seconds
     }
 
-    fn stage_rows(&self, sources: &[SourceRow]) -> Vec<StageRow> {
-        let measured = || {
-            let end = self.stages.journey().end;
-            Stage::ALL.into_iter().filter(move |stage| stage.is_measured(end))
-        };
-        let numbers = sources.iter().map(|source| Some(source.number));
-        let others = self
-            .stages
-            .sources()
-            .filter(|number| *number == telemetry::OTHER_SOURCES);
-        let of = [None].into_iter().chain(numbers).chain(others.map(Some));
-        of.flat_map(|source| {
-            measured().map(move |stage| StageRow {
-                stage,
-                source,
-                interval: self.stages.summary(stage, source, Span::Interval),
-                total: self.stages.summary(stage, source, Span::Total),
-            })
-        })
-        .collect()
-    }
-
     fn counters(&self, sources: &[SourceRow]) -> Vec<CounterRow> {
         let name = |number: u16| {
             let found = sources.iter().find(|source| source.number == number);
@@ -211,23 +208,7 @@ impl Watch {
     }
 
     fn processes(&self, now: Now) -> Vec<ProcessRow> {
-        let joined = |last_end: &str, note: &str| {
-            let last_end = match last_end {
-                "" => String::new(),
-                end => format!("the last one {end}"),
-            };
-            let parts = [last_end.as_str(), note];
-            let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-            parts.join("; ")
-        };
         let known = self.book.processes(&[], now.mono_ns).into_iter();
-        let known = known.map(|process| ProcessRow {
-            title: process.title(),
-            state: process.state,
-            pid: process.pid,
-            restarts: process.restarts,
-            note: joined(&process.last_end, &process.note),
-        });
         let silent = self.book.silent_children().map(|child| ProcessRow {
             title: child.name.to_owned(),
             state: State::Life(child.life),
@@ -235,13 +216,14 @@ impl Watch {
             restarts: child.restarts,
             note: joined(child.last_end, "has not said anything"),
         });
-        known.chain(silent).collect()
+        known.map(|process| ProcessRow::new(&process)).chain(silent).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use messages::StageTimes;
+    use telemetry::{Span, Stage};
 
     use super::*;
     use test_support::S;
@@ -335,7 +317,7 @@ mod tests {
             ..SystemTrack::default()
         };
         watch.hear(&said(0.1, ProcessKind::Fusion, "fusion", 0, &[]));
-        watch.receive(&[track; 3], received);
+        watch.receive(1, &[track; 3], received);
         let overview = closed(&mut watch, 1.0);
         let end_to_end = overview.stage(Stage::EndToEnd, Some(0), Span::Total);
         assert_eq!((end_to_end.count, end_to_end.max_ns / 10), (3, 400));

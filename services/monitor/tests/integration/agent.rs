@@ -189,9 +189,15 @@ fn a_line_is_shown_per_interval() {
     let text = bench.text();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 2, "{text}");
-    assert!(lines[0].starts_with("22:13:21  1 s | 200 reports/s | "), "{text}");
+    assert!(
+        lines[0].starts_with("22:13:21  test | 1 s | 200 reports/s | "),
+        "{text}"
+    );
     // 150 reports in the 1.5 s between fusion's own words.
-    assert!(lines[1].starts_with("22:13:22  2 s | 100 reports/s | "), "{text}");
+    assert!(
+        lines[1].starts_with("22:13:22  test | 2 s | 100 reports/s | "),
+        "{text}"
+    );
     assert!(lines[1].contains("end to end p50 4.00 µs"), "{text}");
 }
 

@@ -39,7 +39,7 @@ pub(crate) struct Bench {
     tracks: Publisher<InProcess, SystemTrack>,
     health: Publisher<InProcess, Health>,
     pub(crate) folder: tempfile::TempDir,
-    _held: [Held; 2],
+    _held: [Held; 3],
 }
 
 impl Bench {
@@ -57,6 +57,7 @@ impl Bench {
         let held = [
             bus.hold(&messages::system_tracks()).unwrap(),
             bus.hold(&messages::health()).unwrap(),
+            bus.hold(&messages::frame_origin()).unwrap(),
         ];
         let options = Options {
             overrides: Vec::new(),

@@ -4,6 +4,7 @@ use messages::{Counter, LifeState};
 use telemetry::{Stage, Summary};
 
 use super::overview::{CounterRow, Overview, ProcessRow, SourceRow, StageRow};
+use super::tracks::TrackRow;
 use crate::report::{Picture, State};
 
 pub(crate) fn overview() -> Overview {
@@ -54,6 +55,7 @@ pub(crate) fn overview() -> Overview {
         utc_ns: 1_700_000_000_000_000_000,
         elapsed_ns: 12_000_000_000,
         interval_ns: 1_000_200_000,
+        recording_ns: None,
         sources: vec![
             source(0, "radar-west", 1_234),
             SourceRow {
@@ -70,8 +72,30 @@ pub(crate) fn overview() -> Overview {
             ended: 4,
             merged: 3,
             split: 1,
+            hand_overs: 12_345,
             ..Picture::default()
         },
+        tracks: vec![
+            TrackRow {
+                number: 12,
+                identity: "VLG20M".to_owned(),
+                state: "confirmed",
+                latitude_deg: Some(41.297_063),
+                longitude_deg: Some(2.078_447),
+                flight_level: Some(87.4),
+                speed_mps: 128.6,
+                sources: vec![1, 4],
+                age_s: Some(0.34),
+            },
+            TrackRow {
+                number: 4_711,
+                state: "coasted",
+                latitude_deg: Some(-0.5),
+                longitude_deg: Some(-170.25),
+                speed_mps: 5.0,
+                ..TrackRow::default()
+            },
+        ],
         stages: stages(None, 3)
             .chain(stages(Some(0), 1))
             .chain(stages(Some(3), 2))

@@ -7,6 +7,8 @@ use telemetry::Span;
 pub(crate) enum Page {
     /// Sources, and the stages of the one that is selected.
     Sources,
+    /// Every system track.
+    Tracks,
     /// Every stage of every source.
     Stages,
     /// Everything that was counted.
@@ -17,12 +19,19 @@ pub(crate) enum Page {
 
 impl Page {
     /// In the order of their keys.
-    pub(crate) const ALL: [Self; 4] = [Self::Sources, Self::Stages, Self::Counters, Self::Processes];
+    pub(crate) const ALL: [Self; 5] = [
+        Self::Sources,
+        Self::Tracks,
+        Self::Stages,
+        Self::Counters,
+        Self::Processes,
+    ];
 
     /// Name of the page.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Sources => "sources",
+            Self::Tracks => "tracks",
             Self::Stages => "stages",
             Self::Counters => "counters",
             Self::Processes => "processes",
@@ -41,6 +50,7 @@ pub(crate) enum Key {
     Move(isize),
     Span,
     Pause,
+    Help,
 }
 
 /// View of the screen.
@@ -50,8 +60,10 @@ pub(crate) struct View {
     pub(crate) span: Span,
     /// Whether new overviews are kept back.
     pub(crate) paused: bool,
+    /// Whether the keys are explained instead.
+    pub(crate) help: bool,
     /// The selected row of each page.
-    selected: [usize; 4],
+    selected: [usize; Page::ALL.len()],
 }
 
 impl Default for View {
@@ -60,7 +72,8 @@ impl Default for View {
             page: Page::Sources,
             span: Span::Interval,
             paused: false,
-            selected: [0; 4],
+            help: false,
+            selected: [0; Page::ALL.len()],
         }
     }
 }
@@ -74,6 +87,10 @@ impl View {
     /// Does what a key says, on a page of `rows` rows. `false`: it was the last.
     pub(crate) fn press(&mut self, key: Key, rows: usize) -> bool {
         let pages = Page::ALL.len();
+        if std::mem::take(&mut self.help) {
+            // Whatever the key: it closes the explanation.
+            return true;
+        }
         match key {
             Key::Quit => return false,
             Key::NextPage => self.page = Page::ALL[(self.page as usize + 1) % pages],
@@ -90,6 +107,7 @@ impl View {
                 }
             }
             Key::Pause => self.paused = !self.paused,
+            Key::Help => self.help = true,
         }
         true
     }
@@ -102,7 +120,7 @@ mod tests {
     #[test]
     fn keys_turn_pages_move_and_end() {
         let mut view = View::default();
-        for key in [Key::NextPage, Key::NextPage, Key::Move(2), Key::Move(100)] {
+        for key in [Key::Page(Page::Stages), Key::NextPage, Key::Move(2), Key::Move(100)] {
             assert!(view.press(key, 5));
         }
         assert_eq!((view.page, view.selected(5)), (Page::Counters, 4));
@@ -119,6 +137,10 @@ mod tests {
         view.press(Key::Span, 5);
         view.press(Key::Pause, 5);
         assert_eq!((view.span, view.paused), (Span::Total, true));
+        view.press(Key::Help, 5);
+        assert!(view.help);
+        assert!(view.press(Key::Quit, 5), "the first key closes the help");
+        assert!(!view.help);
         assert!(!view.press(Key::Quit, 5));
     }
 }

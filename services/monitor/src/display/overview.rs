@@ -1,12 +1,14 @@
 //! State of a deployment at the end of an interval.
 
 use messages::Counter;
-use telemetry::{Span, Stage, Summary};
+use serde::{Serialize, Serializer};
+use telemetry::{Span, Stage, Stages, Summary};
 
-use crate::report::{Picture, State};
+use super::tracks::TrackRow;
+use crate::report::{Picture, Process, State};
 
 /// Overview of a deployment.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Overview {
     pub(crate) instance: String,
     /// Now, UTC, nanoseconds.
@@ -15,9 +17,13 @@ pub(crate) struct Overview {
     pub(crate) elapsed_ns: i64,
     /// Length of the interval, nanoseconds.
     pub(crate) interval_ns: i64,
+    /// How far fusion has got in the recordings' time, UTC, nanoseconds; `None` without recordings, or if unknown.
+    pub(crate) recording_ns: Option<i64>,
     /// In the order of their numbers.
     pub(crate) sources: Vec<SourceRow>,
     pub(crate) picture: Picture,
+    /// Tracks that live, in the order of their numbers; none where nobody asks for them.
+    pub(crate) tracks: Vec<TrackRow>,
     /// All sources together first, then each in the order of `sources`; of each, every stage that is measured.
     pub(crate) stages: Vec<StageRow>,
     /// Everything that is not 0.
@@ -30,7 +36,7 @@ pub(crate) struct Overview {
 }
 
 /// One source.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct SourceRow {
     pub(crate) number: u16,
     pub(crate) name: String,
@@ -49,8 +55,9 @@ pub(crate) struct SourceRow {
 }
 
 /// Latencies of one stage.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct StageRow {
+    #[serde(serialize_with = "key")]
     pub(crate) stage: Stage,
     /// `None`: all together.
     pub(crate) source: Option<u16>,
@@ -68,12 +75,13 @@ impl StageRow {
 }
 
 /// One counter of one process.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct CounterRow {
     /// Process that counted.
     pub(crate) process: String,
     /// Source that it counted for; empty: all.
     pub(crate) source: String,
+    #[serde(serialize_with = "label")]
     pub(crate) counter: Counter,
     pub(crate) value: u64,
     /// How many per second.
@@ -81,7 +89,7 @@ pub(crate) struct CounterRow {
 }
 
 /// One process.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct ProcessRow {
     pub(crate) title: String,
     pub(crate) state: State,
@@ -106,4 +114,52 @@ impl Overview {
         let found = self.sources.iter().find(|source| source.number == number);
         found.map_or("others", |source| &source.name)
     }
+}
+
+impl ProcessRow {
+    /// Row of what is known of a process.
+    pub(crate) fn new(process: &Process) -> Self {
+        Self {
+            title: process.title(),
+            state: process.state,
+            pid: process.pid,
+            restarts: process.restarts,
+            note: joined(&process.last_end, &process.note),
+        }
+    }
+}
+
+/// How the process ended the last time, and what it has to say.
+pub(crate) fn joined(last_end: &str, note: &str) -> String {
+    let last_end = match last_end {
+        "" => String::new(),
+        end => format!("the last one {end}"),
+    };
+    let parts = [last_end.as_str(), note];
+    let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    parts.join("; ")
+}
+
+/// Rows of every stage that is `measured`: of all sources together, of each of `sources`, and of others that were seen.
+pub(crate) fn stage_rows(stages: &Stages, sources: &[SourceRow], measured: impl Fn(Stage) -> bool) -> Vec<StageRow> {
+    let numbers = sources.iter().map(|source| Some(source.number));
+    let others = stages.sources().filter(|number| *number == telemetry::OTHER_SOURCES);
+    let of = [None].into_iter().chain(numbers).chain(others.map(Some));
+    let rows = of.flat_map(|source| Stage::ALL.map(|stage| (stage, source)));
+    rows.filter(|(stage, _)| stage.is_measured(stages.journey().end) && measured(*stage))
+        .map(|(stage, source)| StageRow {
+            stage,
+            source,
+            interval: stages.summary(stage, source, Span::Interval),
+            total: stages.summary(stage, source, Span::Total),
+        })
+        .collect()
+}
+
+fn key<S: Serializer>(stage: &Stage, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(stage.key())
+}
+
+fn label<S: Serializer>(counter: &Counter, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(counter.label())
 }
