@@ -16,7 +16,7 @@ use crate::inlet;
 use crate::life::{self, Life};
 use crate::linking::{Linking, Next};
 use crate::measurement::{Measurement, whole_report};
-use crate::outlet::Outlet;
+use crate::outlet::Outbox;
 use crate::publishing::Publisher;
 use crate::reference_point::ReferencePoints;
 use crate::registration::SourceErrors;
@@ -44,7 +44,7 @@ pub struct Engine {
     life: Life,
     publisher: Publisher,
     schedule: Schedule,
-    counts: EngineCounters,
+    outbox: Outbox,
 }
 
 impl Engine {
@@ -71,14 +71,14 @@ impl Engine {
             life: Life::new(&settings),
             publisher: Publisher::new(rule, sources),
             schedule: Schedule::new(settings.refresh_ns(), settings.refresh_delay_s.ns()),
-            counts: EngineCounters::new(sources),
+            outbox: Outbox::new(sources),
             settings,
         })
     }
 
     /// The counters so far.
     pub fn counts(&self) -> &EngineCounters {
-        &self.counts
+        &self.outbox.counts
     }
 
     /// The number of system tracks that are in `state` now.
@@ -88,7 +88,7 @@ impl Engine {
 
     /// The counters, for what the caller counts on the engine's behalf: losses and queues lie before it.
     pub fn counts_mut(&mut self) -> &mut EngineCounters {
-        &mut self.counts
+        &mut self.outbox.counts
     }
 
     /// The settings it runs with.
@@ -121,8 +121,8 @@ impl Engine {
     /// steps time passes changes nothing.
     pub fn advance(&mut self, now_ns: i64, sink: &mut impl Sink) {
         loop {
-            let nothing_lives = self.tracks.systems.is_empty();
-            let (scan_ns, refresh_ns) = (self.scans.due_ns(), self.schedule.next_refresh(nothing_lives));
+            let refresh_ns = self.schedule.next_refresh(|| self.tracks.systems.is_empty());
+            let scan_ns = self.scans.due_ns();
             let other_ns = scan_ns.min(refresh_ns);
             if self.run_timer_before(now_ns.min(other_ns), sink) {
                 continue;
@@ -151,19 +151,13 @@ impl Engine {
                 &mut self.tracks,
                 &self.sources,
                 time_ns,
-                &mut Outlet {
-                    counts: &mut self.counts,
-                    sink,
-                },
+                &mut self.outbox.to(sink),
             );
         }
     }
 
     fn run_timer_before(&mut self, time_ns: i64, sink: &mut impl Sink) -> bool {
-        let out = &mut Outlet {
-            counts: &mut self.counts,
-            sink,
-        };
+        let out = &mut self.outbox.to(sink);
         self.life
             .run_timer_before(&self.settings, &mut self.tracks, time_ns, out)
     }
@@ -173,7 +167,7 @@ impl Engine {
     /// Reports should come in the order of their times; one older than its own sensor track's latest is rejected.
     pub fn take(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
         if !inlet::is_valid(report, self.settings.sources.len()) {
-            self.counts.add(report.source, Counter::RejectedInvalid);
+            self.outbox.counts.add(report.source, Counter::RejectedInvalid);
             return;
         }
         self.advance(report.time_of_measurement_ns, sink);
@@ -181,7 +175,7 @@ impl Engine {
         if report.state == TrackState::Coasted as u8 {
             // The source has seen nothing. Its extrapolation agrees with itself perfectly, which says nothing about the
             // target: scored like an observation, it would win. So it is a missing report (TI-4).
-            self.counts.add(report.source, Counter::RejectedExtrapolated);
+            self.outbox.counts.add(report.source, Counter::RejectedExtrapolated);
             self.miss(report, sink);
             return;
         }
@@ -194,7 +188,7 @@ impl Engine {
                 Some(_) => Counter::CovariancesRepaired,
                 None => Counter::RejectedInvalid,
             };
-            self.counts.add(report.source, counter);
+            self.outbox.counts.add(report.source, counter);
             if repaired.is_none() {
                 return;
             }
@@ -219,7 +213,7 @@ impl Engine {
             (report.identity, None)
         };
         if let Some(counter) = conflict {
-            self.counts.add(report.source, counter);
+            self.outbox.counts.add(report.source, counter);
         }
         let earlier = self.earlier(report, known)?;
         let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor), seconds));
@@ -231,7 +225,7 @@ impl Engine {
         let sensors = &mut self.tracks.sensors;
         let place = earlier.map(|(sensor, _)| sensor).or_else(|| sensors.insert(report));
         let Some(sensor) = place else {
-            self.counts.add(report.source, Counter::DroppedTable);
+            self.outbox.counts.add(report.source, Counter::DroppedTable);
             return None;
         };
         let entry = sensors.get_mut(sensor);
@@ -250,7 +244,7 @@ impl Engine {
         let age_ns = report.time_of_measurement_ns - self.tracks.sensors.get(sensor).time_ns;
         let ends = report.state == TrackState::Terminated as u8;
         if age_ns < 0 || (age_ns == 0 && !ends) {
-            self.counts.add(report.source, Counter::RejectedOutOfOrder);
+            self.outbox.counts.add(report.source, Counter::RejectedOutOfOrder);
             return None;
         }
         if age_ns > self.settings.life.terminate_ns() {
@@ -270,7 +264,7 @@ impl Engine {
         sink: &mut impl Sink,
     ) {
         if report.state == TrackState::Terminated as u8 {
-            self.counts.add(report.source, Counter::TracksEnded);
+            self.outbox.counts.add(report.source, Counter::TracksEnded);
             self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
             return;
         }
@@ -289,7 +283,7 @@ impl Engine {
         self.tracks.assign_role(sensor);
         let entry = self.tracks.sensors.get(sensor);
         if entry.role != Role::Primary {
-            self.counts.add(report.source, Counter::RejectedDuplicate);
+            self.outbox.counts.add(report.source, Counter::RejectedDuplicate);
         } else if system == before {
             self.update(sensor, report, measurement, sink);
         } else {
@@ -300,10 +294,7 @@ impl Engine {
 
     /// Associates a sensor track, of which `report` has just been stored, with a system track.
     fn associate(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
-        let out = &mut Outlet {
-            counts: &mut self.counts,
-            sink,
-        };
+        let out = &mut self.outbox.to(sink);
         let mut linking = Linking {
             settings: &self.settings,
             tracks: &mut self.tracks,
@@ -319,10 +310,7 @@ impl Engine {
             Next::Done => {}
             Next::Wait => self.wait_for_scan(sensor, sink),
             Next::End(merged) => {
-                let out = &mut Outlet {
-                    counts: &mut self.counts,
-                    sink,
-                };
+                let out = &mut self.outbox.to(sink);
                 let (ended, into) = (merged.ended, merged.into);
                 life::end(&self.settings, &mut self.tracks, ended, merged.time_ns, into, out);
             }
@@ -388,10 +376,7 @@ impl Engine {
     }
 
     fn vote_to_merge(&mut self, sensor: SensorSlot, system: SystemSlot, d2: f64, sink: &mut impl Sink) {
-        let out = &mut Outlet {
-            counts: &mut self.counts,
-            sink,
-        };
+        let out = &mut self.outbox.to(sink);
         let mut linking = Linking {
             settings: &self.settings,
             tracks: &mut self.tracks,
@@ -416,14 +401,11 @@ impl Engine {
             let limit = self.settings.association.target_extent_m;
             sink.decision(&self.tracks.decision(sensor, DecisionKind::Duplicate, metres, limit));
             let source = self.tracks.sensors.get(sensor).source;
-            self.counts.add(source, Counter::RejectedDuplicate);
+            self.outbox.counts.add(source, Counter::RejectedDuplicate);
             return;
         }
         let report = self.tracks.sensors.get(sensor).latest;
-        let out = &mut Outlet {
-            counts: &mut self.counts,
-            sink,
-        };
+        let out = &mut self.outbox.to(sink);
         let mut linking = Linking {
             settings: &self.settings,
             tracks: &mut self.tracks,
@@ -450,10 +432,7 @@ impl Engine {
         }
         self.keep_alive(sensor, system, report);
         self.sources.compare(&self.settings, &self.tracks, sensor);
-        let out = &mut Outlet {
-            counts: &mut self.counts,
-            sink,
-        };
+        let out = &mut self.outbox.to(sink);
         let cause = (system, report);
         self.life.update_existence(&self.settings, &mut self.tracks, cause, out);
         self.publisher
@@ -462,10 +441,7 @@ impl Engine {
 
     /// Updates the system filter with a measurement, and learns from what was not expected of it.
     fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
-        let out = &mut Outlet {
-            counts: &mut self.counts,
-            sink,
-        };
+        let out = &mut self.outbox.to(sink);
         let referred = self.points.refer(&mut self.tracks, sensor, measurement, out);
         let entry = self.tracks.sensors.get(sensor);
         let (system, time_ns) = (entry.system, entry.time_ns);
@@ -522,10 +498,7 @@ impl Engine {
         entry.misses = entry.misses.saturating_add(1);
         let (system, role, misses) = (entry.system, entry.role, entry.misses);
         if system != NO_SYSTEM && role == Role::Primary {
-            let out = &mut Outlet {
-                counts: &mut self.counts,
-                sink,
-            };
+            let out = &mut self.outbox.to(sink);
             let miss = (system, report, misses);
             life::count_miss(&self.settings, &mut self.tracks, &mut self.sources, miss, out);
         }
@@ -536,10 +509,7 @@ impl Engine {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.drop_sensor_track(sensor);
         if system != NO_SYSTEM && self.tracks.systems.get(system).members.is_none() {
-            let out = &mut Outlet {
-                counts: &mut self.counts,
-                sink,
-            };
+            let out = &mut self.outbox.to(sink);
             life::suppress(&self.settings, &mut self.tracks, system, now_ns, out);
         }
     }

@@ -35,46 +35,44 @@ pub(crate) fn publish_extrapolated<S: Sink>(
     entry.state = entry
         .state
         .at(now_ns.max(entry.state.time_ns), settings.process_noise_m2ps3);
-    out.track(&system_track(settings, tracks, slot, None, None));
+    out.track(|message| write(message, settings, tracks, slot, None, None));
 }
 
-/// The message about a system track that `cause` changed, to which the contributions `weighed` led; without them, one
-/// without contributions.
-pub(crate) fn system_track(
+/// Writes into `message` what there is to say of a system track that `cause` changed, to which the contributions
+/// `weighed` led; without them, it lists none. What no message says of itself is left as it is: 0.
+pub(crate) fn write(
+    message: &mut SystemTrack,
     settings: &Settings,
     tracks: &Tracks,
     slot: SystemSlot,
     cause: Option<&SensorTrack>,
     weighed: Option<&Weighed>,
-) -> SystemTrack {
+) {
     let entry = tracks.systems.get(slot);
     let (members, shares, candidates) = weighed.map_or((&[][..], &[][..], &[][..]), |weighed| {
         (weighed.members(), weighed.shares(), weighed.candidates())
     });
-    let mut message = SystemTrack {
-        reference_time_ns: entry.state.time_ns,
-        time_of_measurement_ns: cause.map_or(entry.state.time_ns, |report| report.time_of_measurement_ns),
-        stages: cause.map_or(StageTimes::default(), |report| report.stages),
-        track_number: entry.number,
-        trigger_source: cause.map_or(NO_SOURCE, |report| report.source),
-        selected_source: NO_SOURCE,
-        identity: entry.identity,
-        position_m: entry.state.position_m,
-        velocity_mps: entry.state.velocity_mps,
-        covariance: entry.state.covariance,
-        source_count: members.len() as u16,
-        contribution_count: members.len() as u16,
-        state: entry.life as u8,
-        height_valid: u8::from(entry.state.has_height),
-        rule: settings.rule.name.0.code(),
-        alerts: entry.alerts,
-        merged_into: entry.merged_into,
-        on_ground: u8::from(entry.on_ground),
-        kind: entry.description.kind as u8,
-        members: entry.description.members,
-        target_type: entry.description.target_type,
-        ..SystemTrack::default()
-    };
+    message.reference_time_ns = entry.state.time_ns;
+    message.time_of_measurement_ns = cause.map_or(entry.state.time_ns, |report| report.time_of_measurement_ns);
+    message.stages = cause.map_or(StageTimes::default(), |report| report.stages);
+    message.track_number = entry.number;
+    message.trigger_source = cause.map_or(NO_SOURCE, |report| report.source);
+    message.selected_source = NO_SOURCE;
+    message.identity = entry.identity;
+    message.position_m = entry.state.position_m;
+    message.velocity_mps = entry.state.velocity_mps;
+    message.covariance = entry.state.covariance;
+    message.source_count = members.len() as u16;
+    message.state = entry.life as u8;
+    message.height_valid = u8::from(entry.state.has_height);
+    message.rule = settings.rule.name.0.code();
+    message.alerts = entry.alerts;
+    message.merged_into = entry.merged_into;
+    message.on_ground = u8::from(entry.on_ground);
+    message.kind = entry.description.kind as u8;
+    message.members = entry.description.members;
+    message.target_type = entry.description.target_type;
+    let listed_before = std::mem::replace(&mut message.contribution_count, members.len() as u16);
     let flag = |is_set: bool, flag| if is_set { flag } else { 0 };
     let mut heaviest = 0.0;
     for (index, share) in shares.iter().enumerate() {
@@ -90,14 +88,15 @@ pub(crate) fn system_track(
             weight,
             accuracy: if is_scored { share.accuracy } else { f64::NAN },
             sensor_uid: settings.sources[usize::from(member.source)].sensor_uid,
-            ..Contribution::default()
+            origin: 0,
         };
         if weight > heaviest {
             heaviest = weight;
             message.selected_source = member.source;
         }
     }
-    message
+    let left_over = members.len()..usize::from(listed_before).max(members.len());
+    message.contributions[left_over].fill(Contribution::default());
 }
 
 /// The mean over the axes of a contribution's weight.

@@ -5,7 +5,7 @@ use messages::{Counter, Covariance, SensorTrack, TrackState};
 use crate::accuracy::Accuracies;
 use crate::description::Description;
 use crate::explanation::{Decision, DecisionKind, Sink};
-use crate::message::{system_track, weight};
+use crate::message::{weight, write};
 use crate::outlet::Outlet;
 use crate::rules::{self, Fuse, Method, RuleEntry};
 use crate::settings::{AccuracyBase, Settings};
@@ -135,7 +135,8 @@ impl Publisher {
                 tracks.systems.set_life(system, TrackState::Coasted);
             }
         }
-        out.track(&system_track(settings, tracks, system, cause, Some(&self.weighed)));
+        let weighed = Some(&*self.weighed);
+        out.track(|message| write(message, settings, tracks, system, cause, weighed));
     }
 
     /// Notes what the contributions say that the target is.

@@ -47,11 +47,11 @@ impl Schedule {
     }
 
     /// The time at which the next refresh is due; never (`i64::MAX`) where states come with reports or nothing lives.
-    pub(crate) fn next_refresh(&mut self, nothing_lives: bool) -> i64 {
+    pub(crate) fn next_refresh(&mut self, nothing_lives: impl FnOnce() -> bool) -> i64 {
         let Some(refresh) = &mut self.refresh else {
             return i64::MAX;
         };
-        if nothing_lives {
+        if nothing_lives() {
             refresh.next_ns = None;
             return i64::MAX;
         }
