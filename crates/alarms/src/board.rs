@@ -1,10 +1,11 @@
 //! When an alarm is raised and when it is cleared.
 //!
 //! ```text
-//!            bad for the on-delay                 good for the off-delay
-//!   good ──────────────────────────▶ standing ──────────────────────────▶ cleared
-//!     ▲                                 │  ▲                                 │
-//!     └── good before that              └──┘ bad, or in between              └──▶ standing: bad for the on-delay again
+//!              bad for the on-delay              good for the off-delay
+//!   suspected ──────────────────────▶ standing ──────────────────────────▶ cleared
+//!       ▲                              │    ▲                                 │
+//!       │                              └────┘ bad, or in between              │
+//!       └──────────────────────────────── bad again ──────────────────────────┘
 //! ```
 //!
 //! Conditions are gone through in *rounds*: in each, whoever evaluates them names those that it finds bad or in between

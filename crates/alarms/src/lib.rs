@@ -2,7 +2,8 @@
 //!
 //! Counters and estimates say everything and tell nobody. An alarm is made of them in three steps:
 //!
-//! 1. Something is *found* to be bad, good, or in between ([`Finding`]), from health messages and the picture.
+//! 1. Something is *found* to be bad, good, or in between ([`Finding`]), from health messages and the picture;
+//!    [`Silence`] and [`Growth`] find what takes a memory.
 //! 2. The [`Board`] *raises* the alarm when it has been bad for long enough, and *clears* it when it has been good for
 //!    long enough (ISA-18.2 calls these on-delay and off-delay). What lies in between changes nothing: so an alarm does
 //!    not come and go with a value that wavers about its limit.
@@ -17,15 +18,21 @@
 #![forbid(unsafe_code)]
 
 mod board;
+mod growth;
+mod limits;
 mod present;
 mod rate_limit;
 mod reference;
 mod registry;
+mod silence;
 mod subject;
 
 pub use board::{Board, Finding, History, Round};
+pub use growth::Growth;
+pub use limits::{Limits, above, below};
 pub use present::Present;
 pub use rate_limit::RateLimit;
 pub use reference::reference;
 pub use registry::AlarmKind;
+pub use silence::Silence;
 pub use subject::Subject;

@@ -108,8 +108,8 @@ alarms! {
     NeverJoined = 9, "never-joined", Warning, raise 30 s, clear 30 s,
         "{source} and {partner} see the same area, and none of their tracks has joined: {pairs} fly side by side.",
         "Compare the places, times and heights of the two sensors: one of them is configured wrongly.";
-    ReportsLost = 10, "samples-lost", Major, raise 0 s, clear 10 s,
-        "{process} has lost {count} because it fell behind{of}.",
+    SamplesLost = 10, "samples-lost", Major, raise 0 s, clear 10 s,
+        "{process} has lost {count}{of}, because it fell behind.",
         "Give the process more of the machine (`[fusion] core`, fewer sources, fewer readers), or send less.";
     DatagramsDropped = 11, "datagrams-dropped", Major, raise 0 s, clear 10 s,
         "The kernel has dropped {count} before {process} had read them.",

@@ -156,6 +156,8 @@ fn check_source(
         technology: raw.technology.unwrap_or_else(|| technology(&input, network)),
         processing: tracker.or(locator).unwrap_or(Processing::Tracks),
         links: Links::default(),
+        silent_after_ns: silent_after_ns(raw, &input),
+        period_ns: settings::Seconds::of(raw.period_s()).ns(),
         model: SourceModel {
             number: index as u16,
             sac_sic: match (&input, sender) {
@@ -184,6 +186,12 @@ fn check_source(
         weighed.coverage.get_or_insert_with(CoverageArea::none);
     }
     Ok((source, weighed))
+}
+
+/// Silence that is an alarm.
+fn silent_after_ns(raw: &SourceTable, input: &Input) -> Option<i64> {
+    let is_expected = !matches!(input, Input::Recorded(_)) && raw.silent_periods > 0.0;
+    is_expected.then(|| (raw.silent_periods * raw.period_s() * messages::NS_PER_S) as i64)
 }
 
 fn check_tracker(

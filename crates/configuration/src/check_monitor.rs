@@ -29,6 +29,7 @@ pub(super) fn check_monitor(raw: &MonitorTable, fusion: &Fusion) -> Checked<Moni
         files: raw.files,
         wait,
         deadlines: deadlines(&raw.deadline_us, wait, fusion.deadline_ns)?,
+        alarms: raw.alarms,
         metrics: raw
             .prometheus
             .as_deref()

@@ -115,6 +115,11 @@ pub struct Source {
     pub processing: Processing,
     /// What its tracker listens to.
     pub links: Links,
+    /// Silence of its adapter's input that is an alarm, nanoseconds; `None` if none is. Nothing is expected of a
+    /// recording.
+    pub silent_after_ns: Option<i64>,
+    /// Time between two reports of one target, nanoseconds.
+    pub period_ns: i64,
 }
 
 /// What the tracker of a source listens to besides its own detections.
@@ -239,6 +244,8 @@ pub struct Monitor {
     pub deadlines: Deadlines,
     /// Where it serves metrics for Prometheus, if it does.
     pub metrics: Option<SocketAddr>,
+    /// Limits beyond which alarms are raised.
+    pub alarms: alarms::Limits,
 }
 
 /// How the monitor waits for system tracks.

@@ -128,6 +128,8 @@ settings::settings! {
         limits: Limits = Limits::default();
         /// Covariance of its reports.
         covariance: CovarianceModel = CovarianceModel::default();
+        /// Periods without a record after which it is silent, and an alarm is raised; 0: it may be silent for ever.
+        silent_periods: f64 = 5.0, in [0, 1e6];
     }
 
     /// A recording. Times before the first one are of the day before.
@@ -309,6 +311,8 @@ settings::settings! {
         prometheus: Option<String> = None;
         /// Allows an address that other machines can reach.
         prometheus_public: bool = false;
+        /// Limits beyond which alarms are raised.
+        alarms: alarms::Limits = alarms::Limits::default();
     }
 
     /// Deadlines of the stages, in microseconds. What takes longer than the histograms reach is no latency, and would

@@ -7,8 +7,10 @@ use configuration::{Config, MonitorWait};
 use messages::{FrameOrigin, Health, SystemTrack};
 use runtime::{Agent, HealthEntry, Now, Options, Turn};
 
+use crate::alarm_desk::AlarmDesk;
 use crate::files::Files;
 use crate::metrics::Metrics;
+use crate::report::AlarmReport;
 use crate::screen::Screen;
 use crate::survey::Survey;
 
@@ -38,6 +40,7 @@ pub struct MonitorAgent<S: Transport> {
     origin: FrameOrigin,
     /// When that is due again, monotonic, nanoseconds.
     origin_due_ns: i64,
+    alarms: AlarmDesk<S>,
     waiting: Waiting<S>,
     clock: Clock,
     screen: Screen,
@@ -135,6 +138,7 @@ impl<S: Transport> MonitorAgent<S> {
                 height_m: origin.height_m(),
             },
             origin_due_ns: i64::MIN,
+            alarms: AlarmDesk::new(config, name, &folder, bus, begun)?,
             waiting,
             clock,
             screen,
@@ -213,10 +217,26 @@ impl<S: Transport> MonitorAgent<S> {
             }
         }
         if let Some(Ok(metrics)) = &self.metrics {
-            metrics.hand_over(self.survey.snapshot(now, self.states.counts()));
+            let mut snapshot = self.survey.snapshot(now, self.states.counts());
+            snapshot.alarms = self.alarm_reports();
+            metrics.hand_over(snapshot);
         }
         self.begun = now;
         Ok(length_ns)
+    }
+
+    fn look_at_alarms(&mut self, now: Now) -> anyhow::Result<()> {
+        let screen = &mut self.screen;
+        self.alarms.turn(now, &self.survey, &mut |line| screen.say(line))
+    }
+
+    /// Alarms that were raised so far.
+    fn alarm_reports(&self) -> Vec<AlarmReport> {
+        let name = |number| self.survey.name_of(number);
+        self.alarms
+            .history()
+            .map(|alarm| AlarmReport::new(alarm, name))
+            .collect()
     }
 
     /// Trouble in a few words; empty if there is none.
@@ -248,9 +268,12 @@ impl<S: Transport> Agent for MonitorAgent<S> {
         self.survey.pass(now);
         self.say_origin(now)?;
         let more = self.take()?;
+        self.look_at_alarms(now)?;
         if now.mono_ns - self.begun.mono_ns >= self.interval_ns {
             let length_ns = self.close_interval(now)?;
-            let overview = self.survey.overview(now, length_ns, self.states.counts());
+            let overview = self
+                .survey
+                .overview(now, length_ns, self.states.counts(), self.alarms.standing());
             self.screen.show(&overview);
         }
         if more {
@@ -284,11 +307,12 @@ impl<S: Transport> Agent for MonitorAgent<S> {
     }
 
     fn close(&mut self, now: Now) -> anyhow::Result<()> {
-        let taken = self.wait_for_last_words();
+        let looked = self.look_at_alarms(now);
+        let taken = self.wait_for_last_words().and(looked);
         // In one go: what came now would not be in the report.
         self.survey.close_interval();
         let taken = taken.and(self.log_interval((self.clock)()).map(drop));
-        let report = self.survey.report(now, self.states.counts());
+        let report = self.survey.report(now, self.states.counts(), self.alarm_reports());
         self.screen.end(&report);
         let survey = &self.survey;
         let finish = |files: Files| files.finish(survey.stages(), &report, |number| survey.source_name(number));

@@ -9,7 +9,7 @@
 
 use std::fmt;
 
-use messages::{Counter, CounterClass, Counters, LifeState, ProcessKind};
+use messages::{Counter, CounterClass, Counters, LifeState, ProcessKind, Registration};
 use prometheus_client::collector::Collector;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, NoLabelSet};
@@ -17,7 +17,7 @@ use prometheus_client::metrics::MetricType;
 use prometheus_client::registry::{Registry, Unit};
 use telemetry::{BUCKET_BOUNDS_NS, Buckets, Irregularities, Stage};
 
-use crate::report::{Picture, Process, RunSettings, State};
+use crate::report::{AlarmReport, Picture, Process, RunSettings, State};
 
 /// Media type of what is served.
 pub(crate) const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
@@ -34,6 +34,9 @@ pub(crate) struct Snapshot {
     pub(crate) counted: Vec<Counted>,
     pub(crate) picture: Picture,
     pub(crate) processes: Vec<Process>,
+    pub(crate) alarms: Vec<AlarmReport>,
+    /// Systematic errors, by the names of the sources.
+    pub(crate) registrations: Vec<(String, Registration)>,
     pub(crate) monitor_missed: u64,
     pub(crate) health_rejected: u64,
 }
@@ -78,6 +81,8 @@ impl Collector for Snapshot {
         self.counters(&mut families)?;
         self.tracks(&mut families)?;
         self.processes(&mut families)?;
+        self.alarms(&mut families)?;
+        self.registrations(&mut families)?;
         families.counter(
             "monitor_missed_states",
             "System-track states that only the monitor missed: its figures rest on fewer",
@@ -214,6 +219,90 @@ impl Snapshot {
     }
 }
 
+impl Snapshot {
+    fn alarms(&self, families: &mut Families<'_>) -> fmt::Result {
+        let labels = |alarm: &'_ AlarmReport| {
+            [
+                ("alarm", alarm.alarm.to_owned()),
+                ("severity", alarm.severity.to_owned()),
+                ("source", alarm.source.clone()),
+                ("partner", alarm.partner.clone()),
+                ("process", alarm.process.clone()),
+            ]
+        };
+        families.gauges(
+            "alarm",
+            "1 while an alarm stands, 0 once it was cleared",
+            None,
+            self.alarms
+                .iter()
+                .map(|alarm| (labels(alarm), f64::from(u8::from(alarm.cleared_utc_ns.is_none())))),
+        )?;
+        families.counters(
+            "alarms_raised",
+            "Times an alarm was raised",
+            self.alarms.iter().map(|alarm| (labels(alarm), u64::from(alarm.times))),
+        )
+    }
+
+    /// Estimates of the sources' errors; one that is not known is left out.
+    fn registrations(&self, families: &mut Families<'_>) -> fmt::Result {
+        let estimates = self.registrations.iter().flat_map(|(source, known)| {
+            let [east, north, up] = known.offset_m;
+            let [east_sigma, north_sigma, up_sigma] = known.offset_sigma_m;
+            let compared = known.comparisons > 0.0;
+            [
+                ("offset_east_m", east, east_sigma, compared),
+                ("offset_north_m", north, north_sigma, compared),
+                ("offset_up_m", up, up_sigma, compared),
+                (
+                    "time_offset_s",
+                    known.time_offset_s,
+                    known.time_offset_sigma_s,
+                    compared,
+                ),
+                ("range_bias_m", known.range_bias_m, known.range_bias_sigma_m, compared),
+                (
+                    "azimuth_bias_rad",
+                    known.azimuth_bias_rad,
+                    known.azimuth_bias_sigma_rad,
+                    compared,
+                ),
+                (
+                    "clock_offset_s",
+                    known.clock_offset_s,
+                    known.clock_offset_sigma_s,
+                    known.clock_offset_sigma_s > 0.0,
+                ),
+            ]
+            .into_iter()
+            .filter(|(.., is_known)| *is_known)
+            .map(move |(error, value, sigma, _)| ([("source", source.as_str()), ("error", error)], value, sigma))
+        });
+        let estimates: Vec<_> = estimates.collect();
+        families.gauges(
+            "source_error",
+            "Estimated systematic error of a source, in the unit at the end of the error's name",
+            None,
+            estimates.iter().map(|(labels, value, _)| (*labels, *value)),
+        )?;
+        families.gauges(
+            "source_error_sigma",
+            "Standard deviation of that estimate, in the same unit",
+            None,
+            estimates.iter().map(|(labels, _, sigma)| (*labels, *sigma)),
+        )?;
+        families.gauges(
+            "source_covariance_inflation",
+            "Factor by which a source's covariances are enlarged, since they claim too much",
+            Some(Unit::Other("ratio".to_owned())),
+            self.registrations
+                .iter()
+                .map(|(source, known)| ([("source", source.as_str())], known.covariance_inflation)),
+        )
+    }
+}
+
 /// Writes whole families.
 struct Families<'a>(DescriptorEncoder<'a>);
 
@@ -301,6 +390,33 @@ mod tests {
             ],
             picture: report.picture,
             processes: report.processes,
+            alarms: vec![AlarmReport {
+                alarm: "never-joined",
+                severity: "warning",
+                source: "radar \"west\"".to_owned(),
+                partner: "ads-b".to_owned(),
+                process: String::new(),
+                text: "A sentence.".to_owned(),
+                remedy: "Advice.",
+                times: 2,
+                raised_utc_ns: 1,
+                cleared_utc_ns: None,
+            }],
+            registrations: vec![
+                ("radar \"west\"".to_owned(), Registration::default()),
+                (
+                    "ads-b".to_owned(),
+                    Registration {
+                        comparisons: 900.0,
+                        offset_m: [1.5, -2.5, 0.0],
+                        offset_sigma_m: [0.5; 3],
+                        covariance_inflation: 1.5,
+                        clock_offset_s: 0.25,
+                        clock_offset_sigma_s: 0.125,
+                        ..Registration::default()
+                    },
+                ),
+            ],
             monitor_missed: 4,
             health_rejected: 5,
         };

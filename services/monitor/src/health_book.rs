@@ -189,11 +189,15 @@ impl HealthBook {
         }
     }
 
-    /// Children of the launcher that have not said a word: name, process number, restarts, state and last end.
-    pub(crate) fn silent_children(&self) -> impl Iterator<Item = SilentChild<'_>> + '_ {
-        let has_spoken = |name: &HealthName| self.speakers.keys().any(|(_, speaker, _)| speaker == name);
-        let silent = self.children.iter().filter(move |(name, _)| !has_spoken(name));
-        silent.map(|(_, child)| SilentChild {
+    /// Children of the launcher that have not said a word.
+    pub(crate) fn silent_children(&self) -> impl Iterator<Item = ChildState<'_>> + '_ {
+        let has_spoken = |name: &str| self.speakers.values().any(|speaker| speaker.latest.name() == name);
+        self.children().filter(move |child| !has_spoken(child.name))
+    }
+
+    /// Children of the launcher, as it speaks of them.
+    pub(crate) fn children(&self) -> impl Iterator<Item = ChildState<'_>> + '_ {
+        self.children.values().map(|child| ChildState {
             name: child.last_end.name(),
             pid: Some(child.process_id).filter(|pid| *pid != 0),
             life: child.life,
@@ -253,9 +257,9 @@ impl HealthBook {
     }
 }
 
-/// Statement of the launcher about a child that says nothing itself.
+/// Statement of the launcher about a child.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SilentChild<'a> {
+pub(crate) struct ChildState<'a> {
     pub(crate) name: &'a str,
     pub(crate) pid: Option<u32>,
     pub(crate) life: LifeState,
@@ -442,8 +446,8 @@ mod tests {
             ..health(ProcessKind::Launcher, "radar", 1, S)
         };
         book.hear(&of_child.with_note("was killed by SIGKILL"));
-        let silent: Vec<SilentChild<'_>> = book.silent_children().collect();
-        let expected = SilentChild {
+        let silent: Vec<ChildState<'_>> = book.silent_children().collect();
+        let expected = ChildState {
             name: "radar",
             pid: Some(77),
             life: LifeState::Running,

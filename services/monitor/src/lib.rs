@@ -9,6 +9,8 @@
 //! | [`MonitorAgent`] | decides *when*: takes messages, closes intervals, shows, writes, ends |
 //! | `survey` | all that is known, and the summaries drawn from it: an overview per interval, and the [`Report`] |
 //! | `health_book` | the latest health of every process, its restarts, and its counters across them |
+//! | `conditions`, `machine` | finds in all that, and in the room that is left, what is an alarm |
+//! | `alarm_desk` | raises and clears alarms, and publishes those that stand |
 //! | `truth_watch` | compares the picture with the truth, where the world is simulated |
 //! | `display` | an overview as text, on a screen or in a line: pure functions |
 //! | `report_text`, `verdict` | turn the report into text: pure functions |
@@ -42,11 +44,13 @@
 //! but not for the monitor: it may miss states then, counts them, and nobody else is affected.
 //!
 //! Architecture invariant: of the data, the monitor is a reader only. Nothing that it does can hold up a publisher.
-//! What it publishes itself is for people who look on: where the system frame lies.
+//! What it publishes itself is for people who look on: alarms, and where the system frame lies.
 
 #![forbid(unsafe_code)]
 
 mod agent;
+mod alarm_desk;
+mod conditions;
 mod counters;
 mod display;
 mod exposition;
@@ -54,6 +58,7 @@ mod files;
 #[cfg(test)]
 mod golden;
 mod health_book;
+mod machine;
 mod metrics;
 mod report;
 mod report_text;
@@ -68,7 +73,8 @@ use std::io::Write as _;
 
 pub use agent::{Clock, MonitorAgent};
 pub use report::{
-    Hop, Picture, Process, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, State, Verdict,
+    AlarmReport, Hop, Picture, Process, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, State,
+    Verdict,
 };
 pub use screen::Screen;
 

@@ -6,7 +6,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use messages::{Counter, Counters, LifeState, ProcessKind, Registration, registration_bits};
+use alarms::History;
+use messages::{Counter, Counters, LifeState, NO_SOURCE, ProcessKind, Registration, registration_bits};
 use scoring::AccuracyReport;
 use serde::{Serialize, Serializer};
 use telemetry::{Irregularities, Span, Stage, Stages, Summary};
@@ -43,6 +44,8 @@ pub struct Report {
     pub accuracy: Option<AccuracyReport>,
     /// How often processes were started again.
     pub restarts: Restarts,
+    /// Alarms that were raised, in the order of the registry.
+    pub alarms: Vec<AlarmReport>,
     /// How the processes are at the end.
     pub processes: Vec<Process>,
     /// Counters of fusion altogether.
@@ -66,6 +69,57 @@ pub struct Verdict {
     pub fine: bool,
     /// One sentence: what there is to worry about, or that there is nothing.
     pub sentence: String,
+}
+
+/// Alarm that was raised.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AlarmReport {
+    /// Word for the kind of the alarm.
+    pub alarm: &'static str,
+    /// Word for its severity.
+    pub severity: &'static str,
+    /// Source concerned; empty for none.
+    pub source: String,
+    /// Second source concerned; empty for none.
+    pub partner: String,
+    /// Process concerned; empty for none.
+    pub process: String,
+    /// The sentence, as it was last.
+    pub text: String,
+    /// Advice.
+    pub remedy: &'static str,
+    /// Times that it was raised.
+    pub times: u32,
+    /// When it was raised last, UTC, nanoseconds.
+    pub raised_utc_ns: i64,
+    /// When it was cleared, UTC, nanoseconds; `None` if it stands.
+    pub cleared_utc_ns: Option<i64>,
+}
+
+impl AlarmReport {
+    /// Report on an alarm, whose sources have the names that `name` gives them.
+    pub(crate) fn new(alarm: History, name: impl Fn(u16) -> String) -> Self {
+        let (kind, subject) = (alarm.kind, alarm.subject);
+        let name = |source| match source {
+            NO_SOURCE => String::new(),
+            source => name(source),
+        };
+        Self {
+            alarm: kind.word(),
+            severity: kind.severity().word(),
+            source: name(subject.source),
+            partner: name(subject.partner),
+            process: messages::Alarm::default()
+                .with_process(subject.process)
+                .process()
+                .to_owned(),
+            text: alarm.text,
+            remedy: kind.remedy(),
+            times: alarm.times,
+            raised_utc_ns: alarm.raised_ns,
+            cleared_utc_ns: alarm.cleared_ns,
+        }
+    }
 }
 
 /// Counters of a process as a whole.

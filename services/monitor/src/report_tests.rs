@@ -155,6 +155,7 @@ pub(crate) fn good() -> Report {
             max_m: 210.0,
         }),
         restarts: Restarts::default(),
+        alarms: Vec::new(),
         processes: vec![
             process(ProcessKind::Adapter, "radar-west"),
             process(ProcessKind::Adapter, "ads-b"),

@@ -10,7 +10,7 @@ use telemetry::table::{self, Align, Table, count};
 
 use crate::counters::{network_trouble, process_remarks};
 use crate::report::{NOT_MEASURED, Process, Report, RunSettings, SourceReport, StageReport};
-use crate::text::{date_time, percent, several, wrapped};
+use crate::text::{date_time, percent, several, time_of_day, times, wrapped};
 use crate::truth_watch::WARM_UP_NS;
 
 impl Report {
@@ -25,6 +25,7 @@ impl Report {
         sections.push(self.system_tracks());
         sections.extend(self.registration());
         sections.extend(self.accuracy.as_ref().map(accuracy));
+        sections.push(self.alarm_table());
         sections.push(self.process_table());
         sections.push(self.verdict.sentence.clone() + "\n");
         let text = format!("\n{}", sections.join("\n"));
@@ -59,6 +60,29 @@ impl Report {
         }
         if let Some(reached) = self.recording_reached_utc_ns {
             line("reached", format!("{} UTC in the recording", date_time(reached)));
+        }
+        text
+    }
+
+    fn alarm_table(&self) -> String {
+        if self.alarms.is_empty() {
+            return "ALARMS: none was raised\n".to_owned();
+        }
+        let mut text = "ALARMS that were raised, and what to do\n".to_owned();
+        for alarm in &self.alarms {
+            let until = match alarm.cleared_utc_ns {
+                Some(cleared_ns) => format!("to {}", time_of_day(cleared_ns)),
+                None => "stands".to_owned(),
+            };
+            let from = time_of_day(alarm.raised_utc_ns);
+            let raised = match alarm.times {
+                1 => format!("{from}, {until}"),
+                count => format!("{}, last {from}, {until}", times(count.into())),
+            };
+            text.push_str(&format!(
+                "{} ({raised}): {} {}\n",
+                alarm.severity, alarm.text, alarm.remedy
+            ));
         }
         text
     }

@@ -26,6 +26,7 @@ pub struct Screen {
     /// Size at which something was drawn.
     drawn: Option<(u16, u16)>,
     looks: Looks,
+    errors: Box<dyn Write>,
     /// Whoever read has gone (`| head`). That is no reason to stop watching.
     gone: bool,
 }
@@ -45,8 +46,21 @@ impl Screen {
             terminal,
             drawn: None,
             looks: Looks::of_environment(),
+            errors: Box::new(std::io::stderr()),
             gone: false,
         }
+    }
+
+    /// This screen, with another place for what is said on standard error.
+    #[must_use]
+    pub fn with_errors(self, errors: Box<dyn Write>) -> Self {
+        Self { errors, ..self }
+    }
+
+    /// Says a line on standard error.
+    pub(crate) fn say(&mut self, line: &str) {
+        // Nobody may be listening; that is no reason to stop watching.
+        let _ = writeln!(self.errors, "koseki: {line}");
     }
 
     /// Shows what is known now: tables on a terminal, else one line.

@@ -6,16 +6,16 @@ use std::collections::BTreeMap;
 
 use bus::{SubscriberCounts, WaitMode};
 use configuration::{Config, Input, MonitorWait, Order};
-use messages::{BatchHeader, Counter, CounterClass, Counters, Health, NO_SOURCE, ProcessKind, SystemTrack};
+use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, Health, NO_SOURCE, ProcessKind, SystemTrack};
 use runtime::{Now, Options, Speed};
 use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage, Stages};
 
-use crate::display::overview::{Overview, ProcessRow, SourceRow, stage_rows};
+use crate::display::overview::{AlarmRow, Overview, ProcessRow, SourceRow, stage_rows};
 use crate::exposition::{Counted, Snapshot, StageSample};
 use crate::health_book::HealthBook;
 use crate::report::{
-    Hop, Losses, NOT_MEASURED, Picture, Process, ProcessCounters, Report, Restarts, RunSettings, SourceReport,
-    SourceStageReport, StageReport, State, Verdict, title,
+    AlarmReport, Hop, Losses, NOT_MEASURED, Picture, Process, ProcessCounters, Report, Restarts, RunSettings,
+    SourceReport, SourceStageReport, StageReport, State, Verdict, title,
 };
 use crate::truth_watch::TruthWatch;
 use crate::verdict;
@@ -121,6 +121,16 @@ impl Survey {
         found.map_or("others", |source| &source.name)
     }
 
+    /// The name of a source, as a text of its own.
+    pub(crate) fn name_of(&self, number: u16) -> String {
+        self.source_name(number).to_owned()
+    }
+
+    /// All that the processes have said.
+    pub(crate) fn book(&self) -> &HealthBook {
+        &self.book
+    }
+
     /// Whether those whose last words the final report waits for have said them, or will not.
     pub(crate) fn others_have_ended(&self, now: Now) -> bool {
         let watching = [ProcessKind::Monitor, ProcessKind::Launcher];
@@ -141,7 +151,13 @@ impl Survey {
     }
 
     /// Overview of the interval that was closed last, which took `interval_ns`.
-    pub(crate) fn overview(&mut self, now: Now, interval_ns: i64, own: SubscriberCounts) -> Overview {
+    pub(crate) fn overview(
+        &mut self,
+        now: Now,
+        interval_ns: i64,
+        own: SubscriberCounts,
+        standing: &[Alarm],
+    ) -> Overview {
         let sources: Vec<SourceRow> = (0..self.sources.len()).map(|index| self.source_row(index)).collect();
         // Data of recordings are as old as the recordings.
         let is_shown = |stage| stage != Stage::Age || self.settings.recorded_sources == 0;
@@ -156,6 +172,7 @@ impl Survey {
             stages: stage_rows(&self.stages, &sources, is_shown),
             counters: Vec::new(),
             processes: self.processes(now).iter().map(ProcessRow::new).collect(),
+            alarms: standing.iter().filter_map(AlarmRow::new).collect(),
             queues_are_full: !self.settings.latencies_measured,
             sources,
             missed: own.lost,
@@ -193,7 +210,7 @@ impl Survey {
     }
 
     /// The final report.
-    pub(crate) fn report(&self, now: Now, own: SubscriberCounts) -> Report {
+    pub(crate) fn report(&self, now: Now, own: SubscriberCounts, alarms: Vec<AlarmReport>) -> Report {
         let sources: Vec<SourceReport> = self.sources.iter().map(|source| self.source_report(source)).collect();
         let processes = self.processes(now);
         let stage = |stage| (stage, StageReport::new(&self.stages, stage));
@@ -210,6 +227,7 @@ impl Survey {
             picture: self.picture(),
             accuracy: self.truth.as_ref().map(TruthWatch::report),
             restarts: restarts(&processes),
+            alarms,
             processes,
             fusion: self.book.service(ProcessKind::Fusion, NO_SOURCE),
             others: self.others(),
@@ -258,6 +276,12 @@ impl Survey {
             counted: counted.collect(),
             picture: self.picture(),
             processes: self.processes(now),
+            alarms: Vec::new(),
+            registrations: self
+                .sources
+                .iter()
+                .map(|source| (source.name.clone(), self.book.registration(source.number)))
+                .collect(),
             monitor_missed: own.lost,
             health_rejected: self.book.rejected(),
         }
@@ -325,7 +349,8 @@ impl Survey {
         fusion.progress_ns().filter(|_| self.settings.recorded_sources > 0)
     }
 
-    fn processes(&self, now: Now) -> Vec<Process> {
+    /// How all processes are.
+    pub(crate) fn processes(&self, now: Now) -> Vec<Process> {
         self.book.processes(&self.expected, now.mono_ns)
     }
 

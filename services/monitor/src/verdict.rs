@@ -1,5 +1,6 @@
 //! One sentence: whether there is something to worry about.
 
+use alarms::AlarmKind;
 use messages::{Counter, LifeState, ProcessKind};
 use telemetry::{Stage, table};
 
@@ -35,6 +36,7 @@ fn concerns(report: &Report) -> Vec<String> {
     about_the_recorder(report, &mut concerns);
     about_fusion(report, &mut concerns);
     about_accuracy(report, &mut concerns);
+    about_alarms(report, &mut concerns);
     concerns
 }
 
@@ -196,6 +198,25 @@ fn about_accuracy(report: &Report, concerns: &mut Vec<String>) {
             times(accuracy.identity_errors)
         ));
     }
+}
+
+/// Alarms that nothing else here tells of.
+fn about_alarms(report: &Report, concerns: &mut Vec<String>) {
+    let told = [
+        AlarmKind::SamplesLost,
+        AlarmKind::DatagramsDropped,
+        AlarmKind::SendFailed,
+        AlarmKind::CapacityReached,
+        AlarmKind::LayoutMismatch,
+        AlarmKind::ProcessRestarted,
+        AlarmKind::ProcessDown,
+        AlarmKind::ProcessHung,
+    ];
+    let others = report
+        .alarms
+        .iter()
+        .filter(|alarm| told.iter().all(|kind| kind.word() != alarm.alarm));
+    concerns.extend(others.map(|alarm| alarm.text.trim_end_matches('.').to_owned()));
 }
 
 fn praise(report: &Report) -> String {

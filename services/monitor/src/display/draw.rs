@@ -4,17 +4,17 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Style, Stylize as _};
 use ratatui::text::{Line, Span as Piece};
-use ratatui::widgets::Widget as _;
+use ratatui::widgets::{Paragraph, Widget as _, Wrap};
 
 use super::columns::{Lines, Tone};
 use super::overview::Overview;
 use super::pages;
 use super::view::{Page, View};
 
-const HELP_LINE: &str = "q quit  h help  1-5 Tab page  ↑↓ row  i interval/total  p pause";
+const HELP_LINE: &str = "q quit  h help  1-6 Tab page  ↑↓ row  i interval/total  p pause";
 const HELP: &[&str] = &[
     "q  Esc  Ctrl-C   quit",
-    "1 to 5           sources, tracks, stages, counters, processes",
+    "1 to 6           sources, tracks, stages, counters, processes, alarms",
     "Tab  → ←         next page, previous page",
     "↑ ↓  PgUp PgDn   select a row; Home and End go to the first and the last one",
     "i                latencies of the last interval, or since `koseki top` began",
@@ -30,6 +30,9 @@ const HELP: &[&str] = &[
     "",
     "Red: something is wrong. Yellow: worth a look. Narrow: columns are left out.",
 ];
+
+/// Lines on alarms beside the sources.
+const ALARMS_MAX: usize = 3;
 
 /// Looks of a screen.
 #[derive(Clone, Copy, Debug)]
@@ -96,6 +99,15 @@ pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overvi
     let selected = Some(view.selected(lines.rows.len()));
     match view.page {
         Page::Sources => draw_sources(buffer, body, overview, view, selected, looks),
+        Page::Alarms => {
+            // Sentences are long: the selected one, and what to do, stand below in full.
+            let [table, sentences] = Layout::vertical([Constraint::Fill(1), Constraint::Length(6)]).areas(body);
+            draw_lines(buffer, table, &lines, selected, looks);
+            if let Some(alarm) = selected.and_then(|row| overview.alarms.get(row)) {
+                let text = format!("{}\n{}", alarm.text, alarm.remedy);
+                Paragraph::new(text).wrap(Wrap { trim: true }).render(sentences, buffer);
+            }
+        }
         Page::Counters => {
             // There is hardly ever room for the sentences of all of them.
             let [table, sentence] = Layout::vertical([Constraint::Fill(1), Constraint::Length(1)]).areas(body);
@@ -124,10 +136,10 @@ fn tab_line(view: &View, looks: Looks) -> Line<'static> {
         let tab = Piece::from(format!(" {} {} ", index + 1, page.word()));
         pieces.push(if page == view.page { tab.reversed() } else { tab });
     }
-    pieces.push(Piece::from(format!("  {}", pages::span_word(view.span))).dim());
     if view.paused {
         pieces.push(Piece::from("  paused").style(looks.style(Tone::Warning).bold()));
     }
+    pieces.push(Piece::from(format!("  {}", pages::span_word(view.span))).dim());
     Line::from(pieces)
 }
 
@@ -149,12 +161,14 @@ fn draw_sources(
     let stages = pages::stages_of(overview, source.map(|source| source.number), view.span, width);
     let picture = pages::picture(overview);
     let remark = pages::remark(overview);
-    let [above, _, tracks, processes, _, table, last] = Layout::vertical([
+    let alarms = pages::worst_alarms(overview, ALARMS_MAX);
+    let [above, _, tracks, processes, alarmed, _, table, last] = Layout::vertical([
         // All of them, or what the others leave.
         Constraint::Max(1 + sources.rows.len() as u16),
         Constraint::Length(1),
         Constraint::Length(picture.len() as u16),
         Constraint::Length(1),
+        Constraint::Length(alarms.len() as u16),
         Constraint::Length(1),
         Constraint::Length(1 + stages.rows.len() as u16),
         Constraint::Length(u16::from(remark.is_some())),
@@ -166,6 +180,9 @@ fn draw_sources(
     }
     let (tone, health) = pages::health(overview);
     Line::from(health).style(looks.style(tone)).render(processes, buffer);
+    for (place, (tone, line)) in alarmed.rows().zip(alarms) {
+        Line::from(line).style(looks.style(tone)).render(place, buffer);
+    }
     draw_lines(buffer, table, &stages, None, looks);
     if let Some(remark) = remark {
         Line::from(remark)
@@ -251,6 +268,7 @@ mod tests {
             (Page::Stages, "top_stages.txt"),
             (Page::Counters, "top_counters.txt"),
             (Page::Processes, "top_processes.txt"),
+            (Page::Alarms, "top_alarms.txt"),
         ] {
             let (text, _) = screen(80, 24, Some(&overview), &[Key::Page(page), Key::Pause]);
             golden::assert(file, &text);

@@ -1,6 +1,7 @@
 //! State of a deployment at the end of an interval.
 
-use messages::Counter;
+use alarms::AlarmKind;
+use messages::{Alarm, Counter};
 use serde::{Serialize, Serializer};
 use telemetry::{Span, Stage, Stages, Summary};
 
@@ -29,6 +30,8 @@ pub(crate) struct Overview {
     /// Everything that is not 0.
     pub(crate) counters: Vec<CounterRow>,
     pub(crate) processes: Vec<ProcessRow>,
+    /// Alarms that stand, the worst first.
+    pub(crate) alarms: Vec<AlarmRow>,
     /// Whether recordings are worked off as fast as fusion can: reports wait in full queues then.
     pub(crate) queues_are_full: bool,
     /// System-track states that were missed here: latencies rest on fewer.
@@ -97,6 +100,32 @@ pub(crate) struct ProcessRow {
     pub(crate) restarts: u32,
     /// How it last ended when it should not have, and what it has to say.
     pub(crate) note: String,
+}
+
+/// One alarm that stands.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct AlarmRow {
+    pub(crate) severity: &'static str,
+    /// Word for its kind.
+    pub(crate) alarm: &'static str,
+    /// When it was raised, UTC, nanoseconds.
+    pub(crate) raised_ns: i64,
+    pub(crate) text: String,
+    pub(crate) remedy: &'static str,
+}
+
+impl AlarmRow {
+    /// Row of an alarm; `None` for one that is not in this version's registry.
+    pub(crate) fn new(alarm: &Alarm) -> Option<Self> {
+        let kind = AlarmKind::from_code(alarm.code)?;
+        Some(Self {
+            severity: kind.severity().word(),
+            alarm: kind.word(),
+            raised_ns: alarm.raised_ns,
+            text: alarm.text().to_owned(),
+            remedy: kind.remedy(),
+        })
+    }
 }
 
 impl Overview {

@@ -5,7 +5,7 @@ use telemetry::table::{self, Align, count};
 use telemetry::{Span, Stage};
 
 use super::columns::{Columns, Lines, Tone};
-use super::overview::{Overview, SourceRow};
+use super::overview::{AlarmRow, Overview, SourceRow};
 use super::view::Page;
 use crate::text::{elapsed, several, time_of_day};
 
@@ -54,6 +54,10 @@ pub(crate) fn line(overview: &Overview) -> String {
     parts.push(several(restarts(overview), "restart"));
     let troubled = overview.processes.iter().filter(|process| process.state.is_troubled());
     parts.extend(troubled.map(|process| format!("{} {}", process.title, process.state)));
+    if !overview.alarms.is_empty() {
+        let words: Vec<&str> = overview.alarms.iter().map(|alarm| alarm.alarm).collect();
+        parts.push(format!("alarms: {}", words.join(", ")));
+    }
     parts.join(" | ") + "\n"
 }
 
@@ -153,7 +157,45 @@ pub(crate) fn page_lines(overview: &Overview, page: Page, span: Span, width: usi
         Page::Stages => stages(overview, span, width),
         Page::Counters => counters(overview, width),
         Page::Processes => processes(overview, width),
+        Page::Alarms => alarms(overview, width),
     }
+}
+
+/// Alarms that stand.
+fn alarms(overview: &Overview, width: usize) -> Lines {
+    let mut rows = Columns::new(&[
+        ("since", Align::Left, 0),
+        ("severity", Align::Left, 2),
+        ("alarm", Align::Left, 1),
+        ("what", Align::Left, 0),
+    ]);
+    for alarm in &overview.alarms {
+        let cells = [alarm.severity, alarm.alarm, &alarm.text].map(str::to_owned);
+        let [severity, kind, text] = cells;
+        rows.row(tone(alarm), [time_of_day(alarm.raised_ns), severity, kind, text]);
+    }
+    rows.lines(width)
+}
+
+fn tone(alarm: &AlarmRow) -> Tone {
+    match alarm.severity {
+        "warning" => Tone::Warning,
+        _ => Tone::Alarm,
+    }
+}
+
+/// Lines on the worst alarms, at most `most`; the last one tells of the others.
+pub(crate) fn worst_alarms(overview: &Overview, most: usize) -> Vec<(Tone, String)> {
+    let alarms = &overview.alarms;
+    let shown = if alarms.len() > most { most - 1 } else { alarms.len() };
+    let lines = alarms[..shown]
+        .iter()
+        .map(|alarm| (tone(alarm), format!("alarm        {}", alarm.text)));
+    let others = (alarms.len() > shown).then(|| {
+        let others = several((alarms.len() - shown) as u64, "more alarm");
+        (tone(&alarms[shown]), format!("             … and {others}"))
+    });
+    lines.chain(others).collect()
 }
 
 /// All sources together, then each.
@@ -405,7 +447,7 @@ mod tests {
         assert_eq!(
             line(&overview()),
             "22:13:20  demo | 12 s | 926 reports/s | tracks: 78 confirmed, 2 coasted, 1 tentative | 6 rejected | 7 lost | \
-             3 late | end to end p50 41.2 µs, p99 412 µs | 1 restart | adapter ads-b silent for 1.5 s\n"
+             3 late | end to end p50 41.2 µs, p99 412 µs | 1 restart | adapter ads-b silent for 1.5 s | alarms: source-silent\n"
         );
     }
 

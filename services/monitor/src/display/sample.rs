@@ -3,7 +3,7 @@
 use messages::{Counter, LifeState};
 use telemetry::{Stage, Summary};
 
-use super::overview::{CounterRow, Overview, ProcessRow, SourceRow, StageRow};
+use super::overview::{AlarmRow, CounterRow, Overview, ProcessRow, SourceRow, StageRow};
 use super::tracks::TrackRow;
 use crate::report::{Picture, State};
 
@@ -113,6 +113,13 @@ pub(crate) fn overview() -> Overview {
             process("adapter ads-b", State::Silent { for_ns: 1_500_000_000 }, 0, ""),
             process("fusion", running, 1, "the last one was killed by SIGKILL"),
         ],
+        alarms: vec![AlarmRow {
+            severity: "major",
+            alarm: "source-silent",
+            raised_ns: 1_699_999_990_000_000_000,
+            text: "radar-west has sent nothing for 24 s, 6 of its periods.".to_owned(),
+            remedy: "Look whether the sensor transmits.",
+        }],
         queues_are_full: false,
         missed: 0,
     }

@@ -15,16 +15,19 @@ pub(crate) enum Page {
     Counters,
     /// How the processes are.
     Processes,
+    /// Alarms that stand.
+    Alarms,
 }
 
 impl Page {
     /// In the order of their keys.
-    pub(crate) const ALL: [Self; 5] = [
+    pub(crate) const ALL: [Self; 6] = [
         Self::Sources,
         Self::Tracks,
         Self::Stages,
         Self::Counters,
         Self::Processes,
+        Self::Alarms,
     ];
 
     /// Name of the page.
@@ -35,6 +38,7 @@ impl Page {
             Self::Stages => "stages",
             Self::Counters => "counters",
             Self::Processes => "processes",
+            Self::Alarms => "alarms",
         }
     }
 }
@@ -131,7 +135,7 @@ mod tests {
         assert_eq!(view.selected(0), 0);
         view.press(Key::Page(Page::Sources), 5);
         view.press(Key::PreviousPage, 5);
-        assert_eq!(view.page, Page::Processes);
+        assert_eq!(view.page, Page::Alarms);
         view.press(Key::NextPage, 5);
         assert_eq!(view.page, Page::Sources);
         view.press(Key::Span, 5);

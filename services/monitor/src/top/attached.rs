@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, BusError, Root, SharedMemory, Subscriber, Transport};
-use messages::{FrameOrigin, Health, SystemTrack};
+use messages::{Alarm, FrameOrigin, Health, SystemTrack};
 use runtime::Now;
 
 use super::watch::Watch;
@@ -23,6 +23,7 @@ pub(super) struct Attached<S: Transport> {
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
     origins: Subscriber<S, FrameOrigin>,
+    alarms: Subscriber<S, Alarm>,
     _bus: Bus<S>,
     watch: Watch,
     clock: fn() -> Now,
@@ -91,6 +92,7 @@ impl<S: Transport> Attached<S> {
             states: bus.subscriber(&messages::system_tracks(), now_ns)?,
             health: bus.subscriber(&messages::health(), now_ns)?,
             origins: bus.subscriber(&messages::frame_origin(), now_ns)?,
+            alarms: bus.subscriber(&messages::alarms(), now_ns)?,
             _bus: bus,
             watch: Watch::new(root.instance(), begun),
             clock,
@@ -114,6 +116,8 @@ impl<S: Transport> Attached<S> {
         self.origins.take(SLICES_PER_LOOK, |_, said| {
             said.iter().for_each(|origin| watch.place(origin))
         })?;
+        self.alarms
+            .take(SLICES_PER_LOOK, |header, slice| watch.hear_alarms(header, slice))?;
         self.health.take(SLICES_PER_LOOK, |_, said| {
             said.iter().for_each(|health| watch.hear(health))
         })?;
@@ -158,6 +162,7 @@ mod tests {
             bus.hold(&messages::system_tracks()).unwrap(),
             bus.hold(&messages::health()).unwrap(),
             bus.hold(&messages::frame_origin()).unwrap(),
+            bus.hold(&messages::alarms()).unwrap(),
         ];
         let mut health = bus.publisher(&messages::health(), 200).unwrap();
         let mut tracks = bus.publisher(&messages::system_tracks(), 200).unwrap();

@@ -2,13 +2,17 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use alarms::Present;
 use bus::SubscriberCounts;
 use frames::{Geodetic, SystemFrame};
-use messages::{Counter, CounterClass, Counters, FrameOrigin, Health, LifeState, NO_SOURCE, ProcessKind, SystemTrack};
+use messages::{
+    Alarm, BatchHeader, Counter, CounterClass, Counters, FrameOrigin, Health, LifeState, NO_SOURCE, ProcessKind,
+    SystemTrack,
+};
 use runtime::Now;
 use telemetry::{Journey, JourneyEnd, Stages};
 
-use crate::display::overview::{CounterRow, Overview, ProcessRow, SourceRow, joined, stage_rows};
+use crate::display::overview::{AlarmRow, CounterRow, Overview, ProcessRow, SourceRow, joined, stage_rows};
 use crate::display::tracks::LatestStates;
 use crate::health_book::{HealthBook, Latest};
 use crate::report::{Picture, State, title};
@@ -32,6 +36,7 @@ pub(crate) struct Watch {
     /// Counters at the end of the previous interval, or the first ones: rates count from there.
     before: BTreeMap<Speaker, Said>,
     live_max: u64,
+    alarms: Present,
     states: LatestStates,
     /// System frame, once somebody has said which it is.
     frame: Option<SystemFrame>,
@@ -53,6 +58,7 @@ impl Watch {
             book: HealthBook::new(usize::from(NO_SOURCE)),
             before: BTreeMap::new(),
             live_max: 0,
+            alarms: Present::default(),
             states: LatestStates::new(TRACKS_MAX),
             frame: None,
             ended: false,
@@ -71,6 +77,11 @@ impl Watch {
     pub(crate) fn place(&mut self, origin: &FrameOrigin) {
         let place = Geodetic::from_degrees(origin.latitude_deg, origin.longitude_deg, origin.height_m);
         self.frame = place.ok().map(SystemFrame::at).or(self.frame);
+    }
+
+    /// The monitor has said which alarms stand.
+    pub(crate) fn hear_alarms(&mut self, header: &BatchHeader, slice: &[Alarm]) {
+        self.alarms.hear(header, slice);
     }
 
     /// A process has spoken.
@@ -115,6 +126,13 @@ impl Watch {
             queues_are_full: counters.iter().any(waited),
             counters,
             processes: self.processes(now),
+            alarms: self
+                .alarms
+                .at(now.mono_ns)
+                .unwrap_or_default()
+                .iter()
+                .filter_map(AlarmRow::new)
+                .collect(),
             sources,
             missed: own.lost,
         };

@@ -20,6 +20,12 @@ pub(crate) const UTC_NS: i64 = 1_700_000_000 * S;
 #[derive(Clone, Default)]
 pub(crate) struct Paper(Arc<Mutex<Vec<u8>>>);
 
+impl Paper {
+    fn text(&self) -> String {
+        String::from_utf8(self.0.lock().unwrap().clone()).unwrap()
+    }
+}
+
 impl Write for Paper {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         self.0.lock().unwrap().write(bytes)
@@ -35,11 +41,14 @@ pub(crate) struct Bench {
     pub(crate) monitor: MonitorAgent<InProcess>,
     pub(crate) clock: Rc<Cell<Now>>,
     pub(crate) paper: Paper,
+    errors: Paper,
+    config: Config,
+    options: Options,
     pub(crate) bus: Bus<InProcess>,
     tracks: Publisher<InProcess, SystemTrack>,
     health: Publisher<InProcess, Health>,
     pub(crate) folder: tempfile::TempDir,
-    _held: [Held; 3],
+    _held: [Held; 4],
 }
 
 impl Bench {
@@ -58,6 +67,7 @@ impl Bench {
             bus.hold(&messages::system_tracks()).unwrap(),
             bus.hold(&messages::health()).unwrap(),
             bus.hold(&messages::frame_origin()).unwrap(),
+            bus.hold(&messages::alarms()).unwrap(),
         ];
         let options = Options {
             overrides: Vec::new(),
@@ -73,20 +83,32 @@ impl Bench {
             mono_ns: 100 * S,
             utc_ns: UTC_NS,
         }));
-        let (paper, reading) = (Paper::default(), Rc::clone(&clock));
-        let screen = Screen::new(Box::new(paper.clone()), false);
+        let (paper, errors) = (Paper::default(), Paper::default());
+        let screen = Screen::new(Box::new(paper.clone()), false).with_errors(Box::new(errors.clone()));
+        let reading = Rc::clone(&clock);
         let reads = Box::new(move || reading.get());
         let monitor = MonitorAgent::new(&config, &options, "monitor", &bus, reads, screen).unwrap();
         Self {
             monitor,
             clock,
             paper,
+            errors,
+            config,
+            options,
             tracks: bus.publisher(&messages::system_tracks(), 100 * S as u64).unwrap(),
             health: bus.publisher(&messages::health(), 100 * S as u64).unwrap(),
             bus,
             folder,
             _held: held,
         }
+    }
+
+    /// A monitor that was started beside the first one.
+    pub(crate) fn second_monitor(&self, name: &str) -> MonitorAgent<InProcess> {
+        let reading = Rc::clone(&self.clock);
+        let reads = Box::new(move || reading.get());
+        let screen = Screen::new(Box::new(Paper::default()), false);
+        MonitorAgent::new(&self.config, &self.options, name, &self.bus, reads, screen).unwrap()
     }
 
     pub(crate) fn pass(&self, ns: i64) {
@@ -172,7 +194,12 @@ impl Bench {
     }
 
     pub(crate) fn text(&self) -> String {
-        String::from_utf8(self.paper.0.lock().unwrap().clone()).unwrap()
+        self.paper.text()
+    }
+
+    /// Lines on standard error.
+    pub(crate) fn errors(&self) -> String {
+        self.errors.text()
     }
 
     /// The report's last sentence, without its line breaks.

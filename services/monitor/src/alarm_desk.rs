@@ -1,0 +1,131 @@
+//! Where alarms are raised, cleared and told.
+
+use std::path::Path;
+
+use alarms::{AlarmKind, Board, History, RateLimit};
+use bus::{Bus, Mark, Publisher, Transport};
+use configuration::Config;
+use messages::{Alarm, AlarmEvent};
+use runtime::Now;
+
+use crate::conditions::{Conditions, Sight};
+use crate::machine::{Machine, Room};
+use crate::survey::Survey;
+
+/// Time between two rounds, each of which is published, nanoseconds.
+const ROUND_NS: i64 = 500_000_000;
+/// Rounds between two looks at the machine.
+const ROUNDS_PER_LOOK: u32 = 4;
+/// Name of the monitor that publishes; others that were started beside it find the same, and keep it to themselves.
+const PUBLISHING: &str = "monitor";
+
+/// Desk of the alarms.
+pub(crate) struct AlarmDesk<S: Transport> {
+    board: Board,
+    conditions: Conditions,
+    machine: Machine,
+    room: Room,
+    rounds: u32,
+    publisher: Option<Publisher<S, Alarm>>,
+    limit: RateLimit,
+    due_ns: i64,
+    standing: Vec<Alarm>,
+}
+
+impl<S: Transport> AlarmDesk<S> {
+    /// Desk of the monitor called `name`, which writes its files into `folder`.
+    ///
+    /// # Errors
+    /// If the topic cannot be opened.
+    pub(crate) fn new(config: &Config, name: &str, folder: &Path, bus: &Bus<S>, begun: Now) -> anyhow::Result<Self> {
+        let publish = || bus.publisher(&messages::alarms(), begun.mono_ns as u64);
+        let writes = config.recorder || config.monitor.files;
+        Ok(Self {
+            board: Board::default(),
+            conditions: Conditions::new(config, name, folder.display().to_string(), begun),
+            machine: Machine {
+                folder: writes.then(|| folder.to_owned()),
+            },
+            room: Room::default(),
+            rounds: 0,
+            publisher: (name == PUBLISHING).then(publish).transpose()?,
+            limit: RateLimit::default(),
+            due_ns: i64::MIN,
+            standing: Vec::new(),
+        })
+    }
+
+    /// Looks at all conditions, if it is time to, and publishes what stands; `say` is told a line for each change.
+    ///
+    /// # Errors
+    /// If shared memory fails.
+    pub(crate) fn turn(&mut self, now: Now, survey: &Survey, say: &mut dyn FnMut(&str)) -> anyhow::Result<()> {
+        if now.mono_ns < self.due_ns {
+            return Ok(());
+        }
+        self.due_ns = now.mono_ns + ROUND_NS;
+        if self.rounds.is_multiple_of(ROUNDS_PER_LOOK) {
+            self.room = self.machine.room();
+        }
+        self.rounds = self.rounds.wrapping_add(1);
+        let processes = survey.processes(now);
+        let sight = Sight {
+            book: survey.book(),
+            processes: &processes,
+            room: self.room,
+            now,
+        };
+        let mut round = self.board.round(now.mono_ns, now.utc_ns);
+        self.conditions.look(sight, &mut round);
+        let told = round.end();
+        for alarm in &told {
+            if let Some(line) = line(alarm)
+                && let Some(withheld) = self.limit.ask(now.mono_ns)
+            {
+                match withheld {
+                    0 => say(&line),
+                    withheld => say(&format!("{line} ({withheld} changes of alarms were not told before)")),
+                }
+            }
+        }
+        if let Some(publisher) = &mut self.publisher {
+            let mark = Mark {
+                progress_ns: i64::MIN,
+                sent_ns: now.mono_ns,
+                end: false,
+            };
+            publisher.send(mark, told.len(), |index, sequence| Alarm {
+                sequence,
+                ..told[index]
+            })?;
+        }
+        self.standing = told;
+        self.standing.retain(|alarm| alarm.event() != Some(AlarmEvent::Cleared));
+        Ok(())
+    }
+
+    /// Alarms that stand, the worst first.
+    pub(crate) fn standing(&self) -> &[Alarm] {
+        &self.standing
+    }
+
+    /// Every alarm that was ever raised.
+    pub(crate) fn history(&self) -> impl Iterator<Item = History> + '_ {
+        self.board.history()
+    }
+}
+
+/// Line for a change; `None` if there is none.
+fn line(alarm: &Alarm) -> Option<String> {
+    let kind = AlarmKind::from_code(alarm.code)?;
+    match alarm.event()? {
+        AlarmEvent::Raised => Some(format!(
+            "alarm, {}: {} {}",
+            kind.severity().word(),
+            alarm.text(),
+            kind.remedy()
+        )),
+        AlarmEvent::Cleared => Some(format!("alarm cleared: {}", alarm.text())),
+        AlarmEvent::Standing => None,
+    }
+}

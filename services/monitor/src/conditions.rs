@@ -1,0 +1,309 @@
+//! Conditions that are alarms, as the monitor finds them in what the processes say and in the room that is left.
+//!
+//! Each function here looks at one kind of thing (a source's silence, counters that should not grow, the processes, …)
+//! and tells the round what it found; when an alarm is raised and cleared, the board decides.
+
+use alarms::{AlarmKind, Finding, Growth, Limits, Round, Silence, Subject, above, below};
+use configuration::{Config, Input};
+use messages::{Counter, Counters, LifeState, NO_SOURCE, ProcessKind};
+use runtime::Now;
+
+use crate::health_book::HealthBook;
+use crate::machine::Room;
+use crate::report::{Process, State, title};
+use crate::text::{elapsed, several};
+
+/// A process that started at most so long before the monitor has counted from 0 in its sight, nanoseconds.
+const TOGETHER_NS: i64 = 5_000_000_000;
+const MB: f64 = 1e6;
+
+/// Counters that should not grow: the alarm, the counters, the things that they count, and who counts them.
+type Growing = (AlarmKind, &'static [Counter], &'static str, &'static [ProcessKind]);
+const GROWING: &[Growing] = {
+    use ProcessKind::{Adapter, Fusion, Gateway, Recorder, Simulator};
+    &[
+        (
+            AlarmKind::SamplesLost,
+            &[Counter::Lost],
+            "sample",
+            &[Fusion, Recorder, Gateway],
+        ),
+        (
+            AlarmKind::DatagramsDropped,
+            &[Counter::DatagramsDropped],
+            "datagram",
+            &[Adapter],
+        ),
+        (
+            AlarmKind::SendFailed,
+            &[Counter::SendFailures],
+            "datagram",
+            &[Gateway, Simulator],
+        ),
+        (
+            AlarmKind::CapacityReached,
+            &[Counter::DroppedQueue, Counter::DroppedTable],
+            "report",
+            &[Fusion],
+        ),
+        (
+            AlarmKind::CapacityReached,
+            &[Counter::TracksDropped],
+            "report",
+            &[Adapter],
+        ),
+        (
+            AlarmKind::LayoutMismatch,
+            &[Counter::RejectedSchema],
+            "slice",
+            &[Fusion, Recorder, Gateway],
+        ),
+    ]
+};
+
+/// Sight of a deployment in one round.
+#[derive(Clone, Copy)]
+pub(crate) struct Sight<'a> {
+    pub(crate) book: &'a HealthBook,
+    /// The processes of the deployment, and others that were heard from.
+    pub(crate) processes: &'a [Process],
+    pub(crate) room: Room,
+    pub(crate) now: Now,
+}
+
+/// All conditions, with the memory that finding them takes.
+#[derive(Debug)]
+pub(crate) struct Conditions {
+    limits: Limits,
+    /// Name of the monitor itself.
+    own_name: String,
+    folder: String,
+    begun_ns: i64,
+    sources: Vec<Watched>,
+    silence: Silence,
+    growth: Growth,
+}
+
+/// A source, as far as its alarms need to know it.
+#[derive(Debug)]
+struct Watched {
+    number: u16,
+    name: String,
+    adapter: String,
+    is_external: bool,
+    silent_after_ns: Option<i64>,
+    period_ns: i64,
+}
+
+impl Conditions {
+    /// Of the deployment of `config`, whose files are in `folder`.
+    pub(crate) fn new(config: &Config, own_name: &str, folder: String, begun: Now) -> Self {
+        let sources: Vec<Watched> = config
+            .sources
+            .iter()
+            .map(|source| Watched {
+                number: source.number,
+                name: source.name.clone(),
+                adapter: source.adapter.clone(),
+                is_external: matches!(source.input, Input::External),
+                silent_after_ns: source.silent_after_ns,
+                period_ns: source.period_ns,
+            })
+            .collect();
+        Self {
+            limits: config.monitor.alarms,
+            own_name: own_name.to_owned(),
+            folder,
+            begun_ns: begun.mono_ns,
+            silence: Silence::new(sources.len(), begun.mono_ns),
+            growth: Growth::default(),
+            sources,
+        }
+    }
+
+    /// Looks at all of them.
+    pub(crate) fn look(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+        let awake_ns = self.silence.look(sight.now.mono_ns);
+        self.silent_sources(sight, round);
+        self.source_errors(sight, round);
+        self.growing_counters(sight, round);
+        self.processes(sight, awake_ns, round);
+        self.room(sight.room, round);
+    }
+
+    fn silent_sources(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+        for (index, source) in self.sources.iter().enumerate() {
+            let (heard, is_expected) = match source.is_external {
+                true => (
+                    sight.book.service(ProcessKind::Fusion, source.number)[Counter::Taken],
+                    true,
+                ),
+                false => {
+                    let counted = sight.book.adapter(&source.adapter, source.number);
+                    let delivers = [Counter::Records, Counter::Published, Counter::Detections];
+                    let adapter = (ProcessKind::Adapter, source.adapter.as_str());
+                    let runs = |process: &Process| process.state == State::Life(LifeState::Running);
+                    let found = sight
+                        .processes
+                        .iter()
+                        .find(|other| (other.kind, other.name.as_str()) == adapter);
+                    (
+                        delivers.map(|counter| counted[counter]).iter().sum(),
+                        found.is_some_and(runs),
+                    )
+                }
+            };
+            let may_be_silent = !is_expected || source.silent_after_ns.is_none();
+            let silent_ns = self.silence.of(index, heard, may_be_silent);
+            if source.silent_after_ns.is_some_and(|after_ns| silent_ns > after_ns) {
+                let values = [
+                    ("source", source.name.clone()),
+                    ("silence", elapsed(silent_ns)),
+                    ("periods", (silent_ns / source.period_ns.max(1)).to_string()),
+                ];
+                round.find(
+                    AlarmKind::SourceSilent,
+                    Subject::source(source.number),
+                    Finding::Bad,
+                    &values,
+                );
+            }
+        }
+    }
+
+    /// What fusion has learned of the sources.
+    fn source_errors(&self, sight: Sight<'_>, round: &mut Round<'_>) {
+        for source in &self.sources {
+            let known = sight.book.registration(source.number);
+            let subject = Subject::source(source.number);
+            let name = || ("source", source.name.clone());
+            let (offset_s, sigma_s) = (known.clock_offset_s, known.clock_offset_sigma_s);
+            // Two standard deviations: what may be chance is no alarm.
+            let certain_s = if sigma_s > 0.0 {
+                offset_s.abs() - 2.0 * sigma_s
+            } else {
+                0.0
+            };
+            if let Some(finding) = above(certain_s, self.limits.clock_off_s.s()) {
+                let values = [name(), ("offset", format!("{offset_s:+.2} s"))];
+                round.find(AlarmKind::ClockOff, subject, finding, &values);
+            }
+            if let Some(finding) = above(known.covariance_inflation, self.limits.inflation) {
+                let values = [name(), ("factor", format!("{:.1}", known.covariance_inflation))];
+                round.find(AlarmKind::AccuracyOverstated, subject, finding, &values);
+            }
+        }
+    }
+
+    fn growing_counters(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+        for (kind, source, said) in sight.book.all_said() {
+            // Fusion as a whole repeats what it says of its sources.
+            if kind == ProcessKind::Fusion && source == NO_SOURCE {
+                continue;
+            }
+            let counters: Counters = said.counters();
+            let seen_from_start = said.incarnation() as i64 >= self.begun_ns - TOGETHER_NS;
+            let of_kind = GROWING.iter().filter(|(.., kinds)| kinds.contains(&kind));
+            for (alarm, which, thing, _) in of_kind {
+                let count = which.iter().map(|counter| counters[*counter]).sum();
+                let subject = Subject::process(said.name()).of_source(source);
+                let at_first = if seen_from_start { 0 } else { count };
+                if self.growth.has_grown(*alarm, subject, count, at_first) {
+                    let of = match self.sources.iter().find(|other| other.number == source) {
+                        Some(source) => format!(" of {}", source.name),
+                        None => String::new(),
+                    };
+                    let values = [
+                        ("process", title(kind, said.name())),
+                        ("count", several(count, thing)),
+                        ("of", of),
+                    ];
+                    round.find(*alarm, subject, Finding::Bad, &values);
+                }
+            }
+        }
+    }
+
+    fn processes(&mut self, sight: Sight<'_>, awake_ns: i64, round: &mut Round<'_>) {
+        let own_restarts = sight.book.children().find(|child| child.name == self.own_name);
+        // One that was restarted itself does not know when the others were.
+        let seen_from_start = own_restarts.is_none_or(|own| own.restarts == 0);
+        for child in sight.book.children() {
+            let subject = Subject::process(child.name);
+            let process = ("process", child.name.to_owned());
+            let end = match child.last_end {
+                "" => "has ended".to_owned(),
+                end => end.to_owned(),
+            };
+            let count = u64::from(child.restarts);
+            let at_first = if seen_from_start || child.name == self.own_name {
+                0
+            } else {
+                count
+            };
+            if self
+                .growth
+                .has_grown(AlarmKind::ProcessRestarted, subject, count, at_first)
+            {
+                let values = [process.clone(), ("times", several(count, "time")), ("end", end.clone())];
+                round.find(AlarmKind::ProcessRestarted, subject, Finding::Bad, &values);
+            }
+            if child.life == LifeState::Failed {
+                round.find(AlarmKind::ProcessDown, subject, Finding::Bad, &[process, ("end", end)]);
+            }
+        }
+        let ended = |process: &Process| {
+            let mut children = sight.book.children();
+            children.any(|child| {
+                child.name == process.name && matches!(child.life, LifeState::Failed | LifeState::Finished)
+            })
+        };
+        let limit_ns = self.limits.process_silent_s.ns();
+        for process in sight.processes.iter().filter(|process| !ended(process)) {
+            let State::Silent { for_ns } = process.state else {
+                continue;
+            };
+            if for_ns.min(sight.now.mono_ns - awake_ns) > limit_ns {
+                let values = [("process", process.title()), ("silence", elapsed(for_ns))];
+                round.find(
+                    AlarmKind::ProcessHung,
+                    Subject::process(&process.name),
+                    Finding::Bad,
+                    &values,
+                );
+            }
+        }
+    }
+
+    fn room(&self, room: Room, round: &mut Round<'_>) {
+        let limits = [
+            self.limits.disk_free_mb,
+            self.limits.memory_free_mb,
+            self.limits.memory_free_mb,
+        ];
+        let looked_at = [
+            (AlarmKind::DiskLow, room.disk, ("folder", self.folder.clone()), ""),
+            (
+                AlarmKind::MemoryLow,
+                room.memory,
+                ("what", "the machine's memory".to_owned()),
+                "",
+            ),
+            (
+                AlarmKind::MemoryLow,
+                room.shared,
+                ("what", "the shared memory".to_owned()),
+                "shm",
+            ),
+        ];
+        for ((kind, octets, what, subject), limit_mb) in looked_at.into_iter().zip(limits) {
+            let Some(free_mb) = octets.map(|octets| octets as f64 / MB) else {
+                continue;
+            };
+            if let Some(finding) = below(free_mb, limit_mb) {
+                let values = [("free", format!("{free_mb:.0} MB")), what];
+                round.find(kind, Subject::process(subject), finding, &values);
+            }
+        }
+    }
+}

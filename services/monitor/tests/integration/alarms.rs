@@ -1,0 +1,322 @@
+//! Alarms, raised and cleared by what processes say, over the in-process transport and with a clock that the test sets.
+
+use alarms::AlarmKind;
+use bus::{InProcess, Subscriber};
+use messages::{Alarm, AlarmEvent, Counter, Health, LifeState, NO_SOURCE, ProcessKind, Registration};
+
+use crate::watched::{Bench, S};
+
+/// Seconds that pass in one step: as often as processes speak, but for the patience of a test.
+const STEP_NS: i64 = S / 2;
+
+/// A monitor, whose processes speak and whose alarms are heard.
+struct Site {
+    bench: Bench,
+    alarms: Subscriber<InProcess, Alarm>,
+    /// What the last slice held.
+    last: Vec<Alarm>,
+    /// Events other than that something goes on standing.
+    events: Vec<(AlarmKind, AlarmEvent)>,
+    health: Vec<Health>,
+}
+
+impl Site {
+    fn new(overrides: &[&str]) -> Self {
+        let bench = Bench::new(overrides);
+        let alarms = bench.bus.subscriber(&messages::alarms(), || 1).unwrap();
+        Self {
+            bench,
+            alarms,
+            last: Vec::new(),
+            events: Vec::new(),
+            health: Vec::new(),
+        }
+    }
+
+    /// From now on, this is said in each step.
+    fn say(&mut self, kind: ProcessKind, name: &str, source: u16) -> &mut Health {
+        let health = Health {
+            incarnation: 100 * S as u64,
+            source,
+            kind: kind as u8,
+            life: LifeState::Running as u8,
+            ..Health::default()
+        }
+        .with_name(name);
+        let same = |said: &Health| (said.kind, said.name, said.source) == (health.kind, health.name, health.source);
+        let index = self.health.iter().position(same).unwrap_or_else(|| {
+            self.health.push(health);
+            self.health.len() - 1
+        });
+        &mut self.health[index]
+    }
+
+    /// Time passes, and all speak.
+    fn pass(&mut self, seconds: i64) {
+        for _ in 0..seconds * S / STEP_NS {
+            self.bench.pass(STEP_NS);
+            let now_ns = self.bench.clock.get().mono_ns;
+            for health in &self.health {
+                self.bench.send_health(Health {
+                    said_ns: now_ns,
+                    ..*health
+                });
+            }
+            let _ = self.bench.turn();
+            let (last, events) = (&mut self.last, &mut self.events);
+            self.alarms
+                .take(usize::MAX, |_, slice| {
+                    *last = slice.to_vec();
+                    let changes = slice.iter().filter(|alarm| alarm.event() != Some(AlarmEvent::Standing));
+                    events.extend(changes.map(|alarm| {
+                        let kind = AlarmKind::from_code(alarm.code).unwrap();
+                        (kind, alarm.event().unwrap())
+                    }));
+                })
+                .unwrap();
+        }
+    }
+
+    /// Sentences of the alarms in the last slice, each of them whole.
+    fn standing(&self) -> Vec<String> {
+        for alarm in &self.last {
+            assert!(!alarm.text().contains(['{', '}']), "{}", alarm.text());
+        }
+        self.last.iter().map(|alarm| alarm.text().to_owned()).collect()
+    }
+
+    /// Raises by `begin`, and clears by `end`; the sentence. Whatever else was raised is a mistake.
+    #[track_caller]
+    fn raise_and_clear(&mut self, kind: AlarmKind, begin: impl Fn(&mut Self), end: impl Fn(&mut Self)) -> String {
+        self.pass(1);
+        assert_eq!(self.events, [], "nothing is wrong yet");
+        begin(self);
+        self.pass(kind.raise_after_ns() / S + 1);
+        let [said] = &self.standing()[..] else {
+            panic!("{:?}", self.standing())
+        };
+        end(self);
+        self.pass(kind.clear_after_ns() / S + 2);
+        assert_eq!(self.events, [(kind, AlarmEvent::Raised), (kind, AlarmEvent::Cleared)]);
+        assert_eq!(self.standing(), [""; 0]);
+        said.clone()
+    }
+}
+
+/// Counter of a process that grows for a while.
+#[track_caller]
+fn growing(kind: AlarmKind, process: (ProcessKind, &str, u16), counter: Counter) -> String {
+    let mut site = Site::new(&["source[3].silent_periods=0"]);
+    let (of, name, source) = process;
+    site.say(of, name, source);
+    let begin = |site: &mut Site| site.say(of, name, source).counters[counter] = 1_234;
+    site.raise_and_clear(kind, begin, |_| {})
+}
+
+#[test]
+fn what_is_lost_dropped_or_does_not_fit_is_told() {
+    let fusion = (ProcessKind::Fusion, "fusion", 3);
+    assert_eq!(
+        growing(AlarmKind::SamplesLost, fusion, Counter::Lost),
+        "fusion has lost 1,234 samples of ads-b, because it fell behind."
+    );
+    assert_eq!(
+        growing(AlarmKind::CapacityReached, fusion, Counter::DroppedTable),
+        "fusion had no room for 1,234 reports of ads-b."
+    );
+    assert_eq!(
+        growing(AlarmKind::LayoutMismatch, fusion, Counter::RejectedSchema),
+        "fusion has rejected 1,234 slices, whose publisher was built with another layout."
+    );
+    let adapter = (ProcessKind::Adapter, "ads-b", NO_SOURCE);
+    assert_eq!(
+        growing(AlarmKind::DatagramsDropped, adapter, Counter::DatagramsDropped),
+        "The kernel has dropped 1,234 datagrams before adapter ads-b had read them."
+    );
+    let gateway = (ProcessKind::Gateway, "display", NO_SOURCE);
+    assert_eq!(
+        growing(AlarmKind::SendFailed, gateway, Counter::SendFailures),
+        "gateway display could not send 1,234 datagrams."
+    );
+}
+
+#[test]
+fn what_had_been_counted_before_the_monitor_came_is_no_news() {
+    let mut site = Site::new(&[]);
+    let fusion = site.say(ProcessKind::Fusion, "fusion", 3);
+    fusion.incarnation = 1;
+    fusion.counters[Counter::Lost] = 7;
+    site.pass(3);
+    assert_eq!(site.standing(), [""; 0]);
+    site.say(ProcessKind::Fusion, "fusion", 3).counters[Counter::Lost] = 8;
+    site.pass(1);
+    assert_eq!(site.standing().len(), 1);
+}
+
+#[test]
+fn a_source_is_silent_after_some_of_its_own_periods() {
+    let mut site = Site::new(&[]);
+    let records =
+        |site: &mut Site, count| site.say(ProcessKind::Adapter, "radar-west", 0).counters[Counter::Records] = count;
+    records(&mut site, 5);
+    site.pass(20);
+    assert_eq!(site.standing(), [""; 0], "five periods of 4 s");
+    site.pass(1);
+    assert_eq!(
+        site.standing(),
+        ["radar-west has sent nothing for 20 s, 5 of its periods."]
+    );
+    site.pass(10);
+    assert_eq!(
+        site.standing(),
+        ["radar-west has sent nothing for 30 s, 7 of its periods."]
+    );
+    records(&mut site, 6);
+    site.pass(1);
+    let (raised, cleared) = (AlarmEvent::Raised, AlarmEvent::Cleared);
+    assert_eq!(
+        site.events,
+        [(AlarmKind::SourceSilent, raised), (AlarmKind::SourceSilent, cleared)]
+    );
+}
+
+#[test]
+fn a_source_may_be_allowed_to_be_silent() {
+    let mut site = Site::new(&["source[0].silent_periods=0"]);
+    site.say(ProcessKind::Adapter, "radar-west", 0);
+    site.pass(100);
+    assert_eq!(site.standing(), [""; 0]);
+}
+
+#[test]
+fn errors_that_fusion_has_learned_are_told() {
+    let known = |site: &mut Site, registration| {
+        site.say(ProcessKind::Fusion, "fusion", 3).registration = registration;
+    };
+    let clock_off = Registration {
+        clock_offset_s: -29.75,
+        clock_offset_sigma_s: 0.25,
+        ..Registration::default()
+    };
+    let mut site = Site::new(&[]);
+    let begin = |site: &mut Site| known(site, clock_off);
+    let end = |site: &mut Site| known(site, Registration::default());
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::ClockOff, begin, end),
+        "The clock of ads-b is -29.75 s off, by the times at which its reports are received."
+    );
+    let overstated = Registration {
+        covariance_inflation: 9.0,
+        ..Registration::default()
+    };
+    let mut site = Site::new(&[]);
+    let begin = |site: &mut Site| known(site, overstated);
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::AccuracyOverstated, begin, end),
+        "ads-b claims too much accuracy: its covariances are enlarged 9.0 times."
+    );
+}
+
+#[test]
+fn processes_that_end_and_come_back_are_told() {
+    let launched = |site: &mut Site, life: LifeState, restarts, note: &str| {
+        let child = site.say(ProcessKind::Launcher, "fusion", NO_SOURCE);
+        *child = Health {
+            life: life as u8,
+            restarts,
+            ..child.with_note(note)
+        };
+    };
+    let mut site = Site::new(&[]);
+    launched(&mut site, LifeState::Running, 0, "");
+    site.pass(1);
+    launched(&mut site, LifeState::Failed, 0, "was killed by SIGKILL");
+    site.pass(2);
+    assert_eq!(site.standing(), ["fusion does not run: was killed by SIGKILL."]);
+    launched(&mut site, LifeState::Running, 1, "was killed by SIGKILL");
+    site.pass(3);
+    let restarted = "fusion was restarted, 1 time so far: the last one was killed by SIGKILL.";
+    assert_eq!(site.standing(), [restarted]);
+    site.pass(62);
+    assert_eq!(site.standing(), [""; 0]);
+}
+
+#[test]
+fn a_process_that_says_nothing_any_more_hangs() {
+    let mut site = Site::new(&[]);
+    let silent = |site: &mut Site| site.health.clear();
+    let speaks = |site: &mut Site| drop(site.say(ProcessKind::Fusion, "fusion", NO_SOURCE));
+    speaks(&mut site);
+    site.pass(1);
+    silent(&mut site);
+    site.pass(3);
+    assert_eq!(site.standing(), [""; 0]);
+    site.pass(1);
+    assert_eq!(site.standing(), ["fusion says nothing for 4 s."]);
+    speaks(&mut site);
+    site.pass(3);
+    assert_eq!(site.standing(), [""; 0]);
+    silent(&mut site);
+    // The machine stood still: nobody could say anything, and the monitor could not listen.
+    site.bench.pass(60 * S);
+    site.pass(2);
+    assert_eq!(site.standing(), [""; 0]);
+}
+
+#[test]
+fn room_that_runs_out_is_told() {
+    let mut site = Site::new(&["recorder.enabled=true", "monitor.alarms.disk_free_mb=1e9"]);
+    site.pass(4);
+    let [said] = &site.standing()[..] else {
+        panic!("{:?}", site.standing())
+    };
+    assert!(said.contains(" MB are left on the disk of "), "{said}");
+    let mut site = Site::new(&["monitor.alarms.memory_free_mb=1e9"]);
+    site.pass(4);
+    assert_eq!(
+        site.standing().len(),
+        2,
+        "the machine's memory, and the shared memory: {:?}",
+        site.standing()
+    );
+}
+
+#[test]
+fn alarms_are_said_once_in_the_log_and_stand_in_the_report() {
+    let mut site = Site::new(&["monitor.files=true"]);
+    site.say(ProcessKind::Gateway, "display", NO_SOURCE);
+    site.pass(2);
+    site.say(ProcessKind::Gateway, "display", NO_SOURCE).counters[Counter::SendFailures] = 3;
+    site.pass(20);
+    let text = "gateway display could not send 3 datagrams.";
+    let said = site.bench.errors();
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines.len(), 2, "{said}");
+    assert!(
+        lines[0].starts_with(&format!("koseki: alarm, major: {text} Look at")),
+        "{said}"
+    );
+    assert_eq!(lines[1], format!("koseki: alarm cleared: {text}"));
+    for life in site.health.iter_mut() {
+        life.life = LifeState::Finished as u8;
+    }
+    site.pass(1);
+    let report = site.bench.close();
+    assert!(
+        report.contains("ALARMS that were raised, and what to do\nmajor ("),
+        "{report}"
+    );
+    let alarm = &site.bench.report()["alarms"][0];
+    assert_eq!((&alarm["alarm"], &alarm["times"]), (&"send-failed".into(), &1.into()));
+    assert!(alarm["cleared_utc_ns"].as_i64() > alarm["raised_utc_ns"].as_i64());
+}
+
+#[test]
+fn a_monitor_beside_the_first_one_keeps_its_alarms_to_itself() {
+    let bench = Bench::new(&[]);
+    let mut alarms: Subscriber<InProcess, Alarm> = bench.bus.subscriber(&messages::alarms(), || 1).unwrap();
+    let mut second = bench.second_monitor("second");
+    bench.pass(S);
+    let _ = runtime::Agent::turn(&mut second, bench.clock.get()).unwrap();
+    assert_eq!(alarms.take(usize::MAX, |_, _| {}).unwrap(), 0);
+}
