@@ -6,8 +6,9 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use alarms::{AlarmKind, Present};
 use bus::{Bus, BusError, Instance, Process, Root, SharedMemory};
-use messages::{Counter, Health, NO_SOURCE, ProcessKind, Registration};
+use messages::{Alarm, AlarmSeverity, Counter, Health, NO_SOURCE, ProcessKind, Registration};
 use runtime::clock::{instant, mono_ns};
 use telemetry::table::{Align, Table};
 
@@ -57,9 +58,10 @@ fn describe(instance: &Instance) -> anyhow::Result<String> {
     clear_if_ended(&instance.root)?;
     match listened {
         Ok(heard) => Ok(format!(
-            "instance {name}: run by process {pid}\n{}{}",
+            "instance {name}: run by process {pid}\n{}{}{}",
             table(&heard.speakers, &heard.processes),
-            registrations(&heard.registrations)
+            registrations(&heard.registrations),
+            alarms(&heard.alarms)
         )),
         Err(BusError::NotRunning { .. } | BusError::NoSuchTopic { .. }) => {
             Ok(format!("instance {name}: process {pid} is starting or stopping it\n"))
@@ -93,11 +95,15 @@ struct Listened {
     /// By number of the source.
     registrations: BTreeMap<u16, Registration>,
     processes: Vec<Process>,
+    /// Alarms that stand, the worst first.
+    alarms: Vec<Alarm>,
 }
 
 fn listen(root: &Root) -> Result<Listened, BusError> {
     let bus = Bus::<SharedMemory>::open(root, OWN_NAME)?;
     let mut subscriber = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
+    let mut of_alarms = bus.subscriber(&messages::alarms(), || mono_ns() as u64)?;
+    let mut present = Present::default();
     let mut speakers: Vec<Heard> = Vec::new();
     let mut registrations = BTreeMap::new();
     let start = instant();
@@ -112,6 +118,7 @@ fn listen(root: &Root) -> Result<Listened, BusError> {
                 }
             }
         })?;
+        of_alarms.take(usize::MAX, |header, slice| present.hear(header, slice))?;
         std::thread::sleep(PAUSE);
     }
     let mut processes = root.processes()?;
@@ -120,7 +127,18 @@ fn listen(root: &Root) -> Result<Listened, BusError> {
         speakers,
         registrations,
         processes,
+        alarms: present.at(mono_ns()).unwrap_or_default().to_vec(),
     })
+}
+
+/// Two lines per alarm: the condition, and what to do.
+fn alarms(standing: &[Alarm]) -> String {
+    let lines = |alarm: &Alarm| {
+        let severity = alarm.severity().map_or("?", AlarmSeverity::word);
+        let remedy = AlarmKind::from_code(alarm.code).map_or("", AlarmKind::remedy);
+        format!("  alarm, {severity}: {}\n    {remedy}\n", alarm.text())
+    };
+    standing.iter().map(lines).collect()
 }
 
 /// One line per source of which fusion knows how far its reports lie off; sources count from 1, as in the files.
@@ -330,6 +348,20 @@ mod tests {
         assert!(table.contains(child), "{table}");
         assert_eq!(lines[3][..2], ["second", "9"]);
         assert_eq!(lines[4][..2], ["subscribe", "10"]);
+    }
+
+    #[test]
+    fn alarms_are_listed_with_what_to_do() {
+        let alarm = Alarm {
+            code: AlarmKind::DiskLow.code(),
+            severity: AlarmSeverity::Major.code(),
+            ..Alarm::default()
+        };
+        let remedy = AlarmKind::DiskLow.remedy();
+        assert_eq!(
+            alarms(&[alarm.with_text("12 MB are left.")]),
+            format!("  alarm, major: 12 MB are left.\n    {remedy}\n")
+        );
     }
 
     #[test]
