@@ -21,9 +21,9 @@ use super::{Input, Instrument, RecordedFormat, Simulated, Source};
 const FIRST_SIMULATED_PORT: u16 = 30_001;
 /// Port of the first simulated wide-area sensor; the others follow.
 const FIRST_SIMULATED_WIDE_AREA_PORT: u16 = 31_001;
-/// What a gateway can send of a sensor.
+/// Categories that a gateway can send of a sensor.
 const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
-/// What a gateway sends of the fused picture.
+/// Category that a gateway sends of the fused picture.
 const SYSTEM_CATEGORY: u8 = 62;
 
 /// SAC and SIC of a simulated sensor: those of data that stay where they are, and its number from 1.

@@ -113,7 +113,7 @@ pub struct Source {
     pub model: SourceModel,
     /// How its tracks come about.
     pub processing: Processing,
-    /// What its tracker listens to.
+    /// Other sources that its tracker listens to.
     pub links: Links,
     /// Silence of its adapter's input that is an alarm, nanoseconds; `None` if none is. Nothing is expected of a
     /// recording.
@@ -122,7 +122,7 @@ pub struct Source {
     pub period_ns: i64,
 }
 
-/// What the tracker of a source listens to besides its own detections.
+/// Sources that a source's tracker listens to besides its own detections.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Links {
     /// Numbers of the wide-area sensors, ascending.
@@ -159,13 +159,13 @@ pub enum Input {
 /// A simulated input.
 #[derive(Clone, Debug)]
 pub struct Simulated {
-    /// What it observes with.
+    /// Simulated instrument that it observes with.
     pub instrument: Instrument,
     /// How what it sends is received.
     pub live: Live,
 }
 
-/// What a simulated source observes with.
+/// Instrument of a simulated source.
 #[derive(Clone, Debug)]
 pub enum Instrument {
     /// A sensor that tracks what it sees.
@@ -179,7 +179,7 @@ pub enum Instrument {
 pub struct Recorded {
     /// File, relative to the data folder unless absolute.
     pub file: PathBuf,
-    /// What the file holds.
+    /// Content of the file.
     pub format: RecordedFormat,
     /// How its ASTERIX records are read.
     pub asterix: Asterix,
@@ -190,7 +190,7 @@ pub struct Recorded {
 }
 
 settings::words! {
-    /// What a recorded file holds.
+    /// Content of a recorded file.
     pub enum RecordedFormat {
         /// ASTERIX, as bare data blocks or in a capture file.
         Asterix = "asterix",
@@ -202,8 +202,7 @@ settings::words! {
 }
 
 settings::words! {
-    /// What to do with a recording that ends in the middle of a data block: its recorder was killed, or its copy cut
-    /// short.
+    /// Use of a recording that ends in the middle of a data block: its recorder was killed, or its copy cut short.
     pub enum Truncated {
         /// Refuse it before anything starts: more than one block may be missing.
         Refuse = "refuse",
@@ -219,7 +218,7 @@ pub struct Fusion {
     pub settings: engine::Settings,
     /// How it waits for work.
     pub wait: WaitMode,
-    /// What it asks of the machine.
+    /// Demands on the machine: core, priority, memory.
     pub placement: Placement,
     /// Whether a refusal of that is an error.
     pub required: bool,
@@ -251,9 +250,9 @@ pub struct Monitor {
 /// How the monitor waits for system tracks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MonitorWait {
-    /// It is woken for each slice: exact, at the price of a system call of fusion's per slice.
+    /// Woken for each slice: exact, at the price of a system call of fusion's per slice.
     Event,
-    /// It looks now and then, which costs fusion nothing: what comes after fusion is not measured.
+    /// Looks now and then, which costs fusion nothing: what comes after fusion is not measured.
     Poll {
         /// Time between two looks.
         pause: Duration,

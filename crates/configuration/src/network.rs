@@ -1,4 +1,4 @@
-//! What a deployment takes from the network and gives to it.
+//! Network inputs and outputs of a deployment.
 
 use std::net::SocketAddr;
 
@@ -69,9 +69,9 @@ pub struct Gateway {
     pub name: String,
     /// Where its datagrams go, and how.
     pub sender: net::SenderSettings,
-    /// What it sends.
+    /// Content that it sends.
     pub content: GatewayContent,
-    /// What it sends in: category and edition.
+    /// Category and edition that it sends in.
     pub table: &'static Category,
     /// System area code that it sends under.
     pub sac: u8,
@@ -83,11 +83,11 @@ pub struct Gateway {
     pub status_ns: i64,
     /// Most octets in a datagram.
     pub block_bytes: usize,
-    /// What the heights of its tracks are, and so which items carry them.
+    /// Reference of its tracks' heights, and so the items that carry them.
     pub heights: HeightReference,
 }
 
-/// What a gateway sends.
+/// Content that a gateway sends.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GatewayContent {
     /// The fused picture.

@@ -40,7 +40,7 @@ const ROOM_FACTOR: f64 = 1.25;
 const ROOM_MORE: usize = 64;
 const ROOM_MAX: usize = 200_000;
 
-/// What a first pass over the files has found of one sensor.
+/// Facts about one sensor that a first pass over the files has found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenSensor {
     /// The files' `sensor_id`.
@@ -53,7 +53,7 @@ pub struct SeenSensor {
     pub tracks_max: usize,
 }
 
-/// What the engine is built from.
+/// Settings that the engine is built from.
 #[derive(Clone, Debug)]
 pub struct OfflineSettings {
     /// The files' `sensor_id` of each source.

@@ -184,7 +184,7 @@ settings::settings! {
         wide_area_sensors: Vec<String> = Vec::new();
         /// Names of the direction finders on board whose emissions identify its tracks (WA-9).
         emissions: Vec<String> = Vec::new();
-        /// It says after each scan where the sensor should look next (WA-12).
+        /// Say after each scan where the sensor should look next (WA-12).
         cues: bool = false;
         /// Time between two outputs of its tracks (WA-11).
         output_period_s: Option<Seconds> = None, in [0.01, 3600], usually "after each scan";
@@ -207,7 +207,7 @@ settings::settings! {
         tracks: Option<CountedTracksTable> = None;
         /// A process that is no part of the deployment publishes the topic.
         external: Option<ExternalTable> = None;
-        /// It is simulated and observes the scenario.
+        /// Simulated sensor that observes the scenario.
         simulated: Option<scenario::WideAreaSettings> = None;
     }
 

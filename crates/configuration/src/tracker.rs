@@ -27,7 +27,7 @@ pub struct Tracking {
     settings: Settings,
 }
 
-/// What files of detections tell.
+/// Facts that files of detections tell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SeenDetections {
     /// Every `sensor_id`.

@@ -1,4 +1,4 @@
-//! What the tracker of a source listens to besides its own sensor, and what it says besides tracks after scans.
+//! Links of a source's tracker: inputs besides its own sensor, and outputs besides tracks after scans.
 //!
 //! Found when all sources and sensors of a file are known, as trackers name them:
 //!

@@ -55,7 +55,7 @@ pub struct WideAreaSensor {
     pub input: WideAreaInput,
     /// Name of the adapter process that publishes it: that of its receiver, or its own.
     pub adapter: String,
-    /// What it is simulated with: then its rows come over the loopback network, to a receiver of its own name.
+    /// Simulation, if it is simulated: then its rows come over the loopback network, to a receiver of its own name.
     pub simulated: Option<Box<scenario::WideAreaSettings>>,
 }
 
@@ -79,7 +79,7 @@ pub struct CountedTracks {
     pub feed: TrackFeed,
     /// How their records are read.
     pub asterix: Asterix,
-    /// Whose they are, and what they may contain.
+    /// Model of the source that the tracks are of.
     pub model: SourceModel,
     /// Time between two reports of one track, nanoseconds: tracks of one period are counted together.
     pub period_ns: i64,

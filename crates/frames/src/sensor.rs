@@ -290,7 +290,7 @@ mod tests {
     }
 
     proptest! {
-        /// What a radar sees of any place, with that place's height, gives the place back.
+        /// A radar's measurement of any place gives, with that place's height, the place back.
         #[test]
         fn a_sighting_leads_back(
             east in -400e3..400e3f64, north in -400e3..400e3f64, height in 0.0..20e3f64, offset in -0.5..0.5f64,

@@ -47,7 +47,7 @@
 //! Source: patent JP7553304B2.
 
 settings::words! {
-    /// When fixes are selected.
+    /// Choice of the fixes that steer the output.
     pub enum Select {
         /// The best there is for unknown data: every fix steers the output.
         Auto = "auto",
@@ -74,7 +74,7 @@ settings::settings! {
     /// How fixes are selected.
     #[derive(Copy)]
     pub struct SelectionSettings {
-        /// When: `auto`, every fix steers the output, the best there is for unknown data; `none`, fixes are passed on;
+        /// Choice: `auto`, every fix steers the output, the best there is for unknown data; `none`, fixes are passed on;
         /// `interval`, one each interval; `minimum`, one at each minimum of the variance; `staged`, each interval at
         /// first, then at minima.
         select: Select = Select::Auto;

@@ -12,7 +12,7 @@ settings::settings! {
         emitters_max: usize = 1024, in [1, 100_000];
         /// How emitters may move (EL-2).
         motion: MotionSettings = MotionSettings::default();
-        /// When bearings are set aside.
+        /// Consistency of bearings: those that contradict the others are set aside.
         consistency: ConsistencySettings = ConsistencySettings::default();
         /// Which fixes are used for the output (EL-4 … EL-10).
         selection: SelectionSettings = SelectionSettings::default();
@@ -43,7 +43,7 @@ settings::settings! {
         evidence_bearings: u32 = 16;
     }
 
-    /// When bearings are set aside.
+    /// Consistency of bearings: those that contradict the others are set aside.
     #[derive(Copy)]
     pub struct ConsistencySettings {
         /// Standard deviations: bearings are set aside when the running sum of their normalised innovations exceeds so

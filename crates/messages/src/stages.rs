@@ -1,4 +1,4 @@
-//! When a report passed each stage of its journey.
+//! Times at which a report passed the stages of its journey.
 
 use crate::layout::sample;
 

@@ -69,7 +69,7 @@ pub struct Observation {
 /// Plane of a Cartesian position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
-    /// It touches the earth at the sensor, and the position lies straight below or above the target.
+    /// Tangential to the earth at the sensor; the position lies straight below or above the target.
     #[default]
     Tangent,
     /// The target, turned down into the horizon: its distance from the sensor is the straight one.

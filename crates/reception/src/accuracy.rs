@@ -152,8 +152,8 @@ fn wider([xx, xy, yy]: Horizontal, model: &SourceModel, placed: &Placed) -> Hori
     [xx + more_xx, xy + more_xy, yy + more_yy]
 }
 
-/// Of a velocity from successive positions. What is wrong with all of them alike cancels, so that it is the sensor's
-/// accuracy that counts and not what a report says of its own; but the velocity is one of some time ago.
+/// Covariance of a velocity from successive positions. What is wrong with all of them alike cancels, so that the
+/// sensor's accuracy counts and not what a report says of its own; but the velocity is one of some time ago.
 fn of_slope([xx, xy, yy]: Horizontal, slope: Slope) -> Horizontal {
     let since_then = (ACCELERATION_SIGMA_MPS2 * slope.age_s).powi(2);
     [

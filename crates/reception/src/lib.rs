@@ -47,7 +47,7 @@ pub struct SourceModel {
     /// Pressure at mean sea level in the sensor's area, hPa: brings pressure altitudes, which all transponders count
     /// from [`STANDARD_PRESSURE_HPA`], nearer to heights.
     pub qnh_hpa: f64,
-    /// What its reports may contain.
+    /// Limits of its reports.
     pub limits: Limits,
     /// How accurate they are.
     pub covariance: CovarianceModel,

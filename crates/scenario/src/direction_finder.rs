@@ -136,12 +136,12 @@ impl SimulatedDirectionFinder {
             .max(0.0) as u64;
     }
 
-    /// When the next delivery is due, seconds from the scenario's start.
+    /// Time at which the next delivery is due, seconds from the scenario's start.
     pub fn next_delivery_s(&self) -> f64 {
         self.measured_s() + self.settings.delay_s
     }
 
-    /// When the bearings of the next delivery are measured, seconds from the scenario's start.
+    /// Time at which the bearings of the next delivery are measured, seconds from the scenario's start.
     pub fn measured_s(&self) -> f64 {
         self.period as f64 * self.settings.period_s
     }

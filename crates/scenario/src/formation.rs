@@ -76,7 +76,7 @@ impl Formation {
 struct Spacing {
     together_m: f64,
     apart_m: f64,
-    /// When in a lap they have joined, and when they begin to part, seconds; less than a lap apart.
+    /// Times in a lap at which they have joined and begin to part, seconds; less than a lap apart.
     joined_s: f64,
     parts_s: f64,
     /// For how long they join, and part.
@@ -214,7 +214,7 @@ mod tests {
         assert!(truth.at(0.0).all(|target| target.kind == TargetKind::Formation));
     }
 
-    /// They descend below what sensors see, all at once.
+    /// Formations descend below what sensors see, all members at once.
     #[test]
     fn low_ones_vanish_together() {
         let settings = world(FormationSettings {

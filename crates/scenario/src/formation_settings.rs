@@ -1,4 +1,4 @@
-//! What formations there are, and how they fly.
+//! Settings of formations: how many there are, and how they fly.
 
 use std::f64::consts::{PI, TAU};
 

@@ -13,7 +13,7 @@ use crate::schedule::{Aim, Slot};
 use crate::sensor_settings::{Checked, Dropouts, SensorIdentity, SensorKind};
 use crate::target::TargetState;
 
-/// What the sensor keeps of one target.
+/// State that the sensor keeps of one target.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Watched {
     /// The target's turn within a period, 0 to 1.
@@ -24,7 +24,7 @@ pub(crate) struct Watched {
     pub(crate) track: Option<LocalTrack>,
 }
 
-/// What there is to be seen at the time of a look.
+/// Target as it is to be seen at the time of a look.
 pub(crate) struct Seen {
     position_m: [f64; 3],
     identity: Identity,

@@ -1,4 +1,4 @@
-//! What a look yields: a measured position with its covariance.
+//! Measurement that a look yields: a position with its covariance.
 
 use estimation::Symmetric3;
 use nalgebra::Matrix2;

@@ -1,4 +1,4 @@
-//! What a sensor detected, before its own tracker made a track of it: a plot.
+//! Plots: detections of a sensor, before its own tracker made tracks of them.
 //!
 //! A tracker that is to be tried takes these instead of the sensor's tracks. They know nothing of earlier looks, and of
 //! which target they are only the truth knows.
@@ -19,7 +19,7 @@ pub struct Plot {
     pub time_of_measurement_ns: i64,
     /// Number of the sensor's period (a radar's turn) in which it was made, from 0.
     pub scan: u64,
-    /// What it is of.
+    /// Truth of the plot.
     pub of: Of,
     /// Measured position: east, north, up, metres; up is 0 without a height.
     pub position_m: [f64; 3],
@@ -60,8 +60,7 @@ impl Plot {
         }
     }
 
-    /// What a radar takes for targets in one delivery: anywhere in its coverage, without a reply and so without a
-    /// height.
+    /// False plots of a radar in one delivery: anywhere in its coverage, without a reply and so without a height.
     pub(crate) fn false_ones(
         settings: &Checked,
         (seed, source): (u64, u16),

@@ -21,7 +21,7 @@ use crate::schedule::Slot;
 use crate::sensor_settings::ResolutionCell;
 use crate::truth::Truth;
 
-/// Who is with whom in one delivery.
+/// Groups of targets that are not told apart in one delivery.
 #[derive(Debug)]
 pub(crate) struct Company {
     /// By number of the target: the first of those that are not told apart from it, itself included.
@@ -65,7 +65,7 @@ impl Company {
         Self { firsts, members }
     }
 
-    /// What is detected in a look at target number `index` that by itself would have found `alone`.
+    /// Detection in a look at target number `index` that by itself would have found `alone`; `None` if there is none.
     pub(crate) fn echo(
         &self,
         looks: &Looks,

@@ -1,4 +1,4 @@
-//! When a sensor looks at which target, and when it delivers.
+//! Times at which a sensor looks at each target, and delivers.
 //!
 //! Time is cut into *slots*, as many per period as the sensor makes deliveries; slot n ends with one delivery. The
 //! slots' number is all the state a sensor's clock has, so a sensor can begin anywhere.
@@ -54,7 +54,7 @@ impl Slot {
         Self::new(number, settings)
     }
 
-    /// When what was seen in this slot is delivered.
+    /// Time at which what was seen in this slot is delivered, seconds.
     pub(crate) fn delivered_s(&self, settings: &Checked) -> f64 {
         let seen_s = match settings.kind {
             SensorKind::Multilateration => self.begin_s,
@@ -79,8 +79,9 @@ impl Slot {
         (self.number / deliveries, self.number % deliveries)
     }
 
-    /// When in this slot the sensor looks at a thing, if it does: the thing is at `position_at` a time, and its
-    /// turn comes at `phase` (0 to 1) of each period where the sensor does not itself decide it.
+    /// Time in this slot at which the sensor looks at a thing, seconds; `None` if it does not. The thing is at
+    /// `position_at` a time, and its turn comes at `phase` (0 to 1) of each period where the sensor does not itself
+    /// decide it.
     pub(crate) fn look_s(&self, settings: &Checked, aim: &Aim, position_at: impl Fn(f64) -> [f64; 3]) -> Option<f64> {
         match settings.kind {
             SensorKind::Radar => self.antenna_passes_s(settings, position_at),

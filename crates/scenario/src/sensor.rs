@@ -64,7 +64,7 @@ impl SimulatedSensor {
         self.false_targets.clear();
     }
 
-    /// When the next delivery is due, seconds from the scenario's start.
+    /// Time at which the next delivery is due, seconds from the scenario's start.
     pub fn next_scan_time_s(&self) -> f64 {
         self.slot.delivered_s(&self.looks.settings)
     }
@@ -74,8 +74,8 @@ impl SimulatedSensor {
         self.slot.begin_s()
     }
 
-    /// When the period began, seconds from the scenario's start, if the next delivery is its first: a radar's antenna
-    /// then pointed north.
+    /// Begin of the period, seconds from the scenario's start, when a radar's antenna points north; `None` unless the
+    /// next delivery is the period's first.
     pub fn period_begins_s(&self) -> Option<f64> {
         let (_, slot_of_period) = self.slot.period(&self.looks.settings);
         (slot_of_period == 0).then_some(self.slot.begin_s())

@@ -1,4 +1,4 @@
-//! What a simulated sensor is like.
+//! Settings of a simulated sensor.
 //!
 //! One flat table of settings serves all kinds; what is not given is as usual for the kind. [`SensorSettings`] is as
 //! written; [`Checked`] is what the sensor runs on.
@@ -263,7 +263,7 @@ impl SensorSettings {
         })
     }
 
-    /// What is given, or the usual value of the kind: radar, multilateration, ADS-B.
+    /// Given value, or the usual one of the kind: radar, multilateration, ADS-B.
     fn of_kind<T: Copy>(&self, given: Option<T>, usual: [T; 3]) -> T {
         given.unwrap_or(usual[self.kind as usize])
     }
@@ -365,7 +365,7 @@ pub(crate) struct Checked {
     pub(crate) tracking: Tracking,
 }
 
-/// When the sensor looks and delivers.
+/// Schedule of the sensor's looks and deliveries.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScheduleSettings {
     pub(crate) period_s: f64,
@@ -413,7 +413,7 @@ pub(crate) enum PlaneErrors {
     },
 }
 
-/// What a radar can tell apart.
+/// Resolution of a radar.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ResolutionCell {
     pub(crate) range_m: f64,

@@ -1,4 +1,4 @@
-//! What traffic there is.
+//! Settings of the traffic.
 
 use settings::SettingsError;
 

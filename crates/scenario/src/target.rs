@@ -43,7 +43,7 @@ impl TargetKind {
 pub struct TargetState {
     /// Number of the target, from 0.
     pub id: u32,
-    /// What it is.
+    /// Kind of the target.
     pub kind: TargetKind,
     /// East, north, up, metres.
     pub position_m: [f64; 3],

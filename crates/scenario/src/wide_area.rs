@@ -93,7 +93,7 @@ struct Sighting {
     time_s: f64,
     /// First member of its group.
     first: u32,
-    /// Of its group, as reported.
+    /// Position of its group, as reported, metres.
     position_m: [f64; 3],
     velocity_mps: [f64; 3],
     /// Where it was first reported.
@@ -134,12 +134,12 @@ impl SimulatedWideAreaSensor {
         self.sightings.clear();
     }
 
-    /// When the next delivery is due, seconds from the scenario's start.
+    /// Time at which the next delivery is due, seconds from the scenario's start.
     pub fn next_delivery_s(&self) -> f64 {
         self.observed_s() + self.settings.delay_s
     }
 
-    /// When the reports of the next delivery are observed, seconds from the scenario's start.
+    /// Time at which the reports of the next delivery are observed, seconds from the scenario's start.
     pub fn observed_s(&self) -> f64 {
         self.settings.phase_s + self.period as f64 * self.settings.period_s
     }

@@ -8,7 +8,7 @@ use crate::place::Place;
 pub struct Key {
     /// Name in the file.
     pub name: &'static str,
-    /// What it is, as in the source: the first sentence says it.
+    /// Documentation of the key, as in the source; the first sentence says what it is.
     pub doc: &'static str,
     /// Numbers that it may have.
     pub range: Range,

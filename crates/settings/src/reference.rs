@@ -137,7 +137,7 @@ fn help_table(out: &mut String, table: &dyn Table, indent: &str, path: &str) {
 const COMMENT_AT: usize = 40;
 const LINE: usize = 120;
 
-/// What a file could say, with a comment that goes on in the next lines where it must.
+/// Writes a line as a file could have it, with a comment that goes on in the next lines where it must.
 fn help_line(out: &mut String, indent: &str, text: &str, comment: &str) {
     let mut line = format!("{text:<COMMENT_AT$} #");
     for word in comment.split_whitespace() {

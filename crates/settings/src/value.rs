@@ -40,7 +40,7 @@ pub trait Table {
     /// Name of the type.
     fn name(&self) -> &'static str;
 
-    /// What it is for, as in the source.
+    /// Documentation of the key, as in the source.
     fn doc(&self) -> &'static str;
 
     /// Its own keys.

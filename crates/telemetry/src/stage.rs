@@ -19,7 +19,7 @@ pub enum Stage {
     Age,
 }
 
-/// What ends the journey of a state, for whoever measures it.
+/// Event that ends the journey of a state, for whoever measures it.
 ///
 /// A subscriber that is woken for every slice measures the whole journey. One that looks only now and then, to spare
 /// the publisher the waking, would measure its own pauses: for it, the journey ends where fusion has published the
@@ -88,7 +88,7 @@ impl Stage {
     }
 }
 
-/// When the journey of a state ended, on both clocks, nanoseconds; 0 if that is not known.
+/// End of a state's journey on both clocks, nanoseconds; 0 if that is not known.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ended {
     mono_ns: i64,
@@ -96,7 +96,7 @@ pub(crate) struct Ended {
 }
 
 impl JourneyEnd {
-    /// When the journey of `track` ended, which was received at `received_ns` and, by UTC, `received_utc_ns`.
+    /// End of the journey of `track`, which was received at `received_ns` and, by UTC, `received_utc_ns`.
     pub(crate) fn of(self, track: &SystemTrack, received_ns: i64, received_utc_ns: i64) -> Ended {
         let fused_ns = track.stages.fused_ns;
         match self {

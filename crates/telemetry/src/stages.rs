@@ -44,7 +44,7 @@ pub struct Irregularities {
     pub too_long: u64,
 }
 
-/// What is measured.
+/// Extent of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Journey {
     /// The first so many sources that report get histograms of their own.
@@ -229,7 +229,7 @@ impl Stages {
         self.sources.iter().map(|source| source.number)
     }
 
-    /// What is measured.
+    /// Extent of a measurement.
     pub fn journey(&self) -> &Journey {
         &self.journey
     }
@@ -269,7 +269,7 @@ impl Stages {
             .map_or_else(Summary::default, Summary::from)
     }
 
-    /// What was counted instead of recorded in one stage, since the beginning.
+    /// Counts of latencies that were not recorded in one stage, since the beginning.
     pub fn irregularities(&self, stage: Stage) -> Irregularities {
         self.irregularities[stage as usize]
     }

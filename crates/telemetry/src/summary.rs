@@ -1,4 +1,4 @@
-//! What is said of a distribution in a few figures.
+//! A distribution in a few figures.
 
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};

@@ -8,7 +8,7 @@ use comfy_table::{CellAlignment, presets};
 
 use crate::summary::Summary;
 
-/// What a column holds.
+/// Content of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// Text, set from the left.

@@ -1,4 +1,4 @@
-//! What was done, and what was rejected (input) or dropped (for want of room).
+//! Counts of what was done, rejected (input) or dropped (for want of room).
 
 /// Counters; they only rise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

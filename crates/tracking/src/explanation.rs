@@ -1,4 +1,4 @@
-//! What the tracker considered and decided, and why.
+//! Records of what the tracker considered and decided, and why.
 //!
 //! A track says where a target is, not how it came to be believed: which interpretations there were, how reliable each
 //! was, and what tipped the scales. Each of these can be had as a record by whoever gives

@@ -1,4 +1,4 @@
-//! When a track is believed, and when it is given up (HT-10).
+//! Life of a track: confirmation and deletion (HT-10).
 //!
 //! A tentative track is confirmed once nearly all of the probability lies with hypotheses that contain it; a track of
 //! either kind is deleted once a target that is still there would hardly have been missed for so long.
@@ -31,7 +31,7 @@ settings::settings! {
         silent_s: Seconds = Seconds::of(60.0), in [1e-3, 86_400];
     }
 
-    /// When a track is given up.
+    /// Deletion of tracks.
     #[derive(Copy)]
     pub struct DeletionSettings with limits: Deletion {
         /// Time for which a sensor that looks again sees the same: whether it detects a target, and by how much it is

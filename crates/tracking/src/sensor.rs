@@ -1,4 +1,4 @@
-//! What a scan of a sensor can tell, and what of it is worth how much.
+//! Model of a sensor: what a scan can tell, and what of it is worth how much.
 //!
 //! The obvious reading of a probability of detection of 0.9 is that five misses in a row happen to a target once in a
 //! hundred thousand times. That holds for a radar that turns once in four seconds. A camera with ten images a second

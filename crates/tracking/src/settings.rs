@@ -33,9 +33,9 @@ settings::settings! {
         motion: MotionSettings = MotionSettings::default();
         /// Assumptions on a target before it was observed.
         initiation: Initiation = Initiation::default();
-        /// When a track is believed (HT-10).
+        /// Confirmation of tracks (HT-10).
         confirmation: Confirmation = Confirmation::default();
-        /// When a track is given up (HT-10).
+        /// Deletion of tracks (HT-10).
         deletion: DeletionSettings = DeletionSettings::default();
         /// Which hypotheses are kept (HT-9).
         reduction: Reduction = Reduction::default();
@@ -59,7 +59,7 @@ settings::settings! {
         sigmas: Option<Vec<f64>> = None, in [1e-9, 1e6];
         /// Standard deviation of range rates of detections that state none; needs `sigmas` beside it.
         range_rate_sigma_mps: Option<f64> = None, in [1e-9, 1e6];
-        /// Of scans at the same time (`selection.same_time_s`) only those of the sensor with the highest priority are
+        /// Priority: of scans at the same time (`selection.same_time_s`) only those of the sensor with the highest one are
         /// used.
         priority: u32 = 0;
     }

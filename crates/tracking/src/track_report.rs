@@ -1,4 +1,4 @@
-//! What is said of the confirmed tracks after a scan: each by its best branch, or several as one group.
+//! Reports of the confirmed tracks after a scan: each by its best branch, or several as one group.
 
 use estimation::Gaussian;
 use messages::{NS_PER_S, SensorTrack, TargetType, TrackKind, TrackState, sensor_track_bits};

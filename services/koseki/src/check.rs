@@ -131,7 +131,7 @@ fn describe_world(world: &ScenarioSettings) -> String {
     }
 }
 
-/// What a tracker does besides, as far as it was asked to.
+/// Further tasks of a tracker, as far as it was asked to do them.
 fn links(tracker: &TrackerSettings, source: &Source, config: &Config) -> String {
     let mut text = String::new();
     if let Some(period_ns) = tracker.outputs.period_ns {

@@ -206,7 +206,7 @@ impl<W: Write> Blocks<W> {
     }
 }
 
-/// What was written, and what was left out.
+/// Counts of what was written and left out.
 #[derive(Default)]
 struct Written {
     records: u64,

@@ -12,7 +12,7 @@ const EXTENT_MIN: f64 = 1e-3;
 
 /// An area that is drawn on.
 pub(crate) type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-/// What drawing returns.
+/// Result of drawing.
 pub(crate) type Drawn = Result<(), Box<dyn std::error::Error>>;
 
 /// Ranges of both axes that show all `places` on so many pixels, and how much of them a pixel is.

@@ -16,7 +16,7 @@ use serde_json::Value;
 use crate::args::{Score, ScoreFixes, ScoreTracks, ScoreWhat, Usage};
 use crate::files::{InputError, open};
 
-/// What stands beside the truth of a scripted case.
+/// Files beside the truth of a scripted case.
 const SETTINGS_FILE: &str = "meta.json";
 /// Significant digits on the screen.
 const DIGITS: usize = 4;

@@ -82,7 +82,7 @@ pub(crate) fn clear_if_ended(root: &Root) -> Result<(), BusError> {
     Ok(())
 }
 
-/// What one process, or the launcher about one process, said first and last.
+/// First and last message of one process, or of the launcher about it.
 #[derive(Clone, Copy, Debug)]
 struct Heard {
     first: Health,

@@ -46,7 +46,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
 
 /// Something that observes the simulated world, with its way out.
 trait Observer: fmt::Debug {
-    /// When its next delivery is due, seconds from the scenario's start.
+    /// Time at which its next delivery is due, seconds from the scenario's start.
     fn due_s(&self) -> f64;
 
     /// Observes and sends what is due.

@@ -114,7 +114,7 @@ impl Observer for Sensor {
     }
 }
 
-/// What a sensor of this kind speaks.
+/// Category and edition that a sensor of this kind speaks.
 fn table(kind: SensorKind) -> Option<&'static Category> {
     registry::default_edition(match kind {
         SensorKind::Radar => 48,

@@ -56,7 +56,7 @@ impl<'a> Frames<'a> {
         Some(Ok(Datagram::of(payload, Some(time_stamp), begin + HEADER_OCTETS)))
     }
 
-    /// What is no frame, up to behind the next trailer: there the next frame begins, or the next attempt.
+    /// Skips what is no frame, up to behind the next trailer: there the next frame begins, or the next attempt.
     fn skip(&self, begin: usize, rest: &[u8]) -> Skipped {
         let length = length(rest);
         let trailer = rest.windows(TRAILER.len()).position(|octets| octets == TRAILER);

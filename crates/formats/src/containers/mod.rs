@@ -262,7 +262,7 @@ impl<'a> Datagrams<'a> {
         }
     }
 
-    /// What is left when the recording has ended: fragments whose rest never came.
+    /// Fragments left when the recording has ended, whose rest never came.
     fn finish(&mut self) -> Option<Result<Datagram<'a>, Skipped>> {
         self.counts.framing_octets += (self.bytes.len() - self.accounted) as u64;
         self.accounted = self.bytes.len();

@@ -1,4 +1,4 @@
-//! What no unbiased method can beat: the stochastic Cramér–Rao bound of the bearings.
+//! The stochastic Cramér–Rao bound of the bearings, which no unbiased method can beat.
 //!
 //! For signals that are random themselves, with covariance P and noise of variance 1 (Stoica, Larsson & Gershman, "The
 //! stochastic CRB for array processing: a textbook derivation", IEEE Signal Processing Letters 8 (5), 2001):

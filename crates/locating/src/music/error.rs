@@ -1,4 +1,4 @@
-//! What cannot be measured, and why.
+//! Reasons why something cannot be measured.
 
 use thiserror::Error;
 

@@ -56,14 +56,14 @@ impl Converter {
         }
     }
 
-    /// What follows was received at `received_ns` (UTC, nanoseconds). From now on that is what times of day are
-    /// compared with: they are of the day that brings them nearest to it, and refused if they are farther from it than
-    /// the limit on time steps. A recording has no such time; there the source's running time takes its place.
+    /// Says when the reports that follow were received, UTC, nanoseconds. From now on times of day are of the day that
+    /// brings them nearest to it, and rejected if they are farther from it than the limit on time steps. A recording
+    /// has no such time; there the source's running time takes its place.
     pub fn received(&mut self, received_ns: i64) {
         self.received_ns = Some(received_ns);
     }
 
-    /// What has been counted, indexed by [`Counter`].
+    /// Everything that has been counted, indexed by [`Counter`].
     pub fn counters(&self) -> &Counters {
         &self.counters
     }

@@ -11,6 +11,8 @@ use observations::{Quality, Service};
 
 use super::Reading;
 
+// Places in octets are constants of the callers: inlined, they become part of the instructions.
+
 /// An element that stands behind V (not validated) and G (garbled, or corrected) in its item.
 pub(super) struct Reply(Elements<3>);
 
@@ -24,12 +26,14 @@ impl Reply {
     }
 
     /// A Mode 3/A code that was received well.
+    #[inline(always)]
     pub(super) fn code(&self, record: &Record<'_>) -> Option<u16> {
         let [not_validated, garbled, code] = self.0.numbers(record)?;
         (not_validated == 0 && garbled == 0).then_some(code as u16)
     }
 
     /// A level that was received well, in SI units.
+    #[inline(always)]
     pub(super) fn level(&self, record: &Record<'_>) -> Option<f64> {
         let [not_validated, garbled, level] = self.0.quantities(record)?;
         (not_validated == 0.0 && garbled == 0.0).then_some(level)
@@ -37,6 +41,7 @@ impl Reply {
 }
 
 /// A time of day in nanoseconds, of an item in ticks of 1/128 s.
+#[inline(always)]
 pub(super) fn time_of_day_ns(record: &Record<'_>, time: &Elements<1>) -> Option<i64> {
     Some(nanoseconds(time.number(record)?))
 }

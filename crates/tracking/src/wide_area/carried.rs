@@ -1,4 +1,4 @@
-//! What a population carries of wide-area support from scan to scan.
+//! State of wide-area support that a population carries from scan to scan.
 
 use super::identification::Identities;
 

@@ -1,5 +1,5 @@
-//! What wide-area support adds to the tracks that are given out: who they are and where they came from (WA-9), and that
-//! several are one group (WA-7).
+//! Additions of wide-area support to the tracks that are given out: who they are and where they came from (WA-9), and
+//! that several are one group (WA-7).
 
 use estimation::Gaussian;
 use messages::TrackState;

@@ -1,4 +1,4 @@
-//! What an on-board receiver heard (WA-9), and those emissions that a scan may still use.
+//! Emissions that an on-board receiver heard (WA-9), and those that a scan may still use.
 
 use observations::Bearing;
 

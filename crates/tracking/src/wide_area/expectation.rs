@@ -1,4 +1,4 @@
-//! What the reports say of each cluster at one scan.
+//! Expectations that the reports give of each cluster at one scan.
 //!
 //! Reports of the same time of observation add up where they mean the same cluster: a sensor may report targets one by
 //! one, or many together. Of different times the latest one holds.

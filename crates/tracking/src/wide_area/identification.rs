@@ -1,4 +1,4 @@
-//! Who a target is (WA-9): what it emits, and where it came from.
+//! Identification of a target (WA-9) by what it emits and where it came from.
 //!
 //! Neither tells enough alone. An on-board receiver measures frequency, pulse interval and bearing of an emission;
 //! several types emit the like, and a bearing has no range. The wide-area sensor knows where the targets came from;

@@ -1,4 +1,4 @@
-//! What is known before anything is seen (WA-10).
+//! Knowledge before anything is seen (WA-10).
 //!
 //! Who comes from where is often known: from this bearing come airliners; from that field, fours of the same type. Such
 //! knowledge is of a place, not of a target, so it is stated by place: a sector of bearings from a point, or a circle.
@@ -31,7 +31,7 @@ settings::settings! {
         check Knowledge::check;
         /// Type of target.
         types as "type": Vec<TargetType> = Vec::new();
-        /// What is known of one place.
+        /// Knowledge of one place.
         priors as "prior": Vec<Prior> = Vec::new();
     }
 
@@ -54,7 +54,7 @@ settings::settings! {
         pulse_interval_s: Option<[f64; 2]> = None;
     }
 
-    /// What is known of one place: exactly one of `sector` and `circle`.
+    /// Knowledge of one place: exactly one of `sector` and `circle`.
     pub struct Prior {
         check Prior::check;
         /// Bearings from a point.

@@ -1,4 +1,4 @@
-//! What can be chosen of wide-area support, each by itself.
+//! Settings of wide-area support, each chosen by itself.
 //!
 //! Without reports none of it does anything.
 

@@ -76,10 +76,10 @@ pub(crate) enum Bench {
     /// The highest rate at which nothing is lost, and what happens beyond
     #[command(after_help = THROUGHPUT_EXAMPLES)]
     Throughput(Throughput),
-    /// What fusing one report costs, without any process around it
+    /// Cost of fusing one report, without any process around it
     #[command(after_help = ENGINE_EXAMPLES)]
     Engine(Engine),
-    /// What it costs fusion to be watched: pairs of runs with and without
+    /// Cost to fusion of being watched: pairs of runs with and without
     #[command(after_help = WATCH_EXAMPLES)]
     Watch(Watch),
     /// Two files of one command, before and after a change
@@ -87,7 +87,7 @@ pub(crate) enum Bench {
     Compare(Compare),
 }
 
-/// What is sent, and where it runs.
+/// Traffic of a measurement, and where it runs.
 #[derive(Debug, Args)]
 pub(crate) struct Common {
     /// Targets
@@ -199,7 +199,7 @@ pub(crate) struct Throughput {
 }
 
 impl Throughput {
-    /// What is measured, how long a probe is, and what is written.
+    /// Limits that are searched for, length of a probe, and files that are written.
     pub(crate) fn orders(self) -> (Settings, f64, Outputs) {
         let settings = self.common.settings(Vec::new(), self.batch, self.seconds, 1, None);
         (settings, self.probe_seconds, self.files.outputs())
@@ -242,7 +242,7 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
-    /// What is measured, and what is written.
+    /// Runs that are measured, and files that are written.
     pub(crate) fn orders(self) -> (Settings, Outputs) {
         let settings = Settings {
             rates_per_s: vec![RATE_SPIN],
@@ -272,7 +272,7 @@ impl Engine {
 /// `koseki bench watch`.
 #[derive(Debug, Args)]
 pub(crate) struct Watch {
-    /// What is added: monitor, stopped-subscriber, subscribers=N, or flood=FACTOR (of source 0)
+    /// Subscribers that are added: monitor, stopped-subscriber, subscribers=N, or flood=FACTOR (of source 0)
     #[arg(long, value_name = "EXTRA", value_parser = extra)]
     with: Extra,
     /// Reports per second, of all sources together [default: 20000; with --wait event 2000]
@@ -295,7 +295,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// What is measured, what is added, and where the figures go.
+    /// Runs that are measured, subscribers that are added, and where the figures go.
     pub(crate) fn orders(self) -> (Settings, Extra, Option<PathBuf>) {
         let rate = self.rate.unwrap_or_else(|| self.common.wait.usual_rate());
         let settings = self
@@ -358,7 +358,7 @@ impl Common {
 }
 
 impl Latency {
-    /// What is measured, whether it is a sweep, and what is written.
+    /// Runs that are measured, whether they are a sweep, and files that are written.
     pub(crate) fn orders(self) -> (Settings, bool, Outputs) {
         let rates = match (self.sweep, self.rate.is_empty()) {
             (true, _) => SWEEP.to_vec(),

@@ -49,7 +49,7 @@ pub(crate) struct Decode {
     pub(crate) json: Option<PathBuf>,
 }
 
-/// What `--edition` chooses.
+/// Editions that `--edition` chooses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ChosenEdition {
     /// The table of a category.
@@ -159,13 +159,13 @@ pub(crate) struct Fuse {
     pub(crate) json: bool,
 }
 
-/// What the offline engines of fusion are given.
+/// Inputs and settings of the offline engines of fusion.
 #[derive(Debug, Args)]
 pub(crate) struct OfflineInput {
     /// Sensor tracks: CSV files, each in the order of time
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) tracks: Vec<PathBuf>,
-    /// What is known of the sensors, and settings of fusion: a TOML file
+    /// Description of the sensors, and settings of fusion: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
 }
@@ -220,10 +220,10 @@ pub(crate) struct Track {
     /// How many targets a wide-area sensor has seen, which reports late: a CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) wide_area: Option<PathBuf>,
-    /// What an on-board receiver has heard, to tell types of targets by: a CSV file of bearings
+    /// Emissions that an on-board receiver has heard, to tell types of targets by: a CSV file of bearings
     #[arg(long, value_name = "FILE")]
     pub(crate) emissions: Option<PathBuf>,
-    /// What is known of the sensors, and settings of the tracker: a TOML file
+    /// Description of the sensors, and settings of the tracker: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
     /// File for the tracks
@@ -362,7 +362,7 @@ Columns are found by name, others are ignored. A figure that cannot be computed 
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(crate) struct Score {
-    /// What else is scored.
+    /// Files that are scored besides.
     #[command(subcommand)]
     pub(crate) what: Option<ScoreWhat>,
     /// Where the targets are: a CSV file
@@ -394,7 +394,7 @@ pub(crate) struct Score {
     pub(crate) json: bool,
 }
 
-/// What `koseki score` scores beside pictures.
+/// Files that `koseki score` scores beside pictures.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ScoreWhat {
     /// Score how well a tracker tells targets apart, over one or more runs

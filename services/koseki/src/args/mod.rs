@@ -61,7 +61,7 @@ Examples:
 
 Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
 
-/// What can be asked for.
+/// Commands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Run the demonstration: simulated sensors, no file or network needed
@@ -304,7 +304,7 @@ pub(crate) struct Serve {
     pub(crate) name: Option<String>,
     #[command(flatten)]
     pub(crate) shared: Shared,
-    /// When the simulated world began, UTC, nanoseconds [default: now]
+    /// Begin of the simulated world, UTC, nanoseconds [default: now]
     #[arg(long, value_name = "NS", hide = true, allow_negative_numbers = true)]
     pub(crate) scenario_start: Option<i64>,
     /// Process number of the launcher, whose end this process follows
@@ -373,7 +373,7 @@ pub(crate) fn out_folder(given: Option<PathBuf>, instance: &str) -> PathBuf {
     given.unwrap_or_else(|| PathBuf::from(OUT_DEFAULT).join(instance))
 }
 
-/// What clap says about wrong usage, in one line.
+/// Message of clap about wrong usage, in one line.
 pub(crate) fn usage_line(error: &clap::Error) -> String {
     if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         let command = Cli::command();

@@ -1,4 +1,4 @@
-//! What can be written as the value of an option, and what is said of anything else.
+//! Values of options, and what is said of anything else.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ const SECONDS_MAX: f64 = 3.2e9;
 /// Times in files reach this far to either side of 0, seconds; no second beyond is worth scoring.
 const SECOND_MAX: f64 = 4e6;
 
-/// What `CAT=ED` or `CAT/RE=ED` chooses.
+/// Choice that `CAT=ED` or `CAT/RE=ED` makes.
 pub(super) fn edition(text: &str) -> Result<ChosenEdition, String> {
     let (category, edition) = text
         .split_once('=')

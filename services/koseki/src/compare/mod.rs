@@ -17,7 +17,7 @@ use crate::args::Compare;
 use crate::files::{InputError, open};
 use crate::offline::{Refusals, Setup, drive};
 
-/// What one rule came to.
+/// Result of one rule.
 #[derive(Debug, Serialize)]
 struct Outcome {
     rule: &'static str,

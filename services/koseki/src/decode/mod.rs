@@ -21,7 +21,7 @@ use crate::args::{ChosenEdition, Decode, Usage};
 use crate::files::is_same_file;
 use expansions::Expansions;
 
-/// What `--out` means by standard output.
+/// Value of `--out` that means standard output.
 const STANDARD_OUTPUT: &str = "-";
 /// Recordings shorter than this are decoded before anybody wonders.
 const PROGRESS_BYTES_MIN: usize = 64 << 20;

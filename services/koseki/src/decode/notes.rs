@@ -15,7 +15,7 @@ const CATEGORIES_SHOWN_MAX: usize = 8;
 /// Editions that are shown, of those that fit equally well.
 const EDITIONS_SHOWN_MAX: usize = 4;
 
-/// What was found in one line, and a line for everything that was not given.
+/// Notes on a recording: its content in one line, and a line for everything that was not given.
 pub(super) fn notes(decode: &Decode, survey: &Survey) -> String {
     let mut text = format!(
         "koseki: {}: {} of {} in {} ({})\n",
@@ -55,7 +55,7 @@ fn records_given(survey: &Survey) -> u64 {
     given.map(|category| category.records).sum()
 }
 
-/// What becomes of a category of which not all blocks fit, and what to try.
+/// Note on a category of which not all blocks fit: what becomes of it, and what to try.
 fn verdict(number: u8, category: &CategorySurvey, edition: Edition, strict: bool) -> String {
     let refused = count(category.blocks_refused);
     let of = match category.blocks {

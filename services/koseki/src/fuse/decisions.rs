@@ -1,4 +1,4 @@
-//! What the engine decided, as a table (BF-4): a row per decision, in the order in which they were made.
+//! Decisions of the engine as a table (BF-4): a row per decision, in the order in which they were made.
 
 use std::io::{self, Write as _};
 use std::path::Path;

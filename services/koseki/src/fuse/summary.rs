@@ -1,4 +1,4 @@
-//! What was read and what was found, for a person or as JSON.
+//! Summary of what was read and found, for a person or as JSON.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::offline::{Driven, Refusals, Setup};
 
-/// What there is to say.
+/// Figures of the summary.
 pub(crate) struct Summary<'a> {
     pub(crate) out: &'a Path,
     pub(crate) setup: &'a Setup<'a>,

@@ -1,4 +1,4 @@
-//! What the locator decided, as a table: a row per decision, in the order in which they were made.
+//! Decisions of the locator as a table: a row per decision, in the order in which they were made.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

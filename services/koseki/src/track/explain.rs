@@ -1,5 +1,5 @@
-//! What the tracker considered and decided, as a table: a row per record, in the order in which they were made. What
-//! the columns mean stands in docs/tracking.md.
+//! Records of what the tracker considered and decided, as a table: a row per record, in the order in which they were
+//! made. What the columns mean stands in docs/tracking.md.
 
 use std::cell::RefCell;
 use std::fmt::Write as _;

@@ -1,5 +1,5 @@
-//! What comes out of the tracker, as tables and figures: the tracks after each scan or at even times (WA-11), and where
-//! each sensor should look next (WA-12). What the columns of cues mean stands in docs/wide-area.md.
+//! Outputs of the tracker as tables and figures: the tracks after each scan or at even times (WA-11), and where each
+//! sensor should look next (WA-12). What the columns of cues mean stands in docs/wide-area.md.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! What a tracker is told besides detections: reports of a wide-area sensor (FM-6), and emissions that an on-board
+//! Inputs of a tracker besides detections: reports of a wide-area sensor (FM-6), and emissions that an on-board
 //! receiver heard (FM-7).
 
 use std::collections::BTreeMap;
