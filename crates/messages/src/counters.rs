@@ -38,6 +38,15 @@ impl Counters {
         Counter::of(class).map(|counter| self[counter]).sum()
     }
 
+    /// These counters but for those that only processes as a whole have.
+    #[must_use]
+    pub fn without_those_of_processes(mut self) -> Self {
+        for counter in Counter::ALL.iter().filter(|counter| counter.is_of_process()) {
+            self[*counter] = 0;
+        }
+        self
+    }
+
     /// Counts of a process that started when one with these counts had ended: added, but for levels, which are
     /// `later`'s.
     #[must_use]

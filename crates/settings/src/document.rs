@@ -50,12 +50,15 @@ impl<'a> Document<'a> {
         read.map(|()| table).map_err(|error| self.located(error))
     }
 
-    /// The same error with the line of its key.
+    /// The same error with the line of its key, or the word that an option has set it; once, however often it is asked.
     #[must_use]
     pub fn located(&self, mut error: SettingsError) -> SettingsError {
         let offset = self.offset(&error.key);
         if offset == Some(NOT_IN_TEXT) {
-            error.what = format!("{} (--set)", error.what);
+            let of_option = " (--set)";
+            if !error.what.ends_with(of_option) {
+                error.what.push_str(of_option);
+            }
         }
         let offset = offset.filter(|offset| *offset != NOT_IN_TEXT);
         error.line = error.line.or(offset.map(|offset| line_at(self.text, offset)));

@@ -183,6 +183,14 @@ fn replacements_are_checked_and_named_without_a_line() {
 }
 
 #[test]
+fn an_error_is_located_once() {
+    let overrides = ["wait_s=-1".to_owned()];
+    let document = Document::parse("name = \"a\"", &overrides).unwrap();
+    let error = document.read::<Site>().unwrap_err();
+    assert_eq!(document.located(error.clone()), error);
+}
+
+#[test]
 fn values_that_no_file_gave_are_checked_alike() {
     let mut site = Site::default();
     assert_eq!(check(&site), Ok(()));

@@ -1,7 +1,7 @@
 //! The system tracks on their way out.
 
 use bus::{Bus, Mark, Publisher, Transport};
-use configuration::Config;
+use configuration::{Config, Order};
 use messages::{Counter, ProcessKind, StreamId, SystemTrack};
 use runtime::clock::mono_ns;
 use runtime::flow::Flow;
@@ -38,7 +38,11 @@ impl<S: Transport> Output<S> {
             waiting: Vec::with_capacity(topic.capacity.slice_len + config.fusion.settings.capacity.system_tracks()),
             flow: follow.then(flow).transpose()?,
             origin: config.origin,
-            deadline_ns: config.fusion.deadline_ns,
+            deadline_ns: match config.order {
+                Order::Arrival => config.fusion.deadline_ns,
+                // Reports wait for each other by intention: none is late.
+                Order::Time => i64::MAX,
+            },
             deadline_misses: 0,
         })
     }

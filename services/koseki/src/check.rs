@@ -58,7 +58,11 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
         "monitor",
         format!("a table every {seconds} s, {files}; {}", watching(monitor)),
     );
-    row("", format!("late is what takes longer than: {}", deadlines(monitor)));
+    let late = match config.order {
+        Order::Arrival => format!("late is what takes longer than: {}", deadlines(monitor)),
+        Order::Time => "nothing is late: reports wait for each other by intention".to_owned(),
+    };
+    row("", late);
     if let Some(address) = monitor.metrics {
         row("", format!("metrics for Prometheus at http://{address}/metrics"));
     }

@@ -4,8 +4,7 @@
 //! over sources, instances or longer stretches of time, counts in common buckets can (`histogram_quantile` does it).
 //!
 //! All begin with `koseki_`. Every counter of `messages::Counter` is a family of its own, so that its sentence is its
-//! help text; the label `source` is empty where a process speaks of itself as a whole, and what it says then includes
-//! its sources.
+//! help text; the label `source` is empty where a process counts for none of its sources, so sums have everything once.
 
 use std::fmt;
 
@@ -51,7 +50,7 @@ pub(crate) struct StageSample {
     pub(crate) late: Option<u64>,
 }
 
-/// Counts of one process, for a source or, where that is empty, altogether.
+/// Counts of one process, for a source or, where that is empty, for none of its sources.
 #[derive(Clone, Debug)]
 pub(crate) struct Counted {
     pub(crate) kind: ProcessKind,

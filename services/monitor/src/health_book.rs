@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use messages::{Counters, Health, HealthName, LifeState, NO_SOURCE, ProcessKind, Registration};
+use messages::{Counter, Counters, Health, HealthName, LifeState, NO_SOURCE, ProcessKind, Registration};
 
 use crate::report::{Process, State};
 
@@ -146,6 +146,32 @@ impl HealthBook {
         let of = |source| self.said(ProcessKind::Adapter, name, source);
         let said = of(source).or_else(|| of(NO_SOURCE));
         said.map_or_else(Counters::default, |said| said.counters())
+    }
+
+    /// Counters of a process that it counts for none of its sources, so that sums over processes and sources have
+    /// everything once. `stands_for_source`: what it says of itself as a whole is taken for what it says of its only
+    /// source ([`Self::adapter`]).
+    pub(crate) fn apart_from_sources(
+        &self,
+        kind: ProcessKind,
+        name: &str,
+        stands_for_source: bool,
+    ) -> Option<Counters> {
+        let mut counters = self.whole(kind, name)?.counters();
+        let sources = self
+            .speakers
+            .range((kind, padded(name), 0)..(kind, padded(name), NO_SOURCE));
+        let of_sources: Vec<Counters> = sources.map(|(_, speaker)| Latest(speaker).counters()).collect();
+        for counter in Counter::ALL.iter().filter(|counter| !counter.is_of_process()) {
+            if of_sources.is_empty() && stands_for_source {
+                counters[*counter] = 0;
+            } else if kind != ProcessKind::Recorder {
+                // The recorder speaks of the system tracks apart from its sources; the others speak of all together.
+                let counted: u64 = of_sources.iter().map(|counters| counters[*counter]).sum();
+                counters[*counter] = counters[*counter].saturating_sub(counted);
+            }
+        }
+        Some(counters)
     }
 
     /// Counters of the service of a kind for one source; for all together with [`NO_SOURCE`].
@@ -314,8 +340,6 @@ fn padded(name: &str) -> HealthName {
 
 #[cfg(test)]
 mod tests {
-    use messages::Counter;
-
     use super::*;
     use test_support::S;
 
@@ -470,5 +494,33 @@ mod tests {
         };
         book.hear(&counting(of_source, 6));
         assert_eq!(book.adapter("radar", 1)[Counter::Taken], 6);
+    }
+
+    #[test]
+    fn what_is_counted_for_a_source_is_not_counted_for_the_process_again() {
+        let mut book = HealthBook::new(2);
+        let of = |kind, name: &str, source, taken, datagrams| {
+            let mut said = counting(health(kind, name, 1, S), taken);
+            said.counters[Counter::Datagrams] = datagrams;
+            Health { source, ..said }
+        };
+        let apart = |book: &HealthBook, kind, name, stands_for_source| {
+            let counters = book.apart_from_sources(kind, name, stands_for_source).unwrap();
+            [Counter::Taken, Counter::Datagrams].map(|counter| counters[counter])
+        };
+        let (adapter, recorder) = (ProcessKind::Adapter, ProcessKind::Recorder);
+        book.hear(&of(adapter, "radar", NO_SOURCE, 9, 3));
+        assert_eq!(apart(&book, adapter, "radar", true), [0, 3], "it speaks of its source");
+        assert_eq!(apart(&book, adapter, "radar", false), [9, 3], "it has no source");
+        book.hear(&of(adapter, "radar", 0, 5, 0));
+        book.hear(&of(adapter, "radar", 1, 2, 0));
+        assert_eq!(
+            apart(&book, adapter, "radar", false),
+            [2, 3],
+            "of no source that is configured"
+        );
+        book.hear(&of(recorder, "recorder", NO_SOURCE, 9, 0));
+        book.hear(&of(recorder, "recorder", 0, 50, 0));
+        assert_eq!(apart(&book, recorder, "recorder", false), [9, 0], "system tracks");
     }
 }

@@ -51,7 +51,7 @@ pub struct Report {
     /// Counters of fusion altogether.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub fusion: Counters,
-    /// Counters of each other process as a whole: recorder, gateways, simulator, adapters.
+    /// Counters of each other process (recorder, gateways, simulator, adapters) for none of its sources.
     pub others: Vec<ProcessCounters>,
     /// Counters of the monitor itself for the system tracks it read.
     #[serde(serialize_with = "crate::counters::serialize")]
@@ -122,7 +122,7 @@ impl AlarmReport {
     }
 }
 
-/// Counters of a process as a whole.
+/// Counters of a process for none of its sources.
 #[derive(Clone, Debug, Serialize)]
 pub struct ProcessCounters {
     /// The process, as it is called in text.

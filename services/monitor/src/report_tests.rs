@@ -300,6 +300,14 @@ fn what_is_allowed_of_a_live_run_is_not_of_a_recording() {
 }
 
 #[test]
+fn waiting_for_each_other_is_not_late() {
+    let mut report = good();
+    (report.settings.order, report.settings.speed) = ("time", Some("5".to_owned()));
+    let text = report.text(WIDTH);
+    assert!(text.contains("DEADLINES: none. Reports wait for each other"), "{text}");
+}
+
+#[test]
 fn a_restarted_monitor_does_not_accuse_others_of_what_it_has_not_seen() {
     let mut report = good();
     report.losses.complete = false;

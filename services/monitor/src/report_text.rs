@@ -192,7 +192,9 @@ impl Report {
         let class = |class| Counter::of(class).collect::<Vec<_>>();
         let of_process = || process_remarks().collect::<Vec<_>>();
         for source in &self.sources {
-            list(&source.name, "adapter", &source.adapter, class(CounterClass::Tracking));
+            let mut of_adapter = class(CounterClass::Tracking);
+            of_adapter.push(Counter::WaitedForConsumers);
+            list(&source.name, "adapter", &source.adapter, of_adapter);
             list(
                 &source.name,
                 "fusion",
@@ -326,6 +328,11 @@ impl Report {
     fn deadlines(&self) -> Option<String> {
         if !self.settings.latencies_measured {
             return None;
+        }
+        if self.settings.order == "time" {
+            return Some(
+                "DEADLINES: none. Reports wait for each other by intention, to be merged by time.\n".to_owned(),
+            );
         }
         let mut rows = Table::new(&[
             ("stage", Align::Left),

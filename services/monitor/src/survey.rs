@@ -8,7 +8,7 @@ use bus::{SubscriberCounts, WaitMode};
 use configuration::{Config, Input, MonitorWait, Order};
 use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, Health, NO_SOURCE, ProcessKind, SystemTrack};
 use runtime::{Now, Options, Speed};
-use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage, Stages};
+use telemetry::{Buckets, Deadlines, Journey, JourneyEnd, Span, Stage, Stages};
 
 use crate::display::overview::{AlarmRow, Overview, ProcessRow, SourceRow, stage_rows};
 use crate::exposition::{Counted, Snapshot, StageSample};
@@ -254,15 +254,26 @@ impl Survey {
             })
         };
         let of_stage = |stage| self.stages.sources().filter_map(move |number| of_source(stage, number));
-        let source = |number| match number {
-            NO_SOURCE => String::new(),
-            number => self.source_name(number).to_owned(),
-        };
-        let counted = self.book.all_said().map(|(kind, number, said)| Counted {
-            kind,
-            process: said.name().to_owned(),
-            source: source(number),
-            counters: said.counters(),
+        let counted = self.book.all_said().flat_map(|(kind, number, said)| {
+            let counted = |source: &str, counters| Counted {
+                kind,
+                process: said.name().to_owned(),
+                source: source.to_owned(),
+                counters,
+            };
+            if number != NO_SOURCE {
+                return vec![counted(self.source_name(number), said.counters())];
+            }
+            let whole = self.apart_from_sources(kind, said.name());
+            let mut all = vec![counted("", whole.unwrap_or_default())];
+            // An adapter that speaks of itself only, means its source.
+            let sources = self
+                .sources
+                .iter()
+                .filter(|source| kind == ProcessKind::Adapter && source.adapter == said.name());
+            let sources = sources.filter(|source| self.book.said(kind, said.name(), source.number).is_none());
+            all.extend(sources.map(|source| counted(&source.name, said.counters().without_those_of_processes())));
+            all
         });
         Snapshot {
             settings: self.settings.clone(),
@@ -387,15 +398,21 @@ impl Survey {
         Stage::ALL.into_iter().map(misses).sum()
     }
 
-    /// Counters of the processes but fusion and the monitor, each as a whole.
+    /// Counters of a process for none of its sources.
+    fn apart_from_sources(&self, kind: ProcessKind, name: &str) -> Option<Counters> {
+        let has_source = self.sources.iter().any(|source| source.adapter == name);
+        let stands_for_source = kind == ProcessKind::Adapter && has_source;
+        self.book.apart_from_sources(kind, name, stands_for_source)
+    }
+
+    /// Counters of the processes but fusion and the monitor, for none of their sources.
     fn others(&self) -> Vec<ProcessCounters> {
         let apart = [ProcessKind::Fusion, ProcessKind::Monitor];
         let others = self.expected.iter().filter(|(kind, _)| !apart.contains(kind));
         let said = others.filter_map(|(kind, name)| {
-            let counters = self.book.whole(*kind, name)?.counters();
             Some(ProcessCounters {
                 process: title(*kind, name),
-                counters,
+                counters: self.apart_from_sources(*kind, name)?,
             })
         });
         said.collect()
@@ -419,7 +436,11 @@ fn journey(config: &Config) -> Journey {
             MonitorWait::Event => JourneyEnd::Received,
             MonitorWait::Poll { .. } => JourneyEnd::Published,
         },
-        deadlines: config.monitor.deadlines,
+        deadlines: match config.order {
+            Order::Arrival => config.monitor.deadlines,
+            // Reports wait for each other by intention: nobody is late.
+            Order::Time => Deadlines::default(),
+        },
         ..Journey::default()
     }
 }

@@ -99,7 +99,8 @@ fn arrivals_are_accounted_for_hop_by_hop() {
     let verdict = bench.verdict();
     assert!(verdict.contains("30 reports did not reach fusion"), "{verdict}");
     assert!(verdict.contains("the recorder missed 10 samples"), "{verdict}");
-    assert!(text.contains(Counter::RejectedJump.sentence()), "{text}");
+    let listed = text.matches(Counter::RejectedJump.sentence()).count();
+    assert_eq!(listed, 1, "for the source, not for its adapter again: {text}");
 }
 
 #[test]
@@ -285,6 +286,20 @@ fn recordings_as_fast_as_possible_have_no_latencies() {
         10
     );
     assert!(text.contains("LATENCY: not measured"), "{text}");
+}
+
+#[test]
+fn what_waits_by_intention_is_not_late() {
+    let config = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(config.path(), RECORDED).unwrap();
+    for (order, late) in [("time", 0), ("arrival", 10)] {
+        let order_key = format!("time.order=\"{order}\"");
+        let mut bench = Bench::with(&[&order_key], Speed::Factor(5.0), config.path());
+        bench.fuse(0, 10, 5_000_000);
+        bench.pass(S);
+        bench.turn();
+        assert_eq!(bench.own_health().counters[Counter::StagesLate], late, "{order}");
+    }
 }
 
 #[test]

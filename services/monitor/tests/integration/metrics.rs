@@ -88,6 +88,12 @@ fn everything_that_is_known_is_collected() {
         (Counter::TentativeTracks, 1),
     ];
     bench.say(ProcessKind::Fusion, "fusion", messages::NO_SOURCE, &levels);
+    // What fusion and an adapter of one source say of themselves as a whole has what they say of their sources.
+    bench.say(ProcessKind::Fusion, "fusion", 0, &[(Counter::Taken, 10)]);
+    let levels_and_total = [&levels[..], &[(Counter::Taken, 10), (Counter::Lost, 7)]].concat();
+    bench.say(ProcessKind::Fusion, "fusion", messages::NO_SOURCE, &levels_and_total);
+    let whole = [(Counter::Records, 50), (Counter::Datagrams, 5)];
+    bench.say(ProcessKind::Adapter, "ads-b", messages::NO_SOURCE, &whole);
     bench.pass(S);
     bench.turn();
     let samples = collect(&url(&bench));
@@ -148,6 +154,18 @@ fn everything_that_is_known_is_collected() {
         !samples.keys().any(|name| name.contains("fused_to_received")),
         "not measured"
     );
+    let sum_of = |family: &str| -> f64 {
+        let samples = samples.iter().filter(|(name, _)| name.starts_with(family));
+        samples.map(|(_, value)| value).sum()
+    };
+    for (family, expected) in [("lost", 7.0), ("records", 50.0), ("datagrams", 5.0)] {
+        assert_eq!(sum_of(&format!("koseki_{family}_total{{")), expected, "{family}");
+    }
+    let of_fusion = |source: &str| {
+        let labels = format!("{{kind=\"fusion\",process=\"fusion\",source=\"{source}\"}}");
+        samples[&format!("koseki_taken_total{labels}")]
+    };
+    assert_eq!([of_fusion(""), of_fusion("radar-west")], [0.0, 10.0]);
     let sum = samples["koseki_stage_latency_seconds_sum{stage=\"end_to_end\",source=\"ads-b\"}"];
     assert!((sum / (20.0 * 12e-6) - 1.0).abs() < 1e-3, "{sum}");
 }
