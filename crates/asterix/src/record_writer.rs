@@ -19,9 +19,9 @@
 //! assert_eq!(record.finish(), [0b1100_0000, 0x14, 0x0A, 1]);
 //! ```
 
-use super::bits::{fspec_octet, put};
+use super::bits::fspec_octet;
 use super::field::{Elements, Field};
-use super::table::{Category, Frn, Item, Layout, MAX_FSPEC_OCTETS, extent_of_part};
+use super::table::{Category, Frn, Item, Layout, MAX_FSPEC_OCTETS, Uap, extent_of_part};
 
 /// The octets that are reserved for a record when the writer is made; a longer one makes it grow once.
 const RESERVED_OCTETS: usize = 256;
@@ -30,6 +30,7 @@ const RESERVED_OCTETS: usize = 256;
 #[derive(Debug, Clone)]
 pub struct RecordWriter {
     table: &'static Category,
+    uap: &'static Uap,
     /// The items begun and finished.
     items: Vec<u8>,
     /// Bit FRN − 1 for each item.
@@ -49,6 +50,7 @@ impl RecordWriter {
     pub fn new(table: &'static Category) -> Self {
         Self {
             table,
+            uap: table.uap(),
             items: Vec::with_capacity(RESERVED_OCTETS),
             present: 0,
             begin: 0,
@@ -64,6 +66,7 @@ impl RecordWriter {
     }
 
     /// Writes an item of these elements; see [`put`](Self::put).
+    #[inline(always)]
     pub fn write<const N: usize>(&mut self, elements: &Elements<N>, numbers: [i64; N]) {
         self.item(elements.item);
         for (field, number) in elements.fields.into_iter().zip(numbers) {
@@ -97,7 +100,7 @@ impl RecordWriter {
         let (_, subitems) = self.compound.as_mut().expect("begun as a compound item");
         debug_assert!(*subitems < bit, "{}: subitem {position} after a later one", self.table);
         *subitems |= bit;
-        let subitem = match self.table.uap().item(frn).map(|item| &item.layout) {
+        let subitem = match self.uap.item(frn).map(|item| &item.layout) {
             Some(Layout::Compound(subitems)) => subitems.get(position - 1).and_then(Option::as_ref),
             _ => None,
         };
@@ -106,24 +109,35 @@ impl RecordWriter {
 
     /// Puts the number of an element, which its bits can hold, into the item or subitem begun last. An extension is
     /// sent only for a number other than 0.
+    #[inline(always)]
     pub fn put(&mut self, field: Field, number: impl Into<i64>) -> &mut Self {
         let number = number.into();
         debug_assert!(field.holds(number), "{}: {number} in {} bits", self.table, field.bits);
-        let end = self.begin + field.byte + field.octets;
+        let begin = self.begin + field.byte;
+        let end = begin + field.octets;
         if end > self.items.len() {
             debug_assert!(self.is_extended, "{}: an element beyond its item", self.table);
             if number == 0 {
                 return self;
             }
-            while self.items.len() < end {
-                *self.items.last_mut().expect("the first part") |= 1;
-                self.items.push(0);
-            }
+            self.extend_to(end);
         }
-        let first_bit = 8 * end - (field.shift + field.bits) as usize;
         let bits = number as u64 & u64::MAX >> (u64::BITS - field.bits);
-        put(&mut self.items, first_bit, field.bits as usize, bits);
+        let octets = (bits << field.shift).to_be_bytes();
+        let unused = octets.len() - field.octets;
+        for (octet, bits) in self.items[begin..end].iter_mut().zip(&octets[unused..]) {
+            *octet |= bits;
+        }
         self
+    }
+
+    /// Appends extensions up to this end.
+    #[cold]
+    fn extend_to(&mut self, end: usize) {
+        while self.items.len() < end {
+            *self.items.last_mut().expect("the first part") |= 1;
+            self.items.push(0);
+        }
     }
 
     /// Ends the record and gives its octets; the next item begins another.
@@ -146,7 +160,7 @@ impl RecordWriter {
             frn.get()
         );
         self.present |= bit;
-        self.table.uap().item(frn).expect("the edition has the item")
+        self.uap.item(frn).expect("the edition has the item")
     }
 
     /// Appends the least octets of an item or subitem.
@@ -170,8 +184,10 @@ impl RecordWriter {
     }
 
     /// Puts the FSPEC of a compound item before its subitems.
+    #[inline]
     fn end_compound(&mut self) {
-        if let Some((begin, subitems)) = self.compound.take() {
+        if let Some((begin, subitems)) = self.compound {
+            self.compound = None;
             let before = self.items.len();
             self.items.extend(fspec(subitems));
             let octets = self.items.len() - before;
