@@ -2,10 +2,10 @@
 //!
 //! ```text
 //!              bad for the on-delay              good for the off-delay
-//!   suspected ──────────────────────▶ standing ──────────────────────────▶ cleared
-//!       ▲                              │    ▲                                 │
-//!       │                              └────┘ bad, or in between              │
-//!       └──────────────────────────────── bad again ──────────────────────────┘
+//!   suspected ─────────────────────▶ standing ─────────────────────────▶ cleared
+//!       ▲                              │    ▲                                │
+//!       │                              └────┘ bad, or in between             │
+//!       └───────────────────────────── bad again ────────────────────────────┘
 //! ```
 //!
 //! Conditions are gone through in *rounds*: in each, whoever evaluates them names those that it finds bad or in between

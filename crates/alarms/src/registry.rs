@@ -99,11 +99,11 @@ alarms! {
     DetectionFell = 6, "detection-fell", Warning, raise 30 s, clear 60 s,
         "{source} sees its targets in {now} of its scans, {before} before.",
         "Look at the sensor's transmitter, receiver and antenna, at its thresholds, and at the weather.";
-    SenderUnknown = 7, "sender-unknown", Major, raise 0 s, clear 30 s,
-        "{process} has heard a sender that no source is configured for: SAC/SIC {sender}, {records}{others}.",
-        "Write these codes as `sac` and `sic` of the source that they are of, or keep the sender away from the receiver.";
+    SenderUnknown = 7, "sender-unknown", Warning, raise 0 s, clear 30 s,
+        "{process} hears senders that no source is configured for: {sender}, {blocks}{others}.",
+        "Write these codes as `sac` and `sic` of the source that they are of, or keep the sender out with `senders`.";
     EditionWrong = 8, "edition-wrong", Major, raise 0 s, clear 30 s,
-        "{blocks} of {source} cannot be read as category {category} edition {edition}, and {fitting} of them fit {other}.",
+        "{fitting} of {source} cannot be read as configured, and fit category {category} edition {edition}.",
         "Write the edition that fits into the source's `editions`; `koseki decode --statistics` reads a recording of it.";
     NeverJoined = 9, "never-joined", Warning, raise 30 s, clear 30 s,
         "{source} and {partner} see the same area, and none of their tracks has joined: {pairs} fly side by side.",

@@ -21,6 +21,9 @@ use super::{Config, Fusion, Input, Instrument, Links, Order, Recorded, RecordedF
 use runtime::cores::Placement;
 use sources::{Processing, TrackerSettings};
 
+/// Shortest silence that is told, seconds: processes speak five times a second.
+const SILENT_MIN_S: f64 = 1.0;
+
 pub(super) type Checked<T> = Result<T, SettingsError>;
 
 pub(super) fn check_name(key: &str, name: &str) -> Checked<()> {
@@ -191,7 +194,7 @@ fn check_source(
 /// Silence that is an alarm.
 fn silent_after_ns(raw: &SourceTable, input: &Input) -> Option<i64> {
     let is_expected = !matches!(input, Input::Recorded(_)) && raw.silent_periods > 0.0;
-    is_expected.then(|| (raw.silent_periods * raw.period_s() * messages::NS_PER_S) as i64)
+    is_expected.then(|| ((raw.silent_periods * raw.period_s()).max(SILENT_MIN_S) * messages::NS_PER_S) as i64)
 }
 
 fn check_tracker(

@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 
-use asterix::{Category, Decoder, Mode};
+use asterix::{Category, Decoder, Mode, registry};
 use formats::sbs::SbsSettings;
 use outgoing::HeightReference;
 
@@ -44,6 +44,12 @@ pub struct Asterix {
 }
 
 impl Asterix {
+    /// Table that a category is read by; `None` if there is none.
+    pub fn table(&self, category: u8) -> Option<&'static Category> {
+        let stated = self.tables.iter().find(|table| table.number == category).copied();
+        stated.or_else(|| registry::default_edition(category))
+    }
+
     /// A decoder that reads so.
     pub fn decoder(&self) -> Decoder {
         let decoder = Decoder::new(self.mode);

@@ -583,7 +583,7 @@ static_assert(sizeof(KosekiCounters) == 768, "size");
 static_assert(offsetof(KosekiCounters, values) == 0, "offset");
 
 typedef struct KosekiHealth {
-    int64_t said_ns; /* When this was said, monotonic, nanoseconds. */
+    int64_t said_ns; /* Time of this message, monotonic, nanoseconds. */
     uint64_t incarnation; /* Monotonic start time of the process, nanoseconds. */
     int64_t progress_ns; /* How far the process has got in the time of its data, UTC, nanoseconds; i64::MIN if unknown. */
     uint32_t process_id; /* Operating system's process number. */

@@ -736,7 +736,7 @@ assert Counters.values.offset == 0
 
 class Health(ctypes.Structure):
     _fields_ = [
-        ("said_ns", ctypes.c_int64),  # When this was said, monotonic, nanoseconds.
+        ("said_ns", ctypes.c_int64),  # Time of this message, monotonic, nanoseconds.
         ("incarnation", ctypes.c_uint64),  # Monotonic start time of the process, nanoseconds.
         ("progress_ns", ctypes.c_int64),  # How far the process has got in the time of its data, UTC, nanoseconds; i64::MIN if unknown.
         ("process_id", ctypes.c_uint32),  # Operating system's process number.

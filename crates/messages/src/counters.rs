@@ -311,6 +311,16 @@ counters! {
         "Cues published: where the sensor should look next.";
     DetectionsWithoutFix = "detections_without_fix", Tracking by [Adapter],
         "Bearings of transmitters whose place the geometry does not yet allow to be told.";
+    UnknownSender = "unknown_sender", Level by [],
+        "Level: SAC × 256 + SIC of the sender that was heard most, of those that no source is configured for.";
+    UnknownSenderBlocks = "unknown_sender_blocks", Level by [],
+        "Level: blocks that were heard of that sender.";
+    UnknownSenders = "unknown_senders", Level by [],
+        "Level: senders that no source is configured for.";
+    BlocksOfOtherEdition = "blocks_of_other_edition", AdapterRemark by [Adapter],
+        "Blocks that cannot be read as configured and fit another edition of their category.";
+    OtherEdition = "other_edition", Level by [],
+        "Level: category × 65536 + edition (before the point) × 256 + edition (after it) that most of those blocks fit.";
 }
 
 #[cfg(test)]

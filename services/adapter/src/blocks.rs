@@ -14,6 +14,7 @@ use runtime::{HealthEntry, Now};
 
 use crate::channel::Channel;
 use crate::counted::decoded;
+use crate::misfits::{Misfits, Strangers};
 use crate::receiver::{Datagrams, Received};
 
 /// The sources behind the socket, and what could not be given to one of them.
@@ -23,7 +24,8 @@ pub(crate) struct Blocks {
     senders: Vec<Option<(u8, u8)>>,
     decoders: Vec<Decoder>,
     channels: Vec<Channel>,
-    strangers: u64,
+    misfits: Vec<Misfits>,
+    strangers: Strangers,
     blocks_rejected: u64,
     bytes_rejected: u64,
 }
@@ -34,7 +36,8 @@ impl Blocks {
             senders: Vec::new(),
             decoders: Vec::new(),
             channels: Vec::new(),
-            strangers: 0,
+            misfits: Vec::new(),
+            strangers: Strangers::default(),
             blocks_rejected: 0,
             bytes_rejected: 0,
         };
@@ -42,6 +45,7 @@ impl Blocks {
             let asterix = asterix(source).context("a source of datagrams is live or simulated")?;
             all.senders.push(source.model.sac_sic);
             all.decoders.push(asterix.decoder());
+            all.misfits.push(Misfits::new(asterix));
             all.channels.push(Channel::open(process, source)?);
         }
         Ok(all)
@@ -73,11 +77,16 @@ impl Datagrams for Blocks {
             };
             let sender = block.sender();
             let Some(index) = find(&self.senders, sender) else {
-                self.strangers += 1;
+                self.strangers.hear(sender);
                 continue;
             };
             self.channels[index].received(received.utc_ns)?;
-            for record in self.decoders[index].records(block.bytes).flatten() {
+            for record in self.decoders[index].records(block.bytes) {
+                let Ok(record) = record else {
+                    // The rest of the block is passed over with it.
+                    self.misfits[index].try_others(&block);
+                    continue;
+                };
                 match observation::read(&record) {
                     Reading::Target(observed) if observed.sac_sic == sender => {
                         self.channels[index].take(&observed, received.mono_ns)?;
@@ -103,9 +112,12 @@ impl Datagrams for Blocks {
 
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {
         let decoders = self.decoders.iter().map(|decoder| decoded(decoder.counts()));
-        let health = self.channels.iter().zip(decoders);
-        sources.extend(health.map(|(channel, decoded)| channel.health(&decoded)));
-        whole.set(Counter::RejectedSource, self.strangers);
+        let health = self.channels.iter().zip(decoders).zip(&self.misfits);
+        sources.extend(health.map(|((channel, mut decoded), misfits)| {
+            misfits.count(&mut decoded);
+            channel.health(&decoded)
+        }));
+        self.strangers.count(&mut whole.counters);
         whole.set(Counter::BlocksRejected, self.blocks_rejected);
         whole.set(Counter::BytesRejected, self.bytes_rejected);
     }

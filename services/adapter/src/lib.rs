@@ -16,6 +16,7 @@ mod content;
 mod counted;
 mod intake;
 mod lines;
+mod misfits;
 mod outlet;
 mod receiver;
 pub mod recorded_source;

@@ -127,6 +127,7 @@ impl Conditions {
         self.silent_sources(sight, round);
         self.source_errors(sight, round);
         self.growing_counters(sight, round);
+        self.misfits(sight, round);
         self.processes(sight, awake_ns, round);
         self.room(sight.room, round);
     }
@@ -220,6 +221,50 @@ impl Conditions {
                     ];
                     round.find(*alarm, subject, Finding::Bad, &values);
                 }
+            }
+        }
+    }
+
+    /// What was heard and fits nothing that is configured.
+    fn misfits(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+        for (kind, source, said) in sight.book.all_said().filter(|(kind, ..)| *kind == ProcessKind::Adapter) {
+            let counters = said.counters();
+            let of = |counter: Counter| counters[counter];
+            let subject = Subject::process(said.name()).of_source(source);
+            let senders = of(Counter::UnknownSenders);
+            let rejected = of(Counter::RejectedSource);
+            // What was heard before a monitor that was restarted goes on being heard, if it matters.
+            if senders > 0 && self.growth.has_grown(AlarmKind::SenderUnknown, subject, rejected, 0) {
+                let [sac, sic] = (of(Counter::UnknownSender) as u16).to_be_bytes();
+                let others = match senders - 1 {
+                    0 => String::new(),
+                    others => format!(", and {}", several(others, "other")),
+                };
+                let values = [
+                    ("process", title(kind, said.name())),
+                    ("sender", format!("SAC/SIC {sac}/{sic}")),
+                    ("blocks", several(of(Counter::UnknownSenderBlocks), "block")),
+                    ("others", others),
+                ];
+                round.find(AlarmKind::SenderUnknown, subject, Finding::Bad, &values);
+            }
+            let fitting = of(Counter::BlocksOfOtherEdition);
+            if self.growth.has_grown(AlarmKind::EditionWrong, subject, fitting, 0)
+                && let Some(source) = self.sources.iter().find(|other| other.number == source)
+            {
+                let [_, category, major, minor] = (of(Counter::OtherEdition) as u32).to_be_bytes();
+                let values = [
+                    ("source", source.name.clone()),
+                    ("fitting", several(fitting, "block")),
+                    ("category", format!("{category:03}")),
+                    ("edition", format!("{major}.{minor}")),
+                ];
+                round.find(
+                    AlarmKind::EditionWrong,
+                    Subject::source(source.number),
+                    Finding::Bad,
+                    &values,
+                );
             }
         }
     }

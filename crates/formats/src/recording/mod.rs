@@ -189,7 +189,8 @@ impl Survey {
 }
 
 impl CategorySurvey {
-    fn new(number: u8, table: Option<&'static Category>) -> Self {
+    /// Nothing was seen yet of category `number`, which is read by `table`.
+    pub fn new(number: u8, table: Option<&'static Category>) -> Self {
         let edition = table.map(|table| table.edition);
         let others = registry::editions(number).filter(|other| Some(other.edition) != edition);
         Self {
@@ -217,7 +218,7 @@ impl CategorySurvey {
     ///
     /// # Errors
     /// Why it does not fit.
-    fn add(&mut self, block: &Block<'_>, table: Option<&'static Category>, mode: Mode) -> Result<(), Error> {
+    pub fn add(&mut self, block: &Block<'_>, table: Option<&'static Category>, mode: Mode) -> Result<(), Error> {
         self.blocks += 1;
         let fitted = match table {
             Some(table) => fit(block, table, mode),

@@ -141,6 +141,36 @@ fn what_is_lost_dropped_or_does_not_fit_is_told() {
 }
 
 #[test]
+fn what_fits_nothing_that_is_configured_is_named() {
+    let quiet: Vec<String> = (0..5)
+        .map(|number| format!("source[{number}].silent_periods=0"))
+        .collect();
+    let quiet: Vec<&str> = quiet.iter().map(String::as_str).collect();
+    let mut site = Site::new(&quiet);
+    let stranger = |site: &mut Site| {
+        let whole = &mut site.say(ProcessKind::Adapter, "radar-west", NO_SOURCE).counters;
+        whole[Counter::UnknownSender] = 40 << 8 | 2;
+        whole[Counter::UnknownSenderBlocks] = 24;
+        whole[Counter::UnknownSenders] = 3;
+        whole[Counter::RejectedSource] = 30;
+    };
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::SenderUnknown, stranger, |_| {}),
+        "adapter radar-west hears senders that no source is configured for: SAC/SIC 40/2, 24 blocks, and 2 others."
+    );
+    let mut site = Site::new(&quiet);
+    let other_edition = |site: &mut Site| {
+        let of_source = &mut site.say(ProcessKind::Adapter, "ads-b", 3).counters;
+        of_source[Counter::BlocksOfOtherEdition] = 142;
+        of_source[Counter::OtherEdition] = 21 << 16 | 2 << 8 | 4;
+    };
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::EditionWrong, other_edition, |_| {}),
+        "142 blocks of ads-b cannot be read as configured, and fit category 021 edition 2.4."
+    );
+}
+
+#[test]
 fn what_had_been_counted_before_the_monitor_came_is_no_news() {
     let mut site = Site::new(&[]);
     let fusion = site.say(ProcessKind::Fusion, "fusion", 3);

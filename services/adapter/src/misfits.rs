@@ -1,0 +1,160 @@
+//! Blocks that fit nothing that is configured: of senders that no source has, and of other editions.
+//!
+//! Both are mistakes of a configuration that a count alone does not help to find, so the most frequent is named.
+
+use std::collections::BTreeMap;
+
+use asterix::{Block, Edition};
+use configuration::Asterix;
+use formats::recording::CategorySurvey;
+use messages::{Counter, Counters};
+
+/// Senders that are remembered; more are counted together.
+const STRANGERS_MAX: usize = 32;
+/// Blocks after which no other edition is tried any more if none has fitted by then.
+const TRIED_MAX: u64 = 256;
+
+/// Senders (SAC and SIC) that no source is configured for, and how many blocks each has sent.
+#[derive(Debug, Default)]
+pub(crate) struct Strangers {
+    heard: BTreeMap<(u8, u8), u64>,
+    blocks: u64,
+}
+
+impl Strangers {
+    /// A block of `sender` has come; `None` if it does not say of whom it is.
+    pub(crate) fn hear(&mut self, sender: Option<(u8, u8)>) {
+        self.blocks += 1;
+        let Some(sender) = sender else { return };
+        if self.heard.len() < STRANGERS_MAX || self.heard.contains_key(&sender) {
+            *self.heard.entry(sender).or_default() += 1;
+        }
+    }
+
+    /// Adds what was counted.
+    pub(crate) fn count(&self, counters: &mut Counters) {
+        counters[Counter::RejectedSource] = self.blocks;
+        counters[Counter::UnknownSenders] = self.heard.len() as u64;
+        if let Some(((sac, sic), blocks)) = self.heard.iter().max_by_key(|(_, blocks)| **blocks) {
+            counters[Counter::UnknownSender] = u64::from(*sac) << 8 | u64::from(*sic);
+            counters[Counter::UnknownSenderBlocks] = *blocks;
+        }
+    }
+}
+
+/// Blocks of one source that cannot be read as configured, by category.
+#[derive(Debug)]
+pub(crate) struct Misfits {
+    configured: Asterix,
+    categories: BTreeMap<u8, CategorySurvey>,
+}
+
+impl Misfits {
+    pub(crate) fn new(configured: &Asterix) -> Self {
+        Self {
+            configured: configured.clone(),
+            categories: BTreeMap::new(),
+        }
+    }
+
+    /// Tries the other editions on a block that does not fit.
+    pub(crate) fn try_others(&mut self, block: &Block<'_>) {
+        let Some(table) = self.configured.table(block.category) else {
+            return;
+        };
+        let survey = self
+            .categories
+            .entry(block.category)
+            .or_insert_with(|| CategorySurvey::new(block.category, Some(table)));
+        if survey.blocks < TRIED_MAX || survey.better().is_some() {
+            // Why it does not fit is counted by the decoder.
+            let _ = survey.add(block, Some(table), self.configured.mode);
+        }
+    }
+
+    /// Category, edition and number of the blocks that fit another edition best.
+    fn most(&self) -> Option<(u8, Edition, u64)> {
+        let better = self.categories.iter().filter_map(|(category, survey)| {
+            let (editions, blocks) = survey.better()?;
+            Some((*category, *editions.first()?, blocks))
+        });
+        better.max_by_key(|(.., blocks)| *blocks)
+    }
+
+    /// Adds what was counted.
+    pub(crate) fn count(&self, counters: &mut Counters) {
+        if let Some((category, Edition { major, minor }, blocks)) = self.most() {
+            counters[Counter::BlocksOfOtherEdition] = blocks;
+            counters[Counter::OtherEdition] = u64::from(category) << 16 | u64::from(major) << 8 | u64::from(minor);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asterix::{Mode, blocks, registry};
+    use frames::{Geodetic, SensorFrame, SystemFrame};
+    use messages::{Covariance, Identity, SensorTrack, TrackState};
+    use outgoing::SensorReports;
+
+    use super::*;
+
+    #[test]
+    fn the_most_frequent_stranger_is_named() {
+        let (mut strangers, mut counters) = (Strangers::default(), Counters::default());
+        strangers.count(&mut counters);
+        assert_eq!(counters, Counters::default());
+        for sender in [Some((40, 2)), Some((40, 3)), None, Some((40, 2))] {
+            strangers.hear(sender);
+        }
+        strangers.count(&mut counters);
+        let of = |counter| counters[counter];
+        assert_eq!(
+            (of(Counter::UnknownSender), of(Counter::UnknownSenderBlocks)),
+            (40 << 8 | 2, 2)
+        );
+        assert_eq!((of(Counter::UnknownSenders), of(Counter::RejectedSource)), (2, 4));
+        for number in 0..=u8::MAX {
+            strangers.hear(Some((number, 0)));
+        }
+        assert_eq!(strangers.heard.len(), STRANGERS_MAX);
+    }
+
+    #[test]
+    fn another_edition_that_fits_is_named_and_junk_is_given_up() {
+        let old = registry::find(21, Edition::new(0, 23)).unwrap();
+        let new = registry::default_edition(21).unwrap();
+        let asterix = |table| Asterix {
+            tables: vec![table],
+            mode: Mode::Strict,
+        };
+        let system = SystemFrame::at(Geodetic::from_degrees(41.3, 2.1, 0.0).unwrap());
+        let frame = SensorFrame::new(&system, system.to_geodetic([0.0; 3]), 0.0);
+        let mut reports = SensorReports::new(old, 1, 2, frame, system, 1472).unwrap();
+        let mut bytes = Vec::new();
+        let track = SensorTrack {
+            state: TrackState::Confirmed as u8,
+            covariance: Covariance::diagonal([20.0; 3], [2.0; 3]),
+            identity: Identity::default().with_address(0x40_0000),
+            ..SensorTrack::default()
+        };
+        let mut keep = |block: &[u8]| bytes.extend_from_slice(block);
+        reports.report(&track, &mut keep);
+        reports.flush(&mut keep);
+        let block = blocks(&bytes).next().unwrap().unwrap();
+        assert!(block.records(new, Mode::Strict).any(|record| record.is_err()));
+        let (mut misfits, mut counters) = (Misfits::new(&asterix(new)), Counters::default());
+        for _ in 0..142 {
+            misfits.try_others(&block);
+        }
+        misfits.count(&mut counters);
+        assert_eq!(counters[Counter::BlocksOfOtherEdition], 142);
+        assert_eq!(misfits.most().map(|(category, ..)| category), Some(21));
+        let junk = [48, 0, 5, 0xff, 0xff];
+        let junk = blocks(&junk).next().unwrap().unwrap();
+        for _ in 0..2 * TRIED_MAX {
+            misfits.try_others(&junk);
+        }
+        assert_eq!(misfits.categories[&48].blocks, TRIED_MAX);
+    }
+}
