@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Conditions are gone through in *rounds*: in each, whoever evaluates them names those that it finds bad or in between
-//! ([`Round::find`]); all others are good. So a subject that is no more, a process that left, needs no word of farewell.
+//! ([`Round::find`]); all others are good. So a subject that is no more, a process that left, needs no farewell.
 
 use std::collections::BTreeMap;
 

@@ -7,8 +7,8 @@
 //! 2. The [`Board`] *raises* the alarm when it has been bad for long enough, and *clears* it when it has been good for
 //!    long enough (ISA-18.2 calls these on-delay and off-delay). What lies in between changes nothing: so an alarm does
 //!    not come and go with a value that wavers about its limit.
-//! 3. What stands is *told*: on the topic `system/alarms`, each slice of which replaces the one before ([`Present`] reads
-//!    it); on standard error, no faster than a person reads ([`RateLimit`]).
+//! 3. What stands is *told*: on the topic `system/alarms`, each slice of which replaces the one before
+//!    ([`Present`] reads it); on standard error, no faster than a person reads ([`RateLimit`]).
 //!
 //! Which alarms there are, how bad each is, how long its delays are, what it says and what to do is one line each in
 //! the table of [`AlarmKind`]; docs/alarms.md is written from it.

@@ -92,7 +92,7 @@ alarms! {
         "Set the sensor's clock; its reports are used again as soon as their times can be.";
     BiasChanged = 4, "bias-changed", Warning, raise 10 s, clear 60 s,
         "The {error} of {source} has changed from {before} to {now}.",
-        "Look whether the sensor was moved, turned, or set anew. What is known of the error is removed from its reports.";
+        "Look whether the sensor was moved, turned or set anew. What is known of the error is removed from reports.";
     AccuracyOverstated = 5, "accuracy-overstated", Warning, raise 30 s, clear 60 s,
         "{source} claims too much accuracy: its covariances are enlarged {factor} times.",
         "Give it larger sigmas in `[source.covariance]`; until then fusion enlarges them itself.";
@@ -104,7 +104,7 @@ alarms! {
         "Write these codes as `sac` and `sic` of the source that they are of, or keep the sender out with `senders`.";
     EditionWrong = 8, "edition-wrong", Major, raise 0 s, clear 30 s,
         "{fitting} of {source} cannot be read as configured, and fit category {category} edition {edition}.",
-        "Write the edition that fits into the source's `editions`; `koseki decode --statistics` reads a recording of it.";
+        "Write that edition into the source's `editions`; `koseki decode --statistics` looks at a recording of it.";
     NeverJoined = 9, "never-joined", Warning, raise 30 s, clear 30 s,
         "{source} and {partner} see the same area, and none of their tracks has joined: {pairs} fly side by side.",
         "Compare the places, times and heights of the two sensors: one of them is configured wrongly.";

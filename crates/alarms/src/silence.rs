@@ -1,8 +1,8 @@
 //! How long somebody has been silent, as far as one can tell.
 //!
 //! A counter that does not grow is silence only while the listener listens: a monitor that was itself held up (by a
-//! machine under load, a debugger, a suspended laptop) hears everything late, and would call everyone silent. So after a
-//! gap in its own looks, silence counts from its end.
+//! machine under load, a debugger, a suspended laptop) hears everything late, and would call everyone silent. So after
+//! a gap in its own looks, silence counts from its end.
 
 /// Pause between two looks after which nothing is known of the time between, nanoseconds.
 const GAP_NS: i64 = 2_000_000_000;

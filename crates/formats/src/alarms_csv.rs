@@ -1,7 +1,7 @@
 //! Alarms as CSV rows: one when an alarm is raised, one when it is cleared.
 //!
-//! `time_s` is the time of the event, `raised_s` that at which the alarm was raised; `sensor_id` and `partner_id` are the
-//! sources concerned and `process` the process, empty where there is none.
+//! `time_s` is the time of the event, `raised_s` that at which the alarm was raised; `sensor_id` and `partner_id` are
+//! the sources concerned and `process` the process, empty where there is none.
 
 use std::io::{self, Write};
 

@@ -1,7 +1,7 @@
 //! How a process is: its health messages (PL-7).
 
 use bus::{Bus, Mark, Publisher, SharedMemory};
-use messages::{Counter, Health, LifeState, NO_SOURCE, Registration};
+use messages::{Counter, CounterClass, Health, LifeState, NO_SOURCE, Registration};
 
 use crate::clock::Now;
 
@@ -33,6 +33,17 @@ impl Default for HealthEntry {
 }
 
 impl HealthEntry {
+    /// Adds what is counted of each of `sources`: a process speaks of all together, and of what is of none of them.
+    pub fn add_sources(&mut self, sources: &[Self]) {
+        let counted = Counter::ALL
+            .iter()
+            .filter(|counter| counter.class() != CounterClass::Level);
+        for counter in counted {
+            let of_sources = sources.iter().map(|source| source.counters[*counter]);
+            self.counters[*counter] += of_sources.sum::<u64>();
+        }
+    }
+
     /// Sets one counter.
     pub fn set(&mut self, counter: Counter, value: u64) {
         self.counters[counter] = value;

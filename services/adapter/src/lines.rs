@@ -73,14 +73,7 @@ impl Agent for Lines {
             progress_ns: of_source.progress_ns,
             ..HealthEntry::default()
         };
-        for counter in [
-            Counter::Records,
-            Counter::Reports,
-            Counter::Published,
-            Counter::BlocksRejected,
-        ] {
-            whole.set(counter, of_source.counters[counter]);
-        }
+        whole.add_sources(std::slice::from_ref(&of_source));
         whole.set(Counter::Connections, lines.connections);
         if !self.client.is_connected() {
             whole.note = format!("not connected to {}", self.server);

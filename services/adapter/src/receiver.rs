@@ -86,9 +86,7 @@ impl<D: Datagrams> Agent for Receiver<D> {
         if let Some(progress_ns) = sources.iter().map(|source| source.progress_ns).max() {
             whole.progress_ns = progress_ns;
         }
-        for counter in [Counter::Records, Counter::Reports, Counter::Published] {
-            whole.counters[counter] += sources.iter().map(|source| source.counters[counter]).sum::<u64>();
-        }
+        whole.add_sources(&sources);
         whole.note = self.socket.warning().unwrap_or_default().to_owned();
         let counted = self.socket.counters();
         whole.set(Counter::Datagrams, counted.datagrams);

@@ -5,7 +5,7 @@
 
 use alarms::{AlarmKind, Finding, Growth, Limits, Round, Silence, Subject, above, below};
 use configuration::{Config, Input};
-use messages::{Counter, Counters, LifeState, NO_SOURCE, ProcessKind};
+use messages::{Counter, LifeState, NO_SOURCE, ProcessKind};
 use runtime::Now;
 
 use crate::health_book::HealthBook;
@@ -198,11 +198,14 @@ impl Conditions {
 
     fn growing_counters(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         for (kind, source, said) in sight.book.all_said() {
-            // Fusion as a whole repeats what it says of its sources.
-            if kind == ProcessKind::Fusion && source == NO_SOURCE {
-                continue;
-            }
-            let counters: Counters = said.counters();
+            // As a whole, a process repeats what it says of its sources.
+            let counters = match source {
+                NO_SOURCE => sight
+                    .book
+                    .apart_from_sources(kind, said.name(), false)
+                    .unwrap_or_default(),
+                _ => said.counters(),
+            };
             let seen_from_start = said.incarnation() as i64 >= self.begun_ns - TOGETHER_NS;
             let of_kind = GROWING.iter().filter(|(.., kinds)| kinds.contains(&kind));
             for (alarm, which, thing, _) in of_kind {
