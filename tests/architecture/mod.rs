@@ -91,13 +91,13 @@ const CLOCKS: &[&str] = &[
 const MAY_READ_CLOCKS: &[(&str, &str, &str)] = &[
     (
         "bus",
-        "bus.rs",
-        "limits how long a clean-up waits; `runtime` stands on the bus",
+        "root.rs",
+        "limits how long a claim waits; `runtime` stands on the bus",
     ),
     (
         "bus",
-        "root.rs",
-        "limits how long a claim waits; `runtime` stands on the bus",
+        "service.rs",
+        "limits how long a topic is asked for; `runtime` stands on the bus",
     ),
     (
         "bus",

@@ -5,19 +5,26 @@
 //! in place, what is received is looked at in place, and that is all. They are for measuring; nothing counts what they
 //! lose.
 
+use std::marker::PhantomData;
 use std::time::Duration;
 
 use iceoryx2::node::Node;
 use iceoryx2::port::listener::{Listener, ListenerWaitError};
 use iceoryx2::port::notifier::Notifier;
-use iceoryx2::port::publisher::Publisher;
-use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, EventId, ServiceName};
+use iceoryx2::service::port_factory::{event, publish_subscribe};
+use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
 
 use crate::bus::Bus;
 use crate::error::BusError;
+use crate::ports::{Kept, Ports as _};
+use crate::quality::{Header, Octets};
+use crate::service::{PublisherPort, SubscriberPort};
 use crate::transport::{Payload, SharedMemory};
 use crate::waiter::BACKSTOP;
+
+type Slices = publish_subscribe::PortFactory<SharedMemory, Octets, Header>;
+type WakeUps = event::PortFactory<SharedMemory>;
 
 /// Places of a service: one process at each end, and their successors.
 const ENDS: usize = 2;
@@ -36,9 +43,10 @@ pub struct BareSettings {
 /// Sends slices, and nothing else.
 #[derive(Debug)]
 pub struct BareSender<T: Payload> {
-    port: Publisher<SharedMemory, [T], ()>,
-    notifier: Option<Notifier<SharedMemory>>,
+    port: Kept<PublisherPort<SharedMemory>>,
+    notifier: Option<Kept<Notifier<SharedMemory>>>,
     service: String,
+    samples: PhantomData<fn(T)>,
 }
 
 impl<T: Payload> BareSender<T> {
@@ -47,21 +55,12 @@ impl<T: Payload> BareSender<T> {
     /// # Errors
     /// If it exists with other sizes, or cannot be created.
     pub fn open(bus: &Bus<SharedMemory>, service: &str, settings: BareSettings) -> Result<Self, BusError> {
-        let port = slices::<T>(bus.node(), service, settings)?
-            .publisher_builder()
-            .initial_max_slice_len(settings.slice_len)
-            .allocation_strategy(AllocationStrategy::Static)
-            .backpressure_strategy(BackpressureStrategy::DiscardData)
-            .create()
-            .map_err(|error| failed(service, "make a publisher", error.to_string()))?;
-        let notifier = || {
-            let made = wake_ups(bus.node(), service)?.notifier_builder().create();
-            made.map_err(|error| failed(service, "make a notifier", error.to_string()))
-        };
+        let (port, notifier) = sender(bus.node(), service, settings, &detail::<T>())?;
         Ok(Self {
             port,
-            notifier: settings.events.then(notifier).transpose()?,
+            notifier,
             service: service.to_owned(),
+            samples: PhantomData,
         })
     }
 
@@ -69,26 +68,27 @@ impl<T: Payload> BareSender<T> {
     ///
     /// # Errors
     /// If iceoryx2 refuses.
-    pub fn send(&self, count: usize, fill: impl FnMut(usize) -> T) -> Result<(), BusError> {
-        let refused = |error: String| failed(&self.service, "send", error);
-        let slice = self.port.loan_slice_uninit(count);
-        let slice = slice.map_err(|error| refused(error.to_string()))?;
-        let sent = slice.write_from_fn(fill).send();
-        sent.map_err(|error| refused(error.to_string()))?;
-        if let Some(notifier) = &self.notifier {
-            // As in `Publisher::send`: it fails only for services with deadlines.
-            let _ = notifier.notify();
+    pub fn send(&self, count: usize, mut fill: impl FnMut(usize) -> T) -> Result<(), BusError> {
+        let refused = |error: &str| failed(&self.service, "send", error.to_owned());
+        let mut slice = SharedMemory::loan(&self.port, count).map_err(refused)?;
+        let first = slice.payload_mut().as_mut_ptr().cast::<T>();
+        for index in 0..count {
+            let sample = fill(index);
+            // SAFETY: the slice has `count` places of the size and alignment of `T`, with which the service was opened.
+            unsafe { first.add(index).write(sample) };
         }
-        Ok(())
+        // SAFETY: every sample was written, and the header is empty.
+        unsafe { SharedMemory::send(slice, self.notifier.as_deref()) }.map_err(refused)
     }
 }
 
 /// Receives slices, and nothing else.
 #[derive(Debug)]
 pub struct BareReceiver<T: Payload> {
-    port: Subscriber<SharedMemory, [T], ()>,
-    listener: Option<Listener<SharedMemory>>,
+    port: Kept<SubscriberPort<SharedMemory>>,
+    listener: Option<Kept<Listener<SharedMemory>>>,
     service: String,
+    samples: PhantomData<fn() -> T>,
 }
 
 impl<T: Payload> BareReceiver<T> {
@@ -97,18 +97,12 @@ impl<T: Payload> BareReceiver<T> {
     /// # Errors
     /// If it exists with other sizes, or cannot be created.
     pub fn open(bus: &Bus<SharedMemory>, service: &str, settings: BareSettings) -> Result<Self, BusError> {
-        let port = slices::<T>(bus.node(), service, settings)?
-            .subscriber_builder()
-            .create()
-            .map_err(|error| failed(service, "make a subscriber", error.to_string()))?;
-        let listener = || {
-            let made = wake_ups(bus.node(), service)?.listener_builder().create();
-            made.map_err(|error| failed(service, "make a listener", error.to_string()))
-        };
+        let (port, listener) = receiver(bus.node(), service, settings, &detail::<T>())?;
         Ok(Self {
             port,
-            listener: settings.events.then(listener).transpose()?,
+            listener,
             service: service.to_owned(),
+            samples: PhantomData,
         })
     }
 
@@ -117,9 +111,14 @@ impl<T: Payload> BareReceiver<T> {
     /// # Errors
     /// If iceoryx2 refuses.
     pub fn receive(&self, visit: impl FnOnce(&[T])) -> Result<bool, BusError> {
-        let received = self.port.receive();
-        let slice = received.map_err(|error| failed(&self.service, "receive", error.to_string()))?;
-        Ok(slice.map(|slice| visit(slice.payload())).is_some())
+        let received = SharedMemory::receive(&self.port);
+        let slice = received.map_err(|error| failed(&self.service, "receive", error.to_owned()))?;
+        let Some(slice) = slice else { return Ok(false) };
+        let octets = slice.payload();
+        // SAFETY: the service was opened with the size and alignment of `T`, so the octets are whole samples; any bits
+        // are one.
+        visit(unsafe { std::slice::from_raw_parts(octets.as_ptr().cast(), octets.len() / size_of::<T>()) });
+        Ok(true)
     }
 
     /// Sleeps until something has been sent, at most `time`; without events, returns at once.
@@ -127,13 +126,63 @@ impl<T: Payload> BareReceiver<T> {
     /// # Errors
     /// If the system refuses to wait.
     pub fn wait(&self, time: Duration) -> Result<(), BusError> {
-        let Some(listener) = &self.listener else {
-            return Ok(());
-        };
-        match listener.timed_wait(|_| (), time.min(BACKSTOP)) {
-            Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
-            Err(error) => Err(failed(&self.service, "wait", format!("{error:?}"))),
-        }
+        self.listener
+            .as_deref()
+            .map_or(Ok(()), |listener| sleep(listener, time, &self.service))
+    }
+}
+
+/// Type of the samples, by which iceoryx2 keeps readers of another type away.
+fn detail<T: Payload>() -> TypeDetail {
+    TypeDetail::new::<T>(TypeVariant::Dynamic)
+}
+
+type Sender = (Kept<PublisherPort<SharedMemory>>, Option<Kept<Notifier<SharedMemory>>>);
+type Receiver = (Kept<SubscriberPort<SharedMemory>>, Option<Kept<Listener<SharedMemory>>>);
+
+fn sender(
+    node: &Node<SharedMemory>,
+    service: &str,
+    settings: BareSettings,
+    samples: &TypeDetail,
+) -> Result<Sender, BusError> {
+    let port = slices(node, service, settings, samples)?
+        .publisher_builder()
+        .initial_max_slice_len(settings.slice_len)
+        .allocation_strategy(AllocationStrategy::Static)
+        .backpressure_strategy(BackpressureStrategy::DiscardData)
+        .create()
+        .map_err(|error| failed(service, "make a publisher", error.to_string()))?;
+    let notifier = || {
+        let made = wake_ups(node, service)?.notifier_builder().create();
+        made.map(Kept::new)
+            .map_err(|error| failed(service, "make a notifier", error.to_string()))
+    };
+    Ok((Kept::new(port), settings.events.then(notifier).transpose()?))
+}
+
+fn receiver(
+    node: &Node<SharedMemory>,
+    service: &str,
+    settings: BareSettings,
+    samples: &TypeDetail,
+) -> Result<Receiver, BusError> {
+    let port = slices(node, service, settings, samples)?
+        .subscriber_builder()
+        .create()
+        .map_err(|error| failed(service, "make a subscriber", error.to_string()))?;
+    let listener = || {
+        let made = wake_ups(node, service)?.listener_builder().create();
+        made.map(Kept::new)
+            .map_err(|error| failed(service, "make a listener", error.to_string()))
+    };
+    Ok((Kept::new(port), settings.events.then(listener).transpose()?))
+}
+
+fn sleep(listener: &Listener<SharedMemory>, time: Duration, service: &str) -> Result<(), BusError> {
+    match listener.timed_wait(|_| (), time.min(BACKSTOP)) {
+        Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
+        Err(error) => Err(failed(service, "wait", format!("{error:?}"))),
     }
 }
 
@@ -145,19 +194,30 @@ fn failed(service: &str, action: &'static str, reason: String) -> BusError {
     }
 }
 
-type Slices<T> = iceoryx2::service::port_factory::publish_subscribe::PortFactory<SharedMemory, [T], ()>;
-type WakeUps = iceoryx2::service::port_factory::event::PortFactory<SharedMemory>;
-
-fn slices<T: Payload>(node: &Node<SharedMemory>, name: &str, settings: BareSettings) -> Result<Slices<T>, BusError> {
-    node.service_builder(&service_name(name)?)
-        .publish_subscribe::<[T]>()
+fn slices(
+    node: &Node<SharedMemory>,
+    name: &str,
+    settings: BareSettings,
+    samples: &TypeDetail,
+) -> Result<Slices, BusError> {
+    let described = node
+        .service_builder(&service_name(name)?)
+        .publish_subscribe::<Octets>()
+        .user_header::<Header>()
         .max_nodes(2 * ENDS)
         .max_publishers(ENDS)
         .max_subscribers(ENDS)
         .subscriber_max_buffer_size(settings.depth)
         .subscriber_max_borrowed_samples(1)
         .enable_safe_overflow(true)
-        .history_size(0)
+        .history_size(0);
+    // SAFETY: both details are those of the types as which both ends write and read these octets; there is no header.
+    let described = unsafe {
+        described
+            .__internal_set_payload_type_details(samples)
+            .__internal_set_user_header_type_details(&TypeDetail::new::<()>(TypeVariant::FixedSize))
+    };
+    described
         .open_or_create()
         .map_err(|error| failed(name, "open it", error.to_string()))
 }

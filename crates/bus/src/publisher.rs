@@ -12,23 +12,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use iceoryx2::port::notifier::Notifier;
-use iceoryx2::port::publisher::PublisherCreateError;
-use iceoryx2::port::{DegradationAction, LoanError, SendError};
-use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy};
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
-use messages::{BatchHeader, Capacity, Topic};
+use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
-use crate::quality::{Header, LOANED_MAX, Octets, reserved_slices};
-use crate::transport::{Payload, Transport};
-
-type Port<S> = iceoryx2::port::publisher::Publisher<S, Octets, Header>;
+use crate::ports::{Kept, Sending, Transport};
+use crate::service::PublisherPort;
+use crate::transport::Payload;
 
 /// Sends slices of samples `T` on one topic.
 #[derive(Debug)]
 pub struct Publisher<S: Transport, T: Payload> {
-    port: Port<S>,
-    notifier: Notifier<S>,
+    port: Kept<PublisherPort<S>>,
+    notifier: Kept<Notifier<S>>,
     samples: PhantomData<fn(T)>,
     topic: Arc<str>,
     slice_len: usize,
@@ -63,16 +58,10 @@ pub struct PublisherCounts {
 }
 
 impl<S: Transport, T: Payload> Publisher<S, T> {
-    pub(crate) fn new(
-        port: Port<S>,
-        notifier: Notifier<S>,
-        failed_connections: Arc<AtomicU64>,
-        topic: &Topic<T>,
-        incarnation: u64,
-    ) -> Self {
+    pub(crate) fn new(opened: Sending<S>, topic: &Topic<T>, incarnation: u64) -> Self {
         Self {
-            port,
-            notifier,
+            port: opened.port,
+            notifier: opened.notifier,
             samples: PhantomData,
             topic: topic.name.as_str().into(),
             slice_len: topic.capacity.slice_len,
@@ -83,7 +72,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
                 ..BatchHeader::default()
             },
             counts: PublisherCounts::default(),
-            failed_connections,
+            failed_connections: opened.failed_connections,
         }
     }
 
@@ -180,8 +169,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         length: usize,
         mut fill: impl FnMut(usize) -> T,
     ) -> Result<(), &'static str> {
-        // SAFETY: samples travel as slices, so any number of them may be asked for.
-        let mut slice = unsafe { self.port.loan_custom_payload(length) }.map_err(loan_reason)?;
+        let mut slice = S::loan(&self.port, length)?;
         let place = std::ptr::from_mut(slice.user_header_mut()).cast::<BatchHeader>();
         // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place.
         unsafe { place.write(header) };
@@ -193,62 +181,13 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
             // SAFETY: the slice has `length` places of the size and alignment of `T`, with which the topic was opened.
             unsafe { first.add(index).write(sample) };
         }
-        // SAFETY: every sample was written.
-        let slice = unsafe { slice.assume_init() };
-        slice.send().map_err(send_reason)?;
-        // Notifying fails only for services with deadlines, which ours are not. A wake-up that does not arrive delays
-        // a subscriber (see the waiter), but loses nothing.
-        let _ = self.notifier.notify();
-        Ok(())
+        // SAFETY: every sample was written, and the header.
+        unsafe { S::send(slice, Some(&self.notifier)) }
     }
 
     /// Makes the next slices state another schema, as a publisher of another build would.
     #[doc(hidden)]
     pub fn pretend_schema(&mut self, schema: u64) {
         self.header.schema = schema;
-    }
-}
-
-/// The port behind a publisher, and a counter of its failed connections.
-pub(crate) fn port<S: Transport>(
-    slices: &PortFactory<S, Octets, Header>,
-    capacity: Capacity,
-) -> Result<(Port<S>, Arc<AtomicU64>), PublisherCreateError> {
-    let failed_connections = Arc::new(AtomicU64::new(0));
-    let counter = Arc::clone(&failed_connections);
-    let reserved = reserved_slices(capacity);
-    let port = slices
-        .publisher_builder()
-        .initial_max_slice_len(capacity.slice_len)
-        .allocation_strategy(AllocationStrategy::Static)
-        .max_loaned_samples(LOANED_MAX)
-        .override_sample_preallocation(move |_| reserved)
-        .backpressure_strategy(BackpressureStrategy::DiscardData)
-        // One damaged subscriber must not keep the others from their slices: count it, and go on.
-        .set_degradation_handler(move |_, _| {
-            counter.fetch_add(1, Ordering::Relaxed);
-            DegradationAction::Ignore
-        })
-        .create()?;
-    Ok((port, failed_connections))
-}
-
-fn loan_reason(error: LoanError) -> &'static str {
-    match error {
-        LoanError::OutOfMemory => "the memory reserved for the topic is used up",
-        LoanError::ExceedsMaxLoans => "too many slices are being written",
-        LoanError::ExceedsMaxLoanSize => "the slice is too long",
-        LoanError::InternalFailure => "no memory for the slice (internal failure)",
-    }
-}
-
-fn send_reason(error: SendError) -> &'static str {
-    match error {
-        SendError::ConnectionBrokenSinceSenderNoLongerExists => "the publisher was removed",
-        SendError::ConnectionCorrupted => "a connection is damaged",
-        SendError::LoanError(error) => loan_reason(error),
-        SendError::ConnectionError(_) => "a connection could not be made",
-        SendError::UnableToDeliver => "a subscriber could not be reached",
-        SendError::InternalError => "internal failure",
     }
 }

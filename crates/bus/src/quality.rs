@@ -11,13 +11,13 @@
 
 use iceoryx2::node::Node;
 use iceoryx2::prelude::{EventId, ServiceName};
+use iceoryx2::service::Service as Medium;
 use iceoryx2::service::builder::{event, publish_subscribe};
 use iceoryx2::service::marker::{CustomHeaderMarker, CustomPayloadMarker};
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
-use messages::{BatchHeader, Capacity, Topic, TopicName};
+use messages::{BatchHeader, Capacity, TopicName};
 
 use crate::error::BusError;
-use crate::transport::{Payload, Transport};
 
 /// Samples of a slice, as iceoryx2's ports for whatever type name them. Ports of this one type are compiled once, not
 /// once per type of sample: that was half of what each service compiled. The type's name, size and alignment are
@@ -40,7 +40,7 @@ pub const BORROWED_MAX: usize = 2;
 pub(crate) const LOANED_MAX: usize = 2;
 
 /// Everything about the slices of the topic called `name`, whose samples are `samples`.
-pub(crate) fn describe_slices<S: Transport>(
+pub(crate) fn describe_slices<S: Medium>(
     node: &Node<S>,
     name: &TopicName,
     capacity: Capacity,
@@ -72,13 +72,8 @@ pub(crate) fn describe_slices<S: Transport>(
     })
 }
 
-/// Type of the samples of a topic, by which iceoryx2 keeps readers of another type away.
-pub(crate) fn samples_of<T: Payload>(_: &Topic<T>) -> TypeDetail {
-    TypeDetail::new::<T>(TypeVariant::Dynamic)
-}
-
 /// Everything about the wake-ups of the topic called `name`.
-pub(crate) fn describe_wake_ups<S: Transport>(
+pub(crate) fn describe_wake_ups<S: Medium>(
     node: &Node<S>,
     name: &TopicName,
     capacity: Capacity,

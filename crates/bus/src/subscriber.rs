@@ -22,21 +22,17 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use iceoryx2::port::subscriber::SubscriberCreateError;
-use iceoryx2::port::{DegradationAction, ReceiveError};
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
-use crate::quality::{Header, Octets};
-use crate::transport::{Payload, Transport};
-
-type Port<S> = iceoryx2::port::subscriber::Subscriber<S, Octets, Header>;
+use crate::ports::{Kept, Receiving, Transport};
+use crate::service::{SubscriberPort, Taken};
+use crate::transport::Payload;
 
 /// Takes slices of samples `T` from one topic.
 #[derive(Debug)]
 pub struct Subscriber<S: Transport, T: Payload> {
-    port: Port<S>,
+    port: Kept<SubscriberPort<S>>,
     samples: PhantomData<fn() -> T>,
     topic: Arc<str>,
     joined_ns: u64,
@@ -58,7 +54,7 @@ pub enum Received<S: Transport, T: Payload> {
 
 /// A slice in shared memory, kept from being overwritten as long as this lives.
 #[derive(Debug)]
-pub struct Slice<S: Transport, T: Payload>(iceoryx2::sample::Sample<S, Octets, Header>, PhantomData<fn() -> T>);
+pub struct Slice<S: Transport, T: Payload>(Kept<Taken<S>>, PhantomData<fn() -> T>);
 
 impl<S: Transport, T: Payload> Slice<S, T> {
     /// Header that its publisher has written.
@@ -104,15 +100,15 @@ pub struct Heard {
 }
 
 impl<S: Transport, T: Payload> Subscriber<S, T> {
-    pub(crate) fn new(port: Port<S>, failed_connections: Arc<AtomicU64>, topic: &Topic<T>, joined_ns: u64) -> Self {
+    pub(crate) fn new(opened: Receiving<S>, topic: &Topic<T>, joined_ns: u64) -> Self {
         Self {
-            port,
+            port: opened.port,
             samples: PhantomData,
             topic: topic.name.as_str().into(),
             joined_ns,
             publishers: Publishers::with_room_for(topic.capacity.publishers),
             counts: SubscriberCounts::default(),
-            failed_connections,
+            failed_connections: opened.failed_connections,
         }
     }
 
@@ -140,9 +136,9 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     /// # Errors
     /// [`BusError::Take`] if the memory of a publisher cannot be reached, or too many slices are kept.
     pub fn receive(&mut self) -> Result<Received<S, T>, BusError> {
-        let received = self.port.receive().map_err(|error| BusError::Take {
+        let received = S::receive(&self.port).map_err(|reason| BusError::Take {
             topic: self.topic.clone(),
-            reason: receive_reason(error),
+            reason,
         })?;
         let Some(sample) = received else {
             return Ok(Received::Nothing);
@@ -168,7 +164,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
 
     /// Whether something waits to be taken (or a take would say what is wrong). Costs some hundred nanoseconds.
     pub fn has_slices(&self) -> bool {
-        self.port.has_samples().unwrap_or(true)
+        S::has_slices(&self.port)
     }
 
     /// The publishers heard from, the dead ones included until their places are needed.
@@ -191,23 +187,6 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             ..self.counts
         }
     }
-}
-
-/// The port behind a subscriber, and a counter of its failed connections.
-pub(crate) fn port<S: Transport>(
-    slices: &PortFactory<S, Octets, Header>,
-) -> Result<(Port<S>, Arc<AtomicU64>), SubscriberCreateError> {
-    let failed_connections = Arc::new(AtomicU64::new(0));
-    let counter = Arc::clone(&failed_connections);
-    let port = slices
-        .subscriber_builder()
-        // One publisher that died while it connected must not keep the others' slices away: count it, and go on.
-        .set_degradation_handler(move |_, _| {
-            counter.fetch_add(1, Ordering::Relaxed);
-            DegradationAction::Ignore
-        })
-        .create()?;
-    Ok((port, failed_connections))
 }
 
 /// Where each publisher's sequence stands.
@@ -291,13 +270,6 @@ impl Publishers {
         let oldest = oldest.unwrap_or(0);
         self.list[oldest] = newcomer;
         oldest
-    }
-}
-
-fn receive_reason(error: ReceiveError) -> &'static str {
-    match error {
-        ReceiveError::ExceedsMaxBorrows => "too many slices are being looked at",
-        ReceiveError::ConnectionFailure(_) => "a publisher's memory cannot be reached",
     }
 }
 

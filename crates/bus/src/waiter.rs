@@ -30,21 +30,18 @@ use std::os::fd::BorrowedFd;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use iceoryx2::port::listener::{Listener, ListenerWaitError};
+use iceoryx2::port::listener::Listener;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
 use crate::error::BusError;
-use crate::transport::Transport;
+use crate::ports::{Kept, Transport};
 
 /// Most topics that one waiter watches.
 pub const WATCHED_MAX: usize = 256;
 
 /// Longest sleep before a blocked waiter asks for work although nobody notified it.
 pub const BACKSTOP: Duration = Duration::from_millis(100);
-
-/// Attempts to drain one listener at a time: a publisher that never pauses must not keep its reader from reading.
-const DRAIN_MAX: usize = 16;
 
 /// While spinning, the clock is read once in so many questions; a shared core is then offered to others.
 const QUESTIONS_PER_LOOK_AT_THE_CLOCK: usize = 16;
@@ -82,7 +79,7 @@ pub struct Waiter<S: Transport> {
     yields: bool,
     /// One for each entry of `listeners`, in the same order. Declared first: dropped first.
     descriptors: Vec<PollFd<'static>>,
-    listeners: Vec<Listener<S>>,
+    listeners: Vec<Kept<Listener<S>>>,
     missed: u64,
 }
 
@@ -119,7 +116,7 @@ impl<S: Transport> Waiter<S> {
     }
 
     /// Is woken by `listener`, too.
-    pub(crate) fn listen(&mut self, listener: Listener<S>) {
+    pub(crate) fn listen(&mut self, listener: Kept<Listener<S>>) {
         // SAFETY: the descriptor stays open as long as the listener lives, which `self` owns, never removes, and drops
         // after `descriptors`; nothing hands the `'static` borrow out.
         let descriptor: BorrowedFd<'static> = unsafe {
@@ -193,7 +190,7 @@ impl<S: Transport> Waiter<S> {
         };
         for (descriptor, listener) in self.descriptors.iter().zip(&self.listeners) {
             if readable == 0 || !descriptor.revents().is_empty() {
-                drain(listener).map_err(failed)?;
+                S::drain(listener).map_err(failed)?;
             }
         }
         Ok(if readable == 0 {
@@ -221,18 +218,4 @@ fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl 
         }
     }
     false
-}
-
-/// Removes all notifications: until two attempts in a row find none (see the head of this module).
-fn drain<S: Transport>(listener: &Listener<S>) -> Result<(), io::Error> {
-    let mut in_a_row = 0;
-    for _ in 0..DRAIN_MAX {
-        match listener.try_wait(|_| ()) {
-            Ok(0) if in_a_row == 1 => return Ok(()),
-            Ok(0) => in_a_row = 1,
-            Ok(_) | Err(ListenerWaitError::InterruptSignal) => in_a_row = 0,
-            Err(error) => return Err(io::Error::other(format!("{error:?}"))),
-        }
-    }
-    Ok(())
 }

@@ -1,0 +1,215 @@
+//! Ports of both transports, compiled once.
+//!
+//! A function that is generic over the transport is compiled again in every crate that calls it, with all of iceoryx2
+//! that it calls: that was more than half of what a service compiled. A method of a concrete type is compiled with the
+//! type. So everything that iceoryx2 does goes through the methods of [`Ports`], and what it made is dropped here, too
+//! ([`Kept`]).
+
+use std::io;
+use std::mem::ManuallyDrop;
+use std::ops::{Deref, DerefMut};
+use std::os::fd::BorrowedFd;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+use iceoryx2::node::Node;
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::prelude::FileDescriptorBased;
+use iceoryx2::service::Service as Medium;
+
+use crate::error::BusError;
+use crate::root::Root;
+use crate::service::{self, DeadProcesses, Held, Loan, PublisherPort, Service, SubscriberPort, Taken};
+use crate::transport::{InProcess, SharedMemory};
+
+/// The medium of a [`Bus`](crate::Bus). Implemented by [`SharedMemory`] and [`InProcess`], and by nothing else.
+pub trait Transport: Ports {
+    /// Whether other processes can see the topics, so that one of them must hold the instance's claim.
+    const CROSSES_PROCESSES: bool;
+}
+
+/// Operations of iceoryx2, compiled in this crate for both transports.
+pub trait Ports: Medium + Sized + 'static {
+    #[doc(hidden)]
+    fn descriptor(listener: &Listener<Self>) -> BorrowedFd<'_>;
+    #[doc(hidden)]
+    fn drain(listener: &Listener<Self>) -> io::Result<()>;
+    #[doc(hidden)]
+    fn join(root: &Root, process: &str, leavers: usize) -> Result<Kept<Node<Self>>, BusError>;
+    #[doc(hidden)]
+    fn remove_dead(node: &Node<Self>) -> DeadProcesses;
+    #[doc(hidden)]
+    fn hold(node: &Node<Self>, service: &Service<'_>) -> Result<Held, BusError>;
+    #[doc(hidden)]
+    fn publish(node: &Node<Self>, service: &Service<'_>) -> Result<Sending<Self>, BusError>;
+    #[doc(hidden)]
+    fn subscribe(node: &Node<Self>, service: &Service<'_>) -> Result<Receiving<Self>, BusError>;
+    #[doc(hidden)]
+    fn listen(node: &Node<Self>, service: &Service<'_>) -> Result<Kept<Listener<Self>>, BusError>;
+    #[doc(hidden)]
+    fn loan(port: &PublisherPort<Self>, length: usize) -> Result<Kept<Loan<Self>>, &'static str>;
+    /// # Safety
+    /// Every sample and the header must have been written.
+    #[doc(hidden)]
+    unsafe fn send(slice: Kept<Loan<Self>>, notifier: Option<&Notifier<Self>>) -> Result<(), &'static str>;
+    #[doc(hidden)]
+    fn receive(port: &SubscriberPort<Self>) -> Result<Option<Kept<Taken<Self>>>, &'static str>;
+    #[doc(hidden)]
+    fn has_slices(port: &SubscriberPort<Self>) -> bool;
+}
+
+/// Ports behind a publisher, and a counter of its failed connections.
+#[derive(Debug)]
+pub struct Sending<S: Medium> {
+    pub(crate) port: Kept<PublisherPort<S>>,
+    pub(crate) notifier: Kept<Notifier<S>>,
+    pub(crate) failed_connections: Arc<AtomicU64>,
+}
+
+/// The port behind a subscriber, and a counter of its failed connections.
+#[derive(Debug)]
+pub struct Receiving<S: Medium> {
+    pub(crate) port: Kept<SubscriberPort<S>>,
+    pub(crate) failed_connections: Arc<AtomicU64>,
+}
+
+/// A value that is dropped by code of this crate, whoever drops it.
+#[derive(Debug)]
+pub struct Kept<T> {
+    value: ManuallyDrop<T>,
+    end: unsafe fn(&mut ManuallyDrop<T>),
+}
+
+impl<T> Kept<T> {
+    /// Keeps `value`. Called where `T` is a concrete type: that is where its drop is compiled.
+    pub(crate) fn new(value: T) -> Self {
+        Self {
+            value: ManuallyDrop::new(value),
+            end: ManuallyDrop::drop,
+        }
+    }
+
+    pub(crate) fn into_inner(self) -> T {
+        let mut kept = ManuallyDrop::new(self);
+        // SAFETY: `kept` is neither used nor dropped afterwards.
+        unsafe { ManuallyDrop::take(&mut kept.value) }
+    }
+}
+
+impl<T> Deref for Kept<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+impl<T> DerefMut for Kept<T> {
+    fn deref_mut(&mut self) -> &mut T {
+        &mut self.value
+    }
+}
+
+impl<T> Drop for Kept<T> {
+    fn drop(&mut self) {
+        // SAFETY: `end` drops the value in place, once: nothing but this and `into_inner`, which keeps this from running,
+        // takes it away.
+        unsafe { (self.end)(&mut self.value) }
+    }
+}
+
+/// Both transports' listeners have a descriptor, but only their concrete types say so.
+macro_rules! transport {
+    ($name:ident, $crosses:literal) => {
+        impl Transport for $name {
+            const CROSSES_PROCESSES: bool = $crosses;
+        }
+
+        impl Ports for $name {
+            fn descriptor(listener: &Listener<Self>) -> BorrowedFd<'_> {
+                // SAFETY: the listener keeps its descriptor open and unchanged as long as it lives, and the result
+                // cannot outlive the borrow of the listener.
+                unsafe { BorrowedFd::borrow_raw(listener.file_descriptor().native_handle()) }
+            }
+
+            fn drain(listener: &Listener<Self>) -> io::Result<()> {
+                service::drain(listener)
+            }
+
+            fn join(root: &Root, process: &str, leavers: usize) -> Result<Kept<Node<Self>>, BusError> {
+                service::join(root, process, leavers).map(Kept::new)
+            }
+
+            fn remove_dead(node: &Node<Self>) -> DeadProcesses {
+                service::remove_dead(node)
+            }
+
+            fn hold(node: &Node<Self>, service: &Service<'_>) -> Result<Held, BusError> {
+                service.hold(node)
+            }
+
+            fn publish(node: &Node<Self>, service: &Service<'_>) -> Result<Sending<Self>, BusError> {
+                let (port, failed_connections) = service.publisher(node)?;
+                // After the port: making the notifier wakes subscribers, which then connect to the port.
+                let notifier = Kept::new(service.notifier(node)?);
+                Ok(Sending {
+                    port: Kept::new(port),
+                    notifier,
+                    failed_connections,
+                })
+            }
+
+            fn subscribe(node: &Node<Self>, service: &Service<'_>) -> Result<Receiving<Self>, BusError> {
+                let (port, failed_connections) = service.subscriber(node)?;
+                Ok(Receiving {
+                    port: Kept::new(port),
+                    failed_connections,
+                })
+            }
+
+            fn listen(node: &Node<Self>, service: &Service<'_>) -> Result<Kept<Listener<Self>>, BusError> {
+                service.listener(node).map(Kept::new)
+            }
+
+            fn loan(port: &PublisherPort<Self>, length: usize) -> Result<Kept<Loan<Self>>, &'static str> {
+                service::loan(port, length).map(Kept::new)
+            }
+
+            unsafe fn send(slice: Kept<Loan<Self>>, notifier: Option<&Notifier<Self>>) -> Result<(), &'static str> {
+                // SAFETY: as asked for.
+                unsafe { service::send(slice.into_inner(), notifier) }
+            }
+
+            fn receive(port: &SubscriberPort<Self>) -> Result<Option<Kept<Taken<Self>>>, &'static str> {
+                Ok(service::receive(port)?.map(Kept::new))
+            }
+
+            fn has_slices(port: &SubscriberPort<Self>) -> bool {
+                // An error is what a take would say.
+                port.has_samples().unwrap_or(true)
+            }
+        }
+    };
+}
+
+transport!(SharedMemory, true);
+transport!(InProcess, false);
+
+#[cfg(test)]
+mod tests {
+    use std::rc::Rc;
+
+    use super::*;
+
+    #[test]
+    fn kept_value_is_dropped_once_or_handed_back() {
+        let value = Rc::new(7);
+        drop(Kept::new(Rc::clone(&value)));
+        assert_eq!(Rc::strong_count(&value), 1);
+        let handed_back = Kept::new(Rc::clone(&value)).into_inner();
+        assert_eq!(Rc::strong_count(&value), 2);
+        drop(handed_back);
+        assert_eq!(Rc::strong_count(&value), 1);
+    }
+}
