@@ -30,12 +30,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::bits::{fspec_octet, goes_on, put, sign_extend};
+use super::bits::{goes_on, put, sign_extend};
 use super::encode_error::{EncodeError, EncodeFault, Failure};
 use super::expansion::Expansion;
 use super::extent::MAX_UNKNOWN_EXTENSION_OCTETS;
 use super::named::{NamedRecord, UNKNOWN_EXTENSION, Value, find};
-use super::table::{Category, Content, Frn, Item, Layout, MAX_FRN, Part, Profile, Uap, extent_of_part};
+use super::record_writer::fspec;
+use super::table::{Category, Content, Item, Layout, MAX_FRN, Part, Profile, Uap, extent_of_part};
 use super::text;
 
 /// The most that an octet can count, or give as a length.
@@ -66,17 +67,9 @@ fn encode(record: &NamedRecord, table: &'static Category, out: &mut Vec<u8>) -> 
         return Err(EncodeFault::RecordEmpty.into());
     }
     let uap = choose_profile(record, table)?;
-    let announced = Announced::new(&record.items, uap.order.len(), |i| uap.order[i])?;
-    announced.write_fspec(out);
-    let mut encode = Encode { uap, out };
-    for (i, (name, value)) in announced.members() {
-        let item = uap.item(Frn(i as u8 + 1));
-        let item = item.ok_or_else(|| Failure::at(name, EncodeFault::Unknown))?;
-        encode
-            .layout(&item.layout, value)
-            .map_err(|failure| failure.within(name))?;
-    }
-    Ok(())
+    let announced = Announced::new(&record.items, uap.items)?;
+    out.extend(fspec(announced.present));
+    Encode { uap, out }.members(&announced)
 }
 
 fn choose_profile(record: &NamedRecord, table: &'static Category) -> Result<&'static Uap, Failure> {
@@ -106,17 +99,9 @@ pub(super) fn encode_expansion(
         .filter(|(name, _)| *name != UNKNOWN_EXTENSION)
         .cloned()
         .collect();
-    let name_at = |i: usize| rules.items[i].as_ref().map_or("", |subitem| subitem.name);
-    let announced = Announced::new(&subitems, rules.items.len(), name_at)?;
+    let announced = Announced::new(&subitems, rules.items)?;
     out.push((announced.present as u8).reverse_bits());
-    let mut encode = Encode { uap, out: &mut out };
-    for (i, (name, value)) in announced.members() {
-        if let Some(subitem) = &rules.items[i] {
-            encode
-                .layout(&subitem.layout, value)
-                .map_err(|failure| failure.within(name))?;
-        }
-    }
+    Encode { uap, out: &mut out }.members(&announced)?;
     if let Some(behind) = find(all, UNKNOWN_EXTENSION) {
         out.extend(bytes_of(behind)?);
     }
@@ -129,52 +114,28 @@ type Member = (&'static str, Value);
 struct Announced<'v> {
     /// Bit i for the member at position i.
     present: u64,
-    members: [Option<&'v Member>; MAX_FRN],
+    members: [Option<(&'static Item, &'v Value)>; MAX_FRN],
 }
 
 impl<'v> Announced<'v> {
-    /// Finds the position of each member among the `positions`, whose names `name_at` gives.
-    fn new(members: &'v [Member], positions: usize, name_at: impl Fn(usize) -> &'static str) -> Result<Self, Failure> {
+    /// Finds the place of each member.
+    fn new(members: &'v [Member], places: &'static [Option<Item>]) -> Result<Self, Failure> {
         let mut announced = Self {
             present: 0,
             members: [None; MAX_FRN],
         };
         let mut expected = 0; // members come in order as a rule
-        for member in members {
-            let name = member.0;
-            let found = (expected..positions).chain(0..expected).find(|&i| name_at(i) == name);
-            let position = found.filter(|_| !name.is_empty());
-            let position = position.ok_or_else(|| Failure::at(name, EncodeFault::Unknown))?;
-            if announced.members[position].replace(member).is_some() {
+        for (name, value) in members {
+            let at = |i: usize| Some((i, places[i].as_ref().filter(|item| item.name == *name)?));
+            let found = (expected..places.len()).chain(0..expected).find_map(at);
+            let (position, item) = found.ok_or_else(|| Failure::at(name, EncodeFault::Unknown))?;
+            if announced.members[position].replace((item, value)).is_some() {
                 return Err(Failure::at(name, EncodeFault::Twice));
             }
             announced.present |= 1 << position;
             expected = position + 1;
         }
         Ok(announced)
-    }
-
-    /// Writes as many octets as the last member needs, at least one.
-    fn write_fspec(&self, out: &mut Vec<u8>) {
-        let mut rest = self.present;
-        loop {
-            let seven = rest as u8 & 0x7F;
-            rest >>= 7;
-            out.push(fspec_octet(seven, rest != 0));
-            if rest == 0 {
-                return;
-            }
-        }
-    }
-
-    /// The members and their positions from 0, in order.
-    fn members(&self) -> impl Iterator<Item = (usize, &'v Member)> + '_ {
-        let mut rest = self.present;
-        std::iter::from_fn(move || {
-            let i = rest.trailing_zeros() as usize;
-            rest &= rest.wrapping_sub(1);
-            Some((i, (*self.members.get(i)?)?))
-        })
     }
 }
 
@@ -185,6 +146,13 @@ struct Encode<'o> {
 }
 
 impl Encode<'_> {
+    fn members(&mut self, announced: &Announced<'_>) -> Encoded {
+        announced.members.iter().flatten().try_for_each(|(item, value)| {
+            self.layout(&item.layout, value)
+                .map_err(|failure| failure.within(item.name))
+        })
+    }
+
     fn layout(&mut self, layout: &'static Layout, value: &Value) -> Encoded {
         match layout {
             Layout::Element(..) | Layout::Group(_) => self.fixed(layout, value, layout.bit_count() as usize / 8),
@@ -305,17 +273,9 @@ impl Encode<'_> {
     }
 
     fn compound(&mut self, subitems: &'static [Option<Item>], value: &Value) -> Encoded {
-        let positions = subitems.len().min(MAX_FRN);
-        let name_at = |i: usize| subitems[i].as_ref().map_or("", |subitem| subitem.name);
-        let announced = Announced::new(group_members(value)?, positions, name_at)?;
-        announced.write_fspec(self.out);
-        for (i, (name, value)) in announced.members() {
-            if let Some(subitem) = &subitems[i] {
-                self.layout(&subitem.layout, value)
-                    .map_err(|failure| failure.within(name))?;
-            }
-        }
-        Ok(())
+        let announced = Announced::new(group_members(value)?, subitems)?;
+        self.out.extend(fspec(announced.present));
+        self.members(&announced)
     }
 
     /// Writes an item of a random field sequence, the only member of a group, behind its field reference number.
@@ -323,7 +283,7 @@ impl Encode<'_> {
         let [(name, value)] = group_members(value)? else {
             return Err(other_kind("a group of one item", value));
         };
-        let position = self.uap.order.iter().position(|candidate| candidate == name);
+        let position = self.uap.names().position(|candidate| candidate == *name);
         let frn = position.map_or(0, |position| position as u8 + 1);
         let item = self.uap.item_in_sequence(frn);
         let item = item.ok_or_else(|| Failure::at(name, EncodeFault::Unknown))?;

@@ -35,7 +35,7 @@ use std::f64::consts::PI;
 
 use crate::bits::sign_extend;
 use crate::record::Record;
-use crate::table::{Category, Content, Edition, Frn, Item, Layout, Part, bit_count, same};
+use crate::table::{Category, Content, Edition, Frn, Layout, Part, bit_count, same};
 
 /// Metres in a nautical mile.
 pub const NAUTICAL_MILE_M: f64 = 1852.0;
@@ -252,9 +252,12 @@ pub const fn item(editions: &[&Category], name: &str) -> Frn {
     };
     i = 0;
     while i < editions.len() {
-        let order = editions[i].uap().order;
+        let items = editions[i].uap().items;
         let at = frn.0 as usize - 1;
-        let is_free = at >= order.len() || order[at].is_empty() || same(order[at], name);
+        let is_free = match if at < items.len() { &items[at] } else { &None } {
+            Some(item) => same(item.name, name),
+            None => true,
+        };
         assert!(is_free, "an edition has another item in this place");
         i += 1;
     }
@@ -270,7 +273,7 @@ pub const fn subitem(editions: &[&Category], item: &str, name: &str) -> usize {
     let mut found = 0;
     let mut i = 0;
     while i < editions.len() {
-        let Some(item) = find_item(editions[i], item) else {
+        let Some(item) = editions[i].item(item) else {
             panic!("an edition has no item of this name");
         };
         let position = position_in(&item.layout, name);
@@ -313,7 +316,7 @@ pub const fn added(editions: &[&Category], path: &[&str]) -> Field {
     let mut found: Option<Field> = None;
     let mut i = 0;
     while i < editions.len() {
-        let field = match find_item(editions[i], name) {
+        let field = match editions[i].item(name) {
             Some(item) => find(&item.layout, rest, editions[i].edition),
             None => None,
         };
@@ -381,17 +384,6 @@ const fn in_si_units(lsb: f64, unit: &str) -> f64 {
     } else {
         lsb
     }
-}
-
-const fn find_item(table: &Category, name: &str) -> Option<&'static Item> {
-    let mut i = 0;
-    while i < table.items.len() {
-        if same(table.items[i].name, name) {
-            return Some(&table.items[i]);
-        }
-        i += 1;
-    }
-    None
 }
 
 /// The element at the end of a path in an item, or in a subitem of it.

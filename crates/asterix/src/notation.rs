@@ -23,9 +23,9 @@
 //! - `(compound [NAME "Title" LAYOUT, CONSTANT, _, …])`, where `_` stands for a bit without meaning;
 //! - `(= …)`: an expression.
 //!
-//! [`editions!`] puts a category together: the name of the list of its editions, its number, title and document and the
-//! items with the time of day; then a line for each edition, the oldest first: its name, its number, and its items with
-//! their order in the profile.
+//! [`profile!`] lists the items by field reference number, `_` where one stands for none. [`editions!`] puts a category
+//! together: the name of the list of its editions, its number, title and document and the items with the time of day;
+//! then a line for each edition, the oldest first: its name, its number, and its profile.
 
 macro_rules! items {
     () => {};
@@ -54,6 +54,19 @@ macro_rules! layout {
     ((= $layout:expr)) => { $layout };
     (($bits:literal)) => { Layout::Element($bits, RAW) };
     (($bits:literal $content:expr)) => { Layout::Element($bits, $content) };
+}
+
+macro_rules! profile {
+    ($($item:tt),* $(,)?) => { [$(entry!($item)),*] };
+}
+
+macro_rules! entry {
+    (_) => {
+        None
+    };
+    ($constant:ident) => {
+        Some($constant)
+    };
 }
 
 macro_rules! extension {
@@ -99,7 +112,7 @@ macro_rules! name {
 macro_rules! editions {
     (
         $all:ident $number:literal $title:literal $document:literal $times:tt
-        $($edition:ident $major:literal $minor:literal $items:tt)+
+        $($edition:ident $major:literal $minor:literal $items:expr;)+
     ) => {
         $(
             #[doc = concat!($title, ", ed ", $major, ".", $minor, ".")]

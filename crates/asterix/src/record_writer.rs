@@ -197,7 +197,7 @@ impl RecordWriter {
 }
 
 /// The octets of an FSPEC, at least one: bit i of `present` for position i.
-fn fspec(present: u64) -> impl Iterator<Item = u8> {
+pub(super) fn fspec(present: u64) -> impl Iterator<Item = u8> {
     let count = (u64::BITS - present.leading_zeros()).div_ceil(7).max(1) as usize;
     (0..count).map(move |i| fspec_octet((present >> (7 * i)) as u8, i + 1 < count))
 }

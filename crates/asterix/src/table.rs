@@ -13,8 +13,6 @@ use std::str::FromStr;
 pub const MAX_FSPEC_OCTETS: usize = 8;
 /// The most field reference numbers a profile may have: seven for each FSPEC octet.
 pub const MAX_FRN: usize = 7 * MAX_FSPEC_OCTETS;
-/// Name, in a profile, of a field reference number that stands for no item.
-pub const SPARE: &str = "";
 
 /// Edition of a category: the items that a record may hold, and where.
 #[derive(Debug)]
@@ -27,8 +25,6 @@ pub struct Category {
     pub title: &'static str,
     /// The document's number.
     pub document: &'static str,
-    /// Every item, in the document's order.
-    pub items: &'static [Item],
     /// Items with a record's time of day, 24 bits of 1/128 s; of several, the first that a record has counts.
     pub times: &'static [&'static str],
     /// Items by FSPEC bit.
@@ -36,13 +32,13 @@ pub struct Category {
 }
 
 impl Category {
-    /// A category of one profile: its number, edition, title and document, items, the order of these in the profile,
-    /// and the items that hold the time of day.
+    /// A category of one profile: its number, edition, title and document, the items of the profile, and those that
+    /// hold the time of day.
     pub(crate) const fn new(
         number: u8,
         edition: Edition,
         [title, document]: [&'static str; 2],
-        (items, order): (&'static [Item], &'static [&'static str]),
+        items: &'static [Option<Item>],
         times: &'static [&'static str],
     ) -> Self {
         Self {
@@ -50,15 +46,25 @@ impl Category {
             edition,
             title,
             document,
-            items,
             times,
-            profile: Profile::Single(Uap::new(items, order)),
+            profile: Profile::Single(Uap::new(items)),
         }
     }
 
     /// The item of this name.
-    pub fn item(&self, name: &str) -> Option<&'static Item> {
-        self.items.iter().find(|item| item.name == name)
+    pub const fn item(&self, name: &str) -> Option<&'static Item> {
+        let cases = match &self.profile {
+            Profile::Single(uap) => return uap.item_named(name),
+            Profile::Depends { cases, .. } => cases,
+        };
+        let mut i = 0;
+        while i < cases.len() {
+            if let Some(item) = cases[i].1.item_named(name) {
+                return Some(item);
+            }
+            i += 1;
+        }
+        None
     }
 
     /// The profile, or the first of several: for the field reference numbers of items by name.
@@ -159,33 +165,20 @@ pub enum Profile {
 /// A user application profile: the item for each field reference number.
 #[derive(Debug)]
 pub struct Uap {
-    /// Item names in FRN order; [`SPARE`] where there is none.
-    pub order: &'static [&'static str],
-    /// The items of its category.
-    items: &'static [Item],
-    /// Index in `items` plus one, by FRN − 1; zero for no item.
-    index: [u8; MAX_FRN],
+    /// Items in FRN order; `None` for a number that stands for no item.
+    pub items: &'static [Option<Item>],
 }
 
 impl Uap {
-    /// The profile with these names in FRN order. Does not compile where a name has no item.
-    pub const fn new(items: &'static [Item], order: &'static [&'static str]) -> Self {
-        assert!(order.len() <= MAX_FRN, "a profile has more entries than MAX_FRN");
-        assert!(items.len() < 255, "a category has too many items");
-        let mut index = [0; MAX_FRN];
-        let mut frn = 0;
-        while frn < order.len() {
-            if !order[frn].is_empty() {
-                let mut i = 0;
-                while !same(items[i].name, order[frn]) {
-                    i += 1;
-                    assert!(i < items.len(), "a profile names an item that the category has not");
-                }
-                index[frn] = i as u8 + 1;
-            }
-            frn += 1;
-        }
-        Self { order, items, index }
+    /// The profile with these items in FRN order. Does not compile where there are too many.
+    pub const fn new(items: &'static [Option<Item>]) -> Self {
+        assert!(items.len() <= MAX_FRN, "a profile has more entries than MAX_FRN");
+        Self { items }
+    }
+
+    /// Item names in FRN order; empty for a number that stands for no item.
+    pub fn names(&self) -> impl ExactSizeIterator<Item = &'static str> + use<> {
+        self.items.iter().map(name_of)
     }
 
     /// The field reference number of a named item. Evaluated in a constant it does not compile where there is none.
@@ -202,8 +195,10 @@ impl Uap {
     /// The field reference number of a named item, if it has one.
     pub(crate) const fn find(&self, name: &str) -> Option<Frn> {
         let mut i = 0;
-        while i < self.order.len() {
-            if same(self.order[i], name) {
+        while i < self.items.len() {
+            if let Some(item) = &self.items[i]
+                && same(item.name, name)
+            {
                 return Some(Frn(i as u8 + 1));
             }
             i += 1;
@@ -211,13 +206,17 @@ impl Uap {
         None
     }
 
+    const fn item_named(&self, name: &str) -> Option<&'static Item> {
+        match self.find(name) {
+            Some(frn) => self.items[frn.0 as usize - 1].as_ref(),
+            None => None,
+        }
+    }
+
     /// The item at a field reference number.
     #[inline]
     pub(super) fn item(&self, frn: Frn) -> Option<&'static Item> {
-        match self.index.get(usize::from(frn.0) - 1) {
-            None | Some(0) => None,
-            Some(&index) => self.items.get(usize::from(index) - 1),
-        }
+        self.items.get(usize::from(frn.0) - 1)?.as_ref()
     }
 
     /// The item that an octet of a random field sequence stands for. Another sequence does not.
@@ -262,6 +261,11 @@ impl Item {
             fixed_octets,
         }
     }
+}
+
+/// Name of the item or subitem at a place of an FSPEC; empty where there is none.
+pub(super) fn name_of(item: &Option<Item>) -> &'static str {
+    item.as_ref().map_or("", |item| item.name)
 }
 
 /// Division of an item's octets.

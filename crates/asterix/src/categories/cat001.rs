@@ -118,31 +118,23 @@ items! {
     I210 "210" "Track Quality" (repetitive_fx (7)) // as the station defines
 }
 
-/// Items in the document's order.
 #[rustfmt::skip]
-const ITEMS: &[Item] = &[
-    I010, I020, I030, I040, I042, I050, I060, I070,
-    I080, I090, I100, I120, I130, I131, I141, I150,
-    I161, I170, I200, I210, SP, RFS,
+const PLOT: &[Option<Item>] = &profile![
+    I010, I020, I040, I070, I090, I130, I141, // FRN  1 to  7
+    I050, I120, I131, I080, I100, I060, I030, //      8 to 14
+    I150, _, _, _, _, SP, RFS,                //     15 to 21
 ];
 
 #[rustfmt::skip]
-const PLOT_ORDER: &[&str] = &[
-    "010", "020", "040", "070", "090", "130", "141", // FRN  1 to  7
-    "050", "120", "131", "080", "100", "060", "030", //      8 to 14
-    "150", SPARE, SPARE, SPARE, SPARE, "SP",  "RFS", //     15 to 21
-];
-
-#[rustfmt::skip]
-const TRACK_ORDER: &[&str] = &[
-    "010", "020", "161", "040", "042", "200", "070", // FRN  1 to  7
-    "090", "141", "130", "131", "120", "170", "210", //      8 to 14
-    "050", "080", "100", "060", "030", "SP",  "RFS", //     15 to 21
-    "150",                                           //     22
+const TRACK: &[Option<Item>] = &profile![
+    I010, I020, I161, I040, I042, I200, I070, // FRN  1 to  7
+    I090, I141, I130, I131, I120, I170, I210, //      8 to 14
+    I050, I080, I100, I060, I030, SP, RFS,    //     15 to 21
+    I150,                                     //           22
 ];
 
 /// Profiles by the value of TYP.
-const PROFILES: &[(u64, Uap)] = &[(0, Uap::new(ITEMS, PLOT_ORDER)), (1, Uap::new(ITEMS, TRACK_ORDER))];
+const PROFILES: &[(u64, Uap)] = &[(0, Uap::new(PLOT)), (1, Uap::new(TRACK))];
 
 const fn edition(minor: u8) -> Category {
     Category {
@@ -150,7 +142,6 @@ const fn edition(minor: u8) -> Category {
         edition: Edition::new(1, minor),
         title: "Transmission of Monoradar Data Target Reports",
         document: "EUROCONTROL-SPEC-0149-2a",
-        items: ITEMS,
         times: &[], // it has only the last 512 s of it
         profile: Profile::Depends {
             item: "020",

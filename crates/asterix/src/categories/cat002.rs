@@ -51,22 +51,16 @@ items! {
     }
 }
 
-/// Items in the document's order.
+/// The items by field reference number.
 #[rustfmt::skip]
-const ITEMS: &[Item] = &[
-    I000, I010, I020, I030, I041, I050, I060, I070,
-    I080, I090, I100, SP, RFS,
-];
-
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "000", "020", "030", "041", "050", "060", // FRN  1 to  7
-    "070", "100", "090", "080", SPARE, "SP",  "RFS", //      8 to 14
+const PROFILE: &[Option<Item>] = &profile![
+    I010, I000, I020, I030, I041, I050, I060, // FRN  1 to  7
+    I070, I100, I090, I080, _, SP, RFS,       //      8 to 14
 ];
 
 editions! {
     CAT002 2 "Transmission of Monoradar Service Messages" "EUROCONTROL-SPEC-0149-2b" ["030"]
-    CAT002_V1_0 1 0 (ITEMS, ORDER)
-    CAT002_V1_1 1 1 (ITEMS, ORDER)
-    CAT002_V1_2 1 2 (ITEMS, ORDER)
+    CAT002_V1_0 1 0 PROFILE;
+    CAT002_V1_1 1 1 PROFILE;
+    CAT002_V1_2 1 2 PROFILE;
 }

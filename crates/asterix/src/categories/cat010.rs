@@ -173,24 +173,16 @@ items! {
     }
 }
 
-/// Items in the document's order.
+/// The items by field reference number.
 #[rustfmt::skip]
-const ITEMS: &[Item] = &[
-    I000, I010, I020, I040, I041, I042, I060, I090,
-    I091, I131, I140, I161, I170, I200, I202, I210,
-    I220, I245, I250, I270, I280, I300, I310, I500,
-    I550, RE, SP,
-];
-
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "000", "020", "140", "041", "040", "042", // FRN  1 to  7
-    "200", "202", "161", "170", "060", "220", "245", //      8 to 14
-    "250", "300", "090", "091", "270", "550", "310", //     15 to 21
-    "500", "280", "131", "210", SPARE, "SP", "RE",   //     22 to 28
+const PROFILE: &[Option<Item>] = &profile![
+    I010, I000, I020, I140, I041, I040, I042, // FRN  1 to  7
+    I200, I202, I161, I170, I060, I220, I245, //      8 to 14
+    I250, I300, I090, I091, I270, I550, I310, //     15 to 21
+    I500, I280, I131, I210, _, SP, RE,        //     22 to 28
 ];
 
 editions! {
     CAT010 10 "Transmission of Monosensor Surface Movement Data" "EUROCONTROL-SPEC-0149-7" ["140"]
-    CAT010_V1_1 1 1 (ITEMS, ORDER)
+    CAT010_V1_1 1 1 PROFILE;
 }

@@ -70,20 +70,14 @@ items! {
     I620 "620" "WGS-84 Undulation" (8 signed(1.0, "m"))
 }
 
-/// Items in the document's order.
+/// The items by field reference number.
 #[rustfmt::skip]
-const ITEMS: &[Item] = &[
-    I000, I010, I140, I550, I551, I552, I553, I600,
-    I610, I620, RE, SP,
-];
-
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "000", "140", "550", "551", "552", "553", // FRN 1 to  7
-    "600", "610", "620", SPARE, SPARE, "RE", "SP",   //     8 to 14
+const PROFILE: &[Option<Item>] = &profile![
+    I010, I000, I140, I550, I551, I552, I553, // FRN 1 to  7
+    I600, I610, I620, _, _, RE, SP,           //      8 to 14
 ];
 
 editions! {
     CAT019 19 "Multilateration System Status Messages" "EUROCONTROL-SPEC-0149-18" ["140"]
-    CAT019_V1_3 1 3 (ITEMS, ORDER)
+    CAT019_V1_3 1 3 PROFILE;
 }

@@ -203,28 +203,20 @@ items! {
     ])
 }
 
-/// The items of an edition; those passed are not the same in all.
+/// The items by field reference number; those passed are not the same in all editions.
 #[rustfmt::skip]
-const fn items(i020: Item, i230: Item, i250: Item) -> [Item; 28] {
-    [
-        I010, i020, I030, I041, I042, I050, I055, I070,
-        I090, I100, I105, I110, I140, I161, I170, I202,
-        I210, I220, i230, I245, i250, I260, I300, I310,
-        I400, I500, RE, SP,
+const fn profile(i020: Item, i230: Item, i250: Item) -> [Option<Item>; 28] {
+    profile![
+        I010, i020, I140, I041, I042, I161, I170, // FRN  1 to  7
+        I070, I202, I090, I100, I220, I245, I110, //      8 to 14
+        I105, I210, I300, I310, I500, I400, i250, //     15 to 21
+        i230, I260, I030, I055, I050, RE, SP,     //     22 to 28
     ]
 }
 
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "020", "140", "041", "042", "161", "170", // FRN  1 to  7
-    "070", "202", "090", "100", "220", "245", "110", //      8 to 14
-    "105", "210", "300", "310", "500", "400", "250", //     15 to 21
-    "230", "260", "030", "055", "050", "RE", "SP",   //     22 to 28
-];
-
 editions! {
     CAT020 20 "Multilateration Target Reports" "EUROCONTROL-SPEC-0149-14" ["140"]
-    CAT020_V1_9 1 9 (&items(I020, I230, I250), ORDER)
-    CAT020_V1_10 1 10 (&items(I020_V1_10, I230, I250_V1_10), ORDER)
-    CAT020_V1_11 1 11 (&items(I020_V1_10, I230_V1_11, I250_V1_11), ORDER)
+    CAT020_V1_9 1 9 &profile(I020, I230, I250);
+    CAT020_V1_10 1 10 &profile(I020_V1_10, I230, I250_V1_10);
+    CAT020_V1_11 1 11 &profile(I020_V1_10, I230_V1_11, I250_V1_11);
 }

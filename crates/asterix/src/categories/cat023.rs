@@ -62,21 +62,15 @@ items! {
     I200 "200" "Operational Range" (8 unsigned(1.0, "NM"))
 }
 
-/// Items in the document's order.
+/// The items by field reference number.
 #[rustfmt::skip]
-const ITEMS: &[Item] = &[
-    I000, I010, I015, I070, I100, I101, I110, I120,
-    I200, RE, SP,
-];
-
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "000", "015", "070", "100", "101", "200", // FRN  1 to  7
-    "110", "120", SPARE, SPARE, SPARE, "RE",  "SP",  //      8 to 14
+const PROFILE: &[Option<Item>] = &profile![
+    I010, I000, I015, I070, I100, I101, I200, // FRN  1 to  7
+    I110, I120, _, _, _, RE, SP,              //      8 to 14
 ];
 
 editions! {
     CAT023 23 "CNS/ATM Ground Station and Service Status Reports" "EUROCONTROL-SPEC-0149-16" ["070"]
-    CAT023_V1_2 1 2 (ITEMS, ORDER)
-    CAT023_V1_3 1 3 (ITEMS, ORDER)
+    CAT023_V1_2 1 2 PROFILE;
+    CAT023_V1_3 1 3 PROFILE;
 }

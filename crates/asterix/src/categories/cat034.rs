@@ -114,22 +114,16 @@ items! {
     }
 }
 
-/// Items in the document's order.
+/// The items by field reference number.
 #[rustfmt::skip]
-const ITEMS: &[Item] = &[
-    I000, I010, I020, I030, I041, I050, I060, I070,
-    I090, I100, I110, I120, RE, SP,
-];
-
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "000", "030", "020", "041", "050", "060", // FRN  1 to  7
-    "070", "100", "110", "120", "090", "RE",  "SP",  //      8 to 14
+const PROFILE: &[Option<Item>] = &profile![
+    I010, I000, I030, I020, I041, I050, I060, // FRN  1 to  7
+    I070, I100, I110, I120, I090, RE, SP,     //      8 to 14
 ];
 
 editions! {
     CAT034 34 "Transmission of Monoradar Service Messages" "EUROCONTROL-SPEC-0149-2b" ["030"]
-    CAT034_V1_27 1 27 (ITEMS, ORDER)
-    CAT034_V1_28 1 28 (ITEMS, ORDER)
-    CAT034_V1_29 1 29 (ITEMS, ORDER)
+    CAT034_V1_27 1 27 PROFILE;
+    CAT034_V1_28 1 28 PROFILE;
+    CAT034_V1_29 1 29 PROFILE;
 }

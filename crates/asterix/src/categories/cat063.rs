@@ -68,23 +68,17 @@ items! {
     I092 "092" "PSR Elevation Bias" (16 signed(360.0 / pow2(16), "°"))
 }
 
-/// The items of an edition, in the document's order; those passed are not the same in all.
+/// The items by field reference number; those passed are not the same in all editions.
 #[rustfmt::skip]
-const fn items(i060: Item) -> [Item; 13] {
-    [
-        I010, I015, I030, I050, i060, I070, I080, I081,
-        I090, I091, I092, RE, SP,
+const fn profile(i060: Item) -> [Option<Item>; 14] {
+    profile![
+        I010, I015, I030, I050, i060, I070, I080, // FRN  1 to  7
+        I081, I090, I091, I092, _, RE, SP,        //      8 to 14
     ]
 }
 
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "015", "030", "050", "060", "070", "080", // FRN  1 to  7
-    "081", "090", "091", "092", SPARE, "RE",  "SP",  //      8 to 14
-];
-
 editions! {
     CAT063 63 "Sensor Status Reports" "EUROCONTROL-SPEC-0149-10" ["030"]
-    CAT063_V1_6 1 6 (&items(I060), ORDER)
-    CAT063_V1_7 1 7 (&items(I060_V1_7), ORDER)
+    CAT063_V1_6 1 6 &profile(I060);
+    CAT063_V1_7 1 7 &profile(I060_V1_7);
 }

@@ -31,22 +31,16 @@ items! {
     I050 "050" "Service Status Report" (8)
 }
 
-/// Items in the document's order.
+/// The items by field reference number.
 #[rustfmt::skip]
-const ITEMS: &[Item] = &[
-    I000, I010, I015, I020, I030, I040, I050, RE,
-    SP,
-];
-
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "000", "015", "030", "020", "040", "050", // FRN  1 to  7
-    SPARE, SPARE, SPARE, SPARE, SPARE, "RE",  "SP",  //      8 to 14
+const PROFILE: &[Option<Item>] = &profile![
+    I010, I000, I015, I030, I020, I040, I050, // FRN  1 to  7
+    _, _, _, _, _, RE, SP,                    //      8 to 14
 ];
 
 editions! {
     CAT065 65 "SDPS Service Status Reports" "EUROCONTROL-SPEC-0149-15" ["030"]
-    CAT065_V1_4 1 4 (ITEMS, ORDER)
-    CAT065_V1_5 1 5 (ITEMS, ORDER)
-    CAT065_V1_6 1 6 (ITEMS, ORDER)
+    CAT065_V1_4 1 4 PROFILE;
+    CAT065_V1_5 1 5 PROFILE;
+    CAT065_V1_6 1 6 PROFILE;
 }

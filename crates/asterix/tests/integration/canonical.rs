@@ -27,30 +27,23 @@ impl Bits {
 impl Entropy<'_> {
     /// A record in canonical form.
     pub(crate) fn canonical_record(&mut self, table: &'static Category, uap: &'static Uap) -> Vec<u8> {
-        let names: Vec<_> = uap.order.iter().filter(|name| !name.is_empty()).collect();
+        let names: Vec<_> = uap.names().filter(|name| !name.is_empty()).collect();
         let kept = names[usize::from(self.octet()) % names.len()];
         let mut present = vec![];
         let mut items = vec![];
-        for name in uap.order {
+        for name in uap.names() {
             let item = table.item(name);
             let decision = item.and_then(|item| decision(table, uap, item));
             let wanted = name == kept || self.octet().is_multiple_of(3) || decision.is_some();
             present.push(wanted && item.is_some());
             if let Some(item) = item.filter(|_| wanted) {
-                self.canonical_item(table, uap, &item.layout, decision, &mut items);
+                self.canonical_item(uap, &item.layout, decision, &mut items);
             }
         }
         [fspec(&present), items].concat()
     }
 
-    fn canonical_item(
-        &mut self,
-        table: &'static Category,
-        uap: &'static Uap,
-        layout: &Layout,
-        decision: Option<(&str, u64)>,
-        out: &mut Vec<u8>,
-    ) {
+    fn canonical_item(&mut self, uap: &'static Uap, layout: &Layout, decision: Option<(&str, u64)>, out: &mut Vec<u8>) {
         let mut bits = Bits::default();
         match layout {
             Layout::Element(..) | Layout::Group(_) => {
@@ -71,7 +64,7 @@ impl Entropy<'_> {
             Layout::Repetitive(inner) => {
                 let count = self.octet() % 4;
                 out.push(count);
-                (0..count).for_each(|_| self.canonical_item(table, uap, inner, None, out));
+                (0..count).for_each(|_| self.canonical_item(uap, inner, None, out));
             }
             Layout::RepetitiveFx(inner) => {
                 for more in (0..1 + self.octet() % 4).rev() {
@@ -93,16 +86,16 @@ impl Entropy<'_> {
                 out.extend(fspec(&present));
                 for (subitem, _) in subitems.iter().zip(present).filter(|(_, present)| *present) {
                     let layout = &subitem.as_ref().expect("one that is present").layout;
-                    self.canonical_item(table, uap, layout, None, out);
+                    self.canonical_item(uap, layout, None, out);
                 }
             }
             Layout::RandomSequence => {
                 let count = self.octet() % 4;
                 out.push(count);
                 for _ in 0..count {
-                    let (frn, item) = self.item_of_sequence(table, uap);
+                    let (frn, item) = self.item_of_sequence(uap);
                     out.push(frn);
-                    self.canonical_item(table, uap, &item.layout, None, out);
+                    self.canonical_item(uap, &item.layout, None, out);
                 }
             }
         }

@@ -79,7 +79,7 @@ proptest! {
         let field = [&[content.len() as u8 + 1][..], &content].concat();
         for expansion in registry::EXPANSIONS {
             let table = registry::default_edition(expansion.number).expect("a table of the category");
-            let end = 3 + table.uap().order.len().div_ceil(7) + field.len();
+            let end = 3 + table.uap().items.len().div_ceil(7) + field.len();
             if let Err(error) = read(table, expansion, &field) {
                 prop_assert!(error.offset() <= end);
             }

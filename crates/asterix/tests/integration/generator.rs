@@ -23,10 +23,10 @@ impl<'a> Entropy<'a> {
     }
 
     /// An item that can be in a random field sequence, and its field reference number.
-    pub(crate) fn item_of_sequence(&mut self, table: &'static Category, uap: &Uap) -> (u8, &'static Item) {
+    pub(crate) fn item_of_sequence(&mut self, uap: &Uap) -> (u8, &'static Item) {
         let items: Vec<_> = (1..)
-            .zip(uap.order)
-            .filter_map(|(frn, name)| Some((frn, table.item(name)?)))
+            .zip(uap.items)
+            .filter_map(|(frn, item)| Some((frn, item.as_ref()?)))
             .filter(|(_, item)| !matches!(item.layout, Layout::RandomSequence))
             .collect();
         items[usize::from(self.octet()) % items.len()]
@@ -37,7 +37,7 @@ impl<'a> Entropy<'a> {
     }
 
     /// A well-formed item, spare bits and all.
-    fn item(&mut self, table: &'static Category, uap: &Uap, layout: &Layout, out: &mut Vec<u8>) {
+    fn item(&mut self, uap: &Uap, layout: &Layout, out: &mut Vec<u8>) {
         match layout {
             Layout::Element(bits, _) => self.octets(usize::from(*bits) / 8, out),
             Layout::Group(parts) => self.octets(bit_count(parts) / 8, out),
@@ -54,7 +54,7 @@ impl<'a> Entropy<'a> {
             Layout::Repetitive(inner) => {
                 let count = self.octet() % 4;
                 out.push(count);
-                (0..count).for_each(|_| self.item(table, uap, inner, out));
+                (0..count).for_each(|_| self.item(uap, inner, out));
             }
             Layout::RepetitiveFx(inner) => {
                 let bits = match inner {
@@ -80,7 +80,7 @@ impl<'a> Entropy<'a> {
                 out.extend(fspec(&present));
                 for (subitem, present) in subitems.iter().zip(present) {
                     if let (Some(subitem), true) = (subitem, present) {
-                        self.item(table, uap, &subitem.layout, out);
+                        self.item(uap, &subitem.layout, out);
                     }
                 }
             }
@@ -88,9 +88,9 @@ impl<'a> Entropy<'a> {
                 let count = self.octet() % 4;
                 out.push(count);
                 for _ in 0..count {
-                    let (frn, item) = self.item_of_sequence(table, uap);
+                    let (frn, item) = self.item_of_sequence(uap);
                     out.push(frn);
-                    self.item(table, uap, &item.layout, out);
+                    self.item(uap, &item.layout, out);
                 }
             }
         }
@@ -108,10 +108,9 @@ impl<'a> Entropy<'a> {
         let uap = choice.map_or(table.uap(), |(.., uap)| uap);
         let decider = choice.map(|(item, ..)| item);
         let mut present: Vec<bool> = uap
-            .order
-            .iter()
+            .names()
             .map(|name| {
-                let must_be = *name == MESSAGE_TYPE || Some(*name) == decider;
+                let must_be = name == MESSAGE_TYPE || Some(name) == decider;
                 must_be || !name.is_empty() && self.octet().is_multiple_of(3)
             })
             .collect();
@@ -119,10 +118,10 @@ impl<'a> Entropy<'a> {
             present[0] = true;
         }
         let mut items = vec![];
-        for (name, _) in uap.order.iter().zip(&present).filter(|(_, present)| **present) {
+        for (name, _) in uap.names().zip(&present).filter(|(_, present)| **present) {
             let mut octets = vec![];
             let item = table.item(name).expect("a profile names items");
-            self.item(table, uap, &item.layout, &mut octets);
+            self.item(uap, &item.layout, &mut octets);
             if item.name == MESSAGE_TYPE {
                 octets[0] %= 5;
             }

@@ -5,28 +5,28 @@ use asterix::table::Layout::{Compound, Element, Explicit, Extended, Group, Rando
 use asterix::table::*;
 use asterix::{Block, EncodeError, Error, Mode, NamedRecord, Record, Value, blocks};
 
-const ITEMS: &[Item] = &[
-    Item::new(
+const ITEMS: &[Option<Item>] = &[
+    Some(Item::new(
         "010",
         "Group",
         Group(&[flag("F"), spare(3), element("HIGH", 8, RAW), element("LOW", 4, RAW)]),
-    ),
-    Item::new("020", "Unsigned quantity", Element(16, unsigned(0.5, "m"))),
-    Item::new("030", "Signed quantity", Element(16, signed(0.25, "m"))),
-    Item::new(
+    )),
+    Some(Item::new("020", "Unsigned quantity", Element(16, unsigned(0.5, "m")))),
+    Some(Item::new("030", "Signed quantity", Element(16, signed(0.25, "m")))),
+    Some(Item::new(
         "040",
         "Integers",
         Group(&[
             element("U", 4, NUMBER),
             element("S", 4, Content::Integer { signed: true }),
         ]),
-    ),
-    Item::new(
+    )),
+    Some(Item::new(
         "050",
         "Texts",
         Group(&[element("A", 16, ASCII), element("I", 12, ICAO), element("O", 12, OCTAL)]),
-    ),
-    Item::new(
+    )),
+    Some(Item::new(
         "060",
         "Extended",
         Extended(&[
@@ -34,15 +34,15 @@ const ITEMS: &[Item] = &[
             &[element("B", 15, signed(1.0, ""))],
             &[spare(6), flag("C")],
         ]),
-    ),
-    Item::new("070", "Repetitive", Repetitive(&Element(16, NUMBER))),
-    Item::new("080", "Repetitive by FX", RepetitiveFx(&Element(7, RAW))),
-    Item::new(
+    )),
+    Some(Item::new("070", "Repetitive", Repetitive(&Element(16, NUMBER)))),
+    Some(Item::new("080", "Repetitive by FX", RepetitiveFx(&Element(7, RAW)))),
+    Some(Item::new(
         "090",
         "Groups by FX",
         RepetitiveFx(&Group(&[element("UNIT", 8, RAW), element("TRACK", 15, RAW)])),
-    ),
-    Item::new(
+    )),
+    Some(Item::new(
         "100",
         "Compound",
         Compound(&[
@@ -55,8 +55,8 @@ const ITEMS: &[Item] = &[
             None,
             Some(Item::new("EIGHT", "Repetitive", Repetitive(&Element(8, RAW)))),
         ]),
-    ),
-    Item::new(
+    )),
+    Some(Item::new(
         "110",
         "Depends on a flag",
         Group(&[
@@ -71,8 +71,8 @@ const ITEMS: &[Item] = &[
                 },
             ),
         ]),
-    ),
-    Item::new(
+    )),
+    Some(Item::new(
         "120",
         "Group in an extended item",
         Extended(&[&[
@@ -80,24 +80,18 @@ const ITEMS: &[Item] = &[
             Part::Group("B", &[flag("EP"), element("VAL", 2, RAW)]),
             spare(3),
         ]]),
-    ),
-    Item::new(
+    )),
+    None,
+    Some(Item::new("RE", "Reserved Expansion Field", Explicit)),
+    Some(Item::new(
         "130",
         "Extended, the last part without FX bit",
         Extended(&[&[element("A", 7, RAW)], &[element("B", 8, RAW)]]),
-    ),
-    Item::new("RE", "Reserved Expansion Field", Explicit),
-    Item::new("RFS", "Random Field Sequencing", RandomSequence),
+    )),
+    Some(Item::new("RFS", "Random Field Sequencing", RandomSequence)),
 ];
 
 const SPEED_CASES: &[(u64, Content)] = &[(0, unsigned(0.5, "m/s")), (1, unsigned(0.001, "Mach"))];
-
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "020", "030", "040", "050", "060", "070",
-    "080", "090", "100", "110", "120", SPARE, "RE",
-    "130", "RFS",
-];
 
 /// Every kind of item.
 pub(crate) static SAMPLE: Category = Category {
@@ -105,17 +99,18 @@ pub(crate) static SAMPLE: Category = Category {
     edition: Edition::new(1, 0),
     title: "Sample",
     document: "none",
-    items: ITEMS,
     times: &[],
-    profile: Profile::Single(Uap::new(ITEMS, ORDER)),
+    profile: Profile::Single(Uap::new(ITEMS)),
 };
 
-const PLOT_OR_TRACK_ITEMS: &[Item] = &[
-    Item::new("010", "Source", Element(16, RAW)),
-    Item::new("020", "Descriptor", Extended(&[&[element("TYP", 2, RAW), spare(5)]])),
-    Item::new("040", "Plot position", Element(16, unsigned(1.0, "m"))),
-    Item::new("161", "Track number", Element(24, RAW)),
-];
+const SOURCE: Option<Item> = Some(Item::new("010", "Source", Element(16, RAW)));
+const DESCRIPTOR: Option<Item> = Some(Item::new(
+    "020",
+    "Descriptor",
+    Extended(&[&[element("TYP", 2, RAW), spare(5)]]),
+));
+const PLOT_POSITION: Option<Item> = Some(Item::new("040", "Plot position", Element(16, unsigned(1.0, "m"))));
+const TRACK_NUMBER: Option<Item> = Some(Item::new("161", "Track number", Element(24, RAW)));
 
 /// Two profiles, chosen by I251/020 TYP: 0 for plots, 1 for tracks.
 pub(crate) static PLOT_OR_TRACK: Category = Category {
@@ -123,14 +118,13 @@ pub(crate) static PLOT_OR_TRACK: Category = Category {
     edition: Edition::new(1, 0),
     title: "Plots and tracks",
     document: "none",
-    items: PLOT_OR_TRACK_ITEMS,
     times: &[],
     profile: Profile::Depends {
         item: "020",
         element: "TYP",
         cases: &[
-            (0, Uap::new(PLOT_OR_TRACK_ITEMS, &["010", "020", "040"])),
-            (1, Uap::new(PLOT_OR_TRACK_ITEMS, &["010", "020", "161", "040"])),
+            (0, Uap::new(&[SOURCE, DESCRIPTOR, PLOT_POSITION])),
+            (1, Uap::new(&[SOURCE, DESCRIPTOR, TRACK_NUMBER, PLOT_POSITION])),
         ],
     },
 };
@@ -170,7 +164,11 @@ pub(crate) fn error(mode: Mode, name: &str, octets: &[u8]) -> Error {
 
 /// The FSPEC that announces one item of the sample category.
 fn fspec(name: &str) -> Vec<u8> {
-    let position = ORDER.iter().position(|candidate| *candidate == name).expect("a name");
+    let position = SAMPLE
+        .uap()
+        .names()
+        .position(|candidate| candidate == name)
+        .expect("a name");
     let mut octets = vec![0x01; position / 7];
     octets.push(0x80 >> (position % 7));
     octets

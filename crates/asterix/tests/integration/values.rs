@@ -10,7 +10,7 @@ use crate::generator::{Entropy, bit_count};
 impl Entropy<'_> {
     /// A record of some of a profile's items, at least one.
     pub(crate) fn named_record(&mut self, table: &'static Category, uap: &'static Uap) -> NamedRecord {
-        let mut names: Vec<&str> = uap.order.iter().copied().filter(|name| !name.is_empty()).collect();
+        let mut names: Vec<&str> = uap.names().filter(|name| !name.is_empty()).collect();
         let kept = names[usize::from(self.octet()) % names.len()];
         names.retain(|name| *name == kept || self.octet().is_multiple_of(3));
         self.named_record_with(table, uap, &names)
@@ -24,11 +24,11 @@ impl Entropy<'_> {
         names: &[&str],
     ) -> NamedRecord {
         let mut record = NamedRecord::of(table.number, []);
-        for name in uap.order.iter().filter(|name| !name.is_empty()) {
+        for name in uap.names().filter(|name| !name.is_empty()) {
             let item = table.item(name).expect("a profile names items");
             let decision = decision(table, uap, item);
-            if names.contains(name) || decision.is_some() {
-                let mut value = self.value(table, uap, &item.layout);
+            if names.contains(&name) || decision.is_some() {
+                let mut value = self.value(uap, &item.layout);
                 if let Some((element, number)) = decision {
                     set(&mut value, element, number);
                 }
@@ -38,18 +38,18 @@ impl Entropy<'_> {
         record
     }
 
-    fn value(&mut self, table: &'static Category, uap: &'static Uap, layout: &'static Layout) -> Value {
+    fn value(&mut self, uap: &'static Uap, layout: &'static Layout) -> Value {
         match layout {
             Layout::Element(bits, content) => self.content(content, *bits, &[]),
             Layout::Group(parts) => self.group(parts),
             Layout::Extended(extension) => self.extended(extension),
             Layout::Repetitive(inner) => {
                 let count = self.count(255);
-                Value::list((0..count).map(|_| self.value(table, uap, inner)))
+                Value::list((0..count).map(|_| self.value(uap, inner)))
             }
             Layout::RepetitiveFx(inner) => {
                 let count = 1 + self.count(300);
-                Value::list((0..count).map(|_| self.value(table, uap, inner)))
+                Value::list((0..count).map(|_| self.value(uap, inner)))
             }
             Layout::Explicit => {
                 let count = self.count(254);
@@ -59,7 +59,7 @@ impl Entropy<'_> {
                 let mut members = vec![];
                 for subitem in subitems.iter().flatten() {
                     if self.octet().is_multiple_of(2) {
-                        members.push((subitem.name, self.value(table, uap, &subitem.layout)));
+                        members.push((subitem.name, self.value(uap, &subitem.layout)));
                     }
                 }
                 Value::Group(members)
@@ -67,8 +67,8 @@ impl Entropy<'_> {
             Layout::RandomSequence => {
                 let count = self.octet() % 4;
                 Value::list((0..count).map(|_| {
-                    let item = self.item_of_sequence(table, uap).1;
-                    Value::group([(item.name, self.value(table, uap, &item.layout))])
+                    let item = self.item_of_sequence(uap).1;
+                    Value::group([(item.name, self.value(uap, &item.layout))])
                 }))
             }
         }

@@ -130,48 +130,32 @@ items! {
     I230 "230" "Roll Angle" (16 signed(0.01, "°")) // negative: left wing down
 }
 
-/// The items of editions 0.23 to 0.25, of which the position became finer.
+/// The items by field reference number; those passed are not the same in all editions.
 #[rustfmt::skip]
-const fn items(i130: Item) -> [Item; 28] {
-    [
-        I010, I020, I030, I032, I040, I080, I090, I095,
-        I110, i130, I140, I145, I146, I148, I150, I151,
-        I152, I155, I157, I160, I165, I170, I200, I210,
-        I220, I230, RE, SP,
+const fn profile(i130: Item) -> [Option<Item>; 35] {
+    profile![
+        I010, I040, I030, i130, I080, I140, I090, // FRN  1 to  7
+        I210, I230, I145, I150, I151, I152, I155, //      8 to 14
+        I157, I160, I165, I170, I095, I032, I200, //     15 to 21
+        I020, I220, I146, I148, I110, _, _,       //     22 to 28
+        _, _, _, _, _, RE, SP,                    //     29 to 35
     ]
 }
 
 #[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "040", "030", "130", "080", "140", "090", // FRN  1 to  7
-    "210", "230", "145", "150", "151", "152", "155", //      8 to 14
-    "157", "160", "165", "170", "095", "032", "200", //     15 to 21
-    "020", "220", "146", "148", "110", SPARE, SPARE, //     22 to 28
-    SPARE, SPARE, SPARE, SPARE, SPARE, "RE", "SP",   //     29 to 35
-];
-
-#[rustfmt::skip]
-const ITEMS_V0_26: &[Item] = &[
-    I010, I020, I030, I032, I040, I070_V0_26, I080, I090, I095,
-    I110, I130_V0_24, I131_V0_26, I140, I145, I146, I148, I150, I151,
-    I152, I155, I157, I160, I165, I170, I200, I210,
-    I220, I230, RE, SP,
-];
-
-#[rustfmt::skip]
-const ORDER_V0_26: &[&str] = &[
-    "010", "040", "030", "130", "080", "140", "090", // FRN  1 to  7
-    "210", "230", "145", "150", "151", "152", "155", //      8 to 14
-    "157", "160", "165", "170", "095", "032", "200", //     15 to 21
-    "020", "220", "146", "148", "110", "070", "131", //     22 to 28
-    SPARE, SPARE, SPARE, SPARE, SPARE, "RE", "SP",   //     29 to 35
+const PROFILE_V0_26: &[Option<Item>] = &profile![
+    I010, I040, I030, I130_V0_24, I080, I140, I090,       // FRN  1 to  7
+    I210, I230, I145, I150, I151, I152, I155,             //      8 to 14
+    I157, I160, I165, I170, I095, I032, I200,             //     15 to 21
+    I020, I220, I146, I148, I110, I070_V0_26, I131_V0_26, //     22 to 28
+    _, _, _, _, _, RE, SP,                                //     29 to 35
 ];
 
 editions! {
     CAT021_V0 21 "ADS-B Target Reports" "EUROCONTROL SUR.ET1.ST05.2000-STD-12-01" ["030"]
-    CAT021_V0_23 0 23 (&items(I130), ORDER)
-    CAT021_V0_24 0 24 (&items(I130_V0_24), ORDER)
+    CAT021_V0_23 0 23 &profile(I130);
+    CAT021_V0_24 0 24 &profile(I130_V0_24);
     // of the layout of ed 0.24
-    CAT021_V0_25 0 25 (&items(I130_V0_24), ORDER)
-    CAT021_V0_26 0 26 (ITEMS_V0_26, ORDER_V0_26)
+    CAT021_V0_25 0 25 &profile(I130_V0_24);
+    CAT021_V0_26 0 26 PROFILE_V0_26;
 }

@@ -343,37 +343,27 @@ items! {
     I400 "400" "Receiver ID" (8)
 }
 
-/// The items of an edition, in the document's order; those passed are not the same in all.
+/// The items by field reference number; those passed are not the same in all editions.
 #[rustfmt::skip]
-const fn items(i040: Item, i090: Item, i200: Item, i271: Item, i295: Item) -> [Item; 44] {
-    [
-        I008, I010, I015, I016, I020, i040, I070, I071,
-        I072, I073, I074, I075, I076, I077, I080, i090,
-        I110, I130, I131, I132, I140, I145, I146, I148,
-        I150, I151, I152, I155, I157, I160, I161, I165,
-        I170, i200, I210, I220, I230, I250, I260, i271,
-        i295, I400, RE, SP,
+const fn profile(i040: Item, i090: Item, i200: Item, i271: Item, i295: Item) -> [Option<Item>; 49] {
+    profile![
+        I010, i040, I161, I015, I071, I130, I131, // FRN  1 to  7
+        I072, I150, I151, I080, I073, I074, I075, //      8 to 14
+        I076, I140, i090, I210, I070, I230, I145, //     15 to 21
+        I152, i200, I155, I157, I160, I165, I077, //     22 to 28
+        I170, I020, I220, I146, I148, I110, I016, //     29 to 35
+        I008, i271, I132, I250, I260, I400, i295, //     36 to 42
+        _, _, _, _, _, RE, SP,                    //     43 to 49
     ]
 }
 
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "040", "161", "015", "071", "130", "131", // FRN  1 to  7
-    "072", "150", "151", "080", "073", "074", "075", //      8 to 14
-    "076", "140", "090", "210", "070", "230", "145", //     15 to 21
-    "152", "200", "155", "157", "160", "165", "077", //     22 to 28
-    "170", "020", "220", "146", "148", "110", "016", //     29 to 35
-    "008", "271", "132", "250", "260", "400", "295", //     36 to 42
-    SPARE, SPARE, SPARE, SPARE, SPARE, "RE",  "SP",  //     43 to 49
-];
-
 editions! {
     CAT021_V2 21 "ADS-B Target Reports" "EUROCONTROL-SPEC-0149-12" ["077", "073", "071"]
-    CAT021_V2_1 2 1 (&items(I040, I090, I200, I271, I295), ORDER)
-    CAT021_V2_2 2 2 (&items(I040, I090, I200_V2_2, I271_V2_2, I295), ORDER)
-    CAT021_V2_3 2 3 (&items(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295), ORDER)
-    CAT021_V2_4 2 4 (&items(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295), ORDER)
-    CAT021_V2_5 2 5 (&items(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295), ORDER)
-    CAT021_V2_6 2 6 (&items(I040_V2_6, I090, I200_V2_2, I271_V2_2, I295_V2_6), ORDER)
-    CAT021_V2_7 2 7 (&items(I040_V2_6, I090_V2_7, I200_V2_2, I271_V2_2, I295_V2_6), ORDER)
+    CAT021_V2_1 2 1 &profile(I040, I090, I200, I271, I295);
+    CAT021_V2_2 2 2 &profile(I040, I090, I200_V2_2, I271_V2_2, I295);
+    CAT021_V2_3 2 3 &profile(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295);
+    CAT021_V2_4 2 4 &profile(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295);
+    CAT021_V2_5 2 5 &profile(I040_V2_3, I090, I200_V2_2, I271_V2_2, I295);
+    CAT021_V2_6 2 6 &profile(I040_V2_6, I090, I200_V2_2, I271_V2_2, I295_V2_6);
+    CAT021_V2_7 2 7 &profile(I040_V2_6, I090_V2_7, I200_V2_2, I271_V2_2, I295_V2_6);
 }

@@ -218,31 +218,23 @@ items! {
     I260 "260" "ACAS Resolution Advisory Report" (56)
 }
 
-/// The items of an edition, in the document's order; those passed are not the same in all.
+/// The items by field reference number; those passed are not the same in all editions.
 #[rustfmt::skip]
-const fn items(i020: Item, i090: Item) -> [Item; 28] {
-    [
-        I010, i020, I030, I040, I042, I050, I055, I060,
-        I065, I070, I080, i090, I100, I110, I120, I130,
-        I140, I161, I170, I200, I210, I220, I230, I240,
-        I250, I260, RE, SP,
+const fn profile(i020: Item, i090: Item) -> [Option<Item>; 28] {
+    profile![
+        I010, I140, i020, I040, I070, i090, I130, // FRN  1 to  7
+        I220, I240, I250, I161, I042, I200, I170, //      8 to 14
+        I210, I030, I080, I100, I110, I120, I230, //     15 to 21
+        I260, I055, I050, I065, I060, SP, RE,     //     22 to 28
     ]
 }
 
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", "140", "020", "040", "070", "090", "130", // FRN  1 to  7
-    "220", "240", "250", "161", "042", "200", "170", //      8 to 14
-    "210", "030", "080", "100", "110", "120", "230", //     15 to 21
-    "260", "055", "050", "065", "060", "SP",  "RE",  //     22 to 28
-];
-
 editions! {
     CAT048 48 "Monoradar Target Reports" "EUROCONTROL-SPEC-0149-4" ["140"]
-    CAT048_V1_27 1 27 (&items(I020, I090), ORDER)
-    CAT048_V1_28 1 28 (&items(I020, I090), ORDER)
-    CAT048_V1_29 1 29 (&items(I020, I090), ORDER)
-    CAT048_V1_30 1 30 (&items(I020, I090), ORDER)
-    CAT048_V1_31 1 31 (&items(I020_V1_31, I090), ORDER)
-    CAT048_V1_32 1 32 (&items(I020_V1_32, I090_V1_32), ORDER)
+    CAT048_V1_27 1 27 &profile(I020, I090);
+    CAT048_V1_28 1 28 &profile(I020, I090);
+    CAT048_V1_29 1 29 &profile(I020, I090);
+    CAT048_V1_30 1 30 &profile(I020, I090);
+    CAT048_V1_31 1 31 &profile(I020_V1_31, I090);
+    CAT048_V1_32 1 32 &profile(I020_V1_32, I090_V1_32);
 }

@@ -589,32 +589,24 @@ items! {
     })
 }
 
-/// The items of an edition, in the document's order; those passed are not the same in all.
+/// The items by field reference number; those passed are not the same in all editions.
 #[rustfmt::skip]
-const fn items(i060: Item, i080: Item, i340: Item, i380: Item) -> [Item; 29] {
-    [
-        I010, I015, I040, i060, I070, i080, I100, I105,
-        I110, I120, I130, I135, I136, I185, I200, I210,
-        I220, I245, I270, I290, I295, I300, i340, i380,
-        I390, I500, I510, RE, SP,
+const fn profile(i060: Item, i080: Item, i340: Item, i380: Item) -> [Option<Item>; 35] {
+    profile![
+        I010, _, I015, I070, I105, I100, I185,    // FRN  1 to  7
+        I210, i060, I245, i380, I040, i080, I290, //      8 to 14
+        I200, I295, I136, I130, I135, I220, I390, //     15 to 21
+        I270, I300, I110, I120, I510, I500, i340, //     22 to 28
+        _, _, _, _, _, RE, SP,                    //     29 to 35
     ]
 }
 
-#[rustfmt::skip]
-const ORDER: &[&str] = &[
-    "010", SPARE, "015", "070", "105", "100", "185", // FRN  1 to  7
-    "210", "060", "245", "380", "040", "080", "290", //      8 to 14
-    "200", "295", "136", "130", "135", "220", "390", //     15 to 21
-    "270", "300", "110", "120", "510", "500", "340", //     22 to 28
-    SPARE, SPARE, SPARE, SPARE, SPARE, "RE",  "SP",  //     29 to 35
-];
-
 editions! {
     CAT062 62 "SDPS Track Messages" "EUROCONTROL-SPEC-0149-9" ["070"]
-    CAT062_V1_16 1 16 (&items(I060, I080, I340, I380), ORDER)
-    CAT062_V1_17 1 17 (&items(I060_V1_17, I080, I340, I380), ORDER)
-    CAT062_V1_18 1 18 (&items(I060_V1_17, I080_V1_18, I340, I380), ORDER)
-    CAT062_V1_19 1 19 (&items(I060_V1_17, I080_V1_18, I340_V1_19, I380), ORDER)
-    CAT062_V1_20 1 20 (&items(I060_V1_17, I080_V1_20, I340_V1_19, I380_V1_20), ORDER)
-    CAT062_V1_21 1 21 (&items(I060_V1_17, I080_V1_21, I340_V1_19, I380_V1_20), ORDER)
+    CAT062_V1_16 1 16 &profile(I060, I080, I340, I380);
+    CAT062_V1_17 1 17 &profile(I060_V1_17, I080, I340, I380);
+    CAT062_V1_18 1 18 &profile(I060_V1_17, I080_V1_18, I340, I380);
+    CAT062_V1_19 1 19 &profile(I060_V1_17, I080_V1_18, I340_V1_19, I380);
+    CAT062_V1_20 1 20 &profile(I060_V1_17, I080_V1_20, I340_V1_19, I380_V1_20);
+    CAT062_V1_21 1 21 &profile(I060_V1_17, I080_V1_21, I340_V1_19, I380_V1_20);
 }
