@@ -251,7 +251,7 @@ fn a_demo_runs_for_its_time_and_leaves_nothing() {
 
 #[test]
 fn a_request_to_stop_stops_everything() {
-    for signal in [Signal::TERM, Signal::INT] {
+    for signal in [Signal::TERM, Signal::INT, Signal::HUP] {
         let home = Home::new();
         let demo = home.demo();
         assert!(home.processes().len() > 5, "{:?}", home.processes());

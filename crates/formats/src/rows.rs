@@ -4,10 +4,12 @@
 //! ([`Columns`]); everything else is the same for all kinds. Times are seconds since midnight (UTC) of the first day,
 //! exact to the nanosecond. What was written and read again is the same, to the last bit where a kind does not round.
 
+use std::fmt;
 use std::io::{self, Read, Write};
 use std::marker::PhantomData;
 
 use csv_table::{Cells, CsvError, Table};
+use jiff::Timestamp;
 use observations::sensor_id;
 
 /// A value that is written as a row.
@@ -42,6 +44,17 @@ impl Reference {
     pub fn sensor_id(&self, source: u16) -> u32 {
         let own = self.sensor_ids.get(usize::from(source)).copied();
         own.unwrap_or_else(|| sensor_id(source))
+    }
+}
+
+/// Time since 1970, nanoseconds, that is shown as date and time of day (UTC), as in `2016-05-10T22:00:00.25Z`; as nothing
+/// if no calendar has it.
+#[derive(Clone, Copy, Debug)]
+pub struct Utc(pub i64);
+
+impl fmt::Display for Utc {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Timestamp::from_nanosecond(self.0.into()).map_or(Ok(()), |time| write!(f, "{time}"))
     }
 }
 

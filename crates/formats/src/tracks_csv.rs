@@ -7,11 +7,12 @@
 use std::io::{self, Write};
 
 use csv_table::COVARIANCE_COLUMNS;
+use frames::{Geodetic, SystemFrame};
 use messages::{
     COVARIANCE_LEN, Identity, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, sensor_track_bits,
 };
 
-use crate::rows::{Reference, Row, RowWriter};
+use crate::rows::{Reference, Row, RowWriter, Utc};
 
 /// The columns of a track's kind and of its target's type.
 const DESCRIPTION_NAMES: &str = "kind,members,type,type_confidence";
@@ -20,6 +21,8 @@ const DESCRIPTION_NAMES: &str = "kind,members,type,type_confidence";
 pub type SensorTrackWriter<W> = RowWriter<SensorTrack, W>;
 /// Writes system tracks.
 pub type SystemTrackWriter<W> = RowWriter<SystemTrack, W>;
+/// Writes system tracks with their places in the world.
+pub type PlacedTrackWriter<W> = RowWriter<PlacedTrack, W>;
 /// Writes the tracks of a tracker.
 pub type TrackerTrackWriter<W> = RowWriter<TrackerTrack, W>;
 
@@ -61,6 +64,49 @@ impl Row for TrackerTrack {
     fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
         write_sensor_track(out, reference, Self::SENSOR_ID, &self.track)?;
         write!(out, ",{},{:.6}", self.hypotheses, self.reliability)
+    }
+}
+
+/// A system track with its place in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedTrack {
+    /// The track.
+    pub track: SystemTrack,
+    /// Latitude, longitude and height of its position.
+    pub place: Geodetic,
+}
+
+impl PlacedTrack {
+    /// The track in the system frame in which its position is given.
+    pub fn new(track: &SystemTrack, frame: &SystemFrame) -> Self {
+        Self {
+            track: *track,
+            place: frame.to_geodetic(track.position_m),
+        }
+    }
+}
+
+impl Row for PlacedTrack {
+    /// The columns of a system track come first, so that readers by place find these where they were.
+    fn columns() -> String {
+        format!("{},utc,latitude,longitude,flight_level", SystemTrack::columns())
+    }
+
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        let Self { track, place } = self;
+        track.write(out, reference)?;
+        write!(out, ",{}", Utc(track.reference_time_ns))?;
+        // Seven decimals are a centimetre.
+        write!(
+            out,
+            ",{},{},",
+            Plain(place.latitude_deg(), 7),
+            Plain(place.longitude_deg(), 7)
+        )?;
+        match track.height_valid {
+            0 => Ok(()),
+            _ => write!(out, "{}", Plain(place.flight_level(), 2)),
+        }
     }
 }
 
@@ -357,5 +403,42 @@ mod tests {
         ] {
             assert_eq!(value(&columns, name), expected, "{name}");
         }
+    }
+
+    #[test]
+    fn a_placed_track_says_where_and_when_in_the_worlds_terms_behind_everything_else() {
+        let frame = SystemFrame::at(Geodetic::from_degrees(41.25, -2.5, 100.0).unwrap());
+        let track = SystemTrack {
+            reference_time_ns: 1_462_917_600_250_000_000,
+            position_m: [0.0, 0.0, 9_044.0],
+            height_valid: 1,
+            ..SystemTrack::default()
+        };
+        let written = |track: &SystemTrack| {
+            let mut writer = PlacedTrackWriter::begin(Vec::new(), 0).unwrap();
+            writer.write(&PlacedTrack::new(track, &frame)).unwrap();
+            String::from_utf8(writer.into_inner()).unwrap()
+        };
+        let text = written(&track);
+        let columns = columns(&text);
+        for (name, expected) in [
+            ("utc", "2016-05-10T22:00:00.25Z"),
+            ("latitude", "41.2500000"),
+            ("longitude", "-2.5000000"),
+            ("flight_level", "300.00"),
+        ] {
+            assert_eq!(value(&columns, name), expected, "{name}");
+        }
+        let mut before = SystemTrackWriter::begin(Vec::new(), 0).unwrap();
+        before.write(&track).unwrap();
+        let before = String::from_utf8(before.into_inner()).unwrap();
+        for (line, before) in text.lines().zip(before.lines()) {
+            assert!(line.starts_with(&format!("{before},")), "{line}");
+        }
+        let without_height = SystemTrack {
+            height_valid: 0,
+            ..track
+        };
+        assert!(written(&without_height).ends_with(",41.2500000,-2.5000000,\n"));
     }
 }

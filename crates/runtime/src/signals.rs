@@ -5,20 +5,26 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-/// Becomes true when the process is asked to stop (SIGTERM, or Ctrl-C at a terminal).
+/// Becomes true when the process is asked to stop: by SIGTERM, by Ctrl-C at a terminal, or because the terminal has gone
+/// (SIGHUP).
 #[derive(Clone, Debug)]
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Catches SIGTERM and SIGINT from now on. A second signal ends the process at once.
+    /// Catches SIGTERM, SIGINT and SIGHUP from now on. A second signal ends the process at once. A SIGHUP that was to be
+    /// ignored when the process started (`nohup`) still is.
     ///
     /// # Errors
     /// If the operating system refuses.
     pub fn on_signals() -> io::Result<Self> {
         let flag = Arc::new(AtomicBool::new(false));
-        for signal in [SIGTERM, SIGINT] {
+        let stays_without_terminal = is_ignored(SIGHUP);
+        for signal in [SIGTERM, SIGINT, SIGHUP] {
+            if signal == SIGHUP && stays_without_terminal {
+                continue;
+            }
             signal_hook::flag::register_conditional_shutdown(signal, 1, Arc::clone(&flag))?;
             signal_hook::flag::register(signal, Arc::clone(&flag))?;
         }
@@ -29,6 +35,14 @@ impl Stop {
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+}
+
+/// Whether whoever started this process has it ignore `signal`.
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask & 1 << (signal - 1) != 0)
 }
 
 /// Asks the kernel to stop this process when `launcher`, its parent, dies, however it dies. If it is dead already,

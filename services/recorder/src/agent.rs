@@ -50,6 +50,7 @@ impl<S: Transport> RecorderAgent<S> {
             resume: recovery::claim(folder, run)?,
             incarnation,
             first_day_ns,
+            frame: config.frame,
             replays: config.is_recorded(),
         };
         let streams: Vec<_> = config

@@ -1,7 +1,9 @@
 //! The recorder process: writes every data stream of a deployment to a file.
 //!
 //! One file per source, `sensor_tracks_<name>.csv`, in the order in which the source published, and one for the system
-//! tracks, `system_tracks.csv`, in the order of fusion (FM-5). Neither order depends on scheduling when the inputs are
+//! tracks, `system_tracks.csv`, in the order of fusion (FM-5), whose last columns say it in the world's terms: `utc`,
+//! `latitude` and `longitude` (WGS-84, degrees) and `flight_level` (hundreds of feet above the ellipsoid, the flight level
+//! where sources give one; empty if none observes height). Neither order depends on scheduling when the inputs are
 //! recorded, so neither do the files: they carry the times of the data and none of the machine's. Where an adapter
 //! makes a source's tracks of detections, `detections_<name>.csv` holds these, exactly: `koseki track` makes the same
 //! tracks of them (FM-6), and the same cues as are in `cues_<name>.csv`. Of a direction finder, `bearings_<name>.csv`
@@ -26,10 +28,11 @@ use configuration::Process;
 pub fn run(process: &Process) -> anyhow::Result<()> {
     let (config, options) = (&process.config, &process.options);
     let run = format!(
-        "deployment {}, instance {}, configuration {}, started at {} ns since 1970 (UTC)\n",
+        "deployment {}, instance {}, configuration {}, started at {}, {} ns since 1970 (UTC)\n",
         config.name,
         options.instance,
         config.path.display(),
+        formats::rows::Utc(options.scenario_start_ns),
         options.scenario_start_ns
     );
     let (bus, first_day_ns) = (&process.bus, process.first_day_ns());

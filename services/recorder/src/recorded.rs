@@ -10,6 +10,8 @@ use bus::{Payload, Transport};
 use formats::alarms_csv::AlarmRow;
 use formats::cues_csv::CueRow;
 use formats::rows::Row;
+use formats::tracks_csv::PlacedTrack;
+use frames::SystemFrame;
 use messages::{
     Alarm, AlarmEvent, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream, StreamId, Streamed,
     SystemTrack, WideArea,
@@ -22,8 +24,9 @@ use crate::topic_file::{Place, StreamFile, TopicFile};
 pub(crate) trait Recorded: Streamed + Payload {
     type Row: Row + Debug;
 
-    /// Row of a sample of the source or sensor `number`; `None` for a code of another schema.
-    fn row(&self, number: u16) -> Option<Self::Row>;
+    /// Row of a sample of the source or sensor `number`, whose positions are in `frame`; `None` for a code of another
+    /// schema.
+    fn row(&self, number: u16, frame: &SystemFrame) -> Option<Self::Row>;
 }
 
 /// Opens the file of a stream, whose source or sensor is called `name`.
@@ -47,7 +50,7 @@ pub(crate) fn open<S: Transport>(
 impl Recorded for SensorTrack {
     type Row = Self;
 
-    fn row(&self, source: u16) -> Option<Self> {
+    fn row(&self, source: u16, _: &SystemFrame) -> Option<Self> {
         Some(Self { source, ..*self })
     }
 }
@@ -55,7 +58,7 @@ impl Recorded for SensorTrack {
 impl Recorded for SensorDetection {
     type Row = Detection;
 
-    fn row(&self, source: u16) -> Option<Detection> {
+    fn row(&self, source: u16, _: &SystemFrame) -> Option<Detection> {
         Detection::of_sample(&Self { source, ..*self })
     }
 }
@@ -63,7 +66,7 @@ impl Recorded for SensorDetection {
 impl Recorded for SensorBearing {
     type Row = Bearing;
 
-    fn row(&self, _: u16) -> Option<Bearing> {
+    fn row(&self, _: u16, _: &SystemFrame) -> Option<Bearing> {
         Bearing::of_sample(self)
     }
 }
@@ -71,7 +74,7 @@ impl Recorded for SensorBearing {
 impl Recorded for PlatformState {
     type Row = Self;
 
-    fn row(&self, source: u16) -> Option<Self> {
+    fn row(&self, source: u16, _: &SystemFrame) -> Option<Self> {
         Some(Self { source, ..*self })
     }
 }
@@ -79,7 +82,7 @@ impl Recorded for PlatformState {
 impl Recorded for Cue {
     type Row = CueRow;
 
-    fn row(&self, source: u16) -> Option<CueRow> {
+    fn row(&self, source: u16, _: &SystemFrame) -> Option<CueRow> {
         Some(CueRow {
             sensor_id: sensor_id(source),
             cue: *self,
@@ -90,16 +93,16 @@ impl Recorded for Cue {
 impl Recorded for WideArea {
     type Row = WideAreaReport;
 
-    fn row(&self, _: u16) -> Option<WideAreaReport> {
+    fn row(&self, _: u16, _: &SystemFrame) -> Option<WideAreaReport> {
         WideAreaReport::of_sample(self)
     }
 }
 
 impl Recorded for SystemTrack {
-    type Row = Self;
+    type Row = PlacedTrack;
 
-    fn row(&self, _: u16) -> Option<Self> {
-        Some(*self)
+    fn row(&self, _: u16, frame: &SystemFrame) -> Option<PlacedTrack> {
+        Some(PlacedTrack::new(self, frame))
     }
 }
 
@@ -107,7 +110,7 @@ impl Recorded for Alarm {
     type Row = AlarmRow;
 
     /// What only goes on standing makes no row.
-    fn row(&self, _: u16) -> Option<AlarmRow> {
+    fn row(&self, _: u16, _: &SystemFrame) -> Option<AlarmRow> {
         let kind = AlarmKind::from_code(self.code)?;
         let event = self.event().filter(|event| *event != AlarmEvent::Standing)?;
         Some(AlarmRow {

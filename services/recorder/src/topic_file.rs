@@ -11,6 +11,7 @@ use std::path::Path;
 use anyhow::Context as _;
 use bus::{Bus, Subscriber, SubscriberCounts, Transport, Waiter};
 use formats::rows::RowWriter;
+use frames::SystemFrame;
 use messages::{BatchHeader, StreamId};
 
 use crate::recorded::Recorded;
@@ -31,6 +32,8 @@ pub(crate) struct Place<'a, S: Transport> {
     /// Monotonic start time of the recorder.
     pub(crate) incarnation: u64,
     pub(crate) first_day_ns: i64,
+    /// System frame.
+    pub(crate) frame: SystemFrame,
     /// Whether the inputs are recordings.
     pub(crate) replays: bool,
 }
@@ -74,6 +77,7 @@ pub(crate) struct TopicFile<S: Transport, T: Recorded> {
     path: String,
     subscriber: Subscriber<S, T>,
     writer: RowWriter<T::Row, BufWriter<File>>,
+    frame: SystemFrame,
     /// Whether the samples are numbered over all their publishers.
     is_replay: bool,
     /// Samples of a replay below this have been written, whoever publishes them again.
@@ -110,6 +114,7 @@ impl<S: Transport, T: Recorded> TopicFile<S, T> {
                 0 => RowWriter::begin(file, place.first_day_ns)?,
                 _ => RowWriter::resume(file, place.first_day_ns),
             },
+            frame: place.frame,
             is_replay: place.replays && id.stream.is_replayed(),
             next_sequence: rows,
             missed: 0,
@@ -131,6 +136,7 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
             path,
             subscriber,
             writer,
+            frame,
             is_replay,
             next_sequence,
             missed,
@@ -148,7 +154,9 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
                 *missed += if *is_replay { sequence - *next_sequence } else { 0 };
                 *next_sequence = sequence.saturating_add(1);
                 *progress_ns = (*progress_ns).max(sample.time_ns());
-                let Some(row) = sample.row(id.number) else { continue };
+                let Some(row) = sample.row(id.number, frame) else {
+                    continue;
+                };
                 if written.is_ok() {
                     written = writer.write(&row);
                     *rows += 1;
