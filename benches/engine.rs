@@ -5,8 +5,8 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fusion::Engine;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleSettings, Settings,
-    SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, ReportLimits,
+    RuleSettings, Settings, SourceSettings,
 };
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use test_support::S;
@@ -28,6 +28,7 @@ fn settings(targets: usize) -> Settings {
         priority: u32::from(number),
         ceiling_m: f64::INFINITY,
         coverage: None,
+        limits: ReportLimits::default(),
     };
     Settings {
         sources: (0..SOURCES).map(source).collect(),

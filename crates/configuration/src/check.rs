@@ -5,10 +5,10 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use ::fusion::settings::{AccuracyTable, CoverageArea, SourceSettings};
+use ::fusion::settings::{AccuracyTable, CoverageArea, ReportLimits, SourceSettings};
 use bus::WaitMode;
 use frames::{Geodetic, SensorFrame, SystemFrame};
-use reception::SourceModel;
+use reception::{Limits, SourceModel};
 use settings::SettingsError;
 
 use super::check_monitor::check_monitor;
@@ -184,6 +184,10 @@ fn check_source(
     let weighed = SourceSettings::new(&raw.name, &raw.weighing, usual, place_m, &AccuracyTable::default());
     let mut weighed = weighed.map_err(|error| error.under(&format!("source[{index}]")))?;
     weighed.sensor_uid = source.uid;
+    if source.is_taken_as_it_is() {
+        // What comes through an adapter has been looked at there.
+        weighed.limits = limits(&source.model.limits, place_m);
+    }
     if source.locator().is_some() {
         // A direction finder hears what transmits: its silence is no evidence of absence.
         weighed.coverage.get_or_insert_with(CoverageArea::none);
@@ -195,6 +199,15 @@ fn check_source(
 fn silent_after_ns(raw: &SourceTable, input: &Input) -> Option<i64> {
     let is_expected = !matches!(input, Input::Recorded(_)) && raw.silent_periods > 0.0;
     is_expected.then(|| ((raw.silent_periods * raw.period_s()).max(SILENT_MIN_S) * messages::NS_PER_S) as i64)
+}
+
+/// Limits of the reports of a source that nobody looks at before fusion; its sensor stands at this place, metres.
+pub(super) fn limits(limits: &Limits, place_m: [f64; 2]) -> ReportLimits {
+    ReportLimits {
+        place_m,
+        range_m: limits.range_m,
+        speed_mps: limits.speed_mps,
+    }
 }
 
 fn check_tracker(

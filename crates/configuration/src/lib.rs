@@ -137,6 +137,15 @@ impl Source {
         self.processing.tracker()
     }
 
+    /// Whether its sensor tracks reach fusion as they come, checked by no adapter.
+    pub fn is_taken_as_it_is(&self) -> bool {
+        match &self.input {
+            Input::External => true,
+            Input::Recorded(recorded) => recorded.format == RecordedFormat::SensorTracks,
+            Input::Simulated(_) | Input::Live(_) => false,
+        }
+    }
+
     /// Settings of its locator, if its tracks are made of its bearings.
     pub fn locator(&self) -> Option<&::locating::Settings> {
         self.processing.locator()

@@ -25,10 +25,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use fusion::settings::{AccuracyModel, AccuracyTable, Settings, SourceSettings, Weighing};
+use reception::Limits;
 use settings::{Document, Seconds, SettingsError};
 
 use super::ConfigError;
-use super::check::{Checked, check_name};
+use super::check::{Checked, check_name, limits};
 use super::tables::FusionTable;
 
 /// Period of a sensor that never reported a track twice, and has none configured, seconds.
@@ -89,6 +90,8 @@ settings::settings! {
         name: Option<String> = None, usually "its id";
         /// East and north in the files' frame, for accuracies that depend on the distance.
         position_m: Option<[f64; 2]> = None;
+        /// Limits of its reports: their speed and, where its place is known, their distance from it.
+        limits: Limits = Limits::default();
     }
 }
 
@@ -208,7 +211,13 @@ impl Offline {
         };
         let place_m = table.position_m.unwrap_or_default();
         let source = SourceSettings::new(&name, &table.weighing, (period_s, place as u32), place_m, &stated);
-        source.map_err(|error| error.under(&format!("sensor[{}]", configured.unwrap_or_default())))
+        let mut source = source.map_err(|error| error.under(&format!("sensor[{}]", configured.unwrap_or_default())))?;
+        let limits = limits(&table.limits, place_m);
+        source.limits.speed_mps = limits.speed_mps;
+        if table.position_m.is_some() {
+            source.limits = limits;
+        }
+        Ok(source)
     }
 }
 

@@ -61,8 +61,17 @@ impl Engine {
         let looks_back = !rule.is_from_filter();
         Ok(Self {
             tracks: Tracks::new(
-                SensorTracks::new(capacity.sensor_tracks(), looks_back.then_some(capacity.stored_reports)),
-                SystemTracks::new(capacity.system_tracks(), settings.association.cell_m, looks_back),
+                SensorTracks::new(
+                    capacity.sensor_tracks(),
+                    sources,
+                    looks_back.then_some(capacity.stored_reports),
+                ),
+                SystemTracks::new(
+                    capacity.system_tracks(),
+                    sources,
+                    settings.association.cell_m,
+                    looks_back,
+                ),
                 settings.sources.iter().map(|source| source.fresh_ns).collect(),
             ),
             sources: Sources::new(&settings),
@@ -166,7 +175,7 @@ impl Engine {
     ///
     /// Reports should come in the order of their times; one older than its own sensor track's latest is rejected.
     pub fn take(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
-        if !inlet::is_valid(report, self.settings.sources.len()) {
+        if !inlet::is_valid(report, &self.settings.sources) {
             self.outbox.counts.add(report.source, Counter::RejectedInvalid);
             return;
         }
@@ -181,7 +190,7 @@ impl Engine {
         }
         // Looked up early, so that the cache miss overlaps with the checks that follow.
         let known = self.tracks.sensors.find(report.source, report.track_number);
-        let is_usable = estimation::is_usable(&report.covariance);
+        let is_usable = inlet::is_usable(&report.covariance);
         let repaired = if is_usable { None } else { inlet::repaired(report) };
         if !is_usable {
             let counter = match &repaired {
@@ -452,7 +461,12 @@ impl Engine {
         relative.covariance_m2[0] += referred.variance_m2;
         relative.covariance_m2[3] += referred.variance_m2;
         let filter = &mut self.tracks.systems.get_mut(system).filter;
-        let Some(mut innovation) = filter.take(&relative, time_ns, &self.sources.motion, referred.is_usable) else {
+        let innovation = filter.take(&relative, time_ns, &self.sources.motion, referred.is_usable);
+        // What is not finite shows in the gain.
+        let Some(mut innovation) = innovation.filter(|innovation| innovation.gain.is_finite()) else {
+            if !filter.is_sound() {
+                self.restart(sensor);
+            }
             return;
         };
         let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
@@ -470,6 +484,18 @@ impl Engine {
         self.points.learn(&mut self.tracks, sensor, &innovation);
         self.sources
             .learn_of_innovation(&self.settings, &mut self.tracks, sensor, &innovation, measurement);
+    }
+
+    /// Lets the filter of a sensor track's system track, which is of no use any more, begin anew with what the sensor
+    /// track says.
+    #[cold]
+    fn restart(&mut self, sensor: SensorSlot) {
+        self.tracks.restart_filter(sensor);
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, source) = (entry.system, entry.source);
+        self.tracks.for_members(system, |member| member.share = 0.0);
+        self.tracks.sensors.get_mut(sensor).share = 1.0;
+        self.outbox.counts.add(source, Counter::EstimatesRestarted);
     }
 
     /// Notes that the system track has a fresh report.
@@ -524,7 +550,9 @@ impl Engine {
         let confirmed = self.tracks.systems.count_in_state(TrackState::Confirmed);
         let enabled = self.settings.registration.enabled;
         self.sources
-            .register(due && enabled, confirmed, self.points.sees_points());
+            .register(due && enabled, confirmed, self.points.sees_points(), |source| {
+                self.outbox.counts.add(source, Counter::EstimatesRestarted);
+            });
         if due {
             self.points.look(&self.sources, self.publisher.rule().keeps_points);
             self.publisher.set_point_spread(self.points.spread_m2());

@@ -19,9 +19,9 @@
 //! the weighing down.
 
 use estimation::{AxisNoise, Gaussian, NearlyConstantVelocity, Symmetric3};
-use messages::{AXES, NS_PER_S, STATE_LEN};
+use messages::{AXES, NS_PER_S, STATE_LEN, SensorTrack, sensor_track_bits};
 
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, gaussian_of};
 use crate::state::State;
 
 /// Normalised innovation squared beyond which a measurement is weighed down.
@@ -68,6 +68,19 @@ impl Filter {
             modes: [estimate; MODES],
             probability: PRIOR,
         }
+    }
+
+    /// All that a report says.
+    pub(crate) fn of_report(report: &SensorTrack) -> Self {
+        let has_height = report.has(sensor_track_bits::HEIGHT);
+        Self::new(report.time_of_measurement_ns, gaussian_of(report), has_height)
+    }
+
+    /// Whether the estimate can be used: all of it finite, and no variance below 0.
+    pub(crate) fn is_sound(&self) -> bool {
+        let Gaussian { mean, covariance } = &self.estimate;
+        mean.iter().chain(&covariance.upper).all(|value| value.is_finite())
+            && (0..STATE_LEN).all(|index| covariance.get(index, index) >= 0.0)
     }
 
     /// The estimate as rules and messages know states.

@@ -1,21 +1,41 @@
 //! Checks of a report before it is believed.
 
-use messages::{Counter, Identity, STATE_LEN, SensorTrack, TrackState};
+use messages::{AXES, Counter, Covariance, Identity, STATE_LEN, SensorTrack, TrackState};
 
+use crate::settings::{ReportLimits, SourceSettings};
 use crate::system_tracks::SystemTracks;
 
-/// Largest values that a sensor on this planet can report: metres, metres per second, and the square of a deviation.
+/// Largest coordinate, metres; climb, metres per second; and square of a deviation that a sensor on this planet can
+/// report.
 const POSITION_MAX_M: f64 = 1e8;
 const SPEED_MAX_MPS: f64 = 1e5;
 const COVARIANCE_MAX: f64 = 1e14;
+/// Smallest variances that are believed, of position (m²) and velocity (m²/s²): to a millimetre and a tenth of a
+/// millimetre per second nothing is known.
+const VARIANCE_MIN: [f64; 2] = [1e-6, 1e-8];
+/// Times farther from 1970 than this are none, nanoseconds: 146 years. Of any two others, and of any time span that can
+/// be configured, sums and differences can be told in 64 bits.
+const TIME_MAX_NS: i64 = 1 << 62;
 /// Farther apart than this, two reports of one address are not of one target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
 
-/// Whether a report can be one of `sources` sources.
-pub(crate) fn is_valid(report: &SensorTrack, sources: usize) -> bool {
+/// Whether a report can be one of these sources.
+pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool {
+    let Some(source) = sources.get(usize::from(report.source)) else {
+        return false;
+    };
+    let ReportLimits {
+        place_m,
+        range_m,
+        speed_mps,
+    } = source.limits;
     // Not a number is within no limit. All are looked at, without a branch for each.
     let within = |values: &[f64], limit: f64| values.iter().fold(true, |all, value| all & (value.abs() <= limit));
-    usize::from(report.source) < sources
+    let is_in_reach = |[east, north]: [f64; 2], limit: f64| east * east + north * north <= limit * limit;
+    let [[x, y, _], [vx, vy, _]] = [report.position_m, report.velocity_mps];
+    (-TIME_MAX_NS..TIME_MAX_NS).contains(&report.time_of_measurement_ns)
+        && is_in_reach([x - place_m[0], y - place_m[1]], range_m)
+        && is_in_reach([vx, vy], speed_mps)
         && TrackState::from_code(report.state).is_some()
         && within(&report.position_m, POSITION_MAX_M)
         && within(&report.velocity_mps, SPEED_MAX_MPS)
@@ -24,16 +44,27 @@ pub(crate) fn is_valid(report: &SensorTrack, sources: usize) -> bool {
         && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
 }
 
-/// The report with its covariance, which is not positive definite, made usable; `None` if there is nothing to keep of
+/// Whether no variance says more than can be known, and all of them together are positive definite.
+pub(crate) fn is_usable(covariance: &Covariance) -> bool {
+    let is_believed = |index: usize| {
+        let variance = covariance.get(index, index);
+        variance == 0.0 || variance >= VARIANCE_MIN[index / AXES]
+    };
+    (0..STATE_LEN).fold(true, |all, index| all & is_believed(index)) && estimation::is_usable(covariance)
+}
+
+/// The report with its covariance, which cannot be used as it is, made usable; `None` if there is nothing to keep of
 /// it.
 #[cold]
 pub(crate) fn repaired(report: &SensorTrack) -> Option<SensorTrack> {
     let mut full = estimation::unpacked(&report.covariance);
     for component in 0..STATE_LEN {
-        if full[(component, component)] == 0.0 {
+        let variance = full[(component, component)];
+        let least = VARIANCE_MIN[component / AXES];
+        if variance < least {
             full.row_mut(component).fill(0.0);
             full.column_mut(component).fill(0.0);
-            full[(component, component)] = 1.0;
+            full[(component, component)] = if variance == 0.0 { 1.0 } else { least };
         }
     }
     let covariance = estimation::packed(&estimation::repaired(&full)?);

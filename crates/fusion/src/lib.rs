@@ -33,6 +33,7 @@ mod number_hasher;
 mod outlet;
 mod publishing;
 pub mod quality;
+mod quota;
 mod reference_point;
 pub mod registration;
 pub mod rules;

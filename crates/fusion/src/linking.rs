@@ -6,12 +6,11 @@
 //! - it, or the whole system track it is in, keeps agreeing with another one that has none of its sources (one target
 //!   that was started twice).
 
-use messages::{Counter, NO_SOURCE, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Counter, NO_SOURCE, SensorTrack, TrackState};
 
 use crate::association_step::Search;
 use crate::explanation::{Decision, DecisionKind, Sink};
 use crate::filter::Filter;
-use crate::measurement::gaussian_of;
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, NO_SYSTEM, Role, SensorSlot};
 use crate::settings::Settings;
@@ -93,9 +92,8 @@ impl Linking<'_> {
     /// Starts a system track from a sensor track, to be looked at first at `deadline_ns`; `false` if the table is full.
     pub(crate) fn start<S: Sink>(&mut self, sensor: SensorSlot, deadline_ns: i64, out: &mut Outlet<'_, S>) -> bool {
         let report = &self.tracks.sensors.get(sensor).latest;
-        let (source, has_height) = (report.source, report.has(sensor_track_bits::HEIGHT));
-        let filter = Filter::new(report.time_of_measurement_ns, gaussian_of(report), has_height);
-        let Some(system) = self.tracks.systems.insert(filter, deadline_ns) else {
+        let (source, filter) = (report.source, Filter::of_report(report));
+        let Some(system) = self.tracks.systems.insert(source, filter, deadline_ns) else {
             out.count(source, Counter::DroppedTable);
             return false;
         };

@@ -35,6 +35,7 @@ pub(crate) fn publish_extrapolated<S: Sink>(
     entry.state = entry
         .state
         .at(now_ns.max(entry.state.time_ns), settings.process_noise_m2ps3);
+    // A state that was finite when it was formed stays so on its way.
     out.track(|message| write(message, settings, tracks, slot, None, None));
 }
 

@@ -34,10 +34,22 @@ pub(crate) struct Outlet<'a, S> {
 }
 
 impl<S: Sink> Outlet<'_, S> {
-    /// Hands out the message that `write` makes of the one before.
-    pub(crate) fn track(&mut self, write: impl FnOnce(&mut SystemTrack)) {
-        write(&mut self.outbox.message);
-        self.sink.track(&self.outbox.message);
+    /// Hands out the message that `write` makes of the one before. `false` if its state is not finite: then nobody is
+    /// told of it, and it is counted.
+    pub(crate) fn track(&mut self, write: impl FnOnce(&mut SystemTrack)) -> bool {
+        let message = &mut self.outbox.message;
+        write(message);
+        let is_finite = |values: &[f64]| values.iter().fold(true, |all, value| all & value.is_finite());
+        let is_sound =
+            is_finite(&message.position_m) & is_finite(&message.velocity_mps) & is_finite(&message.covariance.upper);
+        if is_sound {
+            self.sink.track(message);
+        } else {
+            self.outbox
+                .counts
+                .add(message.trigger_source, Counter::EstimatesRestarted);
+        }
+        is_sound
     }
 
     pub(crate) fn decision(&mut self, decision: &Decision) {

@@ -136,7 +136,9 @@ impl Publisher {
             }
         }
         let weighed = Some(&*self.weighed);
-        out.track(|message| write(message, settings, tracks, system, cause, weighed));
+        if !out.track(|message| write(message, settings, tracks, system, cause, weighed)) {
+            restart(tracks, system);
+        }
     }
 
     /// Notes what the contributions say that the target is.
@@ -221,6 +223,15 @@ impl Publisher {
             limit: accuracy(last),
         }
     }
+}
+
+/// Lets the state of a system track that is not finite begin anew with the latest report of one of its members.
+#[cold]
+fn restart(tracks: &mut Tracks, system: SystemSlot) {
+    if let Some(member) = tracks.systems.get(system).members {
+        tracks.restart_filter(member);
+    }
+    tracks.systems.forget_state(system);
 }
 
 /// Whether the accuracy of `source` is estimated from its reports.

@@ -5,11 +5,9 @@
 //! estimated relative to it, in a frame that turns with the target's course, and taken off their measurements; so all
 //! of them go on improving the position, and when the first source falls silent the point stays where it was.
 
-use messages::sensor_track_bits;
-
 use crate::explanation::{DecisionKind, Sink};
-use crate::filter::{Filter, Innovation};
-use crate::measurement::{Measurement, gaussian_of};
+use crate::filter::Innovation;
+use crate::measurement::Measurement;
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, SensorSlot};
 use crate::source_model::SourceModel;
@@ -105,7 +103,8 @@ impl ReferencePoints {
                 is_reference: true,
                 ..self.unknown()
             };
-            begin_at(tracks, senior, system);
+            // What the filter was before is a mixture of points.
+            tracks.restart_filter(senior);
             out.decision(&tracks.decision(senior, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
         }
         let point = tracks.sensors.get(sensor).point;
@@ -167,14 +166,6 @@ fn senior(tracks: &Tracks, system: SystemSlot, now_ns: i64) -> Option<SensorSlot
         let entry = tracks.sensors.get(*member);
         (entry.source != first_source, entry.started_ns, entry.source)
     })
-}
-
-/// Lets the system filter begin anew from a sensor track: what it was before is a mixture of points.
-fn begin_at(tracks: &mut Tracks, sensor: SensorSlot, system: SystemSlot) {
-    let report = &tracks.sensors.get(sensor).latest;
-    let has_height = report.has(sensor_track_bits::HEIGHT);
-    let filter = Filter::new(report.time_of_measurement_ns, gaussian_of(report), has_height);
-    tracks.systems.get_mut(system).filter = filter;
 }
 
 /// A horizontal vector in the frame of a course: along, across to the right.

@@ -19,6 +19,10 @@
 //! estimate less certain than the formula says. A sample counts for a quarter, and the spread of the detection points,
 //! divided by the number of targets, is added. An error is removed when it is significant, until it no longer is.
 //!
+//! One source's absurd reports must not spoil what is known of the others. Reports whose velocities are far apart are not
+//! compared, and an estimate beyond reason, or one that most differences contradict, is dropped with all that it rests
+//! on.
+//!
 //! Limits: range and azimuth biases need the sensor's place; over a small area they cannot be told from an offset.
 //!
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
@@ -34,6 +38,10 @@ type Block = SMatrix<f64, ERRORS, ERRORS>;
 
 /// Standard deviations of the errors before anything is known.
 const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
+/// Errors beyond so many of these standard deviations are none: reports that far off are not of one target.
+const ERROR_MAX_SIGMA: f64 = 10.0;
+/// Velocities of one target do not differ by more, metres per second.
+const VELOCITY_GATE_MPS: f64 = 300.0;
 /// Weight of one sample: errors of tracks persist over several reports.
 const SAMPLE_WEIGHT: f64 = 0.25;
 /// Sweeps of Gauss–Seidel per tick.
@@ -53,6 +61,12 @@ const INSIGNIFICANT_1: f64 = 1.6;
 const SAMPLES_MIN: f64 = 20.0;
 /// Largest squared statistical length of a difference that is used.
 const DIFFERENCE_GATE: f64 = 25.0;
+/// Largest variance per axis by which different points of one target explain a difference, m², when it is asked whether
+/// an estimate is wrong: so that it cannot hide behind targets that seem ever larger.
+const POINTS_MAX_M2: f64 = 100.0 * 100.0;
+/// Share of the latest differences beyond either at which it is the estimate that is wrong, and the weight of one of them.
+const CONTRADICTED: f64 = 0.75;
+const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
 
 /// One source's view of a target.
 #[derive(Clone, Copy, Debug)]
@@ -68,9 +82,9 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// How the source's errors move its report of this target.
-    fn sensitivity(&self) -> SMatrix<f64, AXES, ERRORS> {
-        sensitivity(self.position_m, self.velocity_mps, self.place_m)
+    /// How the source's errors move its report of this target, whose velocity is given.
+    fn sensitivity(&self, velocity_mps: [f64; AXES]) -> SMatrix<f64, AXES, ERRORS> {
+        sensitivity(self.position_m, velocity_mps, self.place_m)
     }
 }
 
@@ -122,6 +136,27 @@ pub struct SourceErrors {
     pub removed: [bool; ERRORS],
 }
 
+impl SourceErrors {
+    /// Nothing is known.
+    fn unknown() -> Self {
+        Self {
+            errors: Errors::zeros(),
+            variances: Errors::from_fn(|row, _| PRIOR_SIGMA[row] * PRIOR_SIGMA[row]),
+            samples: 0.0,
+            removed: [false; ERRORS],
+        }
+    }
+
+    /// Whether a source can have these errors; none that are not a number.
+    fn are_possible(&self) -> bool {
+        let limits = PRIOR_SIGMA.iter().map(|sigma| ERROR_MAX_SIGMA * sigma);
+        self.errors
+            .iter()
+            .zip(limits)
+            .all(|(error, limit)| error.abs() <= limit)
+    }
+}
+
 /// Registration of all sources with each other.
 #[derive(Clone, Debug)]
 pub(crate) struct Registration {
@@ -129,6 +164,8 @@ pub(crate) struct Registration {
     pairs: Vec<Pair>,
     /// Sources with which each source was compared, as bits.
     partners: Vec<u64>,
+    /// Share of each source's latest differences that its estimate does not explain.
+    contradicted: Vec<f64>,
     reference: Option<u16>,
     /// Share of the sums that is left after one tick.
     keep: f64,
@@ -149,15 +186,11 @@ impl Registration {
     /// Of `sources` sources; `reference` is taken as true. Sums are forgotten with time constant `memory_s`; a tick is
     /// `tick_s` seconds.
     pub(crate) fn new(sources: usize, reference: Option<u16>, memory_s: f64, tick_s: f64) -> Self {
-        let unknown = SourceErrors {
-            errors: Errors::zeros(),
-            variances: Errors::from_fn(|row, _| PRIOR_SIGMA[row] * PRIOR_SIGMA[row]),
-            samples: 0.0,
-            removed: [false; ERRORS],
-        };
+        let unknown = SourceErrors::unknown();
         Self {
             pairs: vec![EMPTY; sources * sources],
             partners: vec![0; sources],
+            contradicted: vec![0.0; sources],
             reference,
             keep: (-tick_s / memory_s).exp(),
             solution: Solution {
@@ -197,8 +230,17 @@ impl Registration {
         std::array::from_fn(|axis| if known.removed[axis] { 0.0 } else { known.errors[axis] })
     }
 
-    /// Learns from two views of one target at one time.
-    pub(crate) fn learn(&mut self, a: &View, b: &View) {
+    /// Learns from two views of one target at one time, of which the sources see points that lie apart with this
+    /// variance per axis, m².
+    pub(crate) fn learn(&mut self, a: &View, b: &View, points_m2: f64) {
+        let apart_mps = |axis: usize| a.velocity_mps[axis] - b.velocity_mps[axis];
+        let apart_m = |axis: usize| a.position_m[axis] - b.position_m[axis];
+        // Written so that NaN is refused.
+        let may_be_one = apart_mps(0).hypot(apart_mps(1)) <= VELOCITY_GATE_MPS
+            && apart_m(0).hypot(apart_m(1)) <= ERROR_MAX_SIGMA * PRIOR_SIGMA[0];
+        if !may_be_one {
+            return;
+        }
         let three = a.has_height && b.has_height;
         let axes = if three { AXES } else { 2 };
         let difference = SVector::<f64, AXES>::from_fn(|axis, _| {
@@ -209,6 +251,10 @@ impl Registration {
             }
         });
         let mut weight = a.covariance_m2 + b.covariance_m2;
+        let stated_m2 = weight[(0, 0)] + weight[(1, 1)];
+        for axis in 0..2 {
+            weight[(axis, axis)] += points_m2;
+        }
         if !three {
             for axis in 0..2 {
                 weight[(axis, 2)] = 0.0;
@@ -216,7 +262,10 @@ impl Registration {
             }
             weight[(2, 2)] = 1e12;
         }
-        let (of_a, of_b) = (a.sensitivity(), b.sensitivity());
+        // One target has one velocity. So what all clocks have in common shows in no difference, and the solution does
+        // not run away when it is taken off.
+        let velocity_mps = std::array::from_fn(|axis| 0.5 * (a.velocity_mps[axis] + b.velocity_mps[axis]));
+        let (of_a, of_b) = (a.sensitivity(velocity_mps), b.sensitivity(velocity_mps));
         let explained = of_a * self.of(a.source).errors - of_b * self.of(b.source).errors;
         let Some(weight) = weight.cholesky().map(|factor| factor.inverse()) else {
             return;
@@ -225,7 +274,17 @@ impl Registration {
         let squared = (rest.transpose() * weight * rest)[0];
         // While little is known, large errors must be let in.
         let settled = self.of(a.source).samples > SAMPLES_MIN && self.of(b.source).samples > SAMPLES_MIN;
-        if !squared.is_finite() || (settled && squared > DIFFERENCE_GATE) {
+        if !squared.is_finite() {
+            return;
+        }
+        let explained_m2 = DIFFERENCE_GATE * (stated_m2 + 2.0 * points_m2.min(POINTS_MAX_M2));
+        let is_too_far = rest[0] * rest[0] + rest[1] * rest[1] > explained_m2;
+        let is_contradicted = settled && (squared > DIFFERENCE_GATE || is_too_far);
+        for source in [a.source, b.source] {
+            let share = &mut self.contradicted[usize::from(source)];
+            *share += CONTRADICTION_GAIN * (f64::from(u8::from(is_contradicted)) - *share);
+        }
+        if is_contradicted {
             return;
         }
         let weight = weight * SAMPLE_WEIGHT;
@@ -285,8 +344,9 @@ impl Registration {
         self.solution.next.is_some()
     }
 
-    /// Goes on with the solution; whether that has completed it. Then [`Self::decide`] is due.
-    pub(crate) fn step(&mut self) -> bool {
+    /// Goes on with the solution; whether that has completed it. Then [`Self::decide`] is due. What was learned of a
+    /// source whose errors are beyond reason is dropped, and the source given to `restarted`.
+    pub(crate) fn step(&mut self, mut restarted: impl FnMut(u16)) -> bool {
         let Some((mut sweep, mut own)) = self.solution.next.take() else {
             return false;
         };
@@ -308,10 +368,29 @@ impl Registration {
                 (sweep, own) = (sweep + 1, 0);
             }
         }
-        for (known, solved) in self.sources.iter_mut().zip(&self.solution.sources) {
-            (known.errors, known.variances) = (solved.errors, solved.variances);
+        for own in 0..self.sources.len() {
+            let solved = self.solution.sources[own];
+            if solved.are_possible() && self.contradicted[own] <= CONTRADICTED {
+                (self.sources[own].errors, self.sources[own].variances) = (solved.errors, solved.variances);
+            } else {
+                self.forget(own);
+                restarted(own as u16);
+            }
         }
         true
+    }
+
+    /// Drops all that was learned of a source.
+    fn forget(&mut self, own: usize) {
+        let count = self.sources.len();
+        for other in partners(self.partners[own]) {
+            self.pairs[own * count + other] = EMPTY;
+            self.pairs[other * count + own] = EMPTY;
+            self.partners[other] &= !(1 << own);
+        }
+        self.partners[own] = 0;
+        self.contradicted[own] = 0.0;
+        self.sources[own] = SourceErrors::unknown();
     }
 
     /// Lets the sums of one source fade by one tick, and factors the normal equations they make.
@@ -461,10 +540,10 @@ mod tests {
                         second * 20 + target,
                     )
                 };
-                registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16));
+                registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0);
             }
             registration.begin();
-            while !registration.step() {}
+            while !registration.step(|_| {}) {}
             registration.decide(|_| true, 0.0, 20, false);
         }
         registration
@@ -510,16 +589,16 @@ mod tests {
             let heading = f64::from(index) * 0.7;
             let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
             let of = |source: u16| view(source, [3e3, 4e3, 5e3], velocity, [f64::from(source), 0.0], 0.0, index);
-            registration.learn(&of(a), &of(b));
+            registration.learn(&of(a), &of(b), 0.0);
         }
         registration.begin();
-        assert!(!registration.step() && registration.is_solving());
+        assert!(!registration.step(|_| {}) && registration.is_solving());
         assert!((0..SOURCES).all(|source| registration.of(source).errors == Errors::zeros()));
         for _ in 0..30 {
             registration.begin();
-            while !registration.step() {}
+            while !registration.step(|_| {}) {}
         }
-        assert!(!registration.is_solving() && !registration.step());
+        assert!(!registration.is_solving() && !registration.step(|_| {}));
         for source in 1..SOURCES {
             let east_m = registration.of(source).errors[0];
             assert!((east_m - f64::from(source)).abs() < 3.0, "{source}: {east_m}");

@@ -10,6 +10,7 @@ use crate::history::Histories;
 use crate::measurement::{Correction, gaussian_of};
 use crate::number_hasher::NumberHasher;
 use crate::quality::Qualities;
+use crate::quota::Quota;
 
 /// Place of a sensor track in its table.
 pub(crate) type SensorSlot = u32;
@@ -192,6 +193,7 @@ impl SensorEntry {
 pub(crate) struct SensorTracks {
     entries: Vec<SensorEntry>,
     free: Vec<SensorSlot>,
+    quota: Quota,
     by_number: HashMap<(u16, u32), SensorSlot, NumberHasher>,
     /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the
     /// table ends.
@@ -204,14 +206,15 @@ pub(crate) struct SensorTracks {
 }
 
 impl SensorTracks {
-    /// With room for `capacity` sensor tracks. Of each as many as `stored_reports` earlier reports are kept, and which
+    /// With room for `capacity` sensor tracks of `sources` sources. Of each as many as `stored_reports` earlier reports are kept, and which
     /// scans confirmed it; nothing but the latest report if `None`.
-    pub(crate) fn new(capacity: usize, stored_reports: Option<usize>) -> Self {
+    pub(crate) fn new(capacity: usize, sources: usize, stored_reports: Option<usize>) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
         let by_number = HashMap::with_capacity_and_hasher(2 * capacity, NumberHasher::new(2 * capacity));
         Self {
             entries: vec![SensorEntry::default(); capacity],
             free: (0..capacity as SensorSlot).rev().collect(),
+            quota: Quota::new(capacity, sources),
             by_number,
             swept: 0,
             part_end: 0,
@@ -226,9 +229,9 @@ impl SensorTracks {
     }
 
     /// A new entry for the sensor track of `report`, which it has not taken yet, not linked to a system track; `None`
-    /// if the table is full.
+    /// if the table is full for its source.
     pub(crate) fn insert(&mut self, report: &SensorTrack) -> Option<SensorSlot> {
-        let slot = self.free.pop()?;
+        let slot = self.quota.take(report.source).then(|| self.free.pop())??;
         self.by_number.insert((report.source, report.track_number), slot);
         if self.looks_back {
             self.histories.clear(slot as usize);
@@ -263,6 +266,7 @@ impl SensorTracks {
         entry.waits = false;
         entry.live = false;
         self.by_number.remove(&(entry.source, entry.track_number));
+        self.quota.give_back(entry.source);
         self.free.push(slot);
     }
 

@@ -40,7 +40,9 @@ settings::settings! {
         rule: RuleSettings = RuleSettings::default();
     }
 
-    /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4).
+    /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4). A source
+    /// may always have its fair share of a table, an equal part for each; above that it gets what the others have not
+    /// needed yet.
     #[derive(Copy)]
     pub struct Capacity {
         /// System tracks.
@@ -392,6 +394,30 @@ pub struct SourceSettings {
     pub ceiling_m: f64,
     /// Where it sees; `None`: learned from its reports.
     pub coverage: Option<CoverageArea>,
+    /// What its reports may say, where nobody has looked at that before.
+    pub limits: ReportLimits,
+}
+
+/// Limits of what a source's reports may say; what is beyond is rejected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReportLimits {
+    /// East and north of the sensor in the system frame, metres.
+    pub place_m: [f64; 2],
+    /// Largest horizontal distance from there, metres.
+    pub range_m: f64,
+    /// Greatest horizontal speed, metres per second.
+    pub speed_mps: f64,
+}
+
+impl Default for ReportLimits {
+    /// What a sensor on this planet can report.
+    fn default() -> Self {
+        Self {
+            place_m: [0.0; 2],
+            range_m: 1e8,
+            speed_mps: 1e5,
+        }
+    }
 }
 
 impl SourceSettings {
@@ -420,6 +446,7 @@ impl SourceSettings {
             priority: weighing.priority.unwrap_or(priority),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
             coverage: weighing.coverage.as_ref().map(|coverage| coverage.at(place_m)),
+            limits: ReportLimits::default(),
         })
     }
 }

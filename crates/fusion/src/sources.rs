@@ -212,11 +212,9 @@ impl Sources {
             return;
         };
         let view = |sensor| self.view(settings, tracks.sensors.get(sensor), now_ns);
-        let (mut own, other) = (view(sensor), view(other));
+        let (own, other) = (view(sensor), view(other));
         let points_m2 = self.target_points_m2(settings, tracks, system);
-        own.covariance_m2[(0, 0)] += points_m2;
-        own.covariance_m2[(1, 1)] += points_m2;
-        self.registration.learn(&own, &other);
+        self.registration.learn(&own, &other, points_m2);
     }
 
     /// Variance per axis that a further comparison on one target has because the sources see different points of it,
@@ -250,12 +248,13 @@ impl Sources {
     }
 
     /// Goes on with the estimate of the systematic errors, or begins a new one if it is `due`; `confirmed` targets are
-    /// followed now. What takes long is spread over the calls.
-    pub(crate) fn register(&mut self, due: bool, confirmed: usize, sees_points: bool) {
+    /// followed now. What takes long is spread over the calls. A source whose estimate had to be dropped is given to
+    /// `restarted`.
+    pub(crate) fn register(&mut self, due: bool, confirmed: usize, sees_points: bool, restarted: impl FnMut(u16)) {
         if due {
             self.registration.begin();
         }
-        if !self.registration.is_solving() || !self.registration.step() {
+        if !self.registration.is_solving() || !self.registration.step(restarted) {
             return;
         }
         // What one source's points are away from the others', the others' are from its.

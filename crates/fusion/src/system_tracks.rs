@@ -10,6 +10,7 @@ use messages::{Covariance, Identity, NO_SOURCE, TrackState};
 use crate::description::Description;
 use crate::filter::Filter;
 use crate::number_hasher::NumberHasher;
+use crate::quota::Quota;
 use crate::rules::Memory;
 use crate::sensor_tracks::SensorSlot;
 use crate::state::State;
@@ -21,6 +22,8 @@ pub(crate) type SystemSlot = u32;
 #[derive(Clone, Debug)]
 pub(crate) struct SystemEntry {
     pub(crate) number: u32,
+    /// Source that started it: the place in the table is of its quota.
+    owner: u16,
     pub(crate) life: TrackState,
     pub(crate) identity: Identity,
     /// State as last weighed.
@@ -62,9 +65,10 @@ pub(crate) struct SystemEntry {
 }
 
 impl SystemEntry {
-    fn new(number: u32, life: TrackState, filter: Filter, fresh_until_ns: i64) -> Self {
+    fn new((number, owner): (u32, u16), life: TrackState, filter: Filter, fresh_until_ns: i64) -> Self {
         Self {
             number,
+            owner,
             life,
             identity: Identity::default(),
             state: filter.state(),
@@ -96,6 +100,7 @@ pub(crate) struct SystemTracks {
     /// The rule's memory of each; empty if it has none.
     memories: Vec<Memory>,
     free: Vec<SystemSlot>,
+    quota: Quota,
     pub(crate) grid: Grid,
     by_address: HashMap<u32, SystemSlot, NumberHasher>,
     /// When each entry must be looked at next, earliest first. Every entry in use has exactly one deadline here; one
@@ -106,14 +111,21 @@ pub(crate) struct SystemTracks {
 }
 
 impl SystemTracks {
-    /// With room for `capacity` system tracks, and, if the rule `remembers`, for what it remembers of them.
-    pub(crate) fn new(capacity: usize, cell_m: f64, remembers: bool) -> Self {
+    /// With room for `capacity` system tracks that `sources` sources start, and, if the rule `remembers`, for what it
+    /// remembers of them.
+    pub(crate) fn new(capacity: usize, sources: usize, cell_m: f64, remembers: bool) -> Self {
         let nowhere = Gaussian::new([0.0; 3], [0.0; 3], &Covariance::default());
-        let empty = SystemEntry::new(0, TrackState::Terminated, Filter::new(0, nowhere, false), i64::MIN);
+        let empty = SystemEntry::new(
+            (0, NO_SOURCE),
+            TrackState::Terminated,
+            Filter::new(0, nowhere, false),
+            i64::MIN,
+        );
         Self {
             entries: vec![empty; capacity],
             memories: vec![Memory::default(); if remembers { capacity } else { 0 }],
             free: (0..capacity as SystemSlot).rev().collect(),
+            quota: Quota::new(capacity, sources),
             grid: Grid::new(cell_m, capacity),
             by_address: HashMap::with_capacity_and_hasher(2 * capacity, NumberHasher::new(2 * capacity)),
             deadlines: BinaryHeap::with_capacity(capacity),
@@ -122,12 +134,12 @@ impl SystemTracks {
         }
     }
 
-    /// A new tentative system track with `filter`; `None` if the table is full.
-    pub(crate) fn insert(&mut self, filter: Filter, deadline_ns: i64) -> Option<SystemSlot> {
-        let slot = self.free.pop()?;
+    /// A new tentative system track with `filter` that `owner` starts; `None` if the table is full for it.
+    pub(crate) fn insert(&mut self, owner: u16, filter: Filter, deadline_ns: i64) -> Option<SystemSlot> {
+        let slot = self.quota.take(owner).then(|| self.free.pop())??;
         let number = self.next_number;
         self.next_number = self.next_number.checked_add(1).unwrap_or(1);
-        self.entries[slot as usize] = SystemEntry::new(number, TrackState::Tentative, filter, deadline_ns);
+        self.entries[slot as usize] = SystemEntry::new((number, owner), TrackState::Tentative, filter, deadline_ns);
         if let Some(memory) = self.memories.get_mut(slot as usize) {
             *memory = Memory::default();
         }
@@ -152,6 +164,15 @@ impl SystemTracks {
     /// Both parts of an entry, where the rule remembers.
     pub(crate) fn get_with_memory(&mut self, slot: SystemSlot) -> (&mut SystemEntry, &mut Memory) {
         (&mut self.entries[slot as usize], &mut self.memories[slot as usize])
+    }
+
+    /// Makes the filter's estimate the state, and forgets what the rule remembers.
+    pub(crate) fn forget_state(&mut self, slot: SystemSlot) {
+        let entry = &mut self.entries[slot as usize];
+        entry.state = entry.filter.state();
+        if let Some(memory) = self.memories.get_mut(slot as usize) {
+            *memory = Memory::default();
+        }
     }
 
     pub(crate) fn set_life(&mut self, slot: SystemSlot, life: TrackState) {
@@ -229,6 +250,7 @@ impl SystemTracks {
     /// Frees an ended entry that [`SystemTracks::due_before`] yielded.
     pub(crate) fn free(&mut self, slot: SystemSlot) {
         self.in_state[TrackState::Terminated as usize] -= 1;
+        self.quota.give_back(self.entries[slot as usize].owner);
         self.free.push(slot);
     }
 }

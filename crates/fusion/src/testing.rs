@@ -1,8 +1,8 @@
 //! Settings for tests.
 
 use crate::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, RuleName, RuleSettings,
-    Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, ReportLimits, RuleName,
+    RuleSettings, Settings, SourceSettings,
 };
 
 /// Settings for `sources` like sources, in small tables.
@@ -21,6 +21,7 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         priority: index as u32,
         ceiling_m: f64::INFINITY,
         coverage: None,
+        limits: ReportLimits::default(),
     };
     Settings {
         sources: (0..sources).map(source).collect(),

@@ -3,6 +3,7 @@
 use messages::{NO_SOURCE, TrackState};
 
 use crate::explanation::{Decision, DecisionKind};
+use crate::filter::Filter;
 use crate::sensor_tracks::{Link, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
 
@@ -142,6 +143,12 @@ impl Tracks {
             }
         });
         self.sensors.get_mut(sensor).role = Role::Primary;
+    }
+
+    /// Lets the filter of a sensor track's system track begin anew with what the sensor track says.
+    pub(crate) fn restart_filter(&mut self, sensor: SensorSlot) {
+        let entry = self.sensors.get(sensor);
+        self.systems.get_mut(entry.system).filter = Filter::of_report(&entry.latest);
     }
 
     /// Frees the place of a sensor track.

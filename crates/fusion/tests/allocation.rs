@@ -4,7 +4,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use fusion::rules;
 use fusion::settings::{
     Accuracy, AccuracyBase, AssociationSettings, Capacity, DropOut, HandOverSettings, LifeSettings,
-    RegistrationSettings, RuleSettings, Settings, SourceSettings,
+    RegistrationSettings, ReportLimits, RuleSettings, Settings, SourceSettings,
 };
 use fusion::{Engine, Merger};
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
@@ -28,6 +28,7 @@ fn settings() -> Settings {
         priority: 0,
         ceiling_m: f64::INFINITY,
         coverage: None,
+        limits: ReportLimits::default(),
     };
     Settings {
         sources: ["a", "b", "c"].map(source).to_vec(),

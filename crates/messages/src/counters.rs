@@ -218,13 +218,13 @@ counters! {
     RejectedOutOfOrder = "rejected_out_of_order", FusionRejection by [Fusion, Monitor],
         "Samples not newer than one already worked off: repeated, or out of order.";
     RejectedInvalid = "rejected_invalid", FusionRejection by [Fusion, Monitor],
-        "Samples rejected because a value is not finite or a code unknown.";
+        "Samples rejected because a value is not finite or beyond its limit, or a code unknown.";
     RejectedSchema = "rejected_schema", FusionRejection by [Fusion, Monitor, Recorder, Gateway, Simulator],
         "Batches rejected because their publisher was built with another layout.";
     DroppedQueue = "dropped_queue", FusionRejection by [Fusion],
         "Reports dropped because the source's queue in fusion was full, oldest first.";
     DroppedTable = "dropped_table", FusionRejection by [Fusion],
-        "Reports dropped because the system-track table or a target's list of sources was full.";
+        "Reports dropped because a table was full, or full for their source: others may have their share.";
     TracksStarted = "tracks_started", Picture by [Fusion],
         "System tracks started.";
     TracksConfirmed = "tracks_confirmed", Picture by [Fusion],
@@ -321,6 +321,8 @@ counters! {
         "Blocks that cannot be read as configured and fit another edition of their category.";
     OtherEdition = "other_edition", Level by [],
         "Level: category × 65536 + edition (before the point) × 256 + edition (after it) that most of those blocks fit.";
+    EstimatesRestarted = "estimates_restarted", FusionRemark by [Fusion],
+        "Estimates that were not finite or beyond reason (a track's state, a source's errors): not used, and begun anew.";
 }
 
 #[cfg(test)]

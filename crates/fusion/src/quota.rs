@@ -1,0 +1,131 @@
+//! Places of a table that several sources share: one source's flood must not keep the others out.
+//!
+//! A source may always have its fair share, an equal part of the table; above that it gets what is free. Nothing is kept
+//! for those who do not need it: of its share, a source's *claim* is what it has had at a time, or was refused. Places
+//! that it claims and does not have now are given to nobody else. So where one source sees nearly everything it has
+//! nearly all of the table, and one that floods the table takes nothing from those that were there before it, and loses
+//! to those that come later as its own entries end.
+
+/// The places of one table, by source.
+#[derive(Debug)]
+pub(crate) struct Quota {
+    sources: Vec<Places>,
+    /// Equal part of the table.
+    share: usize,
+    free: usize,
+    /// Places that sources claim and do not have.
+    reserved: usize,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Places {
+    taken: usize,
+    /// At least as many as are taken, up to the share.
+    claimed: usize,
+}
+
+impl Places {
+    fn reserved(&self) -> usize {
+        self.claimed.saturating_sub(self.taken)
+    }
+}
+
+impl Quota {
+    /// Of a table with `capacity` places, for `sources` sources.
+    pub(crate) fn new(capacity: usize, sources: usize) -> Self {
+        Self {
+            sources: vec![Places::default(); sources],
+            share: capacity / sources,
+            free: capacity,
+            reserved: 0,
+        }
+    }
+
+    /// Takes a place for `source`; `false` if it cannot have one now.
+    pub(crate) fn take(&mut self, source: u16) -> bool {
+        let places = &mut self.sources[usize::from(source)];
+        if places.reserved() > 0 && self.free > 0 {
+            self.reserved -= 1;
+        } else if self.free <= self.reserved {
+            // The next place that is given back is its own.
+            if places.claimed < self.share {
+                places.claimed += 1;
+                self.reserved += 1;
+            }
+            return false;
+        }
+        self.free -= 1;
+        places.taken += 1;
+        places.claimed = places.claimed.max(places.taken.min(self.share));
+        true
+    }
+
+    /// Gives a place of `source` back.
+    pub(crate) fn give_back(&mut self, source: u16) {
+        let places = &mut self.sources[usize::from(source)];
+        let reserved = places.reserved();
+        places.taken -= 1;
+        self.reserved += places.reserved() - reserved;
+        self.free += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn one_source_may_have_all_that_nobody_else_wants() {
+        let mut quota = Quota::new(10, 2);
+        assert!((0..10).all(|_| quota.take(0)));
+        assert!(!quota.take(0));
+    }
+
+    #[test]
+    fn what_a_source_has_had_of_its_share_stays_its_own() {
+        let mut quota = Quota::new(10, 2);
+        assert!((0..4).all(|_| quota.take(1)));
+        (0..4).for_each(|_| quota.give_back(1));
+        assert_eq!((0..10).filter(|_| quota.take(0)).count(), 6);
+        assert!((0..4).all(|_| quota.take(1)));
+        assert!(!quota.take(1), "there is no place left");
+    }
+
+    #[test]
+    fn who_comes_late_gets_its_share_as_places_are_given_back() {
+        let mut quota = Quota::new(10, 2);
+        assert!((0..10).all(|_| quota.take(0)));
+        for _ in 0..20 {
+            quota.take(1);
+            quota.give_back(0);
+            quota.take(1);
+            if !quota.take(0) && quota.sources[0].taken == 5 {
+                break;
+            }
+        }
+        assert_eq!((quota.sources[0].taken, quota.sources[1].taken), (5, 5));
+    }
+
+    proptest! {
+        #[test]
+        fn places_add_up_and_nobody_is_kept_from_its_claim(
+            capacity in 1usize..40, events in prop::collection::vec((0u16..3, any::<bool>()), 0..300),
+        ) {
+            let mut quota = Quota::new(capacity, 3);
+            for (source, takes) in events {
+                let before = quota.sources[usize::from(source)];
+                if takes {
+                    let taken = quota.take(source);
+                    prop_assert!(taken || before.reserved() == 0 || quota.free == 0);
+                } else if before.taken > 0 {
+                    quota.give_back(source);
+                }
+                let sum = |of: fn(&Places) -> usize| quota.sources.iter().map(of).sum::<usize>();
+                prop_assert_eq!(sum(|places| places.taken) + quota.free, capacity);
+                prop_assert_eq!(sum(Places::reserved), quota.reserved);
+            }
+        }
+    }
+}
