@@ -248,8 +248,8 @@ pub fn contributors() -> Topic<ContributorSet> {
     Topic::new("system/contributors".to_owned(), capacity)
 }
 
-/// Alarms, from the monitor: each slice replaces the one before, and one comes at least twice a second, so whoever joins
-/// late knows after half a second what stands.
+/// Alarms, from the monitor: each slice replaces the one before, and one comes twice a second, so whoever joins late
+/// knows after half a second what stands.
 pub fn alarms() -> Topic<Alarm> {
     let capacity = Capacity {
         depth: 16,

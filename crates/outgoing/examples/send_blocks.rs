@@ -136,6 +136,7 @@ fn status(of_system: &'static Category, of_sensors: &'static Category) -> Result
                 condition,
                 silent: sic % 2 == 0,
                 time_source_invalid: sic % 3 == 0,
+                ..SensorStatus::default()
             })
             .collect();
         sender.sensors(now_ns, &sensors, &mut send);

@@ -2,8 +2,9 @@
 //!
 //! CAT065 carries the state of the system; its other messages, ends of batches and events of the service, are not sent.
 //! CAT063 carries one record for each sensor, whose state is what the caller knows: whether it is connected and whether
-//! reports come. Biases are not estimated, and not sent.
+//! reports come, and of the biases those that are known. Gains of the range are not estimated, and sent as 0.
 
+use super::quantity::nearest;
 use super::{Outbox, OutgoingCounts, OutgoingError, SendBlock, check_category, items};
 use asterix::categories::{CAT063, CAT065};
 use asterix::field::{Elements, Field, elements, field, item, whole};
@@ -32,6 +33,11 @@ mod sensor {
     pub(super) const CON: Field = field(CAT063, &["060", "CON"]);
     pub(super) const TSV: Field = field(CAT063, &["060", "TSV"]);
     pub(super) const NPW: Field = field(CAT063, &["060", "NPW"]);
+    pub(super) const TIME_BIAS: Elements<1> = whole(CAT063, "070");
+    pub(super) const SECONDARY_RANGE: Elements<2> = elements(CAT063, "080", ["SRG", "SRB"]);
+    pub(super) const SECONDARY_AZIMUTH: Elements<1> = whole(CAT063, "081");
+    pub(super) const PRIMARY_RANGE: Elements<2> = elements(CAT063, "090", ["PRG", "PRB"]);
+    pub(super) const PRIMARY_AZIMUTH: Elements<1> = whole(CAT063, "091");
 }
 
 /// The state of the system (I065/040).
@@ -64,7 +70,7 @@ pub enum Condition {
 }
 
 /// The state of one sensor (I063/060).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorStatus {
     /// System area code of the sensor.
     pub sac: u8,
@@ -76,6 +82,21 @@ pub struct SensorStatus {
     pub silent: bool,
     /// True if its time source is not valid.
     pub time_source_invalid: bool,
+    /// Biases of its reports.
+    pub biases: SensorBiases,
+}
+
+/// Known biases of a sensor (I063/070 to 091): reported value less the true one; `None`: not known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SensorBiases {
+    /// Time stamps, seconds.
+    pub time_s: Option<f64>,
+    /// Range, metres.
+    pub range_m: Option<f64>,
+    /// Azimuth, clockwise, radians.
+    pub azimuth_rad: Option<f64>,
+    /// True if range and azimuth are those of a primary radar (I063/090 and 091, else 080 and 081).
+    pub primary: bool,
 }
 
 /// Sends the state of the system (CAT065) and of its sensors (CAT063).
@@ -167,6 +188,7 @@ impl StatusReports {
                 .put(sensor::CON, condition)
                 .put(sensor::TSV, sensor.time_source_invalid)
                 .put(sensor::NPW, sensor.silent);
+            biases(record, &sensor.biases);
             outbox.push(record.finish(), send);
         }
         outbox.flush(send);
@@ -180,5 +202,25 @@ impl StatusReports {
             blocks: system.blocks + sensors.blocks,
             ..OutgoingCounts::default()
         }
+    }
+}
+
+/// Writes the biases that are known and that their items can hold.
+fn biases(record: &mut RecordWriter, known: &SensorBiases) {
+    let (range, azimuth) = match known.primary {
+        true => (&sensor::PRIMARY_RANGE, &sensor::PRIMARY_AZIMUTH),
+        false => (&sensor::SECONDARY_RANGE, &sensor::SECONDARY_AZIMUTH),
+    };
+    if let Some(numbers) = known.time_s.and_then(|time_s| nearest(&sensor::TIME_BIAS, [time_s])) {
+        record.write(&sensor::TIME_BIAS, numbers);
+    }
+    if let Some(numbers) = known.range_m.and_then(|range_m| nearest(range, [0.0, range_m])) {
+        record.write(range, numbers);
+    }
+    if let Some(numbers) = known
+        .azimuth_rad
+        .and_then(|azimuth_rad| nearest(azimuth, [azimuth_rad]))
+    {
+        record.write(azimuth, numbers);
     }
 }

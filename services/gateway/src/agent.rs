@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use asterix::registry;
 use bus::{Bus, Payload, Subscriber, Transport, WaitMode, Waiter};
 use configuration::{Config, Gateway, GatewayContent, Source};
-use messages::{Counter, Health, SensorTrack, SystemTrack, Topic, TrackState};
+use messages::{Alarm, Counter, Health, SensorTrack, SystemTrack, Topic, TrackState};
 use net::UdpSender;
 use outgoing::{OutgoingCounts, SendBlock, SensorReports, StatusReports, SystemReports, SystemSource};
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -28,6 +28,7 @@ const SLEEP_MAX_NS: i64 = 50_000_000;
 pub(crate) struct GatewayAgent<S: Transport> {
     content: Content<S>,
     health: Subscriber<S, Health>,
+    alarms: Subscriber<S, Alarm>,
     sensors: SensorStates,
     sender: UdpSender,
     waiter: Waiter<S>,
@@ -107,6 +108,7 @@ impl<S: Transport> GatewayAgent<S> {
         Ok(Self {
             content,
             health: bus.subscriber(&messages::health(), || incarnation)?,
+            alarms: bus.subscriber(&messages::alarms(), || incarnation)?,
             sensors: SensorStates::new(config),
             sender,
             waiter,
@@ -208,6 +210,8 @@ impl<S: Transport> Agent for GatewayAgent<S> {
         self.health.take(SLICES_PER_TURN, |_, said| {
             said.iter().for_each(|health| sensors.hear(health))
         })?;
+        self.alarms
+            .take(SLICES_PER_TURN, |header, slice| sensors.hear_alarms(header, slice))?;
         self.say_status(now);
         let sender = &mut self.sender;
         // What could not be sent is counted by the sender; the others are still there.

@@ -1,15 +1,20 @@
 //! Whether fusion and the sensors work, as health messages tell.
 //!
-//! A sensor works when its adapter goes on publishing reports of it. One that has published nothing for a while may be
-//! broken, or have nothing in view: degraded. One whose adapter says nothing any more is not connected; so is fusion.
+//! A sensor works when its adapter goes on reading records of it. One that has been silent for some of its periods may be
+//! broken, or have nothing in view: degraded. So is one that an alarm is about; an alarm about its clock makes its time
+//! source invalid. One whose adapter says nothing any more is not connected; so is fusion.
+//!
+//! Fusion says, too, how far each sensor's reports lie off. A bias is sent once fusion removes it from the reports: before
+//! that, it may be chance.
 
+use alarms::{AlarmKind, Present};
 use configuration::Config;
-use messages::{Counter, Health, NO_SOURCE, ProcessKind};
-use outgoing::{Condition, SendBlock, SensorStatus, StatusReports, SystemStatus};
+use messages::{
+    Alarm, AlarmSeverity, BatchHeader, Counter, Health, NO_SOURCE, ProcessKind, Registration, registration_bits,
+};
+use outgoing::{Condition, SendBlock, SensorBiases, SensorStatus, StatusReports, SystemStatus, Technology};
 use runtime::Now;
 
-/// A sensor that has not delivered for so long is degraded, nanoseconds.
-const DELIVERY_MAX_NS: i64 = 15_000_000_000;
 /// A process that has not spoken for so long is gone, nanoseconds; it speaks several times a second.
 const SPEECH_MAX_NS: i64 = 2_000_000_000;
 
@@ -17,6 +22,7 @@ const SPEECH_MAX_NS: i64 = 2_000_000_000;
 #[derive(Debug)]
 pub(crate) struct SensorStates {
     fusion_spoke_ns: i64,
+    alarms: Present,
     sensors: Vec<Sensor>,
     statuses: Vec<SensorStatus>,
 }
@@ -28,8 +34,12 @@ struct Sensor {
     /// Whether its adapter speaks of it by number.
     by_number: bool,
     spoke_ns: i64,
-    published: u64,
+    primary: bool,
+    /// Silence after which it is degraded, nanoseconds; `None` if it may be silent for ever.
+    silent_after_ns: Option<i64>,
+    delivered: u64,
     delivered_ns: i64,
+    known: Registration,
 }
 
 impl SensorStates {
@@ -40,11 +50,15 @@ impl SensorStates {
             sac_sic: source.model.sac_sic.unwrap_or((0, (source.number + 1) as u8)),
             by_number: false,
             spoke_ns: i64::MIN,
-            published: 0,
+            primary: source.technology == Technology::Primary,
+            silent_after_ns: source.silent_after_ns,
+            delivered: 0,
             delivered_ns: i64::MIN,
+            known: Registration::default(),
         });
         Self {
             fusion_spoke_ns: i64::MIN,
+            alarms: Present::default(),
             sensors: sensors.collect(),
             statuses: Vec::with_capacity(config.sources.len()),
         }
@@ -53,10 +67,20 @@ impl SensorStates {
     /// A process has said how it is.
     pub(crate) fn hear(&mut self, health: &Health) {
         match health.kind() {
-            Some(ProcessKind::Fusion) => self.fusion_spoke_ns = self.fusion_spoke_ns.max(health.said_ns),
+            Some(ProcessKind::Fusion) => {
+                self.fusion_spoke_ns = self.fusion_spoke_ns.max(health.said_ns);
+                if let Some(sensor) = self.sensors.get_mut(usize::from(health.source)) {
+                    sensor.known = health.registration;
+                }
+            }
             Some(ProcessKind::Adapter) => self.hear_adapter(health),
             _ => {}
         }
+    }
+
+    /// The monitor has said which alarms stand.
+    pub(crate) fn hear_alarms(&mut self, header: &BatchHeader, slice: &[Alarm]) {
+        self.alarms.hear(header, slice);
     }
 
     fn hear_adapter(&mut self, health: &Health) {
@@ -66,9 +90,10 @@ impl SensorStates {
             let of_sensor = usize::from(health.source) == number;
             sensor.by_number |= of_sensor;
             if of_sensor || (health.source == NO_SOURCE && !sensor.by_number) {
-                let published = health.counters[Counter::Published];
-                if published != sensor.published {
-                    sensor.published = published;
+                let delivers = [Counter::Records, Counter::Published];
+                let delivered = delivers.map(|counter| health.counters[counter]).iter().sum();
+                if delivered != sensor.delivered {
+                    sensor.delivered = delivered;
                     sensor.delivered_ns = health.said_ns;
                 }
             }
@@ -77,29 +102,58 @@ impl SensorStates {
 
     /// Sends how fusion and the sensors are.
     pub(crate) fn report(&mut self, now: Now, reports: &mut StatusReports, send: &mut SendBlock<'_>) {
-        let system = SystemStatus {
-            condition: if self.fusion_spoke_ns < now.mono_ns - SPEECH_MAX_NS {
-                Condition::NotConnected
-            } else {
-                Condition::Operational
-            },
-            ..SystemStatus::default()
-        };
-        reports.system(now.utc_ns, system, send);
+        reports.system(now.utc_ns, self.system(now.mono_ns), send);
+        let standing = self.alarms.at(now.mono_ns).unwrap_or_default();
+        let states = self.sensors.iter().enumerate();
         self.statuses.clear();
         self.statuses
-            .extend(self.sensors.iter().map(|sensor| sensor.at(now.mono_ns)));
+            .extend(states.map(|(number, sensor)| sensor.at(now.mono_ns, number, standing)));
         reports.sensors(now.utc_ns, &self.statuses, send);
     }
 }
 
+impl SensorStates {
+    /// State of the system at `now_ns` (monotonic).
+    fn system(&self, now_ns: i64) -> SystemStatus {
+        let standing = self.alarms.at(now_ns).unwrap_or_default();
+        let overload = [
+            AlarmKind::SamplesLost,
+            AlarmKind::DatagramsDropped,
+            AlarmKind::CapacityReached,
+        ];
+        let critical = |alarm: &Alarm| alarm.severity() == Some(AlarmSeverity::Critical);
+        SystemStatus {
+            condition: if self.fusion_spoke_ns < now_ns - SPEECH_MAX_NS {
+                Condition::NotConnected
+            } else if standing.iter().any(critical) {
+                Condition::Degraded
+            } else {
+                Condition::Operational
+            },
+            overloaded: standing
+                .iter()
+                .any(|alarm| overload.iter().any(|kind| kind.code() == alarm.code)),
+            ..SystemStatus::default()
+        }
+    }
+}
+
 impl Sensor {
-    /// How it is at `now_ns` (monotonic).
-    fn at(&self, now_ns: i64) -> SensorStatus {
-        let silent = self.delivered_ns < now_ns - DELIVERY_MAX_NS;
+    /// State of the sensor of this number at `now_ns` (monotonic), while these alarms stand.
+    fn at(&self, now_ns: i64, number: usize, standing: &[Alarm]) -> SensorStatus {
+        let own = standing
+            .iter()
+            .filter(|alarm| [alarm.source, alarm.partner].map(usize::from).contains(&number));
+        let own: Vec<Option<AlarmKind>> = own.map(|alarm| AlarmKind::from_code(alarm.code)).collect();
+        let clock = [AlarmKind::ClockOff, AlarmKind::SourceIsolated];
+        let never_delivered = self.delivered_ns == i64::MIN;
+        let silent = never_delivered
+            || self
+                .silent_after_ns
+                .is_some_and(|after_ns| self.delivered_ns < now_ns - after_ns);
         let condition = if self.spoke_ns < now_ns - SPEECH_MAX_NS {
             Condition::NotConnected
-        } else if silent {
+        } else if silent || !own.is_empty() {
             Condition::Degraded
         } else {
             Condition::Operational
@@ -109,7 +163,18 @@ impl Sensor {
             sic: self.sac_sic.1,
             condition,
             silent,
-            time_source_invalid: false,
+            time_source_invalid: clock.iter().any(|kind| own.contains(&Some(*kind))),
+            biases: self.biases(),
+        }
+    }
+
+    fn biases(&self) -> SensorBiases {
+        let known = |bit, value| self.known.removes(bit).then_some(value);
+        SensorBiases {
+            time_s: known(registration_bits::TIME, self.known.time_offset_s),
+            range_m: known(registration_bits::RANGE, self.known.range_bias_m),
+            azimuth_rad: known(registration_bits::AZIMUTH, self.known.azimuth_bias_rad),
+            primary: self.primary,
         }
     }
 }
@@ -127,7 +192,7 @@ mod tests {
     fn a_sensor_works_as_long_as_it_delivers() {
         let config = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap();
         let mut states = SensorStates::new(&config);
-        let state = |states: &SensorStates, now_s: i64| states.sensors[0].at(now_s * S).condition;
+        let state = |states: &SensorStates, now_s: i64| states.sensors[0].at(now_s * S, 0, &[]).condition;
         assert_eq!(state(&states, 100), Condition::NotConnected);
         let said = |time_s: i64, published: u64| {
             let mut health = Health {
@@ -143,18 +208,73 @@ mod tests {
         assert_eq!(state(&states, 100), Condition::Degraded, "its adapter is there");
         states.hear(&said(101, 5));
         assert_eq!(state(&states, 101), Condition::Operational);
-        for time_s in 102..118 {
+        for time_s in 102..123 {
             states.hear(&said(time_s, 5));
         }
-        assert_eq!(state(&states, 117), Condition::Degraded, "silent for too long");
-        states.hear(&said(118, 6));
-        assert_eq!(state(&states, 119), Condition::Operational);
-        assert_eq!(state(&states, 121), Condition::NotConnected);
+        assert_eq!(state(&states, 121), Condition::Operational, "five periods of 4 s");
+        assert_eq!(state(&states, 122), Condition::Degraded, "silent for too long");
+        states.hear(&said(123, 6));
+        assert_eq!(state(&states, 124), Condition::Operational);
+        assert_eq!(state(&states, 126), Condition::NotConnected);
         let others = states.sensors[1..].iter();
         assert!(
             others
-                .map(|other| other.at(119 * S).condition)
+                .map(|other| other.at(124 * S, 1, &[]).condition)
                 .all(|other| other == Condition::NotConnected)
         );
+    }
+
+    #[test]
+    fn alarms_and_learned_biases_show_in_the_states() {
+        let config = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap();
+        let mut states = SensorStates::new(&config);
+        let mut fusion = Health {
+            said_ns: 100 * S,
+            kind: ProcessKind::Fusion as u8,
+            source: 0,
+            ..Health::default()
+        };
+        (fusion.registration.range_bias_m, fusion.registration.azimuth_bias_rad) = (90.0, 0.01);
+        fusion.registration.removed = registration_bits::RANGE;
+        states.hear(&fusion.with_name("fusion"));
+        let mut adapter = Health {
+            said_ns: 100 * S,
+            kind: ProcessKind::Adapter as u8,
+            source: 0,
+            ..Health::default()
+        };
+        adapter.counters[Counter::Records] = 1;
+        states.hear(&adapter.with_name(&config.sources[0].adapter));
+        let header = BatchHeader {
+            sent_ns: 100 * S,
+            ..BatchHeader::default()
+        };
+        let alarm = |kind: AlarmKind, source| Alarm {
+            code: kind.code(),
+            severity: kind.severity().code(),
+            source,
+            ..Alarm::default()
+        };
+        let mut at = |slice: &[Alarm]| {
+            states.hear_alarms(&header, slice);
+            let standing = states.alarms.at(100 * S).unwrap();
+            (states.system(100 * S), states.sensors[0].at(100 * S, 0, standing))
+        };
+        let (system, sensor) = at(&[alarm(AlarmKind::ClockOff, 1)]);
+        assert_eq!(
+            (system.condition, sensor.condition),
+            (Condition::Operational, Condition::Operational)
+        );
+        assert_eq!((sensor.biases.range_m, sensor.biases.azimuth_rad), (Some(90.0), None));
+        let (_, sensor) = at(&[alarm(AlarmKind::ClockOff, 0)]);
+        assert_eq!(
+            (sensor.condition, sensor.time_source_invalid),
+            (Condition::Degraded, true)
+        );
+        let (system, _) = at(&[
+            alarm(AlarmKind::ProcessHung, NO_SOURCE),
+            alarm(AlarmKind::SamplesLost, NO_SOURCE),
+        ]);
+        assert_eq!((system.condition, system.overloaded), (Condition::Degraded, true));
     }
 }

@@ -304,6 +304,7 @@ fn cat065_and_063() {
         condition: Condition::NotConnected,
         silent: true,
         time_source_invalid: false,
+        ..SensorStatus::default()
     };
     let sent = block(|send| sender.sensors(TIME_NS, &[sensor], send));
     assert_lines(

@@ -2,7 +2,7 @@
 
 use asterix::{NamedRecord, registry};
 use messages::{SensorTrack, TrackState};
-use outgoing::{Condition, SensorReports, SensorStatus, StatusReports, SystemStatus};
+use outgoing::{Condition, SensorBiases, SensorReports, SensorStatus, StatusReports, SystemStatus};
 
 use crate::model::World;
 use crate::reading::{Sent, records};
@@ -57,6 +57,7 @@ fn sensors_are_reported_one_by_one_in_every_edition() {
             ][usize::from(number % 4)],
             silent: number % 3 == 0,
             time_source_invalid: number % 5 == 0,
+            ..SensorStatus::default()
         })
         .collect();
     for table in registry::editions(63) {
@@ -79,6 +80,60 @@ fn sensors_are_reported_one_by_one_in_every_edition() {
                 sent.is(&["060", other], 0u64);
             }
             assert!(!sent.has(&["015"]));
+            for bias in ["070", "080", "081", "090", "091"] {
+                assert!(!sent.has(&[bias]), "{bias} is not known");
+            }
+        }
+    }
+}
+
+#[test]
+fn known_biases_are_sent_in_the_items_of_the_sensors_kind() {
+    let of_system = registry::default_edition(65).unwrap();
+    for table in registry::editions(63) {
+        for (primary, range, azimuth) in [(false, ["080", "SRB"], "081"), (true, ["090", "PRB"], "091")] {
+            let biases = SensorBiases {
+                time_s: Some(-0.25),
+                range_m: Some(-120.0),
+                azimuth_rad: Some(0.01),
+                primary,
+            };
+            let sensor = SensorStatus {
+                biases,
+                ..SensorStatus::default()
+            };
+            let beyond = SensorBiases {
+                time_s: Some(1e9),
+                range_m: Some(f64::NAN),
+                ..SensorBiases::default()
+            };
+            let sensors = [
+                sensor,
+                SensorStatus {
+                    biases: beyond,
+                    ..sensor
+                },
+            ];
+            let mut sender = StatusReports::new(of_system, table, 3, 4, 200).unwrap();
+            let mut bytes = vec![];
+            sender.sensors(NOW_NS, &sensors, &mut |block| bytes.extend_from_slice(block));
+            let found = records(table, &bytes);
+            let sent = Sent {
+                record: &found[0],
+                table,
+            };
+            assert_eq!(sent.quantity(&["070"]), -250.0, "ms");
+            assert!((sent.quantity(&range) + 120.0 / 1852.0).abs() <= 1.0 / 256.0, "NM");
+            assert!((sent.quantity(&[azimuth]) - 0.01_f64.to_degrees()).abs() < 0.003, "°");
+            let unknown = Sent {
+                record: &found[1],
+                table,
+            };
+            assert!(
+                ["070", "080", "081", "090", "091"]
+                    .iter()
+                    .all(|bias| !unknown.has(&[bias]))
+            );
         }
     }
 }
