@@ -116,23 +116,6 @@ macro_rules! sample {
 }
 pub(crate) use sample;
 
-/// Samples of which slices are made.
-const TRAVELLING: &[Layout] = &[
-    crate::SensorTrack::LAYOUT,
-    crate::SensorDetection::LAYOUT,
-    crate::SensorBearing::LAYOUT,
-    crate::PlatformState::LAYOUT,
-    crate::WideArea::LAYOUT,
-    crate::Cue::LAYOUT,
-    crate::SystemTrack::LAYOUT,
-    crate::ContributorSet::LAYOUT,
-    crate::Alarm::LAYOUT,
-    crate::Health::LAYOUT,
-    crate::Progress::LAYOUT,
-    crate::Control::LAYOUT,
-    crate::FrameOrigin::LAYOUT,
-];
-
 /// Every sample, those that others contain first.
 pub const ALL: &[Layout] = &[
     crate::StageTimes::LAYOUT,
@@ -316,7 +299,12 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             "BatchHeader.schema of its slices.",
         )
     };
-    let mut list: Vec<_> = TRAVELLING.iter().map(schema).collect();
+    // A slice is made of what is part of nothing else.
+    let travels = |layout: &&Layout| {
+        let part = |whole: &Layout| whole.contained().any(|part| part.name == layout.name);
+        layout.name != crate::BatchHeader::LAYOUT.name && !ALL.iter().any(part)
+    };
+    let mut list: Vec<_> = ALL.iter().filter(travels).map(schema).collect();
     list.extend(lengths.map(|(name, length, doc)| (name.to_owned(), length as u64, doc)));
     let codes = codes.iter().map(|(group, constants)| (*group, &constants[..]));
     for (group, constants) in bits.into_iter().chain(codes) {

@@ -159,149 +159,68 @@ streamed! {
     Alarm: Alarms, |_| alarms(), time_ns;
 }
 
-/// Sensor tracks of one source: one topic per source, so that a flood of one cannot displace another's reports.
-pub fn sensor_tracks(source_name: &str) -> Topic<SensorTrack> {
-    let capacity = Capacity {
-        depth: 256,
-        slice_len: 64,
-        publishers: 4,
-        subscribers: 16,
-    };
-    Topic::new(format!("sensor/{source_name}/tracks"), capacity)
+/// Declares topics: sample, name, slices that wait and samples in each, most publishers and subscribers.
+macro_rules! topics {
+    ($(
+        $(#[doc = $doc:literal])+
+        $topic:ident($($of:ident)?) -> $sample:ident: $name:literal, $depth:literal slices of $slice_len:literal,
+        $publishers:literal to $subscribers:literal;
+    )+) => { $(
+        $(#[doc = $doc])+
+        pub fn $topic($($of: &str)?) -> Topic<$sample> {
+            let capacity = Capacity {
+                depth: $depth,
+                slice_len: $slice_len,
+                publishers: $publishers,
+                subscribers: $subscribers,
+            };
+            Topic::new(format!($name), capacity)
+        }
+    )+ };
 }
 
-/// Detections of one source whose adapter makes tracks of them: a scan at a time, before the tracks that it led to.
-pub fn sensor_detections(source_name: &str) -> Topic<SensorDetection> {
-    let capacity = Capacity {
-        depth: 256,
-        slice_len: 64,
-        publishers: 4,
-        subscribers: 16,
-    };
-    Topic::new(format!("sensor/{source_name}/detections"), capacity)
-}
+topics! {
+    /// Sensor tracks of one source: one topic per source, so that a flood of one cannot displace another's reports.
+    sensor_tracks(source_name) -> SensorTrack: "sensor/{source_name}/tracks", 256 slices of 64, 4 to 16;
 
-/// Bearings of one source whose adapter locates their transmitters, before the tracks that they led to.
-pub fn sensor_bearings(source_name: &str) -> Topic<SensorBearing> {
-    let capacity = Capacity {
-        depth: 256,
-        slice_len: 64,
-        publishers: 4,
-        subscribers: 16,
-    };
-    Topic::new(format!("sensor/{source_name}/bearings"), capacity)
-}
+    /// Detections of one source whose adapter makes tracks of them: a scan at a time, before the tracks that it led to.
+    sensor_detections(source_name) -> SensorDetection: "sensor/{source_name}/detections", 256 slices of 64, 4 to 16;
 
-/// Where a platform is, whose sensors need to know: published by whoever knows it, the adapter of its sensor or a
-/// process of its own.
-pub fn platform_states(platform_name: &str) -> Topic<PlatformState> {
-    let capacity = Capacity {
-        depth: 64,
-        slice_len: 16,
-        publishers: 4,
-        subscribers: 16,
-    };
-    Topic::new(format!("platform/{platform_name}/state"), capacity)
-}
+    /// Bearings of one source whose adapter locates their transmitters, before the tracks that they led to.
+    sensor_bearings(source_name) -> SensorBearing: "sensor/{source_name}/bearings", 256 slices of 64, 4 to 16;
 
-/// Reports of a wide-area sensor: read by every tracker that listens to it, and by the recorder.
-pub fn wide_area(sensor_name: &str) -> Topic<WideArea> {
-    let capacity = Capacity {
-        depth: 64,
-        slice_len: 64,
-        publishers: 4,
-        subscribers: 72,
-    };
-    Topic::new(format!("wide-area/{sensor_name}/reports"), capacity)
-}
+    /// Place of a platform, whose sensors need to know: published by whoever knows it, the adapter of its sensor or a
+    /// process of its own.
+    platform_states(platform_name) -> PlatformState: "platform/{platform_name}/state", 64 slices of 16, 4 to 16;
 
-/// Where the sensor of a source should look next: after each of its scans, one cue for each confirmed track.
-pub fn cues(source_name: &str) -> Topic<Cue> {
-    let capacity = Capacity {
-        depth: 64,
-        slice_len: 64,
-        publishers: 4,
-        subscribers: 16,
-    };
-    Topic::new(format!("sensor/{source_name}/cues"), capacity)
-}
+    /// Reports of a wide-area sensor: read by every tracker that listens to it, and by the recorder.
+    wide_area(sensor_name) -> WideArea: "wide-area/{sensor_name}/reports", 64 slices of 64, 4 to 72;
 
-/// The fused picture: one slice per worked-off batch, in the order of fusion.
-pub fn system_tracks() -> Topic<SystemTrack> {
-    let capacity = Capacity {
-        depth: 256,
-        slice_len: 64,
-        publishers: 4,
-        subscribers: 24,
-    };
-    Topic::new("system/tracks".to_owned(), capacity)
-}
+    /// Places where the sensor of a source should look next: after each of its scans, one cue for each confirmed track.
+    cues(source_name) -> Cue: "sensor/{source_name}/cues", 64 slices of 64, 4 to 16;
 
-/// Sensors that have contributed to each system track, for deployments that exchange tracks. Nobody publishes it yet.
-pub fn contributors() -> Topic<ContributorSet> {
-    let capacity = Capacity {
-        depth: 64,
-        slice_len: 64,
-        publishers: 2,
-        subscribers: 8,
-    };
-    Topic::new("system/contributors".to_owned(), capacity)
-}
+    /// The fused picture: one slice per worked-off batch, in the order of fusion.
+    system_tracks() -> SystemTrack: "system/tracks", 256 slices of 64, 4 to 24;
 
-/// Alarms, from the monitor: each slice replaces the one before, and one comes twice a second, so whoever joins late
-/// knows after half a second what stands.
-pub fn alarms() -> Topic<Alarm> {
-    let capacity = Capacity {
-        depth: 16,
-        slice_len: 64,
-        publishers: 2,
-        subscribers: 32,
-    };
-    Topic::new("system/alarms".to_owned(), capacity)
-}
+    /// Sensors that have contributed to each system track, for deployments that exchange tracks. Nobody publishes it
+    /// yet.
+    contributors() -> ContributorSet: "system/contributors", 64 slices of 64, 2 to 8;
 
-/// Where the system frame lies, said again and again for whoever joins without the configuration.
-pub fn frame_origin() -> Topic<FrameOrigin> {
-    let capacity = Capacity {
-        depth: 2,
-        slice_len: 1,
-        publishers: 4,
-        subscribers: 16,
-    };
-    Topic::new("system/frame-origin".to_owned(), capacity)
-}
+    /// Alarms, from the monitor: each slice replaces the one before, and one comes twice a second, so whoever joins late
+    /// knows after half a second what stands.
+    alarms() -> Alarm: "system/alarms", 16 slices of 64, 2 to 32;
 
-/// State and counters of every process.
-pub fn health() -> Topic<Health> {
+    /// Place of the system frame, said again and again for whoever joins without the configuration.
+    frame_origin() -> FrameOrigin: "system/frame-origin", 2 slices of 1, 4 to 16;
+
+    /// State and counters of every process.
     // One publisher per process: 64 sources, the services, and restarted ones whose predecessor is not yet removed.
-    let capacity = Capacity {
-        depth: 8,
-        slice_len: 80,
-        publishers: 96,
-        subscribers: 16,
-    };
-    Topic::new("health".to_owned(), capacity)
-}
+    health() -> Health: "health", 8 slices of 80, 96 to 16;
 
-/// How far each consumer of recorded data has got.
-pub fn progress() -> Topic<Progress> {
+    /// Progress of each consumer of recorded data.
     // Published by fusion and recorder, read by every adapter of a recording.
-    let capacity = Capacity {
-        depth: 16,
-        slice_len: 80,
-        publishers: 8,
-        subscribers: 96,
-    };
-    Topic::new("progress".to_owned(), capacity)
-}
+    progress() -> Progress: "progress", 16 slices of 80, 8 to 96;
 
-/// Orders to fusion.
-pub fn control() -> Topic<Control> {
-    let capacity = Capacity {
-        depth: 16,
-        slice_len: 1,
-        publishers: 8,
-        subscribers: 8,
-    };
-    Topic::new("control".to_owned(), capacity)
+    /// Orders to fusion.
+    control() -> Control: "control", 16 slices of 1, 8 to 8;
 }
