@@ -310,9 +310,27 @@ fn status_shows_what_runs() {
     let row = home.status_row("ads-b");
     assert!(row.published.parse::<f64>().unwrap() > 0.0, "{status}");
     let other = home.run(&["status", "--instance", "other"]);
+    let line = String::from_utf8(other.stderr).unwrap();
+    assert_eq!((other.status.code(), other.stdout.len()), (Some(2), 0), "{line}");
+    assert!(line.contains("nothing runs as instance other"), "{line}");
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        let output = home.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let status = json(&["status", "--json"]);
     assert_eq!(
-        String::from_utf8(other.stdout).unwrap(),
-        "nothing runs as instance other\n"
+        (&status[0]["instance"], &status[0]["pid"]),
+        (&"demo".into(), &demo.pid().into())
+    );
+    let processes = status[0]["processes"].as_array().unwrap();
+    let fusion = processes.iter().find(|process| process["name"] == "fusion").unwrap();
+    assert_eq!((&fusion["state"], &fusion["restarts"]), (&"running".into(), &0.into()));
+    let top = json(&["top", "--once", "--json"]);
+    assert_eq!(top["instance"], "demo");
+    assert!(
+        top["sources"].as_array().is_some_and(|sources| !sources.is_empty()),
+        "{top}"
     );
     demo.stop();
     home.assert_nothing_is_left("demo");

@@ -113,8 +113,8 @@ impl<T> DerefMut for Kept<T> {
 
 impl<T> Drop for Kept<T> {
     fn drop(&mut self) {
-        // SAFETY: `end` drops the value in place, once: nothing but this and `into_inner`, which keeps this from running,
-        // takes it away.
+        // SAFETY: `end` drops the value in place, once: nothing but this and `into_inner`, which keeps this from
+        // running, takes it away.
         unsafe { (self.end)(&mut self.value) }
     }
 }

@@ -1,11 +1,13 @@
 //! `koseki check`: is a configuration sound, are its recordings there, and what would it run?
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
 use bus::WaitMode;
 use configuration::{Config, Input, Monitor, MonitorWait, Order, Source, TrackFeed, WideAreaInput, WideAreaSensor};
 use scenario::ScenarioSettings;
+use serde_json::{Value, json};
 use sources::TrackerSettings;
 use telemetry::Stage;
 use telemetry::table::duration;
@@ -25,7 +27,81 @@ pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
     let config = Config::read(&check.config, &check.set)?;
     let data = args::data_folder(check.data.clone());
     let found = recordings::inspect(&config, &data, Depth::Records)?;
-    crate::print(&summary(&check.config, &config, &found, bus::free_space().ok()))
+    let free_bytes = bus::free_space().ok();
+    if check.json {
+        let summary = json(&check.config, &config, &found, free_bytes);
+        return crate::print(&(serde_json::to_string_pretty(&summary)? + "\n"));
+    }
+    crate::print(&summary(&check.config, &config, &found, free_bytes))
+}
+
+/// The summary for programs.
+fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) -> Value {
+    let settings = &config.fusion.settings;
+    let source = |source: &Source| {
+        let found = found.iter().find(|found| found.source == source.number);
+        json!({
+            "number": source.number,
+            "name": source.name,
+            "adapter": source.adapter,
+            "period_s": period_s(source, config),
+            "text": describe(source, config, found),
+            "recording": found.map(|found| json!({
+                "file": found.file,
+                "bytes": found.bytes,
+                "blocks": found.blocks,
+                "records": found.records,
+                "bytes_skipped": found.skipped,
+            })),
+        })
+    };
+    let wide_area = |sensor: &WideAreaSensor| {
+        json!({
+            "number": sensor.number,
+            "name": sensor.name,
+            "text": describe_wide_area(sensor, config),
+        })
+    };
+    let deadline_us = |stage: Stage| {
+        let deadline_ns = config.monitor.deadlines.get(stage)?;
+        Some((stage.key(), deadline_ns as f64 / 1e3))
+    };
+    json!({
+        "sound": true,
+        "configuration": path,
+        "deployment": config.name,
+        "rule": settings.rule.name.0.word(),
+        "order": match config.order {
+            Order::Arrival => "arrival",
+            Order::Time => "time",
+        },
+        "wait": wait(config.fusion.wait),
+        "place": place(config),
+        "capacity": {
+            "system_tracks": settings.capacity.system_tracks(),
+            "sensor_tracks": settings.capacity.sensor_tracks(),
+            "waiting_reports_per_source": config.fusion.queue,
+        },
+        "monitor": {
+            "interval_s": config.monitor.interval_ns as f64 / NS as f64,
+            "files": config.monitor.files,
+            "wait": watching(&config.monitor),
+            "deadline_us": Stage::ALL.into_iter().filter_map(deadline_us).collect::<BTreeMap<_, _>>(),
+            "metrics": config.monitor.metrics.map(|address| address.to_string()),
+        },
+        "recorder": config.recorder,
+        "shared_memory": {
+            "needed_bytes": launcher::needed_bytes(config),
+            "free_bytes": free_bytes,
+        },
+        "sources": config.sources.iter().map(source).collect::<Vec<_>>(),
+        "wide_area_sensors": config.wide_area_sensors.iter().map(wide_area).collect::<Vec<_>>(),
+    })
+}
+
+/// Time from one report of a target by the source to the next, seconds.
+fn period_s(source: &Source, config: &Config) -> f64 {
+    config.fusion.settings.sources[usize::from(source.number)].period_ns as f64 / NS as f64
 }
 
 fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) -> String {
@@ -88,8 +164,7 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
 }
 
 fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
-    let weighed = &config.fusion.settings.sources[usize::from(source.number)];
-    let period = weighed.period_ns as f64 / NS as f64;
+    let period = period_s(source, config);
     let input = match (&source.input, found) {
         (Input::Simulated(_), _) => {
             let world = config.scenario.as_ref().map_or_else(String::new, describe_world);
@@ -257,6 +332,20 @@ mod tests {
         assert!(
             text.contains("2000 system tracks") && text.contains("3.0 GB are free"),
             "{text}"
+        );
+    }
+
+    #[test]
+    fn programs_are_told_the_same() {
+        let path = Path::new(BUILT_IN_DEMO);
+        let config = Config::read(path, &[]).unwrap();
+        let summary = json(path, &config, &[], None);
+        assert_eq!(summary["sources"].as_array().unwrap().len(), config.sources.len());
+        assert_eq!(summary["capacity"]["system_tracks"], 2000);
+        assert_eq!(summary["monitor"]["deadline_us"]["taken_to_fused"], 1000.0);
+        assert_eq!(
+            (&summary["sound"], &summary["shared_memory"]["free_bytes"]),
+            (&true.into(), &Value::Null)
         );
     }
 

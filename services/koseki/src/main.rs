@@ -90,7 +90,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             launch(&config, options, up.seconds)
         }
         Command::Check(check) => check::run(&check),
-        Command::Status(status) => status::run(status.instance.as_deref()),
+        Command::Status(status) => status::run(&status),
         Command::Top(top) => top::run(&top),
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),

@@ -10,7 +10,10 @@ use alarms::{AlarmKind, Present};
 use bus::{Bus, BusError, Instance, Process, Root, SharedMemory};
 use messages::{Alarm, AlarmSeverity, Counter, Health, NO_SOURCE, ProcessKind, Registration};
 use runtime::clock::{instant, mono_ns};
+use serde::Serialize;
 use telemetry::table::{Align, Table};
+
+use crate::args::{Status, Usage};
 
 /// How long to listen: health messages come five times a second.
 const LISTEN: Duration = Duration::from_millis(700);
@@ -19,54 +22,150 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// Name under which this command joins an instance.
 const OWN_NAME: &str = "status";
 
-/// Prints every instance, or the one called `only`.
+/// Prints every instance, or the one that is named.
 ///
 /// # Errors
-/// If the instances cannot be listed, or shared memory fails.
-pub(crate) fn run(only: Option<&str>) -> anyhow::Result<()> {
-    let instances = match only {
+/// If the named one does not run, the instances cannot be listed, or shared memory fails.
+pub(crate) fn run(status: &Status) -> anyhow::Result<()> {
+    let instances = match &status.instance {
         Some(name) => {
-            // A name that cannot be one is wrong usage, not an instance that does not run.
-            let root = Root::new(name).map_err(|error| crate::args::Usage(error.to_string()))?;
-            let listed = Root::list(root.base())?.into_iter();
-            listed.filter(|instance| instance.root == root).collect()
+            // A name that cannot be one is wrong usage, too.
+            let root = Root::new(name).map_err(|error| Usage(error.to_string()))?;
+            let mut listed = Root::list(root.base())?;
+            listed.retain(|instance| instance.root == root);
+            if listed.is_empty() {
+                let remedy = "`koseki status` shows what runs";
+                anyhow::bail!(Usage(format!("nothing runs as instance {name}; {remedy}")));
+            }
+            listed
         }
         None => Root::list(Root::default_base())?,
     };
-    let mut text = String::new();
-    for instance in &instances {
-        text.push_str(&describe(instance)?);
+    let found: Vec<InstanceStatus> = instances.iter().map(InstanceStatus::of).collect::<Result<_, _>>()?;
+    if status.json {
+        return crate::print(&(serde_json::to_string_pretty(&found)? + "\n"));
     }
-    if instances.is_empty() {
-        text = match only {
-            Some(name) => format!("nothing runs as instance {name}\n"),
-            None => "nothing runs\n".to_owned(),
-        };
+    if found.is_empty() {
+        return crate::print("nothing runs\n");
     }
-    crate::print(&text)
+    crate::print(&found.iter().map(InstanceStatus::text).collect::<String>())
 }
 
-fn describe(instance: &Instance) -> anyhow::Result<String> {
-    let name = instance.root.instance();
-    if !instance.runs {
-        return Ok(format!(
-            "instance {name}: does not run; an earlier run was killed, and the next start removes what it left\n"
-        ));
-    }
-    let pid = instance.pid.map_or_else(|| "?".to_owned(), |pid| pid.to_string());
-    let listened = listen(&instance.root);
-    clear_if_ended(&instance.root)?;
-    match listened {
-        Ok(heard) => Ok(format!(
-            "instance {name}: run by process {pid}\n{}{}{}",
-            table(&heard.speakers, &heard.processes),
-            registrations(&heard.registrations),
-            alarms(&heard.alarms)
-        )),
-        Err(BusError::NotRunning { .. } | BusError::NoSuchTopic { .. }) => {
-            Ok(format!("instance {name}: process {pid} is starting or stopping it\n"))
+/// What is known of one instance.
+#[derive(Debug, Serialize)]
+struct InstanceStatus {
+    instance: String,
+    state: InstanceState,
+    /// Process number of the launcher, while it runs.
+    pid: Option<u32>,
+    processes: Vec<Row>,
+    registrations: Vec<RegistrationStatus>,
+    alarms: Vec<AlarmStatus>,
+}
+
+/// How an instance is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum InstanceState {
+    Runs,
+    StartsOrStops,
+    /// It does not run, and the run before was killed.
+    Killed,
+    /// It does not run, and a start was refused.
+    Refused,
+}
+
+/// How far the reports of a source lie off.
+#[derive(Debug, Serialize)]
+struct RegistrationStatus {
+    /// Number of the source, as in the files from 1.
+    source: u16,
+    text: String,
+}
+
+/// An alarm that stands.
+#[derive(Debug, Serialize)]
+struct AlarmStatus {
+    alarm: &'static str,
+    severity: &'static str,
+    text: String,
+    remedy: &'static str,
+}
+
+impl InstanceStatus {
+    fn of(instance: &Instance) -> anyhow::Result<Self> {
+        let mut status = Self {
+            instance: instance.root.instance().to_owned(),
+            state: InstanceState::Runs,
+            pid: instance.pid,
+            processes: Vec::new(),
+            registrations: Vec::new(),
+            alarms: Vec::new(),
+        };
+        if !instance.runs {
+            // A start that is refused leaves its lock at most, a run its folder.
+            status.state = match instance.root.path().exists() {
+                true => InstanceState::Killed,
+                false => InstanceState::Refused,
+            };
+            return Ok(status);
         }
-        Err(error) => Err(error.into()),
+        let listened = listen(&instance.root);
+        clear_if_ended(&instance.root)?;
+        match listened {
+            Ok(heard) => {
+                status.processes = rows(&heard.speakers, &heard.processes);
+                status.registrations = heard
+                    .registrations
+                    .iter()
+                    .map(|(source, known)| RegistrationStatus {
+                        source: source + 1,
+                        text: known.to_string(),
+                    })
+                    .collect();
+                status.alarms = heard.alarms.iter().map(AlarmStatus::of).collect();
+            }
+            Err(BusError::NotRunning { .. } | BusError::NoSuchTopic { .. }) => {
+                status.state = InstanceState::StartsOrStops;
+            }
+            Err(error) => return Err(error.into()),
+        }
+        Ok(status)
+    }
+
+    fn text(&self) -> String {
+        let name = &self.instance;
+        let pid = self.pid.map_or_else(|| "?".to_owned(), |pid| pid.to_string());
+        let mut text = match self.state {
+            InstanceState::Runs => format!("instance {name}: run by process {pid}\n{}", table(&self.processes)),
+            InstanceState::StartsOrStops => format!("instance {name}: process {pid} is starting or stopping it\n"),
+            InstanceState::Killed => format!(
+                "instance {name}: does not run; an earlier run was killed, and the next start removes what it left\n"
+            ),
+            InstanceState::Refused => format!("instance {name}: does not run; a start of it was refused\n"),
+        };
+        for known in &self.registrations {
+            text.push_str(&format!("  registration: source {}: {}\n", known.source, known.text));
+        }
+        for alarm in &self.alarms {
+            let AlarmStatus {
+                severity, text: what, ..
+            } = alarm;
+            text.push_str(&format!("  alarm, {severity}: {what}\n    {}\n", alarm.remedy));
+        }
+        text
+    }
+}
+
+impl AlarmStatus {
+    fn of(alarm: &Alarm) -> Self {
+        let kind = AlarmKind::from_code(alarm.code);
+        Self {
+            alarm: kind.map_or("?", AlarmKind::word),
+            severity: alarm.severity().map_or("?", AlarmSeverity::word),
+            text: alarm.text().to_owned(),
+            remedy: kind.map_or("", AlarmKind::remedy),
+        }
     }
 }
 
@@ -131,22 +230,6 @@ fn listen(root: &Root) -> Result<Listened, BusError> {
     })
 }
 
-/// Two lines per alarm: the condition, and what to do.
-fn alarms(standing: &[Alarm]) -> String {
-    let lines = |alarm: &Alarm| {
-        let severity = alarm.severity().map_or("?", AlarmSeverity::word);
-        let remedy = AlarmKind::from_code(alarm.code).map_or("", AlarmKind::remedy);
-        format!("  alarm, {severity}: {}\n    {remedy}\n", alarm.text())
-    };
-    standing.iter().map(lines).collect()
-}
-
-/// One line per source of which fusion knows how far its reports lie off; sources count from 1, as in the files.
-fn registrations(known: &BTreeMap<u16, Registration>) -> String {
-    let line = |(source, known): (&u16, &Registration)| format!("  registration: source {}: {known}\n", source + 1);
-    known.iter().map(line).collect()
-}
-
 fn note(heard: &mut Vec<Heard>, health: &Health) {
     // The launcher speaks of its children by their names; a child's process number changes.
     let same = |other: &&mut Heard| {
@@ -167,18 +250,8 @@ fn is_launcher(health: &Health) -> bool {
     health.kind == ProcessKind::Launcher as u8
 }
 
-/// One line per process: first the launcher and its children, then what else has joined the instance.
-fn table(heard: &[Heard], processes: &[Process]) -> String {
-    // Numbers have room for eight digits, so that columns stay where they are from one look to the next.
-    let columns = [
-        ("process", Align::Left),
-        ("     pid", Align::Right),
-        ("state   ", Align::Left),
-        ("restarts", Align::Right),
-        ("    in/s", Align::Right),
-        ("   out/s", Align::Right),
-        ("note", Align::Left),
-    ];
+/// First the launcher and its children, then what else has joined the instance.
+fn rows(heard: &[Heard], processes: &[Process]) -> Vec<Row> {
     let mut rows = Vec::new();
     let launched: Vec<&Heard> = heard.iter().filter(|each| is_launcher(&each.last)).collect();
     for each in &launched {
@@ -198,77 +271,79 @@ fn table(heard: &[Heard], processes: &[Process]) -> String {
         .filter(|process| heard.iter().all(|each| each.last.process_id != process.pid));
     rows.extend(silent.map(|process| Row {
         name: process.name.clone(),
-        pid: process.pid.to_string(),
+        pid: Some(process.pid),
         note: "says nothing of itself".to_owned(),
         ..Row::default()
     }));
-    let mut table = Table::new(&columns);
+    rows
+}
+
+/// One line per process.
+fn table(rows: &[Row]) -> String {
+    // Numbers have room for eight digits, so that columns stay where they are from one look to the next.
+    let mut table = Table::new(&[
+        ("process", Align::Left),
+        ("     pid", Align::Right),
+        ("state   ", Align::Left),
+        ("restarts", Align::Right),
+        ("    in/s", Align::Right),
+        ("   out/s", Align::Right),
+        ("note", Align::Left),
+    ]);
     for row in rows {
         table.row(row.cells());
     }
     table.to_string().lines().map(|line| format!("  {line}\n")).collect()
 }
 
-/// Line of the table; an empty cell is shown as a dash.
-#[derive(Default)]
+/// One process.
+#[derive(Debug, Default, Serialize)]
 struct Row {
     name: String,
-    pid: String,
-    state: String,
-    restarts: String,
-    taken: String,
-    published: String,
+    pid: Option<u32>,
+    state: Option<&'static str>,
+    /// `None` for a process that nobody restarts.
+    restarts: Option<u32>,
+    /// Samples or records taken per second; `None` if there were none, or it is not known.
+    taken_per_s: Option<f64>,
+    /// The same of what it published, wrote or sent.
+    published_per_s: Option<f64>,
     note: String,
 }
 
 impl Row {
-    fn cells(self) -> [String; 7] {
-        let [name, pid, state, restarts, taken, published] = [
-            self.name,
-            self.pid,
-            self.state,
-            self.restarts,
-            self.taken,
-            self.published,
+    fn cells(&self) -> [String; 7] {
+        let dash = || "-".to_owned();
+        let number = |value: Option<u32>| value.map_or_else(dash, |value| value.to_string());
+        let rate = |value: Option<f64>| value.map_or_else(dash, |value| format!("{value:.0}"));
+        [
+            self.name.clone(),
+            number(self.pid),
+            self.state.unwrap_or("-").to_owned(),
+            number(self.restarts),
+            rate(self.taken_per_s),
+            rate(self.published_per_s),
+            self.note.clone(),
         ]
-        .map(|cell| if cell.is_empty() { "-".to_owned() } else { cell });
-        [name, pid, state, restarts, taken, published, self.note]
     }
 
     /// A child, as the launcher speaks of it, and as it speaks of itself if it does.
     fn of_child(child: &Health, own: Option<&Heard>) -> Self {
-        let state = child.life().map_or("?", messages::LifeState::word).to_owned();
         let is_launcher_itself = child.name() == ProcessKind::Launcher.word();
-        let row = Self {
-            name: child.name().to_owned(),
-            pid: match child.process_id {
-                0 => String::new(),
-                pid => pid.to_string(),
-            },
-            restarts: if is_launcher_itself {
-                String::new()
-            } else {
-                child.restarts.to_string()
-            },
-            state,
-            note: match child.note() {
-                "" => String::new(),
-                end => format!("the last one {end}"),
-            },
-            ..Self::default()
+        let of_itself = own.map(Self::of_process).unwrap_or_default();
+        let last_end = match child.note() {
+            "" => String::new(),
+            end => format!("the last one {end}"),
         };
-        let Some(own) = own else { return row };
-        let of_itself = Self::of_process(own);
-        let notes = [of_itself.note, row.note.clone()];
+        let notes = [of_itself.note, last_end];
+        let notes: Vec<String> = notes.into_iter().filter(|note| !note.is_empty()).collect();
         Self {
-            taken: of_itself.taken,
-            published: of_itself.published,
-            note: notes
-                .into_iter()
-                .filter(|note| !note.is_empty())
-                .collect::<Vec<_>>()
-                .join("; "),
-            ..row
+            name: child.name().to_owned(),
+            pid: Some(child.process_id).filter(|pid| *pid != 0),
+            state: Some(state(child)),
+            restarts: (!is_launcher_itself).then_some(child.restarts),
+            note: notes.join("; "),
+            ..of_itself
         }
     }
 
@@ -283,25 +358,26 @@ impl Row {
         };
         Self {
             name: last.name().to_owned(),
-            pid: last.process_id.to_string(),
-            state: last.life().map_or("?", messages::LifeState::word).to_owned(),
-            taken: heard.rate(taken),
-            published: heard.rate(published),
+            pid: Some(last.process_id),
+            state: Some(state(last)),
+            restarts: None,
+            taken_per_s: heard.per_s(taken),
+            published_per_s: heard.per_s(published),
             note: last.note().to_owned(),
-            ..Self::default()
         }
     }
 }
 
+fn state(health: &Health) -> &'static str {
+    health.life().map_or("?", messages::LifeState::word)
+}
+
 impl Heard {
-    /// How fast a counter grew; nothing if it stands at 0, or only one message was heard.
-    fn rate(&self, counter: Counter) -> String {
+    /// How fast a counter grew; `None` if it stands at 0, or only one message was heard.
+    fn per_s(&self, counter: Counter) -> Option<f64> {
         let seconds = (self.last.said_ns - self.first.said_ns) as f64 / messages::NS_PER_S;
         let (first, last) = (self.first.counters[counter], self.last.counters[counter]);
-        if seconds <= 0.0 || last == 0 {
-            return String::new();
-        }
-        format!("{:.0}", last.saturating_sub(first) as f64 / seconds)
+        (seconds > 0.0 && last > 0).then(|| last.saturating_sub(first) as f64 / seconds)
     }
 }
 
@@ -336,7 +412,7 @@ mod tests {
             pid: 10,
             name: "subscribe".to_owned(),
         };
-        let table = table(&heard, &[subscriber]);
+        let table = table(&rows(&heard, &[subscriber]));
         let lines: Vec<Vec<&str>> = table.lines().map(|line| line.split_whitespace().collect()).collect();
         assert_eq!(lines.len(), 5, "{table}");
         let title = "  process         pid  state     restarts      in/s     out/s  note\n";
@@ -351,32 +427,37 @@ mod tests {
     }
 
     #[test]
-    fn alarms_are_listed_with_what_to_do() {
+    fn text_and_json_say_the_same() {
         let alarm = Alarm {
             code: AlarmKind::DiskLow.code(),
             severity: AlarmSeverity::Major.code(),
             ..Alarm::default()
         };
-        let remedy = AlarmKind::DiskLow.remedy();
-        assert_eq!(
-            alarms(&[alarm.with_text("12 MB are left.")]),
-            format!("  alarm, major: 12 MB are left.\n    {remedy}\n")
-        );
-    }
-
-    #[test]
-    fn registrations_are_listed_by_source() {
-        let known = Registration {
-            comparisons: 100.0,
-            offset_m: [-1.5, -6.8, 0.0],
-            ..Registration::default()
+        let status = InstanceStatus {
+            instance: "demo".to_owned(),
+            state: InstanceState::Runs,
+            pid: Some(7),
+            processes: Vec::new(),
+            registrations: vec![RegistrationStatus {
+                source: 3,
+                text: "-1.5 m east".to_owned(),
+            }],
+            alarms: vec![AlarmStatus::of(&alarm.with_text("12 MB are left."))],
         };
-        let text = registrations(&BTreeMap::from([(2, known), (0, known)]));
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 2);
-        assert!(
-            lines[0].starts_with("  registration: source 1: -1.5 m east, -6.8 m north"),
-            "{text}"
-        );
+        let text = status.text();
+        assert!(text.starts_with("instance demo: run by process 7\n"), "{text}");
+        assert!(text.contains("  registration: source 3: -1.5 m east\n"), "{text}");
+        let remedy = AlarmKind::DiskLow.remedy();
+        let expected = format!("  alarm, major: 12 MB are left.\n    {remedy}\n");
+        assert!(text.ends_with(&expected), "{text}");
+        let value = serde_json::to_value(&status).unwrap();
+        assert_eq!(value["alarms"][0]["severity"], "major");
+        assert_eq!((&value["state"], &value["pid"]), (&"runs".into(), &7.into()));
+        assert_eq!(value["registrations"][0]["source"], 3);
+        let refused = InstanceStatus {
+            state: InstanceState::Refused,
+            ..status
+        };
+        assert!(!refused.text().contains("killed"), "{}", refused.text());
     }
 }

@@ -1,7 +1,7 @@
 //! `koseki top`: which deployment is meant. How it is looked at is the monitor's business ([`monitor::top`]).
 
 use bus::{Instance, Root};
-use monitor::top::{Settings, run as look_on};
+use monitor::top::{Form, Settings, run as look_on};
 
 use crate::args::{Top, Usage};
 use crate::status::clear_if_ended;
@@ -19,7 +19,10 @@ pub(crate) fn run(top: &Top) -> anyhow::Result<()> {
         &root,
         Settings {
             interval: top.interval,
-            once: top.once,
+            once: top.once.then_some(match top.json {
+                true => Form::Json,
+                false => Form::Text,
+            }),
         },
     );
     clear_if_ended(&root)?;

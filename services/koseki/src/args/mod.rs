@@ -32,6 +32,8 @@ use values::{interval, seconds, speed};
 
 /// Where recordings are looked for if nobody says otherwise.
 const DATA_DEFAULT: &str = "../shared/data";
+/// Version and the commit that it was built from.
+const VERSION: &str = env!("KOSEKI_VERSION");
 /// Folder that contains what each instance records.
 const OUT_DEFAULT: &str = "records";
 
@@ -40,7 +42,7 @@ const OUT_DEFAULT: &str = "records";
 /// Koseki is a set of processes that share memory: an adapter for each sensor, fusion, a monitor, a recorder and
 /// gateways. This executable contains all of them, and the launcher that starts, watches, restarts and stops them.
 #[derive(Debug, Parser)]
-#[command(name = "koseki", version, max_term_width = 110, after_help = EXAMPLES, after_long_help = EXAMPLES)]
+#[command(name = "koseki", version = VERSION, max_term_width = 110, after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -191,6 +193,7 @@ const CHECK_EXAMPLES: &str = "\
 Examples:
   koseki check config/barcelona.toml
   koseki check config/barcelona.toml --data /var/recordings --set fusion.core=1
+  koseki check config/barcelona.toml --json
 
 Nothing is started. A mistake is one line on standard error, with file, line or byte, value and remedy; exit code 2.";
 
@@ -200,6 +203,9 @@ pub(crate) struct Check {
     /// Configuration to validate, a TOML file
     #[arg(value_name = "CONFIG")]
     pub(crate) config: PathBuf,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Folder with recordings [default: $KOSEKI_DATA, else ../shared/data]
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
@@ -212,15 +218,19 @@ const STATUS_EXAMPLES: &str = "\
 Examples:
   koseki status
   koseki status --instance demo
+  koseki status --json | jq '.[].alarms'
 
 Instances are looked for in $XDG_RUNTIME_DIR/koseki, or /tmp/koseki-<user number> where that is not set.";
 
 /// `koseki status`.
 #[derive(Debug, Args)]
 pub(crate) struct Status {
-    /// Show only this instance
+    /// Show only this instance; exit code 2 if it does not run
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: Option<String>,
+    /// Print everything as JSON: a list of instances
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 const TOP_EXAMPLES: &str = "\
@@ -228,6 +238,7 @@ Examples:
   koseki top                          the one deployment that runs, in the terminal
   koseki top --instance demo --interval 0.5
   koseki top --once | grep rejected   all tables, once
+  koseki top --once --json            the same for programs
   koseki top > top.log                one line per interval
 
 Pages: sources, tracks (number, identity, place, flight level, speed, sources, age), stages, counters, processes. Keys: h
@@ -250,6 +261,9 @@ pub(crate) struct Top {
     /// Print all tables after one interval, and end
     #[arg(long)]
     pub(crate) once: bool,
+    /// Print them as JSON
+    #[arg(long, requires = "once")]
+    pub(crate) json: bool,
 }
 
 const CONDITION_EXAMPLES: &str = "\

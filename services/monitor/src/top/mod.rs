@@ -42,8 +42,17 @@ const LOOK_EVERY: Duration = Duration::from_millis(10);
 pub struct Settings {
     /// Time between two tables or lines.
     pub interval: Duration,
-    /// Print all tables after one interval, and end.
-    pub once: bool,
+    /// Print everything after one interval in this form, and end.
+    pub once: Option<Form>,
+}
+
+/// Form in which everything is printed once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Tables.
+    Text,
+    /// A JSON object.
+    Json,
 }
 
 /// Looks on at the deployment that runs under `root` until it ends, the user has seen enough, or a signal comes.
@@ -53,9 +62,12 @@ pub struct Settings {
 pub fn run(root: &Root, settings: Settings) -> anyhow::Result<()> {
     let stop = Stop::on_signals()?;
     let attached = Attached::join(root, settings.interval, Now::read)?;
-    let end = if settings.once {
+    let end = if let Some(form) = settings.once {
         watch(attached, &stop, |overview| {
-            print(&pages::everything(overview))?;
+            print(&match form {
+                Form::Text => pages::everything(overview),
+                Form::Json => serde_json::to_string_pretty(overview)? + "\n",
+            })?;
             Ok(Shown::Enough)
         })?
     } else if io::stdout().is_terminal() {
