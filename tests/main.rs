@@ -26,6 +26,7 @@ mod track_with_counts;
 mod worth_of_counts;
 
 // Deployments: real processes.
+mod alarms;
 mod bench;
 mod deployment;
 mod live_asterix;

@@ -432,6 +432,12 @@ fn check_nothing_lost(inputs: &Inputs, out: &Path) {
         assert_eq!(reader.records().count(), inputs.reports[index].len(), "{name}");
     }
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("report.json")).unwrap()).unwrap();
+    assert_eq!(
+        report["alarms"].as_array().map(Vec::len),
+        Some(0),
+        "{:#}",
+        report["alarms"]
+    );
     for (index, source) in report["sources"].as_array().unwrap().iter().enumerate() {
         let fusion = &source["fusion"];
         assert_eq!(fusion["lost"], 0, "{source}");

@@ -1,11 +1,11 @@
 //! Whether fusion and the sensors work, as health messages tell.
 //!
-//! A sensor works when its adapter goes on reading records of it. One that has been silent for some of its periods may be
-//! broken, or have nothing in view: degraded. So is one that an alarm is about; an alarm about its clock makes its time
-//! source invalid. One whose adapter says nothing any more is not connected; so is fusion.
+//! A sensor works when its adapter goes on reading records of it. One that has been silent for some of its periods may
+//! be broken, or have nothing in view: degraded. So is one that an alarm is about; an alarm about its clock makes its
+//! time source invalid. One whose adapter says nothing any more is not connected; so is fusion.
 //!
-//! Fusion says, too, how far each sensor's reports lie off. A bias is sent once fusion removes it from the reports: before
-//! that, it may be chance.
+//! Fusion says, too, how far each sensor's reports lie off. A bias is sent once fusion removes it from the reports:
+//! before that, it may be chance.
 
 use alarms::{AlarmKind, Present};
 use configuration::Config;
