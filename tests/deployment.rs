@@ -145,6 +145,26 @@ fn a_sound_deployment_is_summed_up() {
     }
 }
 
+/// As on an isolated core, which the scheduler gives to nobody by itself.
+#[test]
+fn a_core_outside_of_the_affinity_mask_may_be_configured() {
+    let [first, .., last] = runtime::cores::available()[..] else {
+        println!("skipped: there is one core only");
+        return;
+    };
+    let home = Home::new();
+    write_site(&home, |_, _| ());
+    let core = format!("fusion.core={last}");
+    let output = std::thread::scope(|scope| {
+        let checked = scope.spawn(|| {
+            assert!(core_affinity::set_for_current(core_affinity::CoreId { id: first }));
+            home.run(&["check", "site.toml", "--data", ".", "--set", &core])
+        });
+        checked.join().unwrap()
+    });
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
 #[test]
 fn every_example_is_sound() {
     let home = Home::new();

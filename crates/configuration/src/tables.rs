@@ -414,10 +414,10 @@ impl SourceTable {
 
 impl FusionTable {
     fn check(&self) -> Result<(), SettingsError> {
-        let cores = runtime::cores::available();
+        let cores = runtime::cores::online();
         match self.core {
             Some(core) if !cores.contains(&core) => {
-                let what = format!("{core} does not exist or may not be used; this machine offers cores {cores:?}");
+                let what = format!("{core} does not exist or is switched off; this machine offers cores {cores:?}");
                 Err(SettingsError::new("core", what))
             }
             _ => Ok(()),

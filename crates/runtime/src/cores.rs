@@ -21,7 +21,29 @@ pub struct Placement {
     pub lock_memory: bool,
 }
 
-/// Numbers of the cores this process may run on.
+/// File in which the kernel lists the cores that are switched on.
+const ONLINE: &str = "/sys/devices/system/cpu/online";
+
+/// Numbers of the cores that this machine has switched on, ascending. A thread may be pinned to any of them, also to
+/// those that the scheduler leaves alone (`isolcpus`) or that are not in this process's affinity mask; a cpuset can
+/// still refuse one.
+pub fn online() -> Vec<usize> {
+    let listed = std::fs::read_to_string(ONLINE).ok().and_then(|text| parse_list(&text));
+    listed.unwrap_or_else(available)
+}
+
+/// The kernel's list of numbers, as in `0-3,8`; `None` if `text` is none.
+fn parse_list(text: &str) -> Option<Vec<usize>> {
+    let mut numbers = Vec::new();
+    for range in text.trim().split(',') {
+        let (first, last) = range.split_once('-').unwrap_or((range, range));
+        let (first, last): (usize, usize) = (first.parse().ok()?, last.parse().ok()?);
+        numbers.extend(first..=last);
+    }
+    Some(numbers)
+}
+
+/// Numbers of the cores in this process's affinity mask: those that the scheduler puts it on by itself.
 pub fn available() -> Vec<usize> {
     core_affinity::get_core_ids()
         .unwrap_or_default()
@@ -38,8 +60,8 @@ pub fn take_place(placement: Placement) -> Vec<String> {
         && !core_affinity::set_for_current(core_affinity::CoreId { id: core })
     {
         refused.push(format!(
-            "core {core} cannot be taken: this process may use cores {:?}",
-            available()
+            "core {core} cannot be taken: the machine has cores {:?}, of which its cpuset or container may grant fewer",
+            online()
         ));
     }
     if let Some(priority) = placement.realtime_priority
@@ -87,4 +109,23 @@ fn become_fifo(priority: i32) -> Result<(), String> {
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(value), policy)
         .map_err(|error| format!("{error:?}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_of_cores_are_read_as_the_kernel_writes_them() {
+        assert_eq!(parse_list("0\n"), Some(vec![0]));
+        assert_eq!(parse_list("0-3,5,7-8\n"), Some(vec![0, 1, 2, 3, 5, 7, 8]));
+        assert_eq!(parse_list("\n"), None);
+        assert_eq!(parse_list("0-x\n"), None);
+    }
+
+    #[test]
+    fn what_a_process_may_use_is_switched_on() {
+        let online = online();
+        assert!(available().iter().all(|core| online.contains(core)), "{online:?}");
+    }
 }
