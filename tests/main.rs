@@ -33,6 +33,7 @@ mod live_asterix;
 mod live_bearings;
 mod live_counts;
 mod live_plots;
+mod supervision;
 mod system_calls;
 mod top;
 

@@ -61,7 +61,11 @@ impl Home {
     }
 
     pub(crate) fn start(&self, arguments: &[&str]) -> Running {
-        let mut child = self.command(arguments).spawn().unwrap();
+        Self::start_command(&mut self.command(arguments))
+    }
+
+    pub(crate) fn start_command(command: &mut Command) -> Running {
+        let mut child = command.spawn().unwrap();
         let (stdout, stderr) = (Arc::default(), Arc::default());
         let readers = vec![
             read(child.stdout.take().unwrap(), Arc::clone(&stdout)),
@@ -77,7 +81,12 @@ impl Home {
 
     /// A demonstration all of whose processes run.
     pub(crate) fn demo(&self) -> Running {
-        let demo = self.start(&["demo"]);
+        self.demo_with(&[])
+    }
+
+    /// The same with more arguments.
+    pub(crate) fn demo_with(&self, arguments: &[&str]) -> Running {
+        let demo = self.start(&[&["demo"], arguments].concat());
         demo.until_said("instance demo runs");
         demo
     }

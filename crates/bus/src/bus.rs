@@ -1,8 +1,8 @@
 //! One process's connection to an instance.
 //!
-//! The launcher *holds* every topic, all others only open them. That is not a matter of taste: a process that creates
-//! a service and is killed at the wrong moment leaves one that nobody can open, and whoever opens first would decide
-//! about sizes. With a holder, a topic exists before anybody needs it and as long as the instance runs.
+//! One process, the keeper, *holds* every topic, all others only open them. That is not a matter of taste: a process
+//! that creates a service and is killed at the wrong moment leaves one that nobody can open, and whoever opens first
+//! would decide about sizes. With a holder, a topic exists before anybody needs it and as long as the instance runs.
 
 use std::time::Duration;
 

@@ -7,7 +7,7 @@
 //! | type | what it is |
 //! |---|---|
 //! | [`Root`], [`Claim`] | where one deployment lives, who runs it, and how nothing of it stays behind |
-//! | [`Bus`], [`Held`] | one process's connection; the launcher holds every topic, the others only open them |
+//! | [`Bus`], [`Held`] | one process's connection; the keeper holds every topic, the others only open them |
 //! | [`Publisher`] | writes slices in place, with sequence numbers and progress; never waits for anybody |
 //! | [`Subscriber`] | takes slices and counts, per publisher, what it missed |
 //! | [`Waiter`] | waits for work on several topics: spinning, blocked, or first one, then the other |
@@ -21,7 +21,7 @@
 //! - **The steady state allocates nothing** once every port has met its peers: `take` and `wait` nothing at all, `send`
 //!   nothing of its own (iceoryx2 0.10 takes one block of some fifty bytes per slice, and gives it back at once).
 //! - **Nobody cleans up behind another's back.** Dead processes are removed when [`Bus::remove_dead`] is called (by
-//!   the launcher) or a topic has no place left; the remains of a dead deployment, when [`Root::claim`] succeeds.
+//!   the keeper) or a topic has no place left; the remains of a dead deployment, when [`Root::claim`] succeeds.
 //!
 //! ```
 //! use bus::{Bus, InProcess, Mark, Root, WaitMode, Woken};
@@ -30,9 +30,9 @@
 //! let root = Root::new("example")?;
 //! let topic = messages::control();
 //!
-//! // The launcher's part. Over `SharedMemory`, it would first call `root.claim()`.
-//! let launcher = Bus::<InProcess>::open(&root, "launcher")?;
-//! let held = launcher.hold(&topic)?;
+//! // The keeper's part. Over `SharedMemory`, the launcher would first call `root.claim()`.
+//! let keeper = Bus::<InProcess>::open(&root, "keeper")?;
+//! let held = keeper.hold(&topic)?;
 //!
 //! // A reader's part: its ports, and something to wait with. The 5 stands for a monotonic clock.
 //! let reader = Bus::<InProcess>::open(&root, "reader")?;
@@ -41,7 +41,7 @@
 //! waiter.watch(&reader, &topic)?;
 //!
 //! // A sender's part; it started at 10.
-//! let mut publisher = launcher.publisher(&topic, 10)?;
+//! let mut publisher = keeper.publisher(&topic, 10)?;
 //! let mark = Mark { progress_ns: i64::MIN, sent_ns: 11, end: false };
 //! publisher.send(mark, 1, |_, _| messages::Control::condition("fog").unwrap_or_default())?;
 //!

@@ -13,7 +13,7 @@
 //! take the memory from under live processes. Instead, one process, the launcher, *claims* the instance: it takes the
 //! lock (which the system gives back when the process dies, however it dies), makes sure that no process uses the
 //! instance any more, and then removes everything, knowing that nobody can be using it. All other processes only open
-//! what the launcher created.
+//! what its keeper created.
 //!
 //! Limits: Linux only (`/dev/shm`); all processes of an instance belong to one user and must name the base folder by
 //! the same path.
@@ -364,6 +364,15 @@ impl Claim {
     /// Remains of an earlier run.
     pub fn wiped(&self) -> Wiped {
         self.wiped
+    }
+
+    /// Removes every file of the instance but its lock, whoever still uses them: for one whose memory is corrupt.
+    /// Processes that have joined it keep what they have mapped.
+    ///
+    /// # Errors
+    /// If a file cannot be removed.
+    pub fn empty(&self) -> Result<Wiped, BusError> {
+        self.root.wipe()
     }
 
     /// Removes every file of the instance, its lock too. Every [`Bus`](crate::Bus) and port of this process must be

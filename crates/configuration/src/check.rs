@@ -4,6 +4,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use ::fusion::settings::{AccuracyTable, CoverageArea, ReportLimits, SourceSettings};
 use bus::WaitMode;
@@ -102,6 +103,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         gateways,
         scenario,
         recorder: raw.recorder.enabled,
+        watchdog: Duration::from_secs_f64(raw.launcher.watchdog_s),
     })
 }
 
@@ -161,6 +163,7 @@ fn check_source(
         links: Links::default(),
         silent_after_ns: silent_after_ns(raw, &input),
         period_ns: settings::Seconds::of(raw.period_s()).ns(),
+        required: raw.required,
         model: SourceModel {
             number: index as u16,
             sac_sic: match (&input, sender) {

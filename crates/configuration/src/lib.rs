@@ -82,6 +82,8 @@ pub struct Config {
     pub monitor: Monitor,
     /// Whether a recorder runs.
     pub recorder: bool,
+    /// A process that does not move for so long is replaced.
+    pub watchdog: Duration,
 }
 
 settings::words! {
@@ -120,6 +122,8 @@ pub struct Source {
     pub silent_after_ns: Option<i64>,
     /// Time between two reports of one target, nanoseconds.
     pub period_ns: i64,
+    /// Whether the deployment ends where its adapter cannot be kept running.
+    pub required: bool,
 }
 
 /// Sources that a source's tracker listens to besides its own detections.

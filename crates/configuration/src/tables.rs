@@ -40,6 +40,8 @@ settings::settings! {
         monitor: MonitorTable = MonitorTable::default();
         /// Recorder process.
         recorder: RecorderTable = RecorderTable::default();
+        /// The launcher, which starts and watches the others.
+        launcher: LauncherTable = LauncherTable::default();
     }
 
     /// A place on the Earth (WGS-84).
@@ -101,6 +103,9 @@ settings::settings! {
         name: String;
         /// Identity of the sensor, the same in every deployment that hears it. 0 stands for an unknown sensor.
         uid: Option<u32> = None, in [1, u32::MAX], usually "derived from the name";
+        /// The deployment ends where this source's adapter cannot be started, instead of going on without it while the
+        /// adapter is tried again and again.
+        required: bool = false;
         /// Technology by which it observes.
         technology: Option<Technology> = None, usually "what it sends tells";
         /// Height of targets without one, for slant ranges: between the low fliers without transponder and the high
@@ -337,6 +342,12 @@ settings::settings! {
     pub struct RecorderTable {
         /// Whether there is one.
         enabled: bool = true;
+    }
+
+    /// The launcher, which starts and watches the others.
+    pub struct LauncherTable {
+        /// Time without a sign of life after which a process is killed and replaced; six times as much while it starts.
+        watchdog_s: f64 = 5.0, in [1, 3600];
     }
 }
 

@@ -323,6 +323,8 @@ counters! {
         "Level: category × 65536 + edition (before the point) × 256 + edition (after it) that most of those blocks fit.";
     EstimatesRestarted = "estimates_restarted", FusionRemark by [Fusion],
         "Estimates that were not finite or beyond reason (a track's state, a source's errors): not used, and begun anew.";
+    Rebuilds = "rebuilds", Process by [Launcher],
+        "Times that the deployment was torn down and rebuilt because its shared memory was corrupt.";
 }
 
 #[cfg(test)]

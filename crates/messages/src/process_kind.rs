@@ -19,5 +19,7 @@ codes! {
         Simulator = 5, "simulator";
         /// Sends tracks to other systems over the network.
         Gateway = 6, "gateway";
+        /// Holds the topics for the launcher, which maps no shared memory itself.
+        Keeper = 7, "keeper";
     }
 }

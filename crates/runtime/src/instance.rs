@@ -1,8 +1,10 @@
 //! The instance of a deployment: its name, claimed for one launcher, and its topics in shared memory.
 //!
 //! Both must be there before the first process starts, and gone after the last one has ended. Whoever starts the
-//! processes of a deployment (the launcher; the bench for its own) claims the instance, makes sure that the shared
-//! memory is large enough, and holds every topic as long as they run.
+//! processes of a deployment (the launcher; the bench for its own) claims the instance and makes sure that the shared
+//! memory is large enough ([`Instance`]). A process holds every topic as long as the others run ([`hold_topics`]): the
+//! bench itself; under a launcher its keeper, because whoever maps memory that others write can be killed by what is
+//! in it, and the launcher must not be. Nothing that [`Instance`] does maps any.
 
 use std::time::Duration;
 
@@ -28,23 +30,20 @@ const FURTHER_HEALTH: usize = 5;
 /// Fusion and the recorder publish their progress.
 const PROGRESS_PUBLISHERS: usize = 4;
 
-/// A claimed instance with all its topics.
+/// A claimed instance.
 #[derive(Debug)]
 pub struct Instance {
-    // In the order in which they must go.
-    _held: Vec<Held>,
-    bus: Bus<SharedMemory>,
     claim: Claim,
     say: fn(&str),
 }
 
 impl Instance {
-    /// Claims the instance and creates every topic of the deployment, which is going to have so many `processes`.
-    /// `say` is told, one line each, what was found and is waited for.
+    /// Claims the instance for a deployment which is going to have so many `processes`. `say` is told, one line each,
+    /// what was found and is waited for.
     ///
     /// # Errors
     /// If it runs already, is still used, or the machine has not enough memory or rights.
-    pub fn prepare(
+    pub fn claim(
         deployment: &impl Deployment,
         instance: &str,
         processes: usize,
@@ -63,23 +62,33 @@ impl Instance {
             ));
         }
         bus::check_space(needed_bytes(deployment, processes))?;
-        let bus = Bus::open(&root, "launcher")?;
-        let mut hold = Hold {
-            bus: &bus,
-            held: Vec::new(),
-        };
-        each_topic(deployment, processes, &mut hold)?;
-        Ok(Self {
-            _held: hold.held,
-            bus,
-            claim,
-            say,
-        })
+        Ok(Self { claim, say })
     }
 
-    /// The connection of whoever prepared it.
-    pub fn bus(&self) -> &Bus<SharedMemory> {
-        &self.bus
+    /// Removes the shared memory, for topics that are going to be held anew. For a deployment whose memory is corrupt
+    /// and whose own processes have ended; others keep what they have mapped, and hear nothing any more.
+    ///
+    /// # Errors
+    /// If files cannot be removed.
+    pub fn empty(&self) -> anyhow::Result<()> {
+        let users = self.claim.root().processes()?;
+        if !users.is_empty() {
+            (self.say)(&format!(
+                "{} must join anew: the shared memory is replaced",
+                list(&users)
+            ));
+        }
+        let start = clock::instant();
+        loop {
+            match self.claim.empty() {
+                // One that leaves just now takes files away under the hands of who removes them.
+                Err(_) if start.elapsed() < LEAVE_PATIENCE => std::thread::sleep(PAUSE),
+                emptied => {
+                    emptied.context("removing corrupt shared memory")?;
+                    return Ok(());
+                }
+            }
+        }
     }
 
     /// Removes every trace of the instance. Where other processes still look at it, that is left to the next start.
@@ -87,9 +96,7 @@ impl Instance {
     /// # Errors
     /// If files cannot be removed.
     pub fn clear(self) -> anyhow::Result<()> {
-        let Self { _held, bus, claim, say } = self;
-        drop(_held);
-        drop(bus);
+        let Self { claim, say } = self;
         let root = claim.root();
         let start = clock::instant();
         while start.elapsed() < LEAVE_PATIENCE && !root.processes()?.is_empty() {
@@ -98,16 +105,31 @@ impl Instance {
         match claim.remove() {
             Ok(_) => Ok(()),
             Err(BusError::StillUsed { processes, .. }) => {
-                let users: Vec<String> = processes.iter().map(|p| format!("{} ({})", p.pid, p.name)).collect();
                 say(&format!(
                     "the shared memory stays, because it is still read by {}; the next start removes it",
-                    users.join(", ")
+                    list(&processes)
                 ));
                 Ok(())
             }
             Err(error) => Err(error).context("clearing up"),
         }
     }
+}
+
+fn list(processes: &[bus::Process]) -> String {
+    let users: Vec<String> = processes.iter().map(|p| format!("{} ({})", p.pid, p.name)).collect();
+    users.join(", ")
+}
+
+/// Creates every topic of the deployment, and keeps all of them in existence as long as the result lives.
+///
+/// # Errors
+/// If the machine refuses one.
+pub fn hold_topics(deployment: &impl Deployment, bus: &Bus<SharedMemory>) -> Result<Vec<Held>, BusError> {
+    let mut hold = Hold { bus, held: Vec::new() };
+    // The number of processes matters for the space only.
+    each_topic(deployment, 0, &mut hold)?;
+    Ok(hold.held)
 }
 
 /// Most bytes that a deployment of so many `processes` takes in shared memory.

@@ -12,11 +12,11 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
-use bus::{Bus, Root, SharedMemory, Subscriber};
+use bus::{Bus, Held, Root, SharedMemory, Subscriber};
 use configuration::Config;
 use messages::{Health, LifeState, NO_SOURCE, ProcessKind};
 use runtime::clock::{instant, mono_ns};
-use runtime::instance::Instance;
+use runtime::instance::{Instance, hold_topics};
 use runtime::signals::Stop;
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -41,6 +41,8 @@ const PERIOD_MAX_S: f64 = 600.0;
 /// See the module's documentation.
 #[derive(Debug)]
 pub(crate) struct Site {
+    /// In the order in which they must go.
+    topics: Option<(Vec<Held>, Bus<SharedMemory>)>,
     instance: Option<Instance>,
     folder: tempfile::TempDir,
     root: Root,
@@ -61,10 +63,14 @@ impl Site {
             settings.rates_per_s.first().copied().unwrap_or(1.0),
         )?
         .1;
+        let claimed = Instance::claim(&config, &instance, PROCESSES, stop, progress::say)?;
+        let root = Root::new(&instance)?;
+        let bus = Bus::open(&root, "bench")?;
         Ok(Self {
-            instance: Some(Instance::prepare(&config, &instance, PROCESSES, stop, progress::say)?),
+            topics: Some((hold_topics(&config, &bus)?, bus)),
+            instance: Some(claimed),
             folder,
-            root: Root::new(&instance)?,
+            root,
             executable: std::env::current_exe().context("finding this executable")?,
             stop: stop.clone(),
         })
@@ -79,7 +85,7 @@ impl Site {
     }
 
     fn bus(&self) -> &Bus<SharedMemory> {
-        self.instance.as_ref().expect("it is there until dropped").bus()
+        &self.topics.as_ref().expect("they are there until dropped").1
     }
 
     /// Starts a process of this executable in the instance.
@@ -121,6 +127,7 @@ impl Site {
 
 impl Drop for Site {
     fn drop(&mut self) {
+        drop(self.topics.take());
         if let Some(instance) = self.instance.take()
             && let Err(error) = instance.clear()
         {

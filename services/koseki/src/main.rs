@@ -86,7 +86,6 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Up(up) => {
             let (config, options) = args::deployment(&up.config, up.shared)?;
             recordings::inspect(&config, &options.data, Depth::Blocks)?;
-            make_out_folder(&config, &options)?;
             launch(&config, options, up.seconds)
         }
         Command::Check(check) => check::run(&check),
@@ -104,6 +103,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Score(score) => score::run(&score),
         Command::Bench(what) => bench::run(what),
         Command::BenchRelay(relay) => bench_service::relay::run(&relay.options()),
+        Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, launcher::keeper::run),
         Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, adapter::run),
         Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, fusion_service::run),
         Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, monitor::run),
@@ -113,21 +113,25 @@ fn run(command: Command) -> anyhow::Result<()> {
     }
 }
 
-/// Makes the folder for what is recorded, before processes that need it fail one after the other.
+/// Makes the folder for what is recorded and tries to write there, before processes that need it fail one after the
+/// other.
 fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
     if !config.recorder && !config.monitor.files {
         return Ok(());
     }
-    let out = &options.out;
-    std::fs::create_dir_all(out).map_err(|error| {
+    let out = options.out.display();
+    std::fs::create_dir_all(&options.out)
+        .map_err(|error| Usage(format!("--out {out}: the folder cannot be made: {error}; name another")))?;
+    tempfile::tempfile_in(&options.out).map_err(|error| {
         Usage(format!(
-            "--out {}: the folder cannot be made: {error}; name another",
-            out.display()
+            "--out {out}: nothing can be written there: {error}; name another"
         ))
-    })
+    })?;
+    Ok(())
 }
 
 fn launch(config: &Config, options: Options, run_for: Option<Duration>) -> anyhow::Result<()> {
+    make_out_folder(config, &options)?;
     launcher::run(config, &Orders { options, run_for })
 }
 

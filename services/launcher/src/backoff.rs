@@ -2,36 +2,23 @@
 //!
 //! Starting it again at once is right for the first time: most ends are accidents. One that always fails at its start
 //! would then be started hundreds of times a second. So the pause doubles with each end, up to a limit, and is
-//! forgotten once a child has lived for a while. And what has failed at once many times in a row will not be cured by
-//! one more start: a person must look.
+//! forgotten once a child has lived for a while. There is no end to it: a port that another program holds may be given
+//! back tomorrow, and until then the others do their work.
 
 use std::time::Duration;
 
 /// Pause before the first restart.
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
 /// Longest pause.
-const LONGEST_PAUSE: Duration = Duration::from_secs(5);
-/// A child that has lived this long was well: what came before is forgotten.
+const LONGEST_PAUSE: Duration = Duration::from_secs(30);
+/// A child that came up and lived this long was well: what came before is forgotten.
 const WELL: Duration = Duration::from_secs(10);
-/// A child that ended within this time failed at its start.
-const AT_ONCE: Duration = Duration::from_secs(1);
-/// So many failures at the start, one after the other, are enough.
-pub(crate) const FAILURES_MAX: u32 = 10;
 
 /// The history of one child, as far as it matters for the next start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Backoff {
     pause: Duration,
     failures: u32,
-}
-
-/// What to do about an end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
-    /// Start it again after this time.
-    RestartIn(Duration),
-    /// Do not start it again.
-    GiveUp,
 }
 
 impl Backoff {
@@ -43,18 +30,20 @@ impl Backoff {
         }
     }
 
-    /// The child has ended after having lived so long.
-    pub(crate) fn ended(&mut self, lived: Duration) -> Verdict {
-        if lived >= WELL {
-            self.pause = FIRST_PAUSE;
+    /// Ends in a row, none of which came after a life that was long enough.
+    pub(crate) fn failures(&self) -> u32 {
+        self.failures
+    }
+
+    /// The child has ended after having lived so long. Returns the pause before its next start.
+    pub(crate) fn ended(&mut self, lived: Duration, came_up: bool) -> Duration {
+        if came_up && lived >= WELL {
+            *self = Self::new();
         }
-        self.failures = if lived < AT_ONCE { self.failures + 1 } else { 0 };
-        if self.failures >= FAILURES_MAX {
-            return Verdict::GiveUp;
-        }
+        self.failures += 1;
         let pause = self.pause;
         self.pause = (2 * pause).min(LONGEST_PAUSE);
-        Verdict::RestartIn(pause)
+        pause
     }
 }
 
@@ -69,32 +58,12 @@ mod tests {
     #[test]
     fn pauses_double_up_to_a_limit_and_are_forgotten() {
         let mut backoff = Backoff::new();
-        for pause in [100, 200, 400, 800, 1600, 3200, 5000, 5000] {
-            assert_eq!(backoff.ended(ms(2000)), Verdict::RestartIn(ms(pause)));
+        for pause in [100, 200, 400, 800, 1600, 3200, 6400, 12_800, 25_600, 30_000, 30_000] {
+            assert_eq!(backoff.ended(ms(2000), true), ms(pause));
         }
-        assert_eq!(backoff.ended(WELL), Verdict::RestartIn(FIRST_PAUSE));
-        assert_eq!(backoff.ended(ms(9999)), Verdict::RestartIn(ms(200)));
-    }
-
-    #[test]
-    fn ten_failures_at_the_start_are_enough() {
-        let mut backoff = Backoff::new();
-        for _ in 0..9 {
-            assert!(matches!(backoff.ended(ms(20)), Verdict::RestartIn(_)));
-        }
-        assert_eq!(backoff.ended(ms(20)), Verdict::GiveUp);
-    }
-
-    #[test]
-    fn one_that_lived_longer_starts_the_count_anew() {
-        let mut backoff = Backoff::new();
-        for _ in 0..9 {
-            backoff.ended(ms(20));
-        }
-        backoff.ended(AT_ONCE);
-        for _ in 0..9 {
-            assert!(matches!(backoff.ended(ms(20)), Verdict::RestartIn(_)));
-        }
-        assert_eq!(backoff.ended(ms(20)), Verdict::GiveUp);
+        assert_eq!(backoff.failures(), 11);
+        assert_eq!(backoff.ended(WELL, false), LONGEST_PAUSE, "it lived, but never came up");
+        assert_eq!((backoff.ended(WELL, true), backoff.failures()), (FIRST_PAUSE, 1));
+        assert_eq!(backoff.ended(ms(9999), true), ms(200));
     }
 }

@@ -1,5 +1,6 @@
 //! One child process, through all its lives.
 
+use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt as _;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -8,9 +9,21 @@ use messages::{LifeState, ProcessKind};
 use runtime::clock::instant;
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::backoff::{Backoff, Verdict};
+use crate::backoff::Backoff;
 use crate::end::End;
+use crate::link::{ChildFacts, Said};
 use crate::part::Part;
+
+/// A child without which nothing works, and one that is required, have so many chances in a row.
+pub(crate) const CHANCES: u32 = 8;
+/// A child may take so many times longer to start than to move when it runs.
+const START_ALLOWANCE: u32 = 6;
+/// How long a killed process may take to be gone, and the pause between two looks.
+const KILL_PATIENCE: Duration = Duration::from_secs(2);
+const KILL_PAUSE: Duration = Duration::from_millis(1);
+/// A look that comes so long after the one before says nothing: who looks was kept from running, and so may the child
+/// have been.
+const LOOKED_AWAY: Duration = Duration::from_secs(1);
 
 /// A part of the deployment, and the process that plays it.
 #[derive(Debug)]
@@ -19,13 +32,15 @@ pub(crate) struct Child {
     state: State,
     backoff: Backoff,
     restarts: u32,
+    /// Whether one of its processes has ever said that it runs.
+    was_up: bool,
     last_end: Option<End>,
 }
 
 #[derive(Debug)]
 enum State {
-    /// It has not been started yet.
-    Unborn,
+    /// It has to be started with its stage: for the first time, or since the deployment is rebuilt.
+    Unborn { gap_since: Option<Instant> },
     /// It has a process.
     Alive {
         process: std::process::Child,
@@ -34,6 +49,12 @@ enum State {
         running: bool,
         /// When its predecessor ended, as long as it has not said that it runs.
         gap_since: Option<Instant>,
+        /// When it last moved, monotonic, nanoseconds, as it says itself.
+        moved_ns: i64,
+        /// How long it has not moved, as far as anybody looked.
+        still: Duration,
+        /// Whether it was killed because it stood still.
+        condemned: bool,
     },
     /// It has ended, and will be started again.
     Waiting { ended: Instant, until: Instant },
@@ -50,7 +71,7 @@ pub(crate) enum Sequel {
     RestartIn(Duration),
     /// End the deployment: it refuses its configuration.
     Refused,
-    /// End the deployment: it has failed too often.
+    /// End the deployment: it cannot do without the child, which does not come up.
     GiveUp,
 }
 
@@ -58,9 +79,10 @@ impl Child {
     pub(crate) fn new(part: Part) -> Self {
         Self {
             part,
-            state: State::Unborn,
+            state: State::Unborn { gap_since: None },
             backoff: Backoff::new(),
             restarts: 0,
+            was_up: false,
             last_end: None,
         }
     }
@@ -72,6 +94,11 @@ impl Child {
     /// How often it was started again.
     pub(crate) fn restarts(&self) -> u32 {
         self.restarts
+    }
+
+    /// Ends in a row before it had lived for long.
+    pub(crate) fn failures(&self) -> u32 {
+        self.backoff.failures()
     }
 
     /// How it last ended, if it did not simply finish.
@@ -87,8 +114,8 @@ impl Child {
         }
     }
 
-    pub(crate) fn is_alive(&self) -> bool {
-        matches!(self.state, State::Alive { .. })
+    pub(crate) fn is_unborn(&self) -> bool {
+        matches!(self.state, State::Unborn { .. })
     }
 
     /// Whether it has done its work and ended, with exit code 0.
@@ -102,12 +129,24 @@ impl Child {
     }
 
     /// Where it is in its life, as health messages put it.
-    pub(crate) fn life(&self) -> LifeState {
+    fn life(&self) -> LifeState {
         match &self.state {
             State::Alive { running: true, .. } => LifeState::Running,
-            State::Unborn | State::Alive { running: false, .. } => LifeState::Starting,
+            State::Unborn { .. } | State::Alive { running: false, .. } => LifeState::Starting,
             State::Ended if self.is_finished() => LifeState::Finished,
             State::Waiting { .. } | State::Ended => LifeState::Failed,
+        }
+    }
+
+    /// All that others may know of it.
+    pub(crate) fn facts(&self) -> ChildFacts {
+        ChildFacts {
+            name: self.part.name.clone(),
+            process_id: self.pid().unwrap_or(0),
+            source: self.part.source,
+            life: self.life() as u8,
+            restarts: self.restarts,
+            last_end: self.last_end().map(ToString::to_string).unwrap_or_default(),
         }
     }
 
@@ -119,65 +158,119 @@ impl Child {
         }
     }
 
-    /// Starts its process. An error counts as an end.
-    pub(crate) fn start(&mut self, command: &mut Command) -> Option<Sequel> {
+    /// Starts its process, with `input` as its standard input. An error counts as an end.
+    pub(crate) fn start(&mut self, command: &mut Command, input: Option<OwnedFd>) -> Option<Sequel> {
         let gap_since = match self.state {
-            State::Waiting { ended, .. } => {
-                self.restarts += 1;
-                Some(ended)
-            }
+            State::Waiting { ended, .. } => Some(ended),
+            State::Unborn { gap_since } => gap_since,
             _ => None,
         };
+        self.restarts += u32::from(gap_since.is_some());
         // Only the monitor writes to standard output. In a process group of its own, Ctrl-C does not reach the child:
         // the launcher decides in which order all stop.
         let output = match self.part.kind {
             ProcessKind::Monitor => Stdio::inherit(),
             _ => Stdio::null(),
         };
+        let input = input.map_or_else(Stdio::null, Stdio::from);
         let since = instant();
-        match command.stdin(Stdio::null()).stdout(output).process_group(0).spawn() {
+        match command.stdin(input).stdout(output).process_group(0).spawn() {
             Ok(process) => {
                 self.state = State::Alive {
                     process,
                     since,
                     running: false,
                     gap_since,
+                    moved_ns: i64::MIN,
+                    still: Duration::ZERO,
+                    condemned: false,
                 };
                 None
             }
-            Err(error) => Some(self.ended(End::NotStarted(error.to_string()), since, since)),
+            Err(error) => Some(self.ended(End::NotStarted(error.to_string()), Duration::ZERO, false, since)),
         }
     }
 
     /// Its process has spoken. Returns how long the part was without a process, if this is the first sign of a
     /// restarted one.
-    pub(crate) fn hear(&mut self, life: LifeState, now: Instant) -> Option<Duration> {
-        let State::Alive { running, gap_since, .. } = &mut self.state else {
+    pub(crate) fn hear(&mut self, said: Said, now: Instant) -> Option<Duration> {
+        let State::Alive {
+            running,
+            gap_since,
+            moved_ns,
+            still,
+            ..
+        } = &mut self.state
+        else {
             return None;
         };
-        if !matches!(life, LifeState::Running | LifeState::Finished) {
+        if said.said_ns > *moved_ns {
+            (*moved_ns, *still) = (said.said_ns, Duration::ZERO);
+        }
+        if !matches!(
+            LifeState::from_code(said.life),
+            Some(LifeState::Running | LifeState::Finished)
+        ) {
             return None;
         }
-        *running = true;
+        (*running, self.was_up) = (true, true);
         gap_since.take().map(|ended| now.duration_since(ended))
+    }
+
+    /// Somebody has looked for signs of life, so long after the look before. A process that has given none for `limit`
+    /// is killed; [`Self::reap`] tells its end.
+    pub(crate) fn looked(&mut self, elapsed: Duration, limit: Duration) {
+        let State::Alive {
+            process,
+            running,
+            still,
+            condemned,
+            ..
+        } = &mut self.state
+        else {
+            return;
+        };
+        if *condemned {
+            return;
+        }
+        *still = if elapsed >= LOOKED_AWAY {
+            Duration::ZERO
+        } else {
+            *still + elapsed
+        };
+        let limit = if *running { limit } else { START_ALLOWANCE * limit };
+        if *still >= limit {
+            *condemned = true;
+            signal(process, Signal::KILL);
+        }
     }
 
     /// Whether its process has ended, and what follows from it.
     pub(crate) fn reap(&mut self, now: Instant) -> Option<Sequel> {
-        let State::Alive { process, since, .. } = &mut self.state else {
+        let State::Alive {
+            process,
+            since,
+            running,
+            still,
+            condemned,
+            ..
+        } = &mut self.state
+        else {
             return None;
         };
-        let (end, since) = match process.try_wait() {
+        let end = match process.try_wait() {
             Ok(None) => return None,
-            Ok(Some(status)) => (End::from(status), *since),
+            Ok(Some(_)) if *condemned => End::StoodStill(*still),
+            Ok(Some(status)) => End::from(status),
             // Only if somebody else has waited for it: it is gone, nobody knows how.
-            Err(error) => (End::NotStarted(error.to_string()), *since),
+            Err(error) => End::NotStarted(error.to_string()),
         };
-        Some(self.ended(end, since, now))
+        let (lived, came_up) = (now.duration_since(*since), *running);
+        Some(self.ended(end, lived, came_up, now))
     }
 
-    fn ended(&mut self, end: End, since: Instant, now: Instant) -> Sequel {
-        let (finished, refused) = (end.is_finished(), end.is_refused());
+    fn ended(&mut self, end: End, lived: Duration, came_up: bool, now: Instant) -> Sequel {
+        let (finished, refused, killed) = (end.is_finished(), end.is_refused(), end.is_killed());
         self.last_end = Some(end);
         self.state = State::Ended;
         if finished {
@@ -186,16 +279,33 @@ impl Child {
         if refused {
             return Sequel::Refused;
         }
-        match self.backoff.ended(now.duration_since(since)) {
-            Verdict::GiveUp => Sequel::GiveUp,
-            Verdict::RestartIn(pause) => {
-                self.state = State::Waiting {
-                    ended: now,
-                    until: now + pause,
-                };
-                Sequel::RestartIn(pause)
-            }
+        let pause = self.backoff.ended(lived, came_up);
+        let give_up = match self.part.kind {
+            // It says why, and will say so again.
+            ProcessKind::Keeper => !self.was_up && !killed,
+            ProcessKind::Fusion => !self.was_up && self.failures() >= CHANCES,
+            _ => self.part.required && self.failures() >= CHANCES,
+        };
+        if give_up {
+            return Sequel::GiveUp;
         }
+        self.state = State::Waiting {
+            ended: now,
+            until: now + pause,
+        };
+        Sequel::RestartIn(pause)
+    }
+
+    /// Ends it hard, as a part of a deployment that is rebuilt: it will be started anew with its stage.
+    pub(crate) fn tear_down(&mut self, now: Instant) {
+        let gap_since = match self.state {
+            State::Alive { gap_since, .. } => Some(gap_since.unwrap_or(now)),
+            State::Waiting { ended, .. } => Some(ended),
+            State::Unborn { gap_since } => gap_since,
+            State::Ended => Some(now),
+        };
+        self.kill();
+        self.state = State::Unborn { gap_since };
     }
 
     /// Asks it to stop. Returns whether it has a process that has to be waited for; it will not be started again.
@@ -205,7 +315,7 @@ impl Child {
                 signal(process, Signal::TERM);
                 true
             }
-            State::Waiting { .. } | State::Unborn => {
+            State::Waiting { .. } | State::Unborn { .. } => {
                 self.state = State::Ended;
                 false
             }
@@ -230,12 +340,15 @@ impl Child {
         if well { Ok(true) } else { Err(problem) }
     }
 
-    /// Ends it hard, and waits for that.
+    /// Ends it hard, and waits for that; but not for ever: the kernel may hold one back that waits for a disk, or that a
+    /// debugger has stopped.
     pub(crate) fn kill(&mut self) {
         if let State::Alive { process, .. } = &mut self.state {
             signal(process, Signal::KILL);
-            // It has been killed by a signal that cannot be caught; waiting fails only if it is gone already.
-            let _ = process.wait();
+            let killed = instant();
+            while matches!(process.try_wait(), Ok(None)) && instant() - killed < KILL_PATIENCE {
+                std::thread::sleep(KILL_PAUSE);
+            }
             self.last_end = Some(End::Signal(Signal::KILL.as_raw()));
         }
         self.state = State::Ended;
@@ -253,12 +366,30 @@ mod tests {
     use super::*;
     use messages::NO_SOURCE;
 
-    fn child() -> Child {
+    fn child_of(kind: ProcessKind, required: bool) -> Child {
         Child::new(Part {
-            kind: ProcessKind::Fusion,
-            name: "fusion".to_owned(),
+            kind,
+            name: kind.word().to_owned(),
             source: NO_SOURCE,
+            required,
         })
+    }
+
+    fn child() -> Child {
+        child_of(ProcessKind::Fusion, false)
+    }
+
+    fn said(life: LifeState, said_ns: i64) -> Said {
+        Said {
+            life: life as u8,
+            said_ns,
+        }
+    }
+
+    fn fails_so_often(child: &mut Child) -> u32 {
+        let nowhere = || Command::new("/nowhere/koseki");
+        let failed = (1..=2 * CHANCES).find(|_| child.start(&mut nowhere(), None) == Some(Sequel::GiveUp));
+        failed.unwrap_or(u32::MAX)
     }
 
     fn until_ended(child: &mut Child) -> Sequel {
@@ -281,11 +412,11 @@ mod tests {
     #[test]
     fn exit_code_0_is_the_end_and_2_a_refusal() {
         let mut child = child();
-        assert_eq!(child.start(&mut shell("exit 0")), None);
+        assert_eq!(child.start(&mut shell("exit 0"), None), None);
         assert_eq!(until_ended(&mut child), Sequel::Finished);
         assert!(child.is_finished() && child.is_up());
         let mut child = self::child();
-        child.start(&mut shell("exit 2"));
+        child.start(&mut shell("exit 2"), None);
         assert_eq!(until_ended(&mut child), Sequel::Refused);
         assert_eq!(child.life(), LifeState::Failed);
     }
@@ -293,23 +424,27 @@ mod tests {
     #[test]
     fn a_killed_child_is_restarted_counted_and_timed() {
         let mut child = child();
-        child.start(&mut shell("kill -KILL $$"));
+        child.start(&mut shell("kill -KILL $$"), None);
         assert!(matches!(until_ended(&mut child), Sequel::RestartIn(_)));
         assert_eq!(child.last_end(), Some(&End::Signal(9)));
         assert!(child.restart_due().is_some());
-        child.start(&mut shell("sleep 60"));
+        child.start(&mut shell("sleep 60"), None);
         assert_eq!(child.restarts(), 1);
-        assert_eq!(child.hear(LifeState::Starting, Instant::now()), None);
-        assert!(child.hear(LifeState::Running, Instant::now()).is_some());
-        assert_eq!(child.hear(LifeState::Running, Instant::now()), None, "said once");
+        assert_eq!(child.hear(said(LifeState::Starting, 1), Instant::now()), None);
+        assert!(child.hear(said(LifeState::Running, 2), Instant::now()).is_some());
+        assert_eq!(
+            child.hear(said(LifeState::Running, 2), Instant::now()),
+            None,
+            "said once"
+        );
         child.kill();
-        assert!(!child.is_alive() && child.restart_due().is_none());
+        assert!(child.pid().is_none() && child.restart_due().is_none());
     }
 
     #[test]
     fn one_that_cannot_be_started_is_tried_again() {
         let mut child = child();
-        let sequel = child.start(&mut Command::new("/nowhere/koseki"));
+        let sequel = child.start(&mut Command::new("/nowhere/koseki"), None);
         assert!(matches!(sequel, Some(Sequel::RestartIn(_))));
         assert!(child.last_end().unwrap().to_string().contains("could not be started"));
     }
@@ -317,12 +452,58 @@ mod tests {
     #[test]
     fn a_request_to_stop_may_come_before_the_child_listens_for_it() {
         let mut child = child();
-        child.start(&mut shell("sleep 60"));
+        child.start(&mut shell("sleep 60"), None);
         assert!(child.ask_to_stop());
         let start = Instant::now();
         while !child.has_stopped().unwrap() {
             assert!(start.elapsed() < Duration::from_secs(60));
         }
         assert!(!child.ask_to_stop(), "it is gone");
+    }
+
+    #[test]
+    fn only_what_the_deployment_cannot_do_without_has_a_limited_number_of_chances() {
+        use ProcessKind::{Adapter, Fusion, Keeper};
+        assert_eq!(fails_so_often(&mut child_of(Adapter, false)), u32::MAX);
+        assert_eq!(fails_so_often(&mut child_of(Adapter, true)), CHANCES);
+        assert_eq!(fails_so_often(&mut child_of(Fusion, false)), CHANCES);
+        assert_eq!(fails_so_often(&mut child_of(Keeper, false)), 1);
+        let mut fusion = child_of(Fusion, false);
+        fusion.start(&mut shell("sleep 60"), None);
+        fusion.hear(said(LifeState::Running, 1), Instant::now());
+        fusion.kill();
+        assert_eq!(fails_so_often(&mut fusion), u32::MAX, "it has been up");
+    }
+
+    #[test]
+    fn one_that_stands_still_is_killed_unless_nobody_could_have_seen_it_move() {
+        let limit = Duration::from_secs(5);
+        let second = Duration::from_millis(999);
+        let mut child = child();
+        child.start(&mut shell("sleep 60"), None);
+        child.hear(said(LifeState::Running, 1), Instant::now());
+        for round in 2..100 {
+            child.looked(second, limit);
+            child.hear(said(LifeState::Running, round), Instant::now());
+        }
+        // The same message again is no sign of life, and a look after a long pause no proof of death.
+        for _ in 0..5 {
+            child.looked(second, limit);
+            child.hear(said(LifeState::Running, 99), Instant::now());
+        }
+        child.looked(LOOKED_AWAY, limit);
+        for _ in 0..5 {
+            child.looked(second, limit);
+        }
+        assert_eq!(child.reap(Instant::now()), None);
+        child.looked(second, limit);
+        assert!(matches!(until_ended(&mut child), Sequel::RestartIn(_)));
+        assert!(
+            child
+                .last_end()
+                .unwrap()
+                .to_string()
+                .starts_with("stood still for 6.0 s")
+        );
     }
 }

@@ -5,34 +5,48 @@
 //! dies, and a general service manager does not know that dead processes leave places and memory in shared memory that
 //! their successors need. The launcher does four things, in this order:
 //!
-//! 1. **It prepares the instance** (`runtime::instance`): claims the instance, so that nobody else runs it; removes
-//!    what a killed run left; makes sure that the shared memory is large enough; creates every topic, and keeps them in
-//!    existence.
-//! 2. **It starts the processes** (`part`, `child`): the monitor and the recorder first, so that they miss nothing,
-//!    with them fusion and the gateways; when these say that they run, the adapters, and the simulator last. All are
-//!    children of the same executable.
+//! 1. **It claims the instance** (`runtime::instance`), so that nobody else runs it; removes what a killed run left;
+//!    makes sure that the shared memory is large enough; and says what it finds missing on the machine (`preflight`).
+//! 2. **It starts the processes** (`part`, `child`): first the [`keeper`], which creates every topic and keeps them in
+//!    existence; then the monitor and the recorder, so that they miss nothing, with them fusion and the gateways; when
+//!    these say that they run, the adapters, and the simulator last. All are children of the same executable.
 //! 3. **It watches them** (`supervisor`): a child that ends with exit code 0 has finished. One that ends otherwise is
 //!    noticed at once, its shared memory is taken back, and it is started again, after pauses that grow (`backoff`)
-//!    while it keeps failing. What cannot be cured by starting again (a configuration that a child refuses, a child
-//!    that fails again and again at once) ends the deployment with an error.
-//! 4. **It stops them**, sources first and the monitor last, because its final report tells of all the others; and
-//!    clears the instance.
+//!    while it keeps failing, for ever: the others do their work meanwhile. One that gives no sign of life stands still,
+//!    and is killed and replaced. Several that fall over one after the other have what they share against them
+//!    (`suspicion`): then the deployment is torn down and rebuilt in new shared memory. Only what cannot be cured by
+//!    starting again (a configuration that a child refuses, a fusion or a required source that never comes up) ends the
+//!    deployment with an error.
+//! 4. **It stops them**, sources first and the monitor last, because its final report tells of all the others; then the
+//!    keeper; and clears the instance.
 //!
-//! How often each child was restarted is part of the launcher's own health messages (`board`), so every monitor and
-//! status display can show it. Standard error gets one line per event; standard output belongs to the monitor.
+//! **The launcher maps no shared memory**: bytes that others write cannot harm it. It knows of its children by the
+//! kernel, and by what the keeper hears of them in the health topic and passes on over a socket (`link`). A child's
+//! health message is made by its loop and published, where the loop must not make a system call, by its housekeeping
+//! thread; so a new message is a sign of life of both. A child has stood still when the keeper has looked for
+//! `launcher.watchdog_s` without finding a new one. Time in which the launcher or the keeper did not run themselves
+//! does not count: on a machine that stalls, everybody stands still.
+//!
+//! How often each child was restarted, why, and whether it runs is part of the launcher's own health messages, which the
+//! keeper publishes, so every monitor and status display can show it. Standard error gets one line per event;
+//! standard output belongs to the monitor; a service manager (systemd) is told when the deployment runs, how it is, and
+//! that the launcher lives (`service_manager`).
 //!
 //! Limits: if the launcher itself is killed, the kernel tells the children to stop, and the deployment ends; the next
-//! start removes what is left. A child that hangs without ending is not noticed here, but its health messages stop,
-//! which the monitor shows.
+//! start removes what is left. Corruption that makes nobody fall over or stand still is not noticed here.
 
 #![forbid(unsafe_code)]
 
 mod backoff;
-mod board;
 mod child;
 mod end;
+pub mod keeper;
+mod link;
 mod part;
+mod preflight;
+mod service_manager;
 mod supervisor;
+mod suspicion;
 mod wake;
 
 use std::io::Write as _;
@@ -60,16 +74,16 @@ pub struct Orders {
 /// Must be called on the thread that lives longest: children follow the end of the thread that started them.
 ///
 /// # Errors
-/// If the instance already runs, the machine refuses something, a child cannot be kept running ([`ChildRefused`] if it
-/// is its configuration), or one did not stop as it should.
+/// If the instance already runs, the machine refuses something, a child that is needed cannot be kept running
+/// ([`ChildRefused`] if it is its configuration), or one did not stop as it should.
 pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
     let processes = part::parts(config).len();
-    let instance = Instance::prepare(config, &orders.options.instance, processes, &stop, say)?;
-    // The supervisor's ports must be gone before the instance can be cleared.
-    let result =
-        supervisor::Supervisor::new(config, orders, &instance, stop, wake).and_then(supervisor::Supervisor::run);
+    let instance = Instance::claim(config, &orders.options.instance, processes, &stop, say)?;
+    let result = preflight::check(config)
+        .and_then(|()| supervisor::Supervisor::new(config, orders, &instance, stop, wake))
+        .and_then(supervisor::Supervisor::run);
     result.and(instance.clear())
 }
 

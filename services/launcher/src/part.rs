@@ -17,10 +17,13 @@ pub(crate) struct Part {
     pub(crate) name: String,
     /// Its source's number, for an adapter of one source.
     pub(crate) source: u16,
+    /// Whether the deployment ends where it cannot be kept running.
+    pub(crate) required: bool,
 }
 
 /// Kinds in the order in which they are started: whoever reads is there before whoever speaks.
-pub(crate) const START_ORDER: [&[ProcessKind]; 3] = [
+pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
+    &[ProcessKind::Keeper],
     &[
         ProcessKind::Monitor,
         ProcessKind::Recorder,
@@ -31,14 +34,16 @@ pub(crate) const START_ORDER: [&[ProcessKind]; 3] = [
     &[ProcessKind::Simulator],
 ];
 
-/// Kinds in the order in which they are stopped: sources first, and the monitor last, so that it sees the others end.
-pub(crate) const STOP_ORDER: [ProcessKind; 6] = [
+/// Kinds in the order in which they are stopped: sources first, then the monitor, so that it sees the others end, and
+/// last the keeper, in whose topics all of them speak.
+pub(crate) const STOP_ORDER: [ProcessKind; 7] = [
     ProcessKind::Simulator,
     ProcessKind::Adapter,
     ProcessKind::Fusion,
     ProcessKind::Recorder,
     ProcessKind::Gateway,
     ProcessKind::Monitor,
+    ProcessKind::Keeper,
 ];
 
 /// The parts of a deployment, in the order in which they are started.
@@ -47,13 +52,15 @@ pub(crate) fn parts(config: &Config) -> Vec<Part> {
         kind,
         name: kind.word().to_owned(),
         source: NO_SOURCE,
+        required: false,
     };
-    let mut parts = vec![service(ProcessKind::Monitor)];
+    let mut parts = vec![service(ProcessKind::Keeper), service(ProcessKind::Monitor)];
     parts.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
     parts.extend(config.gateways.iter().map(|gateway| Part {
         kind: ProcessKind::Gateway,
         name: gateway.name.clone(),
         source: NO_SOURCE,
+        required: false,
     }));
     parts.push(service(ProcessKind::Fusion));
     parts.extend(config.adapters().into_iter().map(|name| adapter(config, name)));
@@ -63,6 +70,7 @@ pub(crate) fn parts(config: &Config) -> Vec<Part> {
 
 fn adapter(config: &Config, name: &str) -> Part {
     let mut sources = config.sources.iter().filter(|source| source.adapter == name);
+    let required = sources.clone().any(|source| source.required);
     let source = match (sources.next(), sources.next()) {
         (Some(only), None) => only.number,
         _ => NO_SOURCE,
@@ -71,6 +79,7 @@ fn adapter(config: &Config, name: &str) -> Part {
         kind: ProcessKind::Adapter,
         name: name.to_owned(),
         source,
+        required,
     }
 }
 
@@ -119,14 +128,14 @@ mod tests {
     use configuration::BUILT_IN_DEMO;
 
     #[test]
-    fn the_monitor_starts_first_and_stops_last() {
+    fn keeper_and_monitor_start_first_and_stop_last() {
         let overrides = ["recorder.enabled=true".to_owned()];
         let config = Config::read(Path::new(BUILT_IN_DEMO), &overrides).unwrap();
         let kinds: Vec<ProcessKind> = parts(&config).iter().map(|part| part.kind).collect();
-        use ProcessKind::{Adapter, Fusion, Monitor, Recorder};
-        assert_eq!(kinds[..4], [Monitor, Recorder, Fusion, Adapter]);
-        assert_eq!(kinds.len(), 3 + config.sources.len() + 1, "and the simulator");
-        assert_eq!(STOP_ORDER.last(), Some(&Monitor));
+        use ProcessKind::{Adapter, Fusion, Keeper, Monitor, Recorder};
+        assert_eq!(kinds[..5], [Keeper, Monitor, Recorder, Fusion, Adapter]);
+        assert_eq!(kinds.len(), 4 + config.sources.len() + 1, "and the simulator");
+        assert_eq!(STOP_ORDER[5..], [Monitor, Keeper]);
     }
 
     #[test]
@@ -135,6 +144,7 @@ mod tests {
             kind: ProcessKind::Adapter,
             name: "radar".to_owned(),
             source: 0,
+            required: false,
         };
         let options = Options {
             overrides: vec!["a.b=1".to_owned(), "c=\"-x\"".to_owned()],

@@ -6,16 +6,18 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use configuration::Config;
-use messages::ProcessKind;
-use runtime::Now;
-use runtime::clock::instant;
+use messages::{LifeState, ProcessKind};
+use runtime::clock::{instant, mono_ns};
 use runtime::instance::Instance;
 use runtime::signals::Stop;
 
-use crate::backoff::FAILURES_MAX;
-use crate::board::Board;
+use crate::backoff::Backoff;
 use crate::child::{Child, Sequel};
+use crate::end::End;
+use crate::link::{Facts, Heard, Link, Said};
 use crate::part::{START_ORDER, STOP_ORDER, parts};
+use crate::service_manager::{ServiceManager, VARIABLES};
+use crate::suspicion::Suspicion;
 use crate::wake::Wake;
 use crate::{Orders, say};
 
@@ -24,8 +26,14 @@ use crate::{Orders, say};
 const START_PATIENCE: Duration = Duration::from_secs(10);
 /// How long a child may take to stop, before it is ended hard.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
-/// Longest sleep: health messages must be read and said.
+/// The same for the recorder of a deployment that is rebuilt: it may still write what it has.
+const RECORDER_PATIENCE: Duration = Duration::from_secs(1);
+/// Longest sleep: what the keeper has heard must be read and said.
 const TICK: Duration = Duration::from_millis(50);
+/// Time between two words to the keeper without a reason.
+const TELL_PERIOD: Duration = Duration::from_millis(200);
+/// A keeper that dies so often before it comes up again finds something that it cannot use.
+const KEEPER_CHANCES: u32 = 3;
 
 /// A child refuses its configuration or how it was called: exit code 2, here as there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -43,18 +51,54 @@ pub(crate) struct Supervisor<'a> {
     instance: &'a Instance,
     executable: PathBuf,
     children: Vec<Child>,
-    board: Board,
+    /// The keeper's line, while there is a keeper.
+    keeper: Option<Link>,
     stop: Stop,
     wake: Wake,
-    /// Shared memory of dead processes is still to be taken back.
-    dead_left: bool,
+    service_manager: ServiceManager,
+    incarnation: u64,
+    deaths: u64,
+    rebuilds: u64,
+    /// When the keeper was last told how the children are.
+    told: Instant,
+    /// When the launcher last looked, and when the keeper last had.
+    looked: Instant,
+    keeper_looked: Instant,
+    suspicion: Suspicion,
+    /// Why the deployment has to be rebuilt, if it has to.
+    corrupt: Option<String>,
+    rebuilding: Backoff,
+    start: Start,
+    /// When the deployment was complete for the first time.
+    complete: Option<Instant>,
+}
+
+/// How far the start has come: the first one, or that after a rebuild.
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    begun: Instant,
+    stage: usize,
+    stage_begun: Instant,
+    /// Whether all stages have been started.
+    is_complete: bool,
+}
+
+impl Start {
+    fn at(begun: Instant) -> Self {
+        Self {
+            begun,
+            stage: 0,
+            stage_begun: begun,
+            is_complete: false,
+        }
+    }
 }
 
 impl<'a> Supervisor<'a> {
     /// Nothing is started yet.
     ///
     /// # Errors
-    /// If the health topic cannot be joined, or the executable not be found.
+    /// If the executable cannot be found.
     pub(crate) fn new(
         config: &'a Config,
         orders: &'a Orders,
@@ -62,35 +106,44 @@ impl<'a> Supervisor<'a> {
         stop: Stop,
         wake: Wake,
     ) -> anyhow::Result<Self> {
+        let now = instant();
         Ok(Self {
             config,
             orders,
             instance,
             executable: std::env::current_exe().context("finding the executable")?,
             children: parts(config).into_iter().map(Child::new).collect(),
-            board: Board::new(instance.bus())?,
+            keeper: None,
             stop,
             wake,
-            dead_left: false,
+            service_manager: ServiceManager::new(),
+            incarnation: mono_ns() as u64,
+            deaths: 0,
+            rebuilds: 0,
+            told: now,
+            looked: now,
+            keeper_looked: now,
+            suspicion: Suspicion::default(),
+            corrupt: None,
+            rebuilding: Backoff::new(),
+            start: Start::at(now),
+            complete: None,
         })
     }
 
     /// Starts all children, watches them, and stops them.
     ///
     /// # Errors
-    /// If one cannot be kept running, or did not stop well.
+    /// If one that is needed cannot be kept running, or one did not stop well.
     pub(crate) fn run(mut self) -> anyhow::Result<()> {
         let watched = self.watch();
+        self.service_manager.stopping();
         let stopped = self.stop_all();
         watched.and(stopped)
     }
 
     /// Starts all children and watches them, until there is a reason to stop.
     fn watch(&mut self) -> anyhow::Result<()> {
-        let begun = instant();
-        let mut stages = START_ORDER.iter();
-        let mut stage_began = begun;
-        let mut complete: Option<Instant> = None;
         loop {
             let now = instant();
             self.tick(now)?;
@@ -98,71 +151,143 @@ impl<'a> Supervisor<'a> {
                 say("asked to stop");
                 return Ok(());
             }
-            match complete {
-                None => {
-                    let missing = self.not_up();
-                    if missing.is_empty() || now.duration_since(stage_began) >= START_PATIENCE {
-                        if !missing.is_empty() {
-                            say(&format!("going on without {}", missing.join(", ")));
-                        }
-                        stage_began = now;
-                        match stages.next() {
-                            Some(kinds) => self.start_those(kinds)?,
-                            None => {
-                                self.announce(now.duration_since(begun));
-                                complete = Some(now);
-                            }
-                        }
-                        continue;
-                    }
-                }
-                Some(complete) => {
-                    let limit = self.orders.run_for;
-                    if limit.is_some_and(|limit| now.duration_since(complete) >= limit) || self.is_finished() {
-                        return Ok(());
-                    }
-                }
+            if let Some(reason) = self.corrupt.take() {
+                self.rebuild(&reason, now)?;
             }
-            self.sleep(now, complete);
+            if !self.start.is_complete {
+                self.start_more(now)?;
+            }
+            let limit = self
+                .complete
+                .zip(self.orders.run_for)
+                .map(|(start, limit)| start + limit);
+            if limit.is_some_and(|limit| now >= limit) || self.is_finished() {
+                return Ok(());
+            }
+            self.sleep(now, limit);
         }
     }
 
-    /// Everything that has to be done again and again: mourn, restart, listen, speak.
+    /// Everything that has to be done again and again: mourn, listen, look, restart, speak.
     fn tick(&mut self, now: Instant) -> anyhow::Result<()> {
         let mut urgent = false;
         for index in 0..self.children.len() {
             if let Some(sequel) = self.children[index].reap(now) {
                 urgent = true;
-                self.after_end(index, sequel)?;
+                self.after_end(index, sequel, now)?;
             }
         }
-        if self.dead_left {
-            let dead = self.instance.bus().remove_dead();
-            self.dead_left = dead.failed > 0;
-        }
+        urgent |= self.listen(now);
         for index in 0..self.children.len() {
             if self.children[index].restart_due().is_some_and(|due| now >= due) {
                 urgent = true;
                 self.start(index)?;
             }
         }
-        let children = &mut self.children;
-        self.board.read(|pid, life| {
-            let speaker = children.iter_mut().find(|child| child.pid() == Some(pid));
-            let Some(child) = speaker else { return };
-            if let Some(gap) = child.hear(life, now) {
-                urgent = true;
-                let (title, restarts) = (child.part().title(), child.restarts());
-                say(&format!(
-                    "{title} restarted ({restarts}), back after {:.2} s",
-                    gap.as_secs_f64()
-                ));
-            }
-        })?;
-        self.board.say(Now::read(), &self.children, urgent)
+        self.tell(now, urgent);
+        let status = self.status();
+        self.service_manager.sign(status);
+        Ok(())
     }
 
-    fn start_those(&mut self, kinds: &[ProcessKind]) -> anyhow::Result<()> {
+    /// Takes what the keeper has heard, and looks for children that stand still. Whether one has come back.
+    fn listen(&mut self, now: Instant) -> bool {
+        let limit = self.config.watchdog;
+        let mut heard = Heard::default();
+        let mut has_looked = false;
+        while let Some(more) = self.keeper.as_ref().and_then(Link::hear::<Heard>) {
+            has_looked = true;
+            heard.extend(more);
+        }
+        let mut is_back = false;
+        let own = Said {
+            life: LifeState::Running as u8,
+            said_ns: mono_ns(),
+        };
+        for child in &mut self.children {
+            let is_keeper = child.part().kind == ProcessKind::Keeper;
+            let said = match is_keeper {
+                // It speaks for itself: what it says in shared memory is not needed.
+                true => has_looked.then_some(own),
+                false => child.pid().and_then(|pid| heard.get(&pid).copied()),
+            };
+            if let Some(gap) = said.and_then(|said| child.hear(said, now)) {
+                is_back = true;
+                let (title, restarts) = (child.part().title(), child.restarts());
+                let gap = gap.as_secs_f64();
+                say(&format!("{title} restarted ({restarts}), back after {gap:.2} s"));
+            }
+            // Where nobody has looked in shared memory, nobody can have moved there.
+            if is_keeper {
+                child.looked(now.duration_since(self.looked), limit);
+            } else if has_looked {
+                child.looked(now.duration_since(self.keeper_looked), limit);
+            }
+        }
+        self.looked = now;
+        if has_looked {
+            self.keeper_looked = now;
+        }
+        is_back
+    }
+
+    /// Tells the keeper how the children are, if it is time to, or if it is `urgent`.
+    fn tell(&mut self, now: Instant, urgent: bool) {
+        if urgent || now.duration_since(self.told) >= TELL_PERIOD {
+            self.tell_facts(now, false);
+        }
+    }
+
+    fn tell_facts(&mut self, now: Instant, ended: bool) {
+        let facts = Facts {
+            incarnation: self.incarnation,
+            deaths: self.deaths,
+            rebuilds: self.rebuilds,
+            ended,
+            children: self.children.iter().map(Child::facts).collect(),
+        };
+        // If there is no room, the next tick tells it.
+        if self.keeper.as_ref().is_some_and(|keeper| keeper.say(&facts)) {
+            self.told = now;
+        }
+    }
+
+    /// Starts the next stage, if the one before is up or has had its time.
+    fn start_more(&mut self, now: Instant) -> anyhow::Result<()> {
+        if now < self.start.stage_begun {
+            return Ok(());
+        }
+        let missing: Vec<&Child> = self.children.iter().filter(|child| is_waited_for(child)).collect();
+        let is_keeper = |child: &&Child| child.part().kind == ProcessKind::Keeper;
+        let is_over = now.duration_since(self.start.stage_begun) >= START_PATIENCE;
+        // Without its topics nobody can do anything.
+        if !missing.is_empty() && (!is_over || missing.iter().any(is_keeper)) {
+            return Ok(());
+        }
+        let last = self
+            .start
+            .stage
+            .checked_sub(1)
+            .map_or(&[][..], |last| START_ORDER[last]);
+        let left_out = self
+            .children
+            .iter()
+            .filter(|child| last.contains(&child.part().kind) && !child.is_up());
+        let left_out: Vec<String> = left_out.map(|child| child.part().title()).collect();
+        if !left_out.is_empty() {
+            say(&format!("going on without {}", left_out.join(", ")));
+        }
+        let Some(kinds) = START_ORDER.get(self.start.stage) else {
+            self.announce(now.duration_since(self.start.begun));
+            self.start.is_complete = true;
+            if self.complete.is_none() {
+                self.complete = Some(now);
+                self.service_manager.ready();
+            }
+            return Ok(());
+        };
+        self.start.stage += 1;
+        self.start.stage_begun = now;
         for index in 0..self.children.len() {
             if kinds.contains(&self.children[index].part().kind) {
                 self.start(index)?;
@@ -176,18 +301,29 @@ impl<'a> Supervisor<'a> {
         let arguments = child
             .part()
             .arguments(&self.config.path, &self.orders.options, std::process::id());
-        match child.start(Command::new(&self.executable).args(arguments)) {
+        let mut command = Command::new(&self.executable);
+        command.args(arguments);
+        for variable in VARIABLES {
+            command.env_remove(variable);
+        }
+        let mut input = None;
+        if child.part().kind == ProcessKind::Keeper {
+            let (own, other) = Link::pair().context("making a socket for the keeper")?;
+            self.keeper = Some(own);
+            input = Some(other);
+        }
+        match child.start(&mut command, input) {
             None => Ok(()),
-            Some(sequel) => self.after_end(index, sequel),
+            Some(sequel) => self.after_end(index, sequel, instant()),
         }
     }
 
     /// Says that a child has ended. An error means that the deployment has to end too.
-    fn after_end(&mut self, index: usize, sequel: Sequel) -> anyhow::Result<()> {
+    fn after_end(&mut self, index: usize, sequel: Sequel, now: Instant) -> anyhow::Result<()> {
         let child = &self.children[index];
         let title = child.part().title();
         let end = child.last_end().map(ToString::to_string).unwrap_or_default();
-        self.dead_left |= sequel != Sequel::Finished;
+        self.deaths += u64::from(sequel != Sequel::Finished);
         match sequel {
             Sequel::Finished => {
                 say(&format!("{title} has finished"));
@@ -200,20 +336,64 @@ impl<'a> Supervisor<'a> {
             Sequel::RestartIn(pause) => {
                 let pause = pause.as_secs_f64();
                 say(&format!("{title} {end}; restarting it in {pause:.1} s"));
+                self.suspect(index, now);
                 Ok(())
             }
             Sequel::Refused => Err(ChildRefused { child: title }.into()),
-            Sequel::GiveUp => anyhow::bail!(
-                "{title} failed {FAILURES_MAX} times in a row at its start; the last time it {end}. What it said is above"
-            ),
+            Sequel::GiveUp => {
+                let times = match child.failures() {
+                    1 => "once".to_owned(),
+                    failures => format!("{failures} times in a row"),
+                };
+                anyhow::bail!("{title} failed {times} at its start; the last time it {end}. What it said is above")
+            }
         }
     }
 
-    /// Children that have been started (or should have been) and do not run.
-    fn not_up(&self) -> Vec<String> {
-        let started = |child: &&Child| child.is_alive() || child.restart_due().is_some() || child.is_finished();
-        let missing = self.children.iter().filter(started).filter(|child| !child.is_up());
-        missing.map(|child| child.part().title()).collect()
+    /// Decides whether the shared memory is to blame for the end of a child.
+    fn suspect(&mut self, index: usize, now: Instant) {
+        let child = &self.children[index];
+        let Some(end) = child.last_end() else { return };
+        let is_keeper = child.part().kind == ProcessKind::Keeper;
+        // Nothing but what is in shared memory can trouble it, and nobody but somebody outside kills it.
+        let keeper_cannot_use_it = is_keeper && (!end.is_killed() || child.failures() > KEEPER_CHANCES);
+        // Who stands still once may have been stopped by somebody; but its successor, too?
+        let was_stopped = matches!(end, End::StoodStill(_)) && child.failures() == 1;
+        let is_suspect = !was_stopped && end.may_be_of_memory() && self.suspicion.raise(now, index, child.failures());
+        if (keeper_cannot_use_it && !was_stopped) || is_suspect {
+            self.corrupt = Some(format!("{} {end}", child.part().title()));
+        }
+    }
+
+    /// Ends all children hard, and has them started again in shared memory that is new.
+    fn rebuild(&mut self, reason: &str, now: Instant) -> anyhow::Result<()> {
+        if self.readers().any(Child::is_finished) {
+            anyhow::bail!("{reason} near the end of the recordings: what was still to do is missing");
+        }
+        self.rebuilds += 1;
+        let lived = now.duration_since(self.start.begun);
+        let pause = self.rebuilding.ended(lived, self.start.is_complete);
+        say(&format!(
+            "the shared memory seems to be corrupt: {reason}; rebuilding the deployment in {:.1} s",
+            pause.as_secs_f64()
+        ));
+        let is_recorder = |child: &Child| child.part().kind == ProcessKind::Recorder;
+        if let Some(recorder) = self.children.iter_mut().find(|child| is_recorder(child))
+            && recorder.ask_to_stop()
+        {
+            let asked = instant();
+            while recorder.has_stopped() == Ok(false) && instant() - asked < RECORDER_PATIENCE {
+                self.wake.wait(TICK);
+            }
+        }
+        for child in &mut self.children {
+            child.tear_down(now);
+        }
+        self.keeper = None;
+        self.instance.empty()?;
+        self.suspicion.forget();
+        self.start = Start::at(instant() + pause);
+        Ok(())
     }
 
     fn announce(&self, took: Duration) {
@@ -237,10 +417,28 @@ impl<'a> Supervisor<'a> {
         ));
     }
 
+    /// One line for the service manager.
+    fn status(&self) -> String {
+        let down: Vec<String> = self
+            .children
+            .iter()
+            .filter(|child| !child.is_up())
+            .map(|child| match child.last_end() {
+                Some(end) => format!("{} {end}", child.part().title()),
+                None => child.part().title(),
+            })
+            .collect();
+        match (self.start.is_complete, down.is_empty()) {
+            (_, true) => format!("{} processes run", self.children.len()),
+            (true, false) => format!("down: {}", down.join(", ")),
+            (false, false) => format!("starting: {}", down.join(", ")),
+        }
+    }
+
     /// Whether there is nothing left to do: those who read the adapters have finished. Adapters of recordings stay
     /// until they are stopped, so that a restarted reader finds them.
     fn is_finished(&self) -> bool {
-        self.readers().all(Child::is_finished)
+        self.start.is_complete && self.readers().all(Child::is_finished)
     }
 
     fn has_outlived_a_reader(&self, index: usize) -> bool {
@@ -254,10 +452,9 @@ impl<'a> Supervisor<'a> {
         self.children.iter().filter(reads)
     }
 
-    fn sleep(&self, now: Instant, complete: Option<Instant>) {
-        let end = complete.zip(self.orders.run_for).map(|(start, limit)| start + limit);
+    fn sleep(&self, now: Instant, limit: Option<Instant>) {
         let restarts = self.children.iter().filter_map(Child::restart_due);
-        let next = restarts.chain(end).min();
+        let next = restarts.chain(limit).min();
         let sleep = next.map_or(TICK, |next| next.saturating_duration_since(now).min(TICK));
         if !sleep.is_zero() {
             self.wake.wait(sleep);
@@ -268,16 +465,11 @@ impl<'a> Supervisor<'a> {
     fn stop_all(&mut self) -> anyhow::Result<()> {
         let mut problems = Vec::new();
         for kind in STOP_ORDER {
-            if kind == ProcessKind::Monitor {
-                // The last word before the monitor's final report. That there may be no shared memory to say it in does
-                // not change what has to be done.
-                let _ = self.board.say(Now::read(), &self.children, true);
-            }
+            // The monitor's final report tells of those before it, and the keeper's last word is for everybody else.
+            self.tell_facts(instant(), kind == ProcessKind::Keeper);
             self.stop_kind(kind, &mut problems);
         }
-        let _ = self.board.say_end(Now::read(), &self.children);
         if !problems.is_empty() {
-            self.instance.bus().remove_dead();
             anyhow::bail!("{}", problems.join("; "));
         }
         Ok(())
@@ -315,4 +507,12 @@ impl<'a> Supervisor<'a> {
             ));
         }
     }
+}
+
+/// Whether the next stage of the start waits for this child. One that has failed already waits for its own next start,
+/// and others do not have to; but nobody does anything without keeper and fusion.
+fn is_waited_for(child: &Child) -> bool {
+    let has_failed = child.restart_due().is_some();
+    let is_needed = matches!(child.part().kind, ProcessKind::Keeper | ProcessKind::Fusion);
+    !child.is_unborn() && !child.is_up() && (!has_failed || is_needed)
 }

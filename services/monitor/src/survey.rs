@@ -133,7 +133,7 @@ impl Survey {
 
     /// Whether those whose last words the final report waits for have said them, or will not.
     pub(crate) fn others_have_ended(&self, now: Now) -> bool {
-        let watching = [ProcessKind::Monitor, ProcessKind::Launcher];
+        let watching = [ProcessKind::Monitor, ProcessKind::Keeper, ProcessKind::Launcher];
         self.processes(now).iter().all(|process| {
             let may_speak = matches!(process.state, State::Life(life) if life != messages::LifeState::Finished);
             watching.contains(&process.kind) || !may_speak

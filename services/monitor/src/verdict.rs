@@ -43,8 +43,11 @@ fn concerns(report: &Report) -> Vec<String> {
 fn about_processes(report: &Report, concerns: &mut Vec<String>) {
     for process in &report.processes {
         let title = process.title();
-        // The monitor is there, or nobody would read this; and it ends before its launcher does.
-        let is_watching = matches!(process.kind, ProcessKind::Monitor | ProcessKind::Launcher);
+        // The monitor is there, or nobody would read this; and it ends before its launcher and the keeper do.
+        let is_watching = matches!(
+            process.kind,
+            ProcessKind::Monitor | ProcessKind::Keeper | ProcessKind::Launcher
+        );
         match process.state {
             _ if is_watching => {}
             State::NotHeard => concerns.push(format!("{title} was never heard from")),

@@ -117,6 +117,9 @@ pub(crate) enum Command {
     /// The bare relay that `koseki bench` measures against
     #[command(hide = true)]
     BenchRelay(BenchRelay),
+    /// The process that holds the topics for the launcher
+    #[command(hide = true)]
+    Keeper(Serve),
     /// Run the adapter of one source or receiver in a deployment that is up
     #[command(after_help = SERVE_EXAMPLES)]
     Adapter(Serve),

@@ -1,0 +1,168 @@
+//! The keeper: the launcher's hands in shared memory.
+//!
+//! Whoever maps memory that other processes write can be killed by what is in it. The launcher must outlive all of its
+//! children, so it maps none, and a child does what has to be done there: holds every topic, takes back the memory of
+//! processes that have died, listens to what the children say of themselves, and publishes what the launcher says of
+//! them. Its death is like any other's: while it is away the topics stay in existence, since the processes that have
+//! opened them do, and its successor opens them too before it removes what the dead one had.
+//!
+//! The launcher's own words are health messages of kind `launcher`: one entry for itself and one for each child, with
+//! the child's name, process number, source, restarts, and how it last ended; a child's own message cannot know these,
+//! and a dead child says nothing. When all children have ended, the launcher's entry says `finished`: that is how
+//! readers that are no children learn that it is time to leave.
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+use bus::{Bus, Mark, Publisher, SharedMemory, Subscriber};
+use configuration::Process;
+use messages::{Counter, Counters, Health, LifeState, NO_SOURCE, ProcessKind};
+use runtime::instance::hold_topics;
+use runtime::{Agent, HealthEntry, Now, Turn};
+
+use crate::link::{Facts, Heard, Link, Said};
+
+/// Time between two looks.
+const PAUSE: Duration = Duration::from_millis(20);
+/// Time between two messages about the children, nanoseconds.
+const PERIOD_NS: i64 = 200_000_000;
+
+/// Runs the keeper until it is told to stop.
+///
+/// # Errors
+/// If it was not started by a launcher, or a topic cannot be held.
+pub fn run(process: &Process) -> anyhow::Result<()> {
+    let link =
+        Link::of_keeper().context("only `koseki up` and `koseki demo` start a keeper, at the end of a socket")?;
+    let _held = hold_topics(&process.config, &process.bus)?;
+    let topic = messages::health();
+    let mut keeper = Keeper {
+        bus: &process.bus,
+        link,
+        launcher: process.options.launcher.unwrap_or_default(),
+        subscriber: process.bus.subscriber(&topic, || process.incarnation)?,
+        publisher: process.bus.publisher(&topic, process.incarnation)?,
+        facts: None,
+        heard: Heard::default(),
+        reclaimed: None,
+        published_ns: i64::MIN,
+    };
+    runtime::service::run(process, &mut keeper)
+}
+
+struct Keeper<'a> {
+    bus: &'a Bus<SharedMemory>,
+    link: Link,
+    /// Process number of the launcher.
+    launcher: u32,
+    subscriber: Subscriber<SharedMemory, Health>,
+    publisher: Publisher<SharedMemory, Health>,
+    facts: Option<Facts>,
+    heard: Heard,
+    /// Deaths up to which memory has been taken back.
+    reclaimed: Option<u64>,
+    published_ns: i64,
+}
+
+impl Agent for Keeper<'_> {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        let has_news = self.listen_to_launcher();
+        self.reclaim();
+        self.listen_to_processes()?;
+        if has_news || now.mono_ns >= self.published_ns.saturating_add(PERIOD_NS) {
+            self.publish(now)?;
+        }
+        if self.link.say(&self.heard) {
+            self.heard.clear();
+        }
+        Ok(Turn::Idle(PAUSE))
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        entries.push(HealthEntry::default());
+    }
+
+    fn close(&mut self, now: Now) -> anyhow::Result<()> {
+        self.listen_to_launcher();
+        self.publish(now)
+    }
+}
+
+impl Keeper<'_> {
+    fn listen_to_launcher(&mut self) -> bool {
+        let mut has_news = false;
+        while let Some(facts) = self.link.hear() {
+            self.facts = Some(facts);
+            has_news = true;
+        }
+        has_news
+    }
+
+    /// Takes back what dead processes had, if any has died since the last time. The first time, that of the keeper's
+    /// own predecessor.
+    fn reclaim(&mut self) {
+        let Some(deaths) = self.facts.as_ref().map(|facts| facts.deaths) else {
+            return;
+        };
+        if self.reclaimed != Some(deaths) && self.bus.remove_dead().failed == 0 {
+            self.reclaimed = Some(deaths);
+        }
+    }
+
+    fn listen_to_processes(&mut self) -> anyhow::Result<()> {
+        let heard = &mut self.heard;
+        self.subscriber.take(usize::MAX, |_, slice| {
+            let launcher = ProcessKind::Launcher as u8;
+            let of_processes = slice
+                .iter()
+                .filter(|health| health.source == NO_SOURCE && health.kind != launcher);
+            heard.extend(of_processes.map(|health| {
+                let (life, said_ns) = (health.life, health.said_ns);
+                (health.process_id, Said { life, said_ns })
+            }));
+        })?;
+        Ok(())
+    }
+
+    fn publish(&mut self, now: Now) -> anyhow::Result<()> {
+        self.published_ns = now.mono_ns;
+        let Some(facts) = &self.facts else { return Ok(()) };
+        let life = if facts.ended {
+            LifeState::Finished
+        } else {
+            LifeState::Running
+        };
+        let own = Health {
+            said_ns: now.mono_ns,
+            incarnation: facts.incarnation,
+            process_id: self.launcher,
+            kind: ProcessKind::Launcher as u8,
+            life: life as u8,
+            counters: Counters::default().with(Counter::Rebuilds, facts.rebuilds),
+            ..Health::default()
+        };
+        let of_child = |index: usize| {
+            let child = &facts.children[index];
+            let entry = Health {
+                process_id: child.process_id,
+                source: child.source,
+                life: child.life,
+                restarts: child.restarts,
+                counters: Counters::default(),
+                ..own
+            };
+            entry.with_name(&child.name).with_note(&child.last_end)
+        };
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: now.mono_ns,
+            end: false,
+        };
+        let entries = 1 + facts.children.len();
+        self.publisher.send(mark, entries, |index, _| match index {
+            0 => own.with_name(ProcessKind::Launcher.word()),
+            _ => of_child(index - 1),
+        })?;
+        Ok(())
+    }
+}
