@@ -51,7 +51,6 @@ fn a_latency_measurement_accounts_for_every_report_and_leaves_nothing_behind() {
     let bench = home.start(&[options, files.to_vec()].concat());
     let (instance, stdout) = (format!("bench-{}", bench.pid()), bench.stdout.clone());
     let (status, said) = bench.end();
-    assert_eq!(status.code(), Some(0), "{said}");
     home.assert_nothing_is_left(&instance);
 
     let shown = stdout.lock().unwrap().clone();
@@ -92,6 +91,8 @@ fn a_latency_measurement_accounts_for_every_report_and_leaves_nothing_behind() {
     }
     // 0.4 s at 500 a second. A busy machine may lose some; none may vanish.
     let account = |key: &str| number(&format!("/points/0/runs/0/account/{key}"));
+    let expected = i32::from(account("unanswered") > 0);
+    assert_eq!(status.code(), Some(expected), "{said}");
     assert_eq!(account("sent"), 200);
     assert_eq!(account("answers") - account("beyond_one") + account("unanswered"), 200);
     assert_eq!(account("sent_ever"), account("fusion/taken") + account("fusion/lost"));

@@ -18,6 +18,9 @@ pub(crate) struct Distributions {
     pub(crate) flooded: Histogram<u64>,
     pub(crate) stages: [Histogram<u64>; 5],
     pub(crate) jitter: Jitter,
+    /// Reports sent through the pipeline, and those without an answer, which are in no distribution.
+    pub(crate) sent: u64,
+    pub(crate) unanswered: u64,
 }
 
 impl Distributions {
@@ -29,6 +32,8 @@ impl Distributions {
             flooded: histogram(),
             stages: std::array::from_fn(|_| histogram()),
             jitter: Jitter::new(),
+            sent: 0,
+            unanswered: 0,
         }
     }
 
@@ -41,6 +46,8 @@ impl Distributions {
             all.add(of).expect(same);
         }
         self.jitter.add(jitter);
+        self.sent += pipeline.recorder.reports(pipeline.driven.batches);
+        self.unanswered += pipeline.unanswered();
     }
 }
 

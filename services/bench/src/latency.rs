@@ -13,7 +13,7 @@ use crate::machine::{self, Machine};
 use crate::measure::{self, Plan};
 use crate::outputs::Outputs;
 use crate::progress::say;
-use crate::report::{Point, Report};
+use crate::report::{Outcome, Point, Report};
 use crate::settings::Settings;
 use crate::site::Site;
 use crate::text;
@@ -24,11 +24,11 @@ const KNEE_FACTOR: u64 = 10;
 /// Part of a run for which the machine alone is watched, and the engine alone measured.
 const ASIDE: f64 = 0.5;
 
-/// Measures every rate of `settings`; with `sweep`, no further than the knee. Returns what is to be shown.
+/// Measures every rate of `settings`; with `sweep`, no further than the knee. Returns what is to be shown, and why it may be worth little.
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or a file cannot be written.
-pub fn run(settings: &Settings, sweep: bool, outputs: &Outputs) -> anyhow::Result<String> {
+pub fn run(settings: &Settings, sweep: bool, outputs: &Outputs) -> anyhow::Result<Outcome> {
     settings.check()?;
     outputs.check()?;
     let stop = Stop::on_signals()?;
@@ -61,7 +61,11 @@ pub fn run(settings: &Settings, sweep: bool, outputs: &Outputs) -> anyhow::Resul
     machine.ended();
     let report = assemble(settings, machine, engine, points, notes);
     outputs.write(&report, &distributions, Some(&single))?;
-    Ok(text::latency(&report))
+    Ok(Outcome {
+        text: text::latency(&report),
+        // A sweep goes on until reports are lost.
+        failure: report.failure().filter(|_| !sweep),
+    })
 }
 
 fn check(site: &Site) -> anyhow::Result<()> {
@@ -121,14 +125,18 @@ fn assemble(
         throughput_per_s: received.map(|point| point.rate_per_s).fold(0.0, f64::max),
         engine_ns_per_update: engine.ns_per_update,
         jitter: first.jitter,
-        verdicts: verdicts(
-            settings.wait,
-            settings.batch,
-            &first.floor,
-            &first.pipeline,
-            engine.ns_per_update,
-            &engine.single,
-        ),
+        verdicts: match first.pipeline.lost {
+            0 => verdicts(
+                settings.wait,
+                settings.batch,
+                &first.floor,
+                &first.pipeline,
+                engine.ns_per_update,
+                &engine.single,
+            ),
+            // Nothing can be said of those that came through alone.
+            _ => Vec::new(),
+        },
         stamps: stamps(engine.reading_ns),
         engine,
         points,

@@ -57,7 +57,7 @@ pub use compare::run as compare;
 pub use engine::run as engine;
 pub use latency::run as latency;
 pub use outputs::Outputs;
-pub use report::Report;
+pub use report::{Outcome, Report};
 pub use settings::{Flood, Refused, Settings, Wait};
 pub use throughput::run as throughput;
 pub use watch::{Extra, run as watch};

@@ -12,6 +12,10 @@ use telemetry::table::{count, duration};
 use crate::distributions::Distributions;
 
 const SIZE: (u32, u32) = (960, 600);
+/// Pixels around the picture, of the vertical axis, and of the legend beside it.
+const MARGIN: u32 = 16;
+const AXIS_WIDTH: u32 = 80;
+const LEGEND_WIDTH: u32 = 160;
 /// Values per curve: more than anyone sees.
 const STEPS: u32 = 10;
 
@@ -25,12 +29,12 @@ pub(crate) fn write(path: &Path, of: &Distributions) -> anyhow::Result<()> {
         ("bare relay", &of.floor, RGBColor(31, 119, 180)),
         ("pipeline", &of.pipeline, RGBColor(214, 39, 40)),
     ];
-    draw(path, of.rate_per_s, &curves).map_err(|error| anyhow!("--picture {}: {error}", path.display()))
+    draw(path, of, &curves).map_err(|error| anyhow!("--picture {}: {error}", path.display()))
 }
 
 fn draw(
     path: &Path,
-    rate: f64,
+    of: &Distributions,
     curves: &[(&str, &Histogram<u64>, RGBColor)],
 ) -> Result<(), Box<dyn std::error::Error>> {
     let root = SVGBackend::new(path, SIZE).into_drawing_area();
@@ -48,12 +52,20 @@ fn draw(
     let last = all()
         .map(|histogram| nines(1.0 - 1.0 / histogram.len().max(2) as f64))
         .fold(1.0, f64::max);
-    let title = format!("Latency from the intended time, {} reports/s", count(rate as u64));
+    let mut title = format!(
+        "Latency from the intended time, {} reports/s",
+        count(of.rate_per_s as u64)
+    );
+    if of.unanswered > 0 {
+        let share = 100.0 * of.unanswered as f64 / of.sent.max(1) as f64;
+        title += &format!("; {} ({share:.1} %) unanswered, in no curve", count(of.unanswered));
+    }
     let mut chart = ChartBuilder::on(&root)
         .caption(title, ("sans-serif", 20))
-        .margin(16)
+        .margin(MARGIN)
+        .margin_right(LEGEND_WIDTH)
         .x_label_area_size(48)
-        .y_label_area_size(80)
+        .y_label_area_size(AXIS_WIDTH)
         .build_cartesian_2d(0.0..last, (low_us.min(high_us) * 0.8..high_us * 1.25).log_scale())?;
     chart
         .configure_mesh()
@@ -73,7 +85,11 @@ fn draw(
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
+        // Beside the curves: they may lie anywhere in the picture.
+        .position(SeriesLabelPosition::Coordinate(
+            (SIZE.0 - MARGIN - AXIS_WIDTH - LEGEND_WIDTH) as i32 + 8,
+            5,
+        ))
         .background_style(WHITE.mix(0.8))
         .border_style(BLACK.mix(0.3))
         .draw()?;
@@ -135,6 +151,11 @@ mod tests {
         ] {
             assert!(text.contains(word), "{word}");
         }
+        assert!(!text.contains("unanswered"), "all were answered");
+        (of.sent, of.unanswered) = (40_000, 16_059);
+        write(&path, &of).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains("16,059 (40.1 %) unanswered"), "{text}");
         // Nothing recorded at all is no reason to fail.
         assert!(histogram().is_empty());
         write(&path, &Distributions::new(1.0)).unwrap();

@@ -122,6 +122,11 @@ impl Recorder {
         self.counts
     }
 
+    /// Reports of so many batches.
+    pub(crate) fn reports(&self, batches: u64) -> u64 {
+        batches * u64::from(self.batch)
+    }
+
     /// Reports of the first `sent` batches that nothing came back of, those of a flooding source excepted.
     pub(crate) fn unanswered(&self, sent: u64) -> u64 {
         self.missing(sent, |source| source != u64::from(self.flooding))

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use serde::{Deserialize, Serialize};
+use telemetry::table::count;
 
 use crate::engine_time::EngineTimes;
 use crate::figures::Figures;
@@ -185,7 +186,28 @@ pub struct Overload {
     pub longest_in_queues_ns: u64,
 }
 
+/// Outcome of a measurement.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Text to show.
+    pub text: String,
+    /// Reason for which the figures are worth little; `None` if there is none.
+    pub failure: Option<String>,
+}
+
 impl Report {
+    /// Reason for which the figures are worth little: reports without an answer are in none of them.
+    pub(crate) fn failure(&self) -> Option<String> {
+        let runs = self.points.iter().flat_map(|point| &point.runs);
+        let accounts = || runs.clone().map(|run| &run.account);
+        let unanswered: u64 = accounts().map(|account| account.unanswered).sum();
+        let sent: u64 = accounts().map(|account| account.sent).sum();
+        let (unanswered_text, sent) = (count(unanswered), count(sent));
+        (unanswered > 0).then(|| {
+            format!("{unanswered_text} of {sent} reports were not answered: the figures speak of the others only")
+        })
+    }
+
     /// Writes it as JSON.
     ///
     /// # Errors
@@ -234,5 +256,33 @@ mod tests {
         }
         let back: Report = serde_json::from_value(value).unwrap();
         assert_eq!(back, report);
+    }
+
+    #[test]
+    fn figures_without_the_reports_that_were_lost_are_a_failure() {
+        let report = |unanswered| {
+            let account = Account {
+                sent: 20_000,
+                unanswered,
+                ..Account::default()
+            };
+            let run = Run {
+                account,
+                ..Run::default()
+            };
+            Report {
+                points: vec![Point {
+                    runs: vec![run.clone(), run],
+                    ..Point::default()
+                }],
+                ..Report::default()
+            }
+        };
+        assert_eq!(report(0).failure(), None);
+        let failure = report(8_000).failure().unwrap();
+        assert!(
+            failure.starts_with("16,000 of 40,000 reports were not answered"),
+            "{failure}"
+        );
     }
 }

@@ -131,7 +131,9 @@ pub(crate) fn latency(report: &Report) -> String {
         duration(engine.single.max_ns as f64)
     );
     text.push_str(&stamps(report));
-    if !report.verdicts.is_empty() {
+    if let Some(failure) = report.failure() {
+        let _ = writeln!(text, "\nNo verdict: {failure}");
+    } else if !report.verdicts.is_empty() {
         let rate = report.points.first().map_or(0.0, |point| point.rate_per_s);
         let _ = writeln!(text, "\nAt {} reports/s:", count(rate as u64));
         for verdict in &report.verdicts {

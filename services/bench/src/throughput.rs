@@ -22,7 +22,7 @@ use crate::measure::{self, Measured, Plan};
 use crate::outputs::Outputs;
 use crate::progress::say;
 use crate::recorder::STAGES;
-use crate::report::{Overload, ProbeFigures, Report, Throughput};
+use crate::report::{Outcome, Overload, ProbeFigures, Report, Throughput};
 use crate::search::highest;
 use crate::settings::Settings;
 use crate::site::Site;
@@ -49,7 +49,7 @@ const OVERFLOWS: f64 = 3.0;
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or a file cannot be written.
-pub fn run(settings: &Settings, probe_seconds: f64, outputs: &Outputs) -> anyhow::Result<String> {
+pub fn run(settings: &Settings, probe_seconds: f64, outputs: &Outputs) -> anyhow::Result<Outcome> {
     settings.check()?;
     outputs.check()?;
     let stop = Stop::on_signals()?;
@@ -118,7 +118,10 @@ pub fn run(settings: &Settings, probe_seconds: f64, outputs: &Outputs) -> anyhow
         notes,
     };
     outputs.write(&report, &[merged], Some(&single))?;
-    Ok(text::throughput(&report))
+    Ok(Outcome {
+        text: text::throughput(&report),
+        failure: report.failure(),
+    })
 }
 
 struct Bench<'a> {

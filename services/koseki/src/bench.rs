@@ -1,5 +1,7 @@
 //! `koseki bench`: measures, and prints what came of it.
 
+use bench_service::Outcome;
+
 use crate::args::Bench;
 use crate::print;
 
@@ -11,11 +13,11 @@ pub(crate) fn run(what: Bench) -> anyhow::Result<()> {
     match what {
         Bench::Latency(latency) => {
             let (settings, sweep, outputs) = latency.orders();
-            print(&bench_service::latency(&settings, sweep, &outputs)?)
+            show(&bench_service::latency(&settings, sweep, &outputs)?)
         }
         Bench::Throughput(throughput) => {
             let (settings, probe_seconds, outputs) = throughput.orders();
-            print(&bench_service::throughput(&settings, probe_seconds, &outputs)?)
+            show(&bench_service::throughput(&settings, probe_seconds, &outputs)?)
         }
         Bench::Engine(engine) => {
             let (settings, outputs) = engine.orders();
@@ -26,5 +28,13 @@ pub(crate) fn run(what: Bench) -> anyhow::Result<()> {
             print(&bench_service::watch(&settings, with, json.as_deref())?)
         }
         Bench::Compare(compare) => print(&bench_service::compare(&compare.before, &compare.after, compare.force)?),
+    }
+}
+
+fn show(outcome: &Outcome) -> anyhow::Result<()> {
+    print(&outcome.text)?;
+    match &outcome.failure {
+        None => Ok(()),
+        Some(failure) => Err(anyhow::anyhow!("{failure}")),
     }
 }
