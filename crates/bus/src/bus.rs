@@ -11,6 +11,7 @@ use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVar
 use messages::Topic;
 
 use crate::error::BusError;
+use crate::line::{self, Ends, Identity, Lines, OwnLine, PublisherLine};
 use crate::ports::{Kept, Transport};
 use crate::publisher::Publisher;
 use crate::quality::LEAVERS_MAX;
@@ -88,6 +89,10 @@ impl<S: Transport> Bus<S> {
     /// # Errors
     /// If it exists with another type or smaller sizes, or cannot be created.
     pub fn hold<T: Payload>(&self, topic: &Topic<T>) -> Result<Held, BusError> {
+        if S::CROSSES_PROCESSES {
+            // Before the topic: whoever finds that finds its lines.
+            Lines::create(self.root.prefix(), &topic.name, topic.capacity.publishers)?;
+        }
         S::hold(&self.node, &self.service(topic))
     }
 
@@ -109,7 +114,14 @@ impl<S: Transport> Bus<S> {
     /// dead processes were removed.
     pub fn publisher<T: Payload>(&self, topic: &Topic<T>, incarnation: u64) -> Result<Publisher<S, T>, BusError> {
         let opened = S::publish(&self.node, &self.service(topic))?;
-        Ok(Publisher::new(opened, topic, incarnation))
+        let who = Identity {
+            node: opened.node,
+            origin: opened.origin,
+            incarnation,
+            schema: T::SCHEMA,
+        };
+        let line = self.lines(topic)?.and_then(|lines| OwnLine::begin(lines, &who));
+        Ok(Publisher::new(opened, line, topic, incarnation))
     }
 
     /// A subscriber to `topic`. `now_ns` reads the same monotonic clock from which publishers have their incarnation;
@@ -125,8 +137,25 @@ impl<S: Transport> Bus<S> {
         now_ns: impl FnOnce() -> u64,
     ) -> Result<Subscriber<S, T>, BusError> {
         let opened = S::subscribe(&self.node, &self.service(topic))?;
+        let ends = self.lines(topic)?.map(|lines| Ends::from_now_on(lines, T::SCHEMA));
         let joined_ns = now_ns();
-        Ok(Subscriber::new(opened, topic, joined_ns))
+        Ok(Subscriber::new(opened, ends, topic, joined_ns))
+    }
+
+    /// Last words of the publishers of `topic`, the dead ones included until their lines are needed for others: see
+    /// [`PublisherLine`]. None [in process](crate::InProcess), where publishers end with all others.
+    ///
+    /// # Errors
+    /// If nobody holds the topic.
+    pub fn publisher_lines<T: Payload>(&self, topic: &Topic<T>) -> Result<Vec<PublisherLine>, BusError> {
+        let lines = self.lines(topic)?;
+        let of_schema = |line: &PublisherLine| line.schema == T::SCHEMA;
+        Ok(lines.map_or_else(Vec::new, |lines| lines.read().filter(of_schema).collect()))
+    }
+
+    fn lines<T: Payload>(&self, topic: &Topic<T>) -> Result<Option<Lines>, BusError> {
+        let open = || Lines::open(self.root.prefix(), &topic.name);
+        S::CROSSES_PROCESSES.then(open).transpose()
     }
 
     /// A waiter that watches nothing yet: see [`Waiter::watch`].
@@ -137,7 +166,11 @@ impl<S: Transport> Bus<S> {
     /// Takes back the memory and the places of processes that died without leaving. One process of an instance should
     /// call this whenever a process has died, and before it starts a successor.
     pub fn remove_dead(&self) -> DeadProcesses {
-        S::remove_dead(&self.node)
+        let dead = S::remove_dead(&self.node);
+        if S::CROSSES_PROCESSES {
+            line::mark_dead(self.root.prefix(), || self.root.nodes());
+        }
+        dead
     }
 }
 

@@ -60,6 +60,7 @@
 mod bare;
 mod bus;
 mod error;
+mod line;
 mod ports;
 mod process;
 mod publisher;
@@ -74,6 +75,7 @@ mod waiter;
 pub use bare::{BareReceiver, BareSender, BareSettings};
 pub use bus::Bus;
 pub use error::{BusError, Role};
+pub use line::{Life, PublisherLine};
 pub use ports::Transport;
 pub use process::Process;
 pub use publisher::{Mark, Publisher, PublisherCounts};

@@ -59,9 +59,11 @@ pub trait Ports: Medium + Sized + 'static {
     fn has_slices(port: &SubscriberPort<Self>) -> bool;
 }
 
-/// Ports behind a publisher, and a counter of its failed connections.
+/// Ports behind a publisher, iceoryx2's numbers of the process and of the port, and a counter of failed connections.
 #[derive(Debug)]
 pub struct Sending<S: Medium> {
+    pub(crate) node: u128,
+    pub(crate) origin: u128,
     pub(crate) port: Kept<PublisherPort<S>>,
     pub(crate) notifier: Kept<Notifier<S>>,
     pub(crate) failed_connections: Arc<AtomicU64>,
@@ -154,6 +156,8 @@ macro_rules! transport {
                 // After the port: making the notifier wakes subscribers, which then connect to the port.
                 let notifier = Kept::new(service.notifier(node)?);
                 Ok(Sending {
+                    node: node.id().value(),
+                    origin: port.id().value(),
                     port: Kept::new(port),
                     notifier,
                     failed_connections,

@@ -15,6 +15,7 @@ use iceoryx2::port::notifier::Notifier;
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
+use crate::line::OwnLine;
 use crate::ports::{Kept, Sending, Transport};
 use crate::service::PublisherPort;
 use crate::transport::Payload;
@@ -24,6 +25,8 @@ use crate::transport::Payload;
 pub struct Publisher<S: Transport, T: Payload> {
     port: Kept<PublisherPort<S>>,
     notifier: Kept<Notifier<S>>,
+    /// After the port: whoever reads that the publisher has ended finds nothing new in the queue.
+    line: Option<OwnLine>,
     samples: PhantomData<fn(T)>,
     topic: Arc<str>,
     slice_len: usize,
@@ -58,10 +61,11 @@ pub struct PublisherCounts {
 }
 
 impl<S: Transport, T: Payload> Publisher<S, T> {
-    pub(crate) fn new(opened: Sending<S>, topic: &Topic<T>, incarnation: u64) -> Self {
+    pub(crate) fn new(opened: Sending<S>, line: Option<OwnLine>, topic: &Topic<T>, incarnation: u64) -> Self {
         Self {
             port: opened.port,
             notifier: opened.notifier,
+            line,
             samples: PhantomData,
             topic: topic.name.as_str().into(),
             slice_len: topic.capacity.slice_len,
@@ -100,6 +104,9 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
     /// counted here, keep their numbers, and so are counted as lost by subscribers. Sending may be tried again.
     pub fn send(&mut self, mark: Mark, count: usize, mut fill: impl FnMut(usize, u64) -> T) -> Result<(), BusError> {
         let first_sequence = self.header.first_sequence;
+        if let Some(line) = &self.line {
+            line.number(first_sequence + count as u64);
+        }
         let mut done = 0;
         loop {
             let length = (count - done).min(self.slice_len);
@@ -130,6 +137,9 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
             done += length;
             if last {
                 self.header.progress_ns = mark.progress_ns;
+                if let Some(line) = &self.line {
+                    line.beat(mark.sent_ns);
+                }
                 return Ok(());
             }
         }

@@ -184,29 +184,42 @@ impl Root {
     /// # Errors
     /// If they cannot be listed.
     pub fn processes(&self) -> Result<Vec<Process>, BusError> {
-        tame_logging();
         let mut processes = Vec::new();
+        self.visit_nodes(|state| match state {
+            NodeState::Alive(view) => processes.push(match view.details() {
+                Some(details) => Process {
+                    pid: details.process_id().value().unsigned_abs(),
+                    name: details.name().as_str().to_owned(),
+                },
+                None => Process::unknown(),
+            }),
+            NodeState::Inaccessible(_) => processes.push(Process::unknown()),
+            NodeState::Dead(_) | NodeState::Undefined(_) => {}
+        })?;
+        Ok(processes)
+    }
+
+    /// iceoryx2's numbers of the processes that have joined the instance, and of the dead that are still to be removed.
+    pub(crate) fn nodes(&self) -> Result<Vec<u128>, BusError> {
+        let mut nodes = Vec::new();
+        self.visit_nodes(|state| {
+            nodes.push(match state {
+                NodeState::Alive(view) => view.id().value(),
+                NodeState::Dead(view) => view.id().value(),
+                NodeState::Inaccessible(id) | NodeState::Undefined(id) => id.value(),
+            });
+        })?;
+        Ok(nodes)
+    }
+
+    fn visit_nodes(&self, mut visit: impl FnMut(NodeState<SharedMemory>)) -> Result<(), BusError> {
+        tame_logging();
         let config = self.config(LEAVERS_MAX)?;
         let listed = Node::<SharedMemory>::list(&config, |state| {
-            match state {
-                NodeState::Alive(view) => processes.push(match view.details() {
-                    Some(details) => Process {
-                        pid: details.process_id().value().unsigned_abs(),
-                        name: details.name().as_str().to_owned(),
-                    },
-                    None => Process::unknown(),
-                }),
-                NodeState::Inaccessible(_) => processes.push(Process::unknown()),
-                NodeState::Dead(_) | NodeState::Undefined(_) => {}
-            }
+            visit(state);
             CallbackProgression::Continue
         });
-        match listed {
-            Ok(()) => Ok(processes),
-            Err(error) => Err(io_error("list the processes of", &self.path)(io::Error::other(
-                error.to_string(),
-            ))),
-        }
+        listed.map_err(|error| io_error("list the processes of", &self.path)(io::Error::other(error.to_string())))
     }
 
     /// Every instance in the folder `base` that runs, or ran and was not removed; in the order of their names.

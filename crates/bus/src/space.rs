@@ -31,7 +31,7 @@ pub fn needed_bytes<T>(topic: &Topic<T>, publishers: usize) -> u64 {
     let connection = FILE_BYTES + (2 * capacity.depth + reserved_slices(capacity)) * QUEUE_ENTRY_BYTES;
     let lists = 2 * (NODES_MAX + capacity.publishers + capacity.subscribers) * PLACE_BYTES;
     let listeners = capacity.subscribers * FILE_BYTES;
-    (publishers * (publisher + capacity.subscribers * connection) + lists + listeners + 2 * FILE_BYTES) as u64
+    (publishers * (publisher + capacity.subscribers * connection) + lists + listeners + 3 * FILE_BYTES) as u64
 }
 
 /// Bytes that are free in shared memory.

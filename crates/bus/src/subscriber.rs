@@ -12,8 +12,10 @@
 //!
 //! A subscriber connects to a new publisher when it next looks ([`Subscriber::take`], [`Subscriber::has_slices`]; a
 //! waiter is woken for it). From then on, slices survive their publisher's end. But what a publisher sent that came
-//! and went while the subscriber did not look once is gone, and nothing tells of it: a source that ends must stay
-//! until its readers say that they have everything (`messages::Progress`).
+//! and went while the subscriber did not look once is gone: a source that ends must stay until its readers say that they
+//! have everything (`messages::Progress`). What is gone is counted all the same, as is what died with a killed
+//! publisher: each leaves a [line](crate::line) that says how far it had come, and a subscriber that finds its queue
+//! empty looks at the lines of those that ended.
 //!
 //! Slices of one publisher come in the order in which they were sent. Between publishers there is no order, and all
 //! that waits from one comes before the next one's: sources that must not displace each other have separate topics.
@@ -25,6 +27,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
+use crate::line::{Ends, PublisherLine, fold};
 use crate::ports::{Kept, Receiving, Transport};
 use crate::service::{SubscriberPort, Taken};
 use crate::transport::Payload;
@@ -37,6 +40,7 @@ pub struct Subscriber<S: Transport, T: Payload> {
     topic: Arc<str>,
     joined_ns: u64,
     publishers: Publishers,
+    ends: Option<Ends>,
     counts: SubscriberCounts,
     failed_connections: Arc<AtomicU64>,
 }
@@ -80,8 +84,11 @@ pub struct SubscriberCounts {
     pub taken: u64,
     /// Slices taken, the empty ones included.
     pub slices: u64,
-    /// Samples that are missing from the publishers' sequences: dropped because this subscriber fell behind.
+    /// Samples that are missing from the publishers' sequences: dropped because this subscriber fell behind, or lost
+    /// with their publisher.
     pub lost: u64,
+    /// Those of them that come after the last slice of a publisher that ended or was killed.
+    pub lost_at_end: u64,
     /// Samples with a sequence number that had been passed already.
     pub out_of_order: u64,
     /// Slices refused because their publisher was built with another layout.
@@ -100,13 +107,14 @@ pub struct Heard {
 }
 
 impl<S: Transport, T: Payload> Subscriber<S, T> {
-    pub(crate) fn new(opened: Receiving<S>, topic: &Topic<T>, joined_ns: u64) -> Self {
+    pub(crate) fn new(opened: Receiving<S>, ends: Option<Ends>, topic: &Topic<T>, joined_ns: u64) -> Self {
         Self {
             port: opened.port,
             samples: PhantomData,
             topic: topic.name.as_str().into(),
             joined_ns,
             publishers: Publishers::with_room_for(topic.capacity.publishers),
+            ends,
             counts: SubscriberCounts::default(),
             failed_connections: opened.failed_connections,
         }
@@ -136,11 +144,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     /// # Errors
     /// [`BusError::Take`] if the memory of a publisher cannot be reached, or too many slices are kept.
     pub fn receive(&mut self) -> Result<Received<S, T>, BusError> {
-        let received = S::receive(&self.port).map_err(|reason| BusError::Take {
-            topic: self.topic.clone(),
-            reason,
-        })?;
-        let Some(sample) = received else {
+        let Some(sample) = self.receive_any()? else {
             return Ok(Received::Nothing);
         };
         let slice = Slice(sample, PhantomData);
@@ -160,6 +164,33 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             Step::Passed => self.counts.out_of_order += count as u64,
         }
         Ok(Received::Slice(slice))
+    }
+
+    /// The next slice. If there is none, and publishers have ended, what they have not left in the queue is lost.
+    fn receive_any(&mut self) -> Result<Option<Kept<Taken<S>>>, BusError> {
+        let failed = |reason| BusError::Take {
+            topic: self.topic.clone(),
+            reason,
+        };
+        if let Some(slice) = S::receive(&self.port).map_err(failed)? {
+            return Ok(Some(slice));
+        }
+        let Some(ends) = &mut self.ends else {
+            return Ok(None);
+        };
+        if !ends.news() && !ends.are_waiting() {
+            return Ok(None);
+        }
+        // What they sent before they ended may have come since the first look.
+        let slice = S::receive(&self.port).map_err(failed)?;
+        if slice.is_none() {
+            ends.settle(|ended| {
+                let lost = self.publishers.settle(ended, self.joined_ns);
+                self.counts.lost += lost;
+                self.counts.lost_at_end += lost;
+            });
+        }
+        Ok(slice)
     }
 
     /// Whether something waits to be taken (or a take would say what is wrong). Costs some hundred nanoseconds.
@@ -245,6 +276,20 @@ impl Publishers {
             }
             None => Step::Passed,
         }
+    }
+
+    /// How many samples of a publisher that has ended never came, although they were expected.
+    fn settle(&mut self, ended: &PublisherLine, joined_ns: u64) -> u64 {
+        let matches = |each: &&mut Followed| fold(each.origin) == ended.origin && each.incarnation == ended.incarnation;
+        let mut none = 0;
+        let next_sequence = match self.list.iter_mut().find(matches) {
+            Some(followed) => &mut followed.next_sequence,
+            None if ended.incarnation >= joined_ns => &mut none,
+            None => return 0,
+        };
+        let lost = ended.next_sequence.saturating_sub(*next_sequence);
+        *next_sequence += lost;
+        lost
     }
 
     fn index_of(&mut self, origin: u128, header: &BatchHeader, joined_ns: u64) -> usize {

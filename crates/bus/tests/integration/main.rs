@@ -4,4 +4,5 @@ mod allocation;
 mod bare;
 mod common;
 mod conformance;
+mod lines;
 mod processes;

@@ -9,8 +9,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use crate::common::{Home, Line, PATIENCE, send, shared_memory, topic, track, until, without_hanging};
-use bus::{Bus, BusError, Mark, Root, SharedMemory, Subscriber, WaitMode};
+use crate::common::{Home, Line, PATIENCE, send, shared_memory, take_all, topic, track, until, without_hanging};
+use bus::{Bus, BusError, Life, Mark, Root, SharedMemory, Subscriber, WaitMode};
 use messages::{BatchHeader, SensorTrack};
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -19,6 +19,8 @@ const BASE: &str = "KOSEKI_BUS_TEST_BASE";
 
 const DEPTH: usize = 16;
 const SLICE_LEN: usize = 4;
+/// Samples of a burst: more than a queue holds.
+const BURST: usize = 2 * DEPTH * SLICE_LEN;
 
 /// Plays the role that this process was started for; as a test of its own, it does nothing.
 #[test]
@@ -31,6 +33,7 @@ fn role() {
     match role.as_str() {
         "launcher" => launch(&root),
         "publisher" => publish(&root),
+        "burst" => publish_burst(&root),
         "subscriber" => subscribe(&root),
         other => panic!("no role {other}"),
     }
@@ -63,6 +66,16 @@ fn publish(root: &Root) {
         send(&mut publisher, 1);
         thread::sleep(Duration::from_micros(200));
     }
+}
+
+/// Sends more than a queue holds, and waits to be killed.
+fn publish_burst(root: &Root) {
+    let bus = Bus::<SharedMemory>::open(root, "publisher").unwrap();
+    let incarnation = std::process::id().into();
+    let mut publisher = bus.publisher(&topic("a", DEPTH, SLICE_LEN), incarnation).unwrap();
+    send(&mut publisher, BURST);
+    say("ready");
+    wait_for_the_end();
 }
 
 /// Takes everything up to the end of the source, then says what it counted.
@@ -208,6 +221,59 @@ fn a_killed_publisher_is_survived_removed_and_replaced() {
     assert_eq!(counts.out_of_order, 0);
     drop(second);
     line.bus.remove_dead();
+}
+
+#[test]
+fn all_that_died_with_a_publisher_nobody_had_heard_is_counted() {
+    let home = Home::new();
+    let line = line(&home);
+    let mut subscriber = line.subscriber(0);
+    let mut publisher = Other::start(home.root(), "burst");
+    publisher.kill();
+    while line.bus.remove_dead().failed > 0 {}
+    take_all(&mut subscriber);
+    let counts = subscriber.counts();
+    assert_eq!(counts.taken + counts.lost, BURST as u64);
+    assert_eq!(counts.lost_at_end, counts.lost, "nothing came");
+    take_all(&mut subscriber);
+    assert_eq!(subscriber.counts(), counts, "counted once");
+}
+
+#[test]
+fn what_a_killed_publisher_left_in_the_queue_is_not_lost() {
+    let home = Home::new();
+    let line = line(&home);
+    let mut subscriber = line.subscriber(0);
+    let mut publisher = Other::start(home.root(), "burst");
+    assert!(subscriber.has_slices());
+    publisher.kill();
+    while line.bus.remove_dead().failed > 0 {}
+    take_all(&mut subscriber);
+    let counts = subscriber.counts();
+    assert_eq!(counts.taken, (DEPTH * SLICE_LEN) as u64);
+    assert_eq!((counts.taken + counts.lost, counts.lost_at_end), (BURST as u64, 0));
+}
+
+#[test]
+fn a_kill_at_any_moment_leaves_a_sum_that_the_publishers_line_confirms() {
+    let home = Home::new();
+    let line = line(&home);
+    let mut subscriber = line.subscriber(0);
+    let mut numbered = 0;
+    for _ in 0..4 {
+        let mut publisher = Other::start(home.root(), "publisher");
+        take_some_of(&mut subscriber, publisher.pid());
+        publisher.kill();
+        while line.bus.remove_dead().failed > 0 {}
+        take_all(&mut subscriber);
+        let lines = line.bus.publisher_lines(&line.topic).unwrap();
+        let dead = lines.iter().find(|line| line.incarnation == publisher.pid().into());
+        let dead = dead.unwrap();
+        assert_eq!(dead.life, Life::Died);
+        numbered += dead.next_sequence;
+        let counts = subscriber.counts();
+        assert_eq!(counts.taken + counts.lost, numbered);
+    }
 }
 
 #[test]
