@@ -3,7 +3,7 @@
 //! Counters and estimates say everything and tell nobody. An alarm is made of them in three steps:
 //!
 //! 1. Something is *found* to be bad, good, or in between ([`Finding`]), from health messages and the picture;
-//!    [`Silence`] and [`Growth`] find what takes a memory.
+//!    [`Silence`], [`Growth`], [`Usual`] and [`Companions`] find what takes a memory.
 //! 2. The [`Board`] *raises* the alarm when it has been bad for long enough, and *clears* it when it has been good for
 //!    long enough (ISA-18.2 calls these on-delay and off-delay). What lies in between changes nothing: so an alarm does
 //!    not come and go with a value that wavers about its limit.
@@ -18,6 +18,7 @@
 #![forbid(unsafe_code)]
 
 mod board;
+mod companions;
 mod growth;
 mod limits;
 mod present;
@@ -26,8 +27,10 @@ mod reference;
 mod registry;
 mod silence;
 mod subject;
+mod usual;
 
 pub use board::{Board, Finding, History, Round};
+pub use companions::{Apart, Companions};
 pub use growth::Growth;
 pub use limits::{Limits, above, below};
 pub use present::Present;
@@ -36,3 +39,4 @@ pub use reference::reference;
 pub use registry::AlarmKind;
 pub use silence::Silence;
 pub use subject::Subject;
+pub use usual::Usual;

@@ -106,8 +106,8 @@ alarms! {
         "{fitting} of {source} cannot be read as configured, and fit category {category} edition {edition}.",
         "Write that edition into the source's `editions`; `koseki decode --statistics` looks at a recording of it.";
     NeverJoined = 9, "never-joined", Warning, raise 30 s, clear 30 s,
-        "{source} and {partner} see the same area, and none of their tracks has joined: {pairs} fly side by side.",
-        "Compare the places, times and heights of the two sensors: one of them is configured wrongly.";
+        "{source} and {partner} have no track in common, and {pairs} of each fly side by side, all {shift} apart.",
+        "Compare the places of the two sensors: one of them is configured wrongly, or both are of one place.";
     SamplesLost = 10, "samples-lost", Major, raise 0 s, clear 10 s,
         "{process} has lost {count}{of}, because it fell behind.",
         "Give the process more of the machine (`[fusion] core`, fewer sources, fewer readers), or send less.";

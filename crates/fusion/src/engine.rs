@@ -116,6 +116,14 @@ impl Engine {
         self.sources.models.get(usize::from(source)).map(SourceModel::inflation)
     }
 
+    /// Probability that a scan of `source` sees a target that it tracks, as learned; `None` if there is no such source.
+    pub fn detection_probability(&self, source: u16) -> Option<f64> {
+        self.sources
+            .models
+            .get(usize::from(source))
+            .map(|model| model.detection)
+    }
+
     /// Lets the named condition (weather) hold from now on (TI-7); "normal" does at the start. `false`, and no change,
     /// if no source names it.
     pub fn set_condition(&mut self, name: &str) -> bool {

@@ -321,6 +321,8 @@ counters! {
         "Blocks that cannot be read as configured and fit another edition of their category.";
     OtherEdition = "other_edition", Level by [],
         "Level: category × 65536 + edition (before the point) × 256 + edition (after it) that most of those blocks fit.";
+    DetectionPermille = "detection_permille", Level by [],
+        "Level: scans in which the source sees a target that it tracks, of a thousand.";
     EstimatesRestarted = "estimates_restarted", FusionRemark by [Fusion],
         "Estimates that were not finite or beyond reason (a track's state, a source's errors): not used, and begun anew.";
     Rebuilds = "rebuilds", Process by [Launcher],

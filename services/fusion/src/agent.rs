@@ -315,6 +315,8 @@ impl<S: Transport> Agent for FusionAgent<S> {
                 ..HealthEntry::default()
             };
             input.count(&mut entry.counters);
+            let detection = self.engine.detection_probability(input.source).unwrap_or_default();
+            entry.set(Counter::DetectionPermille, (1e3 * detection).round() as u64);
             entries.push(entry);
         }
         debug_assert!(entries.iter().skip(1).all(|entry| entry.source != NO_SOURCE));

@@ -172,9 +172,11 @@ impl<S: Transport> MonitorAgent<S> {
 
     /// Takes what has arrived; whether more may be waiting.
     fn take(&mut self) -> anyhow::Result<bool> {
-        let (survey, clock) = (&mut self.survey, &self.clock);
+        let (survey, alarms, clock) = (&mut self.survey, &mut self.alarms, &self.clock);
         let slices = self.states.take(SLICES_PER_TURN, |header, tracks| {
-            survey.receive(header, tracks, clock())
+            let received = clock();
+            survey.receive(header, tracks, received);
+            alarms.receive(header, tracks, received);
         })?;
         let said = self.health.take(SLICES_PER_TURN, |_, said| {
             said.iter().for_each(|health| survey.hear(health))

@@ -5,7 +5,7 @@ use std::path::Path;
 use alarms::{AlarmKind, Board, History, RateLimit};
 use bus::{Bus, Mark, Publisher, Transport};
 use configuration::Config;
-use messages::{Alarm, AlarmEvent};
+use messages::{Alarm, AlarmEvent, BatchHeader, SystemTrack};
 use runtime::Now;
 
 use crate::conditions::{Conditions, Sight};
@@ -53,6 +53,11 @@ impl<S: Transport> AlarmDesk<S> {
             due_ns: i64::MIN,
             standing: Vec::new(),
         })
+    }
+
+    /// Takes a slice of system tracks.
+    pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], now: Now) {
+        self.conditions.receive(header, tracks, now);
     }
 
     /// Looks at all conditions, if it is time to, and publishes what stands; `say` is told a line for each change.

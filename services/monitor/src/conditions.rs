@@ -3,9 +3,9 @@
 //! Each function here looks at one kind of thing (a source's silence, counters that should not grow, the processes, …)
 //! and tells the round what it found; when an alarm is raised and cleared, the board decides.
 
-use alarms::{AlarmKind, Finding, Growth, Limits, Round, Silence, Subject, above, below};
+use alarms::{AlarmKind, Apart, Companions, Finding, Growth, Limits, Round, Silence, Subject, Usual, above, below};
 use configuration::{Config, Input};
-use messages::{Counter, LifeState, NO_SOURCE, ProcessKind};
+use messages::{BatchHeader, Counter, LifeState, NO_SOURCE, ProcessKind, Registration, SystemTrack};
 use runtime::Now;
 
 use crate::health_book::HealthBook;
@@ -16,6 +16,15 @@ use crate::text::{elapsed, several};
 /// A process that started at most so long before the monitor has counted from 0 in its sight, nanoseconds.
 const TOGETHER_NS: i64 = 5_000_000_000;
 const MB: f64 = 1e6;
+/// Time between two looks for sources that never join, nanoseconds.
+const COMPANIONS_NS: i64 = 5_000_000_000;
+/// Comparisons after which an estimate of a source's errors is believed to have settled.
+const COMPARISONS_MIN: f64 = 500.0;
+/// Change of an estimate that is no chance, standard deviations.
+const CHANGE_SIGMAS: f64 = 5.0;
+/// Reports of a source after which its probability of detection is known, and how much of it may be lost.
+const DETECTION_REPORTS: u64 = 2_000;
+const DETECTION_LOSS: f64 = 0.15;
 
 /// Counters that should not grow: the alarm, the counters, the things that they count, and who counts them.
 type Growing = (AlarmKind, &'static [Counter], &'static str, &'static [ProcessKind]);
@@ -82,6 +91,9 @@ pub(crate) struct Conditions {
     sources: Vec<Watched>,
     silence: Silence,
     growth: Growth,
+    companions: Companions,
+    apart: Vec<Apart>,
+    apart_due_ns: i64,
 }
 
 /// A source, as far as its alarms need to know it.
@@ -93,7 +105,34 @@ struct Watched {
     is_external: bool,
     silent_after_ns: Option<i64>,
     period_ns: i64,
+    usual: [Usual; ERRORS.len()],
+    usual_detection: Usual,
+    /// Fusion process that learns of it, and how many reports that process's predecessors had taken.
+    learner: (u64, u64),
 }
+
+/// A systematic error: its name, unit and change that matters, and its estimate with standard deviation.
+type SourceError = (&'static str, &'static str, f64, fn(&Registration) -> (f64, f64));
+const ERRORS: [SourceError; 5] = [
+    ("offset east", "m", 30.0, |known| {
+        (known.offset_m[0], known.offset_sigma_m[0])
+    }),
+    ("offset north", "m", 30.0, |known| {
+        (known.offset_m[1], known.offset_sigma_m[1])
+    }),
+    ("time offset", "s", 0.2, |known| {
+        (known.time_offset_s, known.time_offset_sigma_s)
+    }),
+    ("range bias", "m", 30.0, |known| {
+        (known.range_bias_m, known.range_bias_sigma_m)
+    }),
+    ("azimuth bias", "°", 0.1, |known| {
+        (
+            known.azimuth_bias_rad.to_degrees(),
+            known.azimuth_bias_sigma_rad.to_degrees(),
+        )
+    }),
+];
 
 impl Conditions {
     /// Of the deployment of `config`, whose files are in `folder`.
@@ -108,6 +147,9 @@ impl Conditions {
                 is_external: matches!(source.input, Input::External),
                 silent_after_ns: source.silent_after_ns,
                 period_ns: source.period_ns,
+                usual: [Usual::default(); ERRORS.len()],
+                usual_detection: Usual::default(),
+                learner: (0, 0),
             })
             .collect();
         Self {
@@ -117,7 +159,17 @@ impl Conditions {
             begun_ns: begun.mono_ns,
             silence: Silence::new(sources.len(), begun.mono_ns),
             growth: Growth::default(),
+            companions: Companions::default(),
+            apart: Vec::new(),
+            apart_due_ns: begun.mono_ns + COMPANIONS_NS,
             sources,
+        }
+    }
+
+    /// Takes a slice of system tracks.
+    pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], now: Now) {
+        for track in tracks {
+            self.companions.take(header.incarnation, track, now.mono_ns);
         }
     }
 
@@ -126,6 +178,8 @@ impl Conditions {
         let awake_ns = self.silence.look(sight.now.mono_ns);
         self.silent_sources(sight, round);
         self.source_errors(sight, round);
+        self.changed(sight, round);
+        self.never_joined(sight.now, round);
         self.growing_counters(sight, round);
         self.misfits(sight, round);
         self.processes(sight, awake_ns, round);
@@ -193,6 +247,80 @@ impl Conditions {
                 let values = [name(), ("factor", format!("{:.1}", known.covariance_inflation))];
                 round.find(AlarmKind::AccuracyOverstated, subject, finding, &values);
             }
+        }
+    }
+
+    /// What has been otherwise so far: biases, and how often a source sees its targets.
+    fn changed(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+        let now_ns = sight.now.mono_ns;
+        for source in &mut self.sources {
+            let known = sight.book.registration(source.number);
+            let subject = Subject::source(source.number);
+            let compared = known.comparisons >= COMPARISONS_MIN;
+            for (usual, (error, unit, margin, estimate)) in source.usual.iter_mut().zip(ERRORS) {
+                let (value, sigma) = estimate(&known);
+                let settled = compared && sigma > 0.0 && CHANGE_SIGMAS * sigma < margin;
+                let Some((before, sigma_before)) = usual.before(value, sigma, settled, now_ns) else {
+                    continue;
+                };
+                let limit = margin.max(CHANGE_SIGMAS * sigma.hypot(sigma_before));
+                if let Some(finding) = above((value - before).abs(), limit) {
+                    let values = [
+                        ("source", source.name.clone()),
+                        ("error", error.to_owned()),
+                        ("before", format!("{before:+.2} {unit}")),
+                        ("now", format!("{value:+.2} {unit}")),
+                    ];
+                    round.find(AlarmKind::BiasChanged, subject, finding, &values);
+                }
+            }
+            let Some(said) = sight
+                .book
+                .said(ProcessKind::Fusion, ProcessKind::Fusion.word(), source.number)
+            else {
+                continue;
+            };
+            let counters = said.counters();
+            let taken = counters[Counter::Taken];
+            if source.learner.0 != said.incarnation() {
+                // One that was restarted learns anew.
+                source.learner = (said.incarnation(), taken);
+            }
+            let settled = taken - source.learner.1 > DETECTION_REPORTS;
+            let detection = counters[Counter::DetectionPermille] as f64 / 1e3;
+            if let Some((before, _)) = source.usual_detection.before(detection, 0.0, settled, now_ns)
+                && let Some(finding) = above(before - detection, DETECTION_LOSS)
+            {
+                let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+                let values = [
+                    ("source", source.name.clone()),
+                    ("now", percent(detection)),
+                    ("before", percent(before)),
+                ];
+                round.find(AlarmKind::DetectionFell, subject, finding, &values);
+            }
+        }
+    }
+
+    fn never_joined(&mut self, now: Now, round: &mut Round<'_>) {
+        if now.mono_ns >= self.apart_due_ns {
+            self.apart_due_ns = now.mono_ns + COMPANIONS_NS;
+            self.apart = self.companions.apart(now.mono_ns);
+        }
+        let name = |number: u16| self.sources.get(usize::from(number)).map(|source| source.name.clone());
+        for apart in &self.apart {
+            let (Some(source), Some(partner)) = (name(apart.source), name(apart.partner)) else {
+                continue;
+            };
+            let [east_km, north_km] = apart.shift_m.map(|metres| metres / 1e3);
+            let values = [
+                ("source", source),
+                ("partner", partner),
+                ("pairs", several(apart.pairs as u64, "track")),
+                ("shift", format!("{east_km:+.1} km east and {north_km:+.1} km north")),
+            ];
+            let subject = Subject::pair(apart.source, apart.partner);
+            round.find(AlarmKind::NeverJoined, subject, Finding::Bad, &values);
         }
     }
 

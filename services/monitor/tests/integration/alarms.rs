@@ -2,7 +2,9 @@
 
 use alarms::AlarmKind;
 use bus::{InProcess, Subscriber};
-use messages::{Alarm, AlarmEvent, Counter, Health, LifeState, NO_SOURCE, ProcessKind, Registration};
+use messages::{
+    Alarm, AlarmEvent, Counter, Health, LifeState, NO_SOURCE, ProcessKind, Registration, SystemTrack, TrackState,
+};
 
 use crate::watched::{Bench, S};
 
@@ -245,6 +247,95 @@ fn errors_that_fusion_has_learned_are_told() {
         site.raise_and_clear(AlarmKind::AccuracyOverstated, begin, end),
         "ads-b claims too much accuracy: its covariances are enlarged 9.0 times."
     );
+}
+
+#[test]
+fn a_bias_that_changes_is_told_once_it_was_known() {
+    let known = |site: &mut Site, range_bias_m, comparisons| {
+        site.say(ProcessKind::Fusion, "fusion", 0).registration = Registration {
+            comparisons,
+            range_bias_m,
+            range_bias_sigma_m: 3.0,
+            ..Registration::default()
+        };
+    };
+    let mut site = Site::new(&[]);
+    known(&mut site, 500.0, 10.0);
+    site.pass(20);
+    known(&mut site, 12.0, 900.0);
+    site.pass(20);
+    assert_eq!(site.events, [], "it was not known before");
+    known(&mut site, 30.0, 900.0);
+    site.pass(20);
+    assert_eq!(site.events, [], "that may be chance");
+    let begin = |site: &mut Site| known(site, -90.0, 900.0);
+    let end = |site: &mut Site| known(site, 12.0, 900.0);
+    let said = site.raise_and_clear(AlarmKind::BiasChanged, begin, end);
+    assert!(
+        said.starts_with("The range bias of radar-west has changed from +1") && said.ends_with(" m to -90.00 m."),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_source_that_sees_less_than_before_is_told() {
+    let sees = |site: &mut Site, taken, permille| {
+        let counters = &mut site.say(ProcessKind::Fusion, "fusion", 1).counters;
+        (counters[Counter::Taken], counters[Counter::DetectionPermille]) = (taken, permille);
+    };
+    let mut site = Site::new(&[]);
+    sees(&mut site, 0, 900);
+    site.pass(2);
+    sees(&mut site, 1_000, 700);
+    site.pass(60);
+    sees(&mut site, 5_000, 950);
+    site.pass(2);
+    assert_eq!(site.events, [], "what it usually sees had to be learned first");
+    let begin = |site: &mut Site| sees(site, 6_000, 700);
+    let end = |site: &mut Site| sees(site, 7_000, 940);
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::DetectionFell, begin, end),
+        "radar-east sees its targets in 70 % of its scans, 95 % before."
+    );
+}
+
+#[test]
+fn sources_that_see_the_same_and_never_join_are_told() {
+    let mut site = Site::new(&[]);
+    for second in 0..90_i64 {
+        let now = site.bench.clock.get();
+        let mut states = Vec::new();
+        for number in 0..6_u32 {
+            let (heading, seconds) = (f64::from(number), second as f64);
+            let velocity = [200.0 * heading.cos(), 200.0 * heading.sin()];
+            for (source, east_m) in [(0, 0.0), (1, 9_000.0)] {
+                let mut track = SystemTrack {
+                    track_number: 10 * number + u32::from(source),
+                    reference_time_ns: now.utc_ns,
+                    state: TrackState::Confirmed.code(),
+                    position_m: [
+                        f64::from(number) * 3_000.0 + east_m + velocity[0] * seconds,
+                        velocity[1] * seconds,
+                        9_000.0,
+                    ],
+                    velocity_mps: [velocity[0], velocity[1], 0.0],
+                    contribution_count: 1,
+                    ..SystemTrack::default()
+                };
+                track.contributions[0].source = source;
+                states.push(track);
+            }
+        }
+        site.bench.publish(&states);
+        site.pass(1);
+    }
+    let text = "radar-west and radar-east have no track in common, and 6 tracks of each fly side by side, all +9.0 km east and \
+                +0.0 km north apart.";
+    assert_eq!(site.standing(), [text]);
+    assert_eq!((site.last[0].source, site.last[0].partner), (0, 1));
+    // They are gone.
+    site.pass(80);
+    assert_eq!(site.standing(), [""; 0]);
 }
 
 #[test]

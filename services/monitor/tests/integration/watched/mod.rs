@@ -167,6 +167,13 @@ impl Bench {
         self.health.send(self.mark(), 1, |_, _| health).unwrap();
     }
 
+    /// Fusion publishes these states.
+    pub(crate) fn publish(&mut self, states: &[SystemTrack]) {
+        self.tracks
+            .send(self.mark(), states.len(), |index, _| states[index])
+            .unwrap();
+    }
+
     /// Fusion publishes `count` states that reports of `source` caused. Every stage took `unit_ns`.
     pub(crate) fn fuse(&mut self, source: u16, count: usize, unit_ns: i64) {
         let now = self.clock.get();

@@ -1,0 +1,69 @@
+//! Values that should stay as they are: a sensor's bias, its probability of detection.
+//!
+//! There is no right value to compare with, only the one that was usual so far. So the usual value follows the present
+//! one slowly (an exponential mean over an hour), from the moment on at which the present one can be believed; what
+//! differs from it by more than chance and a margin has changed. A change for good becomes usual in its turn, which
+//! clears the alarm.
+
+/// Time constant with which a value becomes usual, seconds.
+const MEMORY_S: f64 = 3600.0;
+
+/// Usual value of something that is estimated.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Usual {
+    known: Option<Known>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    value: f64,
+    sigma: f64,
+    at_ns: i64,
+}
+
+impl Usual {
+    /// Usual value before `value`, with its standard deviation, at `now_ns` (monotonic, nanoseconds); `None` while
+    /// nothing has been usual. An estimate that is not `settled` is forgotten, and so is what was usual before.
+    pub fn before(&mut self, value: f64, sigma: f64, settled: bool, now_ns: i64) -> Option<(f64, f64)> {
+        if !settled || !value.is_finite() || !sigma.is_finite() {
+            self.known = None;
+            return None;
+        }
+        let known = self.known.get_or_insert(Known {
+            value,
+            sigma,
+            at_ns: now_ns,
+        });
+        let passed_s = (now_ns - known.at_ns).max(0) as f64 / messages::NS_PER_S;
+        known.value += (value - known.value) * -(-passed_s / MEMORY_S).exp_m1();
+        known.at_ns = now_ns;
+        // Where it was well known, it goes on being so.
+        known.sigma = known.sigma.min(sigma);
+        Some((known.value, known.sigma))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use test_support::S;
+
+    use super::*;
+
+    #[test]
+    fn a_step_stands_out_and_becomes_usual() {
+        let mut usual = Usual::default();
+        assert_eq!(usual.before(7.0, 1.0, false, 0), None);
+        assert_eq!(usual.before(7.0, 1.0, true, 0), Some((7.0, 1.0)));
+        let mut at = |now_s: i64, value| usual.before(value, 1.0, true, now_s * S).unwrap().0;
+        assert!((at(60, 7.0) - 7.0).abs() < 1e-9);
+        assert!(at(120, 107.0) < 9.0, "a minute is nothing");
+        assert!(at(3_720, 107.0) > 60.0);
+        assert!(at(40_000, 107.0) > 106.0);
+        assert_eq!(usual.before(f64::NAN, 1.0, true, 40_000 * S), None);
+        assert_eq!(
+            usual.before(3.0, 1.0, true, 40_001 * S),
+            Some((3.0, 1.0)),
+            "it begins anew"
+        );
+    }
+}
