@@ -57,9 +57,9 @@ pub struct AugmentingPaths {
     columns: Vec<Column>,
     /// By row: label of the choice that it has taken, or [`NONE`].
     held: Vec<u32>,
-    /// Columns that the search has reached and may still reach more cheaply, with the costs of the chains to them: side
-    /// by side, since all of them are looked at time and again.
-    frontier: Vec<(f64, u32)>,
+    /// Columns that the search has reached and may still reach more cheaply, with the costs of the chains to them, as
+    /// [`ordered`]: side by side, since all of them are looked at time and again.
+    frontier: Vec<(i64, u32)>,
     /// Columns that the search has passed.
     passed: Vec<u32>,
 }
@@ -89,6 +89,18 @@ impl Column {
         place: 0,
         passed: false,
     };
+
+    #[inline]
+    fn forget_search(&mut self) {
+        (self.reached, self.through, self.passed) = (f64::INFINITY, NONE, false);
+    }
+}
+
+/// Number of the same order as a cost, that of [`f64::total_cmp`].
+#[inline]
+fn ordered(cost: f64) -> i64 {
+    let bits = cost.to_bits() as i64;
+    bits ^ ((bits >> 63) as u64 >> 1) as i64
 }
 
 /// End of a chain of changes.
@@ -210,9 +222,9 @@ impl AugmentingPaths {
                 if !column.passed && reached < column.reached {
                     if column.through == NONE {
                         column.place = frontier.len() as u32;
-                        frontier.push((reached, number));
+                        frontier.push((ordered(reached), number));
                     } else {
-                        frontier[column.place as usize].0 = reached;
+                        frontier[column.place as usize].0 = ordered(reached);
                     }
                     (column.reached, column.through) = (reached, label);
                 }
@@ -248,8 +260,7 @@ impl AugmentingPaths {
     /// Place in the frontier of the column that is reached most cheaply; of equal ones, the one of the lowest number.
     #[inline]
     fn nearest(&self) -> Option<usize> {
-        let each = self.frontier.iter().enumerate();
-        let nearest = each.min_by(|(_, one), (_, other)| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+        let nearest = self.frontier.iter().enumerate().min_by_key(|(_, column)| **column);
         nearest.map(|(place, _)| place)
     }
 
@@ -260,12 +271,13 @@ impl AugmentingPaths {
         for &number in &self.passed {
             let column = &mut self.columns[number as usize];
             column.price += end_cost - column.reached;
+            column.forget_search();
         }
-        let reached = self.frontier.drain(..).map(|(_, number)| number);
-        for number in reached.chain(self.passed.drain(..)) {
-            let column = &mut self.columns[number as usize];
-            (column.reached, column.through, column.passed) = (f64::INFINITY, NONE, false);
+        for &(_, number) in &self.frontier {
+            self.columns[number as usize].forget_search();
         }
+        self.passed.clear();
+        self.frontier.clear();
     }
 }
 

@@ -206,8 +206,8 @@ topics! {
     /// yet.
     contributors() -> ContributorSet: "system/contributors", 64 slices of 64, 2 to 8;
 
-    /// Alarms, from the monitor: each slice replaces the one before, and one comes twice a second, so whoever joins late
-    /// knows after half a second what stands.
+    /// Alarms, from the monitor: each slice replaces the one before, and one comes twice a second, so whoever joins
+    /// late knows after half a second what stands.
     alarms() -> Alarm: "system/alarms", 16 slices of 64, 2 to 32;
 
     /// Place of the system frame, said again and again for whoever joins without the configuration.

@@ -394,11 +394,8 @@ impl Ranked {
         for row in part.fixed..problem.rows as u8 {
             self.paths.bring_in(&open, u32::from(row), &mut steps).ok()?;
         }
-        for (row, chosen) in (0..)
-            .zip(&mut part.chosen[..problem.rows])
-            .skip(usize::from(part.fixed))
-        {
-            *chosen = (self.paths.held(row) % CHOICES_MAX as u32) as u8;
+        for row in usize::from(part.fixed)..problem.rows {
+            part.chosen[row] = (self.paths.held(row as u32) % CHOICES_MAX as u32) as u8;
         }
         let chosen = (0..problem.rows).map(|row| self.choice(problem, row as u8, part.chosen[row]).cost);
         Some(problem.base_cost + chosen.sum::<f64>())

@@ -195,8 +195,8 @@ impl Summary {
 
     /// Shows it: as JSON on standard output, else on standard error.
     fn show(&self, command: &MeasureBearings, refusals: &Refusals) -> anyhow::Result<()> {
-        if command.json {
-            let summary = json!({
+        let json = || {
+            json!({
                 "out": command.out.display().to_string(),
                 "rows": self.bearings,
                 "snapshots": self.snapshots,
@@ -208,24 +208,23 @@ impl Summary {
                 "rows_refused": refusals.rows(),
                 "refused": refusals.by_reason,
                 "first_refused": refusals.first,
-            });
-            return crate::print(&format!("{summary}\n"));
-        }
-        let text = format!(
-            "{}{} snapshots in {} measurements; left out: {} ambiguous bearings, {} outside the sector, {} too uncertain; {} \
-             transmitters not resolved\n{}: {} bearings\n",
-            refusals.as_text(),
-            self.snapshots,
-            self.measurements,
-            self.ambiguous,
-            self.outside_sector,
-            self.uncertain,
-            self.unresolved,
-            command.out.display(),
-            self.bearings
-        );
-        // With standard error closed, the file is written all the same.
-        let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
-        Ok(())
+            })
+        };
+        let text = || {
+            format!(
+                "{}{} snapshots in {} measurements; left out: {} ambiguous bearings, {} outside the sector, {} too uncertain; {} \
+                 transmitters not resolved\n{}: {} bearings\n",
+                refusals.as_text(),
+                self.snapshots,
+                self.measurements,
+                self.ambiguous,
+                self.outside_sector,
+                self.uncertain,
+                self.unresolved,
+                command.out.display(),
+                self.bearings
+            )
+        };
+        crate::show(command.json.then(json), text)
     }
 }

@@ -210,6 +210,18 @@ fn print(text: &str) -> anyhow::Result<()> {
     }
 }
 
+/// Shows a summary: as JSON on standard output, else on standard error. With that closed, the files are written all the
+/// same.
+fn show(json: Option<serde_json::Value>, text: impl FnOnce() -> String) -> anyhow::Result<()> {
+    match json {
+        Some(json) => print(&format!("{json}\n")),
+        None => {
+            let _ = std::io::stderr().write_all(text().as_bytes());
+            Ok(())
+        }
+    }
+}
+
 fn one_line(text: &str) -> String {
     text.lines().map(str::trim).collect::<Vec<_>>().join(" ")
 }

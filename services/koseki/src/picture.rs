@@ -1,9 +1,12 @@
 //! Maps as pictures (SVG): the same scale for both axes.
 
+use std::error::Error;
 use std::ops::Range;
+use std::path::Path;
 
 use plotters::coord::Shift;
-use plotters::prelude::{DrawingArea, SVGBackend};
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
 
 /// Room around the places, as a share of their extent.
 const ROOM: f64 = 0.06;
@@ -13,7 +16,52 @@ const EXTENT_MIN: f64 = 1e-3;
 /// An area that is drawn on.
 pub(crate) type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// Result of drawing.
-pub(crate) type Drawn = Result<(), Box<dyn std::error::Error>>;
+pub(crate) type Drawn = Result<(), Box<dyn Error>>;
+
+/// A chart of places, east and north in kilometres.
+pub(crate) type MapChart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// Begins a picture of `size` pixels and lets `draw` fill it.
+pub(crate) fn picture(file: &Path, size: (u32, u32), draw: impl FnOnce(&Drawing<'_>) -> Drawn) -> Drawn {
+    let root = SVGBackend::new(file, size).into_drawing_area();
+    root.fill(&WHITE)?;
+    draw(&root)?;
+    root.present()?;
+    Ok(())
+}
+
+/// Begins a chart with axes in `east` and `north`, kilometres.
+pub(crate) fn map_chart<'a, 'b>(
+    area: &'a Drawing<'b>,
+    title: &str,
+    east: &Range<f64>,
+    north: &Range<f64>,
+) -> Result<MapChart<'a, 'b>, Box<dyn Error>> {
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 20))
+        .margin(16)
+        .x_label_area_size(40)
+        .y_label_area_size(60)
+        .build_cartesian_2d(east.clone(), north.clone())?;
+    chart
+        .configure_mesh()
+        .x_desc("east, km")
+        .y_desc("north, km")
+        .light_line_style(RGBColor(235, 235, 235))
+        .draw()?;
+    Ok(chart)
+}
+
+/// Ends a chart with its legend.
+pub(crate) fn draw_legend<'a, 'b: 'a>(chart: &mut MapChart<'a, 'b>) -> Drawn {
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.8))
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
+    Ok(())
+}
 
 /// Ranges of both axes that show all `places` on so many pixels, and how much of them a pixel is.
 pub(crate) fn equal_scales<'a>(

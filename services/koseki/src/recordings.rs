@@ -7,7 +7,6 @@
 //!
 //! Limit: damage inside a block is not looked for. The adapter skips what it cannot explain, and counts it.
 
-use std::fmt;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -56,39 +55,7 @@ pub(crate) struct Found {
 #[error("{}: {what}", file.display())]
 pub(crate) struct RecordingError {
     file: PathBuf,
-    what: What,
-}
-
-/// Fault, and what to do about it.
-#[derive(Debug)]
-enum What {
-    Unreadable {
-        key: Key,
-        error: io::Error,
-    },
-    Empty {
-        key: Key,
-    },
-    OtherCategory {
-        key: Key,
-        found: Vec<u8>,
-        expected: Vec<u8>,
-    },
-    NoReport {
-        key: Key,
-    },
-    Truncated {
-        key: Key,
-        error: BlockError,
-    },
-    Damaged {
-        error: BlockError,
-    },
-    Table {
-        key: Key,
-        error: Box<CsvError>,
-        of: &'static str,
-    },
+    what: String,
 }
 
 /// Owner of a recording.
@@ -100,53 +67,19 @@ struct Key {
     place: Box<str>,
 }
 
-impl fmt::Display for What {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unreadable { key, error } => write!(
-                f,
-                "cannot be read: {error}; it is the recording of {}: name its folder with --data, or correct \
-                 {}.file",
-                key.whose, key.place
-            ),
-            Self::Empty { key } => write!(
-                f,
-                "byte 0: the file is empty, expected data blocks; it is the recording of {}: record or copy it \
-                 anew",
-                key.whose
-            ),
-            Self::OtherCategory { key, found, expected } => write!(
-                f,
-                "byte 0: found blocks of category {} only, expected {} for {}: correct {}.file \
-                 or .editions",
-                categories(found, "and"),
-                categories(expected, "or"),
-                key.whose,
-                key.place
-            ),
-            Self::NoReport { key } => write!(
-                f,
-                "byte 0: found no target report in any block, expected some for {}: correct \
-                 {}.file, or the editions under which it is read",
-                key.whose, key.place
-            ),
-            Self::Truncated { key, error } => write!(
-                f,
-                "{error}: the recording was cut short; copy it anew, or use it without this block by \
-                 {}.truncated = \"accept\"",
-                key.place
-            ),
-            Self::Table { key, error, of } => write!(
-                f,
-                "{error}; it is the recording of {}, to be read as a table of {of}",
-                key.whose
-            ),
-            Self::Damaged { error } => write!(
-                f,
-                "{error}: nothing from here on can be read; record or copy it anew, or keep the first {} bytes",
-                error.offset()
-            ),
-        }
+impl Key {
+    fn unreadable(&self, error: &io::Error) -> String {
+        let (whose, place) = (&self.whose, &self.place);
+        format!(
+            "cannot be read: {error}; it is the recording of {whose}: name its folder with --data, or correct {place}.file"
+        )
+    }
+
+    fn no_table(&self, error: &CsvError, of: &str) -> String {
+        format!(
+            "{error}; it is the recording of {}, to be read as a table of {of}",
+            self.whose
+        )
     }
 }
 
@@ -166,10 +99,7 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
         };
         let file = data.join(&recorded.file);
         let looked = fs::read(&file)
-            .map_err(|error| What::Unreadable {
-                key: key.clone(),
-                error,
-            })
+            .map_err(|error| key.unreadable(&error))
             .and_then(|bytes| look(&bytes, recorded, &key, depth));
         match looked {
             Ok(looked) => found.push(Found {
@@ -199,16 +129,8 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
         whose: format!("wide-area sensor \"{}\"", sensor.name).into(),
         place: format!("wide_area_sensor[{}].{part}", sensor.number).into(),
     };
-    let table = |error| What::Table {
-        key: key.clone(),
-        error: Box::new(error),
-        of: "wide-area reports",
-    };
     let looked = match fs::read(&file) {
-        Err(error) => Err(What::Unreadable {
-            key: key.clone(),
-            error,
-        }),
+        Err(error) => Err(key.unreadable(&error)),
         Ok(bytes) => match &sensor.input {
             WideAreaInput::Tracks(tracks) => {
                 let recorded = Recorded {
@@ -220,20 +142,26 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
                 };
                 look(&bytes, &recorded, &key, depth).map(|_| ())
             }
-            _ => WideAreaReader::new(&bytes[..], 0).map(|_| ()).map_err(table),
+            _ => WideAreaReader::new(&bytes[..], 0)
+                .map(|_| ())
+                .map_err(|error| key.no_table(&error, "wide-area reports")),
         },
     };
     looked.map_err(|what| RecordingError { file, what })
 }
 
-fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Found, What> {
+fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Found, String> {
     let (blocks, found) = match recorded.format {
         RecordedFormat::Asterix => (walk(bytes, recorded, key)?, decode(bytes, recorded, depth)),
         RecordedFormat::Sbs => (0, read_lines(bytes)),
         RecordedFormat::SensorTracks => (0, read_rows(bytes, key)?),
     };
     if found.first_time_ns.is_none() {
-        return Err(What::NoReport { key: key.clone() });
+        return Err(format!(
+            "byte 0: found no target report in any block, expected some for {}: correct {}.file, or the editions under \
+             which it is read",
+            key.whose, key.place
+        ));
     }
     Ok(Found {
         bytes: bytes.len(),
@@ -243,7 +171,7 @@ fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Fo
 }
 
 /// Counts the blocks. What is of another sensor altogether is said first: its blocks need not even be blocks.
-fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, What> {
+fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, String> {
     let expected = expected_categories(recorded);
     let (mut count, mut known, mut others) = (0, false, Vec::new());
     let mut wrong = None;
@@ -267,17 +195,25 @@ fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, What> {
             }
         }
     }
-    let key = key.clone();
+    let (whose, place) = (&key.whose, &key.place);
     match wrong {
-        _ if !known && !others.is_empty() => Err(What::OtherCategory {
-            key,
-            found: others,
-            expected,
-        }),
-        Some(error @ BlockError::BlockLength { .. }) => Err(What::Damaged { error }),
+        _ if !known && !others.is_empty() => Err(format!(
+            "byte 0: found blocks of category {} only, expected {} for {whose}: correct {place}.file or .editions",
+            categories(&others, "and"),
+            categories(&expected, "or")
+        )),
+        Some(error @ BlockError::BlockLength { .. }) => Err(format!(
+            "{error}: nothing from here on can be read; record or copy it anew, or keep the first {} bytes",
+            error.offset()
+        )),
         Some(_) if known && recorded.truncated == Truncated::Accept => Ok(count),
-        Some(error) => Err(What::Truncated { key, error }),
-        None if count == 0 => Err(What::Empty { key }),
+        Some(error) => Err(format!(
+            "{error}: the recording was cut short; copy it anew, or use it without this block by {place}.truncated = \
+             \"accept\""
+        )),
+        None if count == 0 => Err(format!(
+            "byte 0: the file is empty, expected data blocks; it is the recording of {whose}: record or copy it anew"
+        )),
         None => Ok(count),
     }
 }
@@ -330,12 +266,8 @@ fn read_lines(bytes: &[u8]) -> Found {
 }
 
 /// Reads a table of sensor tracks. A row that cannot be read makes all of it doubtful.
-fn read_rows(bytes: &[u8], key: &Key) -> Result<Found, What> {
-    let table = |error| What::Table {
-        key: key.clone(),
-        error: Box::new(error),
-        of: "sensor tracks",
-    };
+fn read_rows(bytes: &[u8], key: &Key) -> Result<Found, String> {
+    let table = |error| key.no_table(&error, "sensor tracks");
     let mut found = Found::default();
     for track in SensorTrackReader::new(bytes, 0, |_| Some(0)).map_err(table)? {
         let time_ns = track.map_err(table)?.time_of_measurement_ns;

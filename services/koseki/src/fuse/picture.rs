@@ -7,7 +7,7 @@ use anyhow::anyhow;
 use messages::{SensorTrack, SystemTrack, TrackState};
 use plotters::prelude::*;
 
-use crate::picture::{Drawing, Drawn, equal_scales};
+use crate::picture::{Drawing, Drawn, draw_legend, equal_scales, map_chart, picture};
 
 const SIZE: (u32, u32) = (960, 960);
 /// Pixels beside the map: axes, their labels and margins.
@@ -73,18 +73,8 @@ impl Picture {
             Some(number) if !self.tracks_km.contains_key(&number) => Err(faulty(format!(
                 "system track {number} is never confirmed; --out has their numbers"
             ))),
-            _ => self
-                .try_draw(file, sensor_ids)
-                .map_err(|error| faulty(error.to_string())),
+            _ => picture(file, SIZE, |root| self.draw_map(root, sensor_ids)).map_err(|error| faulty(error.to_string())),
         }
-    }
-
-    fn try_draw(&self, file: &Path, sensor_ids: &[u32]) -> Drawn {
-        let root = SVGBackend::new(file, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
-        self.draw_map(&root, sensor_ids)?;
-        root.present()?;
-        Ok(())
     }
 
     fn draw_map(&self, area: &Drawing<'_>, sensor_ids: &[u32]) -> Drawn {
@@ -97,18 +87,7 @@ impl Picture {
             Some(number) => format!("System track {number}, its surroundings, and what they were made from"),
             None => format!("{} system tracks, and what they were made from", self.tracks_km.len()),
         };
-        let mut chart = ChartBuilder::on(area)
-            .caption(title, ("sans-serif", 20))
-            .margin(16)
-            .x_label_area_size(40)
-            .y_label_area_size(60)
-            .build_cartesian_2d(east.clone(), north.clone())?;
-        chart
-            .configure_mesh()
-            .x_desc("east, km")
-            .y_desc("north, km")
-            .light_line_style(RGBColor(235, 235, 235))
-            .draw()?;
+        let mut chart = map_chart(area, &title, &east, &north)?;
         for (place, (source, reports)) in self.reports_km.iter().enumerate() {
             let colour = SENSORS[place % SENSORS.len()];
             let id = sensor_ids.get(usize::from(*source)).copied().unwrap_or_default();
@@ -128,13 +107,7 @@ impl Picture {
                     .legend(|(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], SYSTEM));
             }
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
-            .background_style(WHITE.mix(0.8))
-            .border_style(BLACK.mix(0.3))
-            .draw()?;
-        Ok(())
+        draw_legend(&mut chart)
     }
 }
 

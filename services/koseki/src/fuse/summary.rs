@@ -44,12 +44,7 @@ impl Summary<'_> {
     /// # Errors
     /// If standard output fails.
     pub(crate) fn show(&self, json: bool) -> anyhow::Result<()> {
-        if json {
-            return crate::print(&format!("{}\n", self.as_json()));
-        }
-        // With standard error closed, the file is written all the same.
-        let _ = std::io::Write::write_all(&mut std::io::stderr(), self.as_text().as_bytes());
-        Ok(())
+        crate::show(json.then(|| self.as_json()), || self.as_text())
     }
 
     fn as_json(&self) -> Value {

@@ -7,7 +7,7 @@ use locating::EmitterReport;
 use observations::Bearing;
 use plotters::prelude::*;
 
-use crate::picture::{Drawing, Drawn, equal_scales, range};
+use crate::picture::{Drawing, Drawn, draw_legend, equal_scales, map_chart, picture, range};
 
 const SIZE: (u32, u32) = (960, 1040);
 /// Share of the picture for the map, in pixels.
@@ -74,18 +74,12 @@ impl Paths {
             };
             return Err(anyhow!("--picture {}: {what}", file.display()));
         }
-        self.try_draw(file)
-            .map_err(|error| anyhow!("--picture {}: {error}", file.display()))
-    }
-
-    fn try_draw(&self, file: &Path) -> Drawn {
-        let root = SVGBackend::new(file, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
-        let (map, below) = root.split_vertically(MAP_HEIGHT);
-        self.draw_map(&map)?;
-        self.draw_sigma(&below)?;
-        root.present()?;
-        Ok(())
+        let drawn = picture(file, SIZE, |root| {
+            let (map, below) = root.split_vertically(MAP_HEIGHT);
+            self.draw_map(&map)?;
+            self.draw_sigma(&below)
+        });
+        drawn.map_err(|error| anyhow!("--picture {}: {error}", file.display()))
     }
 
     fn draw_map(&self, area: &Drawing<'_>) -> Drawn {
@@ -93,18 +87,7 @@ impl Paths {
         let fixes = self.raw_km.iter().chain(&self.output_km);
         let (east, north, _) = equal_scales(fixes, (SIZE.0 - ASIDE, MAP_HEIGHT - ASIDE));
         let title = format!("Emitter {}: fixes and output", self.emitter.unwrap_or_default());
-        let mut chart = ChartBuilder::on(area)
-            .caption(title, ("sans-serif", 20))
-            .margin(16)
-            .x_label_area_size(40)
-            .y_label_area_size(60)
-            .build_cartesian_2d(east.clone(), north.clone())?;
-        chart
-            .configure_mesh()
-            .x_desc("east, km")
-            .y_desc("north, km")
-            .light_line_style(RGBColor(235, 235, 235))
-            .draw()?;
+        let mut chart = map_chart(area, &title, &east, &north)?;
         let inside = |at: &(f64, f64)| east.contains(&at.0) && north.contains(&at.1);
         let parts = self.platform_km.split(|at| !inside(at)).filter(|part| part.len() > 1);
         for part in parts {
@@ -117,13 +100,7 @@ impl Paths {
                 .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], colour.stroke_width(width)));
         }
         chart.draw_series(self.selected_km.iter().map(|at| Circle::new(*at, 4, OUTPUT.filled())))?;
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
-            .background_style(WHITE.mix(0.8))
-            .border_style(BLACK.mix(0.3))
-            .draw()?;
-        Ok(())
+        draw_legend(&mut chart)
     }
 
     fn draw_sigma(&self, area: &Drawing<'_>) -> Drawn {

@@ -41,13 +41,8 @@ impl Summary {
     /// # Errors
     /// If standard output fails.
     pub(super) fn show(&self, locate: &Locate, locator: &Locator, refusals: &Refusals) -> anyhow::Result<()> {
-        if locate.json {
-            return crate::print(&format!("{}\n", self.as_json(locate, locator, refusals)));
-        }
-        // With standard error closed, the file is written all the same.
-        let text = self.as_text(locate, locator, refusals);
-        let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
-        Ok(())
+        let json = locate.json.then(|| self.as_json(locate, locator, refusals));
+        crate::show(json, || self.as_text(locate, locator, refusals))
     }
 
     fn as_json(&self, locate: &Locate, locator: &Locator, refusals: &Refusals) -> Value {

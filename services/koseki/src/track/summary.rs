@@ -76,14 +76,11 @@ impl Summary<'_> {
     /// If standard output fails.
     pub(super) fn show(mut self, json: bool) -> anyhow::Result<()> {
         self.tracked.times_ns.sort_unstable();
-        if json {
-            return crate::print(&format!("{}\n", self.as_json()));
-        }
-        let mut text = String::new();
-        // Writing to a string cannot fail; with standard error closed, the file is written all the same.
-        let _ = self.write_text(&mut text);
-        let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
-        Ok(())
+        crate::show(json.then(|| self.as_json()), || {
+            let mut text = String::new();
+            let _ = self.write_text(&mut text); // writing to a string cannot fail
+            text
+        })
     }
 
     fn as_json(&self) -> Value {
