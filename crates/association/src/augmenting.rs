@@ -167,6 +167,7 @@ impl AugmentingPaths {
     ///
     /// # Errors
     /// [`Stop`], if there is no such chain, or finding it takes more than `steps_left`.
+    #[inline]
     pub fn bring_in<P: Problem>(&mut self, problem: &P, start: u32, steps_left: &mut usize) -> Result<(), Stop> {
         let (end, end_cost) = self.cheapest_chain(problem, start, steps_left)?;
         let mut vacant = match end {

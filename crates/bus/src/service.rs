@@ -141,7 +141,8 @@ impl Service<'_> {
             let counter = Arc::clone(&failed_connections);
             slices
                 .subscriber_builder()
-                // One publisher that died while it connected must not keep the others' slices away: count it, and go on.
+                // One publisher that died while it connected must not keep the others' slices away: count it, and go
+                // on.
                 .set_degradation_handler(move |_, _| {
                     counter.fetch_add(1, Ordering::Relaxed);
                     DegradationAction::Ignore

@@ -12,8 +12,8 @@
 //!
 //! A subscriber connects to a new publisher when it next looks ([`Subscriber::take`], [`Subscriber::has_slices`]; a
 //! waiter is woken for it). From then on, slices survive their publisher's end. But what a publisher sent that came
-//! and went while the subscriber did not look once is gone: a source that ends must stay until its readers say that they
-//! have everything (`messages::Progress`). What is gone is counted all the same, as is what died with a killed
+//! and went while the subscriber did not look once is gone: a source that ends must stay until its readers say that
+//! they have everything (`messages::Progress`). What is gone is counted all the same, as is what died with a killed
 //! publisher: each leaves a [line](crate::line) that says how far it had come, and a subscriber that finds its queue
 //! empty looks at the lines of those that ended.
 //!

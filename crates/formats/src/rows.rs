@@ -47,8 +47,8 @@ impl Reference {
     }
 }
 
-/// Time since 1970, nanoseconds, that is shown as date and time of day (UTC), as in `2016-05-10T22:00:00.25Z`; as nothing
-/// if no calendar has it.
+/// Time since 1970, nanoseconds, that is shown as date and time of day (UTC), as in `2016-05-10T22:00:00.25Z`; as
+/// nothing if no calendar has it.
 #[derive(Clone, Copy, Debug)]
 pub struct Utc(pub i64);
 

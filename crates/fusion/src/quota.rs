@@ -1,10 +1,10 @@
 //! Places of a table that several sources share: one source's flood must not keep the others out.
 //!
-//! A source may always have its fair share, an equal part of the table; above that it gets what is free. Nothing is kept
-//! for those who do not need it: of its share, a source's *claim* is what it has had at a time, or was refused. Places
-//! that it claims and does not have now are given to nobody else. So where one source sees nearly everything it has
-//! nearly all of the table, and one that floods the table takes nothing from those that were there before it, and loses
-//! to those that come later as its own entries end.
+//! A source may always have its fair share, an equal part of the table; above that it gets what is free. Nothing is
+//! kept for those who do not need it: of its share, a source's *claim* is what it has had at a time, or was refused.
+//! Places that it claims and does not have now are given to nobody else. So where one source sees nearly everything it
+//! has nearly all of the table, and one that floods the table takes nothing from those that were there before it, and
+//! loses to those that come later as its own entries end.
 
 /// The places of one table, by source.
 #[derive(Debug)]

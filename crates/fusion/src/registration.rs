@@ -19,9 +19,9 @@
 //! estimate less certain than the formula says. A sample counts for a quarter, and the spread of the detection points,
 //! divided by the number of targets, is added. An error is removed when it is significant, until it no longer is.
 //!
-//! One source's absurd reports must not spoil what is known of the others. Reports whose velocities are far apart are not
-//! compared, and an estimate beyond reason, or one that most differences contradict, is dropped with all that it rests
-//! on.
+//! One source's absurd reports must not spoil what is known of the others. Reports whose velocities are far apart are
+//! not compared, and an estimate beyond reason, or one that most differences contradict, is dropped with all that it
+//! rests on.
 //!
 //! Limits: range and azimuth biases need the sensor's place; over a small area they cannot be told from an offset.
 //!
@@ -64,7 +64,8 @@ const DIFFERENCE_GATE: f64 = 25.0;
 /// Largest variance per axis by which different points of one target explain a difference, m², when it is asked whether
 /// an estimate is wrong: so that it cannot hide behind targets that seem ever larger.
 const POINTS_MAX_M2: f64 = 100.0 * 100.0;
-/// Share of the latest differences beyond either at which it is the estimate that is wrong, and the weight of one of them.
+/// Share of the latest differences beyond either at which it is the estimate that is wrong, and the weight of one of
+/// them.
 const CONTRADICTED: f64 = 0.75;
 const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
 

@@ -206,8 +206,8 @@ pub(crate) struct SensorTracks {
 }
 
 impl SensorTracks {
-    /// With room for `capacity` sensor tracks of `sources` sources. Of each as many as `stored_reports` earlier reports are kept, and which
-    /// scans confirmed it; nothing but the latest report if `None`.
+    /// With room for `capacity` sensor tracks of `sources` sources. Of each as many as `stored_reports` earlier reports
+    /// are kept, and which scans confirmed it; nothing but the latest report if `None`.
     pub(crate) fn new(capacity: usize, sources: usize, stored_reports: Option<usize>) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
         let by_number = HashMap::with_capacity_and_hasher(2 * capacity, NumberHasher::new(2 * capacity));

@@ -40,9 +40,9 @@ settings::settings! {
         rule: RuleSettings = RuleSettings::default();
     }
 
-    /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4). A source
-    /// may always have its fair share of a table, an equal part for each; above that it gets what the others have not
-    /// needed yet.
+    /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4). A
+    /// source may always have its fair share of a table, an equal part for each; above that it gets what the others
+    /// have not needed yet.
     #[derive(Copy)]
     pub struct Capacity {
         /// System tracks.

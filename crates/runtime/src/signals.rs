@@ -7,14 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-/// Becomes true when the process is asked to stop: by SIGTERM, by Ctrl-C at a terminal, or because the terminal has gone
-/// (SIGHUP).
+/// Becomes true when the process is asked to stop: by SIGTERM, by Ctrl-C at a terminal, or because the terminal has
+/// gone (SIGHUP).
 #[derive(Clone, Debug)]
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Catches SIGTERM, SIGINT and SIGHUP from now on. A second signal ends the process at once. A SIGHUP that was to be
-    /// ignored when the process started (`nohup`) still is.
+    /// Catches SIGTERM, SIGINT and SIGHUP from now on. A second signal ends the process at once. A SIGHUP that was to
+    /// be ignored when the process started (`nohup`) still is.
     ///
     /// # Errors
     /// If the operating system refuses.

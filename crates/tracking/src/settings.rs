@@ -59,8 +59,8 @@ settings::settings! {
         sigmas: Option<Vec<f64>> = None, in [1e-9, 1e6];
         /// Standard deviation of range rates of detections that state none; needs `sigmas` beside it.
         range_rate_sigma_mps: Option<f64> = None, in [1e-9, 1e6];
-        /// Priority: of scans at the same time (`selection.same_time_s`) only those of the sensor with the highest one are
-        /// used.
+        /// Priority: of scans at the same time (`selection.same_time_s`) only those of the sensor with the highest one
+        /// are used.
         priority: u32 = 0;
     }
 

@@ -24,7 +24,8 @@ const KNEE_FACTOR: u64 = 10;
 /// Part of a run for which the machine alone is watched, and the engine alone measured.
 const ASIDE: f64 = 0.5;
 
-/// Measures every rate of `settings`; with `sweep`, no further than the knee. Returns what is to be shown, and why it may be worth little.
+/// Measures every rate of `settings`; with `sweep`, no further than the knee. Returns what is to be shown, and why it
+/// may be worth little.
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or a file cannot be written.

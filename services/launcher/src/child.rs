@@ -340,8 +340,8 @@ impl Child {
         if well { Ok(true) } else { Err(problem) }
     }
 
-    /// Ends it hard, and waits for that; but not for ever: the kernel may hold one back that waits for a disk, or that a
-    /// debugger has stopped.
+    /// Ends it hard, and waits for that; but not for ever: the kernel may hold one back that waits for a disk, or that
+    /// a debugger has stopped.
     pub(crate) fn kill(&mut self) {
         if let State::Alive { process, .. } = &mut self.state {
             signal(process, Signal::KILL);

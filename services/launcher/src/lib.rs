@@ -12,7 +12,8 @@
 //!    these say that they run, the adapters, and the simulator last. All are children of the same executable.
 //! 3. **It watches them** (`supervisor`): a child that ends with exit code 0 has finished. One that ends otherwise is
 //!    noticed at once, its shared memory is taken back, and it is started again, after pauses that grow (`backoff`)
-//!    while it keeps failing, for ever: the others do their work meanwhile. One that gives no sign of life stands still,
+//!    while it keeps failing, for ever: the others do their work meanwhile. One that gives no sign of life stands
+//! still,
 //!    and is killed and replaced. Several that fall over one after the other have what they share against them
 //!    (`suspicion`): then the deployment is torn down and rebuilt in new shared memory. Only what cannot be cured by
 //!    starting again (a configuration that a child refuses, a fusion or a required source that never comes up) ends the
@@ -27,8 +28,8 @@
 //! `launcher.watchdog_s` without finding a new one. Time in which the launcher or the keeper did not run themselves
 //! does not count: on a machine that stalls, everybody stands still.
 //!
-//! How often each child was restarted, why, and whether it runs is part of the launcher's own health messages, which the
-//! keeper publishes, so every monitor and status display can show it. Standard error gets one line per event;
+//! How often each child was restarted, why, and whether it runs is part of the launcher's own health messages, which
+//! the keeper publishes, so every monitor and status display can show it. Standard error gets one line per event;
 //! standard output belongs to the monitor; a service manager (systemd) is told when the deployment runs, how it is, and
 //! that the launcher lives (`service_manager`).
 //!

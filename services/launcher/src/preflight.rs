@@ -1,8 +1,8 @@
 //! What can be known of the network before anything starts: whether ports are free and interfaces there.
 //!
 //! A process that cannot have its socket says so itself, again and again, among what all others say at their start.
-//! Asked beforehand, it is one line with a remedy. It is no reason not to start: another program may hold the port for a
-//! moment only, and an interface may come up; unless the source is required.
+//! Asked beforehand, it is one line with a remedy. It is no reason not to start: another program may hold the port for
+//! a moment only, and an interface may come up; unless the source is required.
 
 use anyhow::bail;
 use configuration::{Config, Transport};

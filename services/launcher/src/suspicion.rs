@@ -2,8 +2,8 @@
 //!
 //! A child that dies of a fault, or stands still, is replaced, and the others go on: that is the right answer to a
 //! fault of its own. If several different ones come to such an end within moments, it is what they share, and replacing
-//! them one by one would go on for ever. One alone that comes to such an end again and again may have found what only it
-//! reads: then new memory is tried, once, and if that does not help it is the child.
+//! them one by one would go on for ever. One alone that comes to such an end again and again may have found what only
+//! it reads: then new memory is tried, once, and if that does not help it is the child.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
