@@ -138,6 +138,9 @@ alarms! {
     MemoryLow = 19, "memory-low", Critical, raise 2 s, clear 10 s,
         "{free} are left of {what}.",
         "End what else runs on the machine, or give it more; a process that gets none is killed.";
+    MemoryCorrupt = 20, "memory-corrupt", Critical, raise 0 s, clear 60 s,
+        "The shared memory was corrupt, and the deployment was rebuilt, {times} so far.",
+        "Find out which process of this user writes where it should not, or test the machine's memory.";
 }
 
 #[cfg(test)]

@@ -404,6 +404,14 @@ impl Conditions {
         let own_restarts = sight.book.children().find(|child| child.name == self.own_name);
         // One that was restarted itself does not know when the others were.
         let seen_from_start = own_restarts.is_none_or(|own| own.restarts == 0);
+        if let Some(launcher) = sight.book.whole(ProcessKind::Launcher, ProcessKind::Launcher.word()) {
+            let rebuilds = launcher.counters()[Counter::Rebuilds];
+            let subject = Subject::default();
+            if self.growth.has_grown(AlarmKind::MemoryCorrupt, subject, rebuilds, 0) {
+                let values = [("times", several(rebuilds, "time"))];
+                round.find(AlarmKind::MemoryCorrupt, subject, Finding::Bad, &values);
+            }
+        }
         for child in sight.book.children() {
             let subject = Subject::process(child.name);
             let process = ("process", child.name.to_owned());

@@ -363,6 +363,17 @@ fn processes_that_end_and_come_back_are_told() {
 }
 
 #[test]
+fn a_rebuilt_deployment_is_told_by_the_monitor_that_comes_after_it() {
+    let mut site = Site::new(&[]);
+    site.say(ProcessKind::Launcher, "launcher", NO_SOURCE).counters[Counter::Rebuilds] = 1;
+    site.pass(1);
+    let text = "The shared memory was corrupt, and the deployment was rebuilt, 1 time so far.";
+    assert_eq!(site.standing(), [text]);
+    site.pass(62);
+    assert_eq!(site.standing(), [""; 0]);
+}
+
+#[test]
 fn a_process_that_says_nothing_any_more_hangs() {
     let mut site = Site::new(&[]);
     let silent = |site: &mut Site| site.health.clear();
