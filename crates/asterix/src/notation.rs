@@ -18,6 +18,7 @@
 //!   out;
 //! - `{ NAME: 8 NUMBER, … }`: a group of elements. `_: 3` are spare bits, `NAME: { … }` elements under a common name; a
 //!   name that is no Rust identifier stands in quotation marks;
+//! - `(PARTS)`: a group that several items have alike;
 //! - `[{ … } PART { … }]`: an extended item, of groups and constants;
 //! - `(repetitive LAYOUT)`, `(repetitive_fx LAYOUT)`;
 //! - `(compound [NAME "Title" LAYOUT, CONSTANT, _, …])`, where `_` stands for a bit without meaning;
@@ -52,6 +53,7 @@ macro_rules! layout {
         Layout::Compound(&[$(subitem_of!($name $($title $layout)?)),*])
     };
     ((= $layout:expr)) => { $layout };
+    (($parts:ident)) => { Layout::Group($parts) };
     (($bits:literal)) => { Layout::Element($bits, RAW) };
     (($bits:literal $content:expr)) => { Layout::Element($bits, $content) };
 }

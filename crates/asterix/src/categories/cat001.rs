@@ -7,13 +7,11 @@
 //! and has to be completed by the receiver.
 
 use super::{MODE_C, PULSE_QUALITY, RFS, SP};
+use crate::categories::{MODE_2, MODE_3A, SOURCE};
 use crate::table::*;
 
 items! {
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     I020 "020" "Target Report Descriptor" [
         {
@@ -46,23 +44,11 @@ items! {
         Y: 16 signed(1.0 / pow2(6), "NM"),
     }
 
-    I050 "050" "Mode-2 Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 smoothed by a local tracker
-        _: 1,
-        MODE2: 12 OCTAL,
-    }
+    I050 "050" "Mode-2 Code in Octal Representation" (MODE_2)
 
     I060 "060" "Mode-2 Code Confidence Indicator" (= Layout::Group(PULSE_QUALITY))
 
-    I070 "070" "Mode-3/A Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 smoothed by a local tracker
-        _: 1,
-        MODE3A: 12 OCTAL,
-    }
+    I070 "070" "Mode-3/A Code in Octal Representation" (MODE_3A)
 
     I080 "080" "Mode-3/A Code Confidence Indicator" (= Layout::Group(PULSE_QUALITY))
 

@@ -4,16 +4,14 @@
 //! layout.
 
 use super::{RFS, SP};
+use crate::categories::SOURCE;
 use crate::table::*;
 
 items! {
     // 1 north marker, 2 sector crossing, 3 south marker, 8 and 9 blind zone filter begins and ends
     I000 "000" "Message Type" (8)
 
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     // azimuth of its begin; 0 is north
     I020 "020" "Sector Number" (8 unsigned(360.0 / pow2(8), "°"))

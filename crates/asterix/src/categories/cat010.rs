@@ -12,15 +12,13 @@
 //! 3.7 times I010/210 at 2^-4 (correlation 0.89). This table has 2^-2 for both.
 
 use super::{RE, SP};
+use crate::categories::{MODE_3A, SOURCE};
 use crate::table::*;
 
 items! {
     I000 "000" "Message Type" (8) // 1 target report, 2 update cycle, 3 and 4 status
 
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code, 0 for data local to an airport
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     I020 "020" "Target Report Descriptor" [
         {
@@ -58,13 +56,7 @@ items! {
         Y: 16 signed(1.0, "m"),
     }
 
-    I060 "060" "Mode-3/A Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 not extracted during the last scan
-        _: 1,
-        MODE3A: 12 OCTAL,
-    }
+    I060 "060" "Mode-3/A Code in Octal Representation" (MODE_3A)
 
     I090 "090" "Flight Level in Binary Representation" {
         V: 1, // 1 not validated

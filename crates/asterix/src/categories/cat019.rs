@@ -3,16 +3,14 @@
 //! EUROCONTROL-SPEC-0149-18 (SUR.ET1.ST05.2000-STD-18-01), December 2010.
 
 use super::{RE, SP};
+use crate::categories::SOURCE;
 use crate::table::*;
 
 items! {
     // 1 start of update cycle, 2 periodic status, 3 event status
     I000 "000" "Message Type" (8)
 
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     I140 "140" "Time of Day" (24 unsigned(1.0 / pow2(7), "s"))
 

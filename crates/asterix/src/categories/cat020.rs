@@ -4,13 +4,11 @@
 //! order of items: the later ones add a part to I020/020, use spare bits of I020/230 and rename an element of I020/250.
 
 use super::{MODE_C, RE, SP};
+use crate::categories::{MODE_1, MODE_2, MODE_3A, SOURCE};
 use crate::table::*;
 
 items! {
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     parts I020_PART_1 {
         SSR: 1,  // non-Mode S 1090 MHz multilateration
@@ -55,28 +53,11 @@ items! {
         Y: 24 signed(0.5, "m"),
     }
 
-    I050 "050" "Mode-2 Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 smoothed by a local tracker
-        _: 1,
-        MODE2: 12 OCTAL,
-    }
+    I050 "050" "Mode-2 Code in Octal Representation" (MODE_2)
 
-    I055 "055" "Mode-1 Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 smoothed by a local tracker
-        MODE1: 5,
-    }
+    I055 "055" "Mode-1 Code in Octal Representation" (MODE_1)
 
-    I070 "070" "Mode-3/A Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 not extracted during the last update period
-        _: 1,
-        MODE3A: 12 OCTAL,
-    }
+    I070 "070" "Mode-3/A Code in Octal Representation" (MODE_3A)
 
     I090 "090" "Flight Level in Binary Representation" {
         V: 1, // 1 not validated

@@ -3,16 +3,14 @@
 //! EUROCONTROL-SPEC-0149-16, ed 1.2 and 1.3 (September 2021), of one layout.
 
 use super::{RE, SP};
+use crate::categories::SOURCE;
 use crate::table::*;
 
 items! {
     // 1 ground station status, 2 service status, 3 service statistics
     I000 "000" "Report Type" (8)
 
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     I015 "015" "Service Type and Identification" {
         SID: 4,  // number of the service

@@ -3,21 +3,16 @@
 //! EUROCONTROL-SPEC-0149-10, ed 1.6 and 1.7 (June 2025), which adds a part to I063/060.
 
 use super::{RE, SP};
+use crate::categories::SOURCE;
 use crate::table::*;
 
 items! {
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     I015 "015" "Service Identification" (8) // chosen by the system
     I030 "030" "Time of Message" (24 unsigned(1.0 / pow2(7), "s"))
 
-    I050 "050" "Sensor Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I050 "050" "Sensor Identifier" (SOURCE)
 
     parts I060_PART_1 {
         CON: 2, // 0 operational, 1 degraded, 2 initialising, 3 not connected

@@ -3,16 +3,14 @@
 //! EUROCONTROL-SPEC-0149-15, ed 1.4 to 1.6 (March 2023). Their layouts are the same; later editions added codes.
 
 use super::{RE, SP};
+use crate::categories::SOURCE;
 use crate::table::*;
 
 items! {
     // 1 system status, 2 end of batch, 3 service status
     I000 "000" "Message Type" (8)
 
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     I015 "015" "Service Identification" (8) // chosen by the system
     I020 "020" "Batch Number" (8 NUMBER)

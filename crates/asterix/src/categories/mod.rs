@@ -53,6 +53,35 @@ items! {
     SP "SP" "Special Purpose Field" (= Layout::Explicit)
     RFS "RFS" "Random Field Sequencing" (= Layout::RandomSequence)
 
+    parts SOURCE {
+        SAC: 8, // system area code
+        SIC: 8, // system identification code
+    }
+
+    // Codes of transponders. L: 1 not received just now, but smoothed by a local tracker or kept from an earlier scan.
+    parts MODE_1 {
+        V: 1, // 1 not validated
+        G: 1, // 1 garbled
+        L: 1,
+        MODE1: 5,
+    }
+
+    parts MODE_2 {
+        V: 1,
+        G: 1,
+        L: 1,
+        _: 1,
+        MODE2: 12 OCTAL,
+    }
+
+    parts MODE_3A {
+        V: 1,
+        G: 1,
+        L: 1,
+        _: 1,
+        MODE3A: 12 OCTAL,
+    }
+
     // Quality of the pulses of a Mode 2 or Mode 3/A code: 1 low.
     parts PULSE_QUALITY {
         _: 4,

@@ -1,14 +1,11 @@
 //! Editions 0.23 to 0.26.
 
 use super::{AIR_SPEED, I110};
-use crate::categories::{RE, SP};
+use crate::categories::{MODE_3A, RE, SOURCE, SP};
 use crate::table::*;
 
 items! {
-    I010 "010" "Data Source Identification" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identification" (SOURCE)
 
     // 1 light … 5 heavy, 10 rotorcraft, 20 and 21 vehicles
     I020 "020" "Emitter Category" (8)
@@ -33,13 +30,7 @@ items! {
         _: 3,
     }
 
-    I070_V0_26 "070" "Mode 3/A Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 not extracted during the last update
-        _: 1,
-        MODE3A: 12 OCTAL,
-    }
+    I070_V0_26 "070" "Mode 3/A Code in Octal Representation" (MODE_3A)
 
     I080 "080" "Target Address" (24)
 

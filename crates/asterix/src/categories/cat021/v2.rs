@@ -1,7 +1,7 @@
 //! Editions 2.1 to 2.7.
 
 use super::{AIR_SPEED, I110};
-use crate::categories::{RE, SP};
+use crate::categories::{RE, SOURCE, SP};
 use crate::table::*;
 
 items! {
@@ -15,10 +15,7 @@ items! {
         SA: 1,      // single antenna
     }
 
-    I010 "010" "Data Source Identification" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identification" (SOURCE)
 
     I015 "015" "Service Identification" (8) // chosen by the ground station
 

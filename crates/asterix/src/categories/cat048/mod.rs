@@ -8,14 +8,11 @@ mod re;
 
 pub use re::{CAT048_RE_V1_11, CAT048_RE_V1_12, CAT048_RE_V1_13};
 
-use crate::categories::{MODE_C, PULSE_QUALITY, RE, SP};
+use crate::categories::{MODE_1, MODE_2, MODE_3A, MODE_C, PULSE_QUALITY, RE, SOURCE, SP};
 use crate::table::*;
 
 items! {
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     parts I020_PART_1 {
         TYP: 3, // 0 none, 1 PSR, 2 SSR, 3 both; Mode S: 4 all-call, 5 roll-call, 6 and 7 the same + PSR
@@ -79,20 +76,9 @@ items! {
         Y: 16 signed(1.0 / pow2(7), "NM"),
     }
 
-    I050 "050" "Mode-2 Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 smoothed by a local tracker
-        _: 1,
-        MODE2: 12 OCTAL,
-    }
+    I050 "050" "Mode-2 Code in Octal Representation" (MODE_2)
 
-    I055 "055" "Mode-1 Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 smoothed by a local tracker
-        MODE1: 5,
-    }
+    I055 "055" "Mode-1 Code in Octal Representation" (MODE_1)
 
     I060 "060" "Mode-2 Code Confidence Indicator" (= Layout::Group(PULSE_QUALITY))
 
@@ -105,13 +91,7 @@ items! {
         QB1: 1,
     }
 
-    I070 "070" "Mode-3/A Code in Octal Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 not extracted during the last scan
-        _: 1,
-        MODE3A: 12 OCTAL,
-    }
+    I070 "070" "Mode-3/A Code in Octal Representation" (MODE_3A)
 
     I080 "080" "Mode-3/A Code Confidence Indicator" (= Layout::Group(PULSE_QUALITY))
 

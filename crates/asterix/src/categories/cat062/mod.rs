@@ -7,14 +7,11 @@ mod re;
 
 pub use re::{CAT062_RE_V1_2, CAT062_RE_V1_3};
 
-use crate::categories::{RE, SP};
+use crate::categories::{MODE_3A, RE, SOURCE, SP};
 use crate::table::*;
 
 items! {
-    I010 "010" "Data Source Identifier" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    I010 "010" "Data Source Identifier" (SOURCE)
 
     I015 "015" "Service Identification" (8) // chosen by the system
     I040 "040" "Track Number" (16)
@@ -296,10 +293,7 @@ items! {
     // 0 unknown, 3 fire, 16 follow me, …
     I300 "300" "Vehicle Fleet Identification" (8)
 
-    sub I340_SID "SID" "Sensor Identification" {
-        SAC: 8, // system area code
-        SIC: 8, // system identification code
-    }
+    sub I340_SID "SID" "Sensor Identification" (SOURCE)
 
     sub I340_POS "POS" "Measured Position" {
         RHO: 16 unsigned(1.0 / pow2(8), "NM"),
@@ -315,13 +309,7 @@ items! {
         LMC: 14 signed(1.0 / pow2(2), "FL"),
     }
 
-    sub I340_MDA "MDA" "Last Measured Mode 3/A Code" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        L: 1, // 1 from a local tracker of the sensor
-        _: 1,
-        MODE3A: 12 OCTAL,
-    }
+    sub I340_MDA "MDA" "Last Measured Mode 3/A Code" (MODE_3A)
 
     sub I340_TYP "TYP" "Report Type" {
         TYP: 3, // as I048/020
