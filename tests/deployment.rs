@@ -289,8 +289,13 @@ fn recordings_are_worked_off_and_the_deployment_ends() {
     write_site(&home, |_, _| ());
     let up = home.start(&["up", "site.toml", "--data", ".", "--speed", "max", "--out", "out"]);
     let (status, said) = up.end();
-    assert_eq!(status.code(), Some(0), "{said}");
-    for each in ["fusion has finished", "recorder has finished"] {
+    // Its records are of radars that say no more than that they are there.
+    assert_eq!(status.code(), Some(1), "{said}");
+    for each in [
+        "fusion has finished",
+        "recorder has finished",
+        "fusion did not receive a single report",
+    ] {
         assert!(said.contains(each), "{each}: {said}");
     }
     home.assert_nothing_is_left("test");
@@ -505,6 +510,53 @@ fn a_second_request_ends_the_launcher_at_once() {
     // What is left is the next start's business.
     assert_eq!(home.run(&["demo", "--for", "0.5"]).status.code(), Some(0));
     home.assert_nothing_is_left("demo");
+}
+
+#[test]
+fn a_deployment_that_received_nothing_has_failed_unless_it_was_asked_to_stop() {
+    let home = Home::new();
+    let site = "name = \"test\"\n[frame]\nlatitude_deg = 41.3\nlongitude_deg = 2.1\n[[source]]\nname = \"mine\"\n\
+                period_s = 1.0\n[source.external]\n";
+    home.write("site.toml", site);
+    let nothing = "fusion did not receive a single report";
+    let ended = home.run(&["up", "site.toml", "--for", "0.2"]);
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(1), "{said}");
+    assert!(said.lines().last().unwrap().contains(nothing), "{said}");
+    let asked = home.start(&["up", "site.toml"]);
+    asked.until_said("instance test runs");
+    let (status, said) = asked.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    assert!(said.contains(&format!("warning: {nothing}")), "{said}");
+    home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn a_recorder_that_is_not_there_in_the_end_is_a_failure_and_another_process_a_warning() {
+    for (victim, title, code) in [("recorder", "recorder", 1), ("ads-b", "adapter ads-b", 0)] {
+        let home = Home::new();
+        let demo = home.start(&["demo", "--set", "recorder.enabled=true"]);
+        demo.until_said("instance demo runs");
+        let mut last = 0;
+        // Its pauses double: the last one is long enough to be asked to stop in it.
+        for pause in ["0.1", "0.2", "0.4", "0.8", "1.6"] {
+            let row = loop {
+                let row = home.status_row(victim);
+                if row.pid != last && row.state == "running" {
+                    break row;
+                }
+            };
+            last = row.pid;
+            kill(row.pid, Signal::KILL);
+            demo.until_said(&format!("{title} was killed by SIGKILL; restarting it in {pause} s"));
+        }
+        let (status, said) = demo.stop();
+        assert_eq!(status.code(), Some(code), "{said}");
+        let word = format!("{title} was not there in the end: the last time, it was killed by SIGKILL");
+        assert!(said.contains(&word), "{said}");
+        assert_eq!(said.contains(&format!("warning: {word}")), code == 0, "{said}");
+        home.assert_nothing_is_left("demo");
+    }
 }
 
 #[test]

@@ -16,6 +16,11 @@ const SIZE: (u32, u32) = (960, 600);
 const MARGIN: u32 = 16;
 const AXIS_WIDTH: u32 = 80;
 const LEGEND_WIDTH: u32 = 160;
+/// Pixels of the legend: its first line, from one line to the next, a stroke, and what is between stroke and text.
+const LEGEND_TOP: i32 = 60;
+const LEGEND_LINE: usize = 22;
+const LEGEND_STROKE: i32 = 24;
+const LEGEND_GAP: i32 = 8;
 /// Values per curve: more than anyone sees.
 const STEPS: u32 = 10;
 
@@ -76,23 +81,20 @@ fn draw(
         .y_label_formatter(&|us| duration(*us * 1e3))
         .light_line_style(RGBColor(235, 235, 235))
         .draw()?;
-    for (name, histogram, colour) in curves {
+    for (_, histogram, colour) in curves {
         let colour = *colour;
-        chart
-            .draw_series(LineSeries::new(points(histogram), colour.stroke_width(2)))?
-            .label(*name)
-            .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], colour.stroke_width(2)));
+        chart.draw_series(LineSeries::new(points(histogram), colour.stroke_width(2)))?;
     }
-    chart
-        .configure_series_labels()
-        // Beside the curves: they may lie anywhere in the picture.
-        .position(SeriesLabelPosition::Coordinate(
-            (SIZE.0 - MARGIN - AXIS_WIDTH - LEGEND_WIDTH) as i32 + 8,
-            5,
-        ))
-        .background_style(WHITE.mix(0.8))
-        .border_style(BLACK.mix(0.3))
-        .draw()?;
+    // Beside the curves: they may lie anywhere in the picture.
+    for ((name, _, colour), y) in curves.iter().zip((LEGEND_TOP..).step_by(LEGEND_LINE)) {
+        let x = (SIZE.0 - LEGEND_WIDTH) as i32 + LEGEND_GAP;
+        root.draw(&PathElement::new(
+            vec![(x, y), (x + LEGEND_STROKE, y)],
+            colour.stroke_width(2),
+        ))?;
+        let text = (x + LEGEND_STROKE + LEGEND_GAP, y - LEGEND_GAP);
+        root.draw(&Text::new(*name, text, ("sans-serif", 14)))?;
+    }
     root.present()?;
     Ok(())
 }

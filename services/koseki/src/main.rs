@@ -7,7 +7,7 @@
 //! [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
-//! running; the latter two after one line on standard error (FM).
+//! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).
 
 #![forbid(unsafe_code)]
 

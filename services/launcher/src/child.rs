@@ -383,6 +383,7 @@ mod tests {
         Said {
             life: life as u8,
             said_ns,
+            has_reports: false,
         }
     }
 

@@ -117,8 +117,12 @@ impl Keeper<'_> {
                 .iter()
                 .filter(|health| health.source == NO_SOURCE && health.kind != launcher);
             heard.extend(of_processes.map(|health| {
-                let (life, said_ns) = (health.life, health.said_ns);
-                (health.process_id, Said { life, said_ns })
+                let said = Said {
+                    life: health.life,
+                    said_ns: health.said_ns,
+                    has_reports: health.kind == ProcessKind::Fusion as u8 && health.counters[Counter::Taken] > 0,
+                };
+                (health.process_id, said)
             }));
         })?;
         Ok(())

@@ -59,6 +59,8 @@ pub(crate) struct Said {
     pub(crate) life: u8,
     /// When its loop said so, monotonic, nanoseconds.
     pub(crate) said_ns: i64,
+    /// Whether it has taken reports, of which the deployment's work is made: fusion alone says so.
+    pub(crate) has_reports: bool,
 }
 
 /// One end of the socket.

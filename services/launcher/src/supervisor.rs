@@ -28,6 +28,8 @@ const START_PATIENCE: Duration = Duration::from_secs(10);
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
 /// The same for the recorder of a deployment that is rebuilt: it may still write what it has.
 const RECORDER_PATIENCE: Duration = Duration::from_secs(1);
+/// How long the last word of fusion may be on its way.
+const LAST_WORD_PATIENCE: Duration = Duration::from_millis(500);
 /// Longest sleep: what the keeper has heard must be read and said.
 const TICK: Duration = Duration::from_millis(50);
 /// Time between two words to the keeper without a reason.
@@ -71,6 +73,8 @@ pub(crate) struct Supervisor<'a> {
     start: Start,
     /// When the deployment was complete for the first time.
     complete: Option<Instant>,
+    /// Whether fusion has taken a report.
+    has_reports: bool,
 }
 
 /// How far the start has come: the first one, or that after a rebuild.
@@ -128,6 +132,7 @@ impl<'a> Supervisor<'a> {
             rebuilding: Backoff::new(),
             start: Start::at(now),
             complete: None,
+            has_reports: false,
         })
     }
 
@@ -138,7 +143,8 @@ impl<'a> Supervisor<'a> {
     pub(crate) fn run(mut self) -> anyhow::Result<()> {
         let watched = self.watch();
         self.service_manager.stopping();
-        let stopped = self.stop_all();
+        let down = self.down();
+        let stopped = self.stop_all(down);
         watched.and(stopped)
     }
 
@@ -203,7 +209,9 @@ impl<'a> Supervisor<'a> {
         let own = Said {
             life: LifeState::Running as u8,
             said_ns: mono_ns(),
+            has_reports: false,
         };
+        self.has_reports |= heard.values().any(|said| said.has_reports);
         for child in &mut self.children {
             let is_keeper = child.part().kind == ProcessKind::Keeper;
             let said = match is_keeper {
@@ -462,17 +470,60 @@ impl<'a> Supervisor<'a> {
     }
 
     /// Stops all children, one kind after the other.
-    fn stop_all(&mut self) -> anyhow::Result<()> {
+    ///
+    /// # Errors
+    /// If one did not stop well; or if the work was in vain: `down` names children that were not there in the end, or no
+    /// report has come. That is a warning where somebody wanted the end before it could be otherwise; but a recorder
+    /// that failed has lost what was recorded.
+    fn stop_all(&mut self, down: Vec<(ProcessKind, String)>) -> anyhow::Result<()> {
         let mut problems = Vec::new();
+        let is_recorder = |(kind, _): &(ProcessKind, String)| *kind == ProcessKind::Recorder;
+        let (lost, mut in_vain): (Vec<_>, Vec<_>) = down.into_iter().partition(is_recorder);
         for kind in STOP_ORDER {
+            if kind == ProcessKind::Keeper && self.complete.is_some() && !self.has_come() {
+                in_vain.push((ProcessKind::Fusion, "fusion did not receive a single report".to_owned()));
+            }
             // The monitor's final report tells of those before it, and the keeper's last word is for everybody else.
             self.tell_facts(instant(), kind == ProcessKind::Keeper);
             self.stop_kind(kind, &mut problems);
+        }
+        let said = |(_, what): (ProcessKind, String)| what;
+        problems.extend(lost.into_iter().map(said));
+        if self.stop.requested() {
+            in_vain
+                .into_iter()
+                .for_each(|what| say(&format!("warning: {}", said(what))));
+        } else {
+            problems.extend(in_vain.into_iter().map(said));
         }
         if !problems.is_empty() {
             anyhow::bail!("{}", problems.join("; "));
         }
         Ok(())
+    }
+
+    /// Children that are to be started again, with a sentence each.
+    fn down(&self) -> Vec<(ProcessKind, String)> {
+        let down = self.children.iter().filter(|child| child.restart_due().is_some());
+        let said = down.map(|child| {
+            let end = child.last_end().map(ToString::to_string).unwrap_or_default();
+            let title = child.part().title();
+            (
+                child.part().kind,
+                format!("{title} was not there in the end: the last time, it {end}"),
+            )
+        });
+        said.collect()
+    }
+
+    /// Whether fusion has taken a report; its last word may still be on its way.
+    fn has_come(&mut self) -> bool {
+        let start = instant();
+        while !self.has_reports && instant() - start < LAST_WORD_PATIENCE {
+            self.wake.wait(TICK);
+            self.listen(instant());
+        }
+        self.has_reports
     }
 
     fn stop_kind(&mut self, kind: ProcessKind, problems: &mut Vec<String>) {

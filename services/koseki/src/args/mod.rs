@@ -61,7 +61,8 @@ Examples:
   koseki track --detections radar.csv --out tracks.csv            files of detections into tracks
   koseki locate --bearings flight.csv --out fixes.csv             where transmitters are, from bearings alone
 
-Exit codes: 0 success, 1 failure while running, 2 wrong usage or configuration (with one line that says what).";
+Exit codes: 0 success; 1 failure while running, or a result that is worth nothing (no report came, the recorder had
+failed, reports of a measurement were lost); 2 wrong usage or configuration. One line on standard error says what.";
 
 /// Commands.
 #[derive(Debug, Subcommand)]
