@@ -233,12 +233,13 @@ impl Conditions {
             let subject = Subject::source(source.number);
             let name = || ("source", source.name.clone());
             let (offset_s, sigma_s) = (known.clock_offset_s, known.clock_offset_sigma_s);
-            // Two standard deviations: what may be chance is no alarm.
-            let certain_s = if sigma_s > 0.0 {
-                offset_s.abs() - 2.0 * sigma_s
-            } else {
-                0.0
+            // A sensor may take one of its periods to send what it has measured.
+            let excess_s = match offset_s < 0.0 {
+                true => -offset_s - source.period_ns as f64 / messages::NS_PER_S,
+                false => offset_s,
             };
+            // Two standard deviations: what may be chance is no alarm.
+            let certain_s = if sigma_s > 0.0 { excess_s - 2.0 * sigma_s } else { 0.0 };
             if let Some(finding) = above(certain_s, self.limits.clock_off_s.s()) {
                 let values = [name(), ("offset", format!("{offset_s:+.2} s"))];
                 round.find(AlarmKind::ClockOff, subject, finding, &values);

@@ -232,11 +232,19 @@ impl HealthBook {
         })
     }
 
-    /// Systematic errors of a source, as fusion has learned them.
+    /// Systematic errors of a source, as fusion has learned them; of its clock, as its adapter has, where it has one.
     pub(crate) fn registration(&self, source: u16) -> Registration {
         let kind = ProcessKind::Fusion;
         let said = self.said(kind, kind.word(), source);
-        said.map_or_else(Registration::default, |said| said.0.latest.registration)
+        let mut known = said.map_or_else(Registration::default, |said| said.0.latest.registration);
+        let mut adapters = self.all_said().filter(|(kind, ..)| *kind == ProcessKind::Adapter);
+        if known.clock_offset_sigma_s == 0.0
+            && let Some((.., said)) = adapters.find(|(_, of, _)| *of == source)
+        {
+            let judged = &said.0.latest.registration;
+            (known.clock_offset_s, known.clock_offset_sigma_s) = (judged.clock_offset_s, judged.clock_offset_sigma_s);
+        }
+        known
     }
 
     /// The `expected` processes, and others that were heard from.

@@ -237,6 +237,23 @@ fn errors_that_fusion_has_learned_are_told() {
         site.raise_and_clear(AlarmKind::ClockOff, begin, end),
         "The clock of ads-b is -29.75 s off, by the times at which its reports are received."
     );
+    // As the adapter of a live source has it: it is a little late, as all are.
+    let mut site = Site::new(&["source[3].silent_periods=0"]);
+    let judged = |site: &mut Site, clock_offset_s| {
+        site.say(ProcessKind::Adapter, "ads-b", 3).registration = Registration {
+            clock_offset_s,
+            clock_offset_sigma_s: 0.1,
+            ..Registration::default()
+        };
+    };
+    judged(&mut site, -1.1);
+    site.pass(10);
+    let (ahead, again) = (
+        |site: &mut Site| judged(site, 1.3),
+        |site: &mut Site| judged(site, -0.3),
+    );
+    let said = site.raise_and_clear(AlarmKind::ClockOff, ahead, again);
+    assert!(said.contains("+1.30 s off"), "{said}");
     let overstated = Registration {
         covariance_inflation: 9.0,
         ..Registration::default()
