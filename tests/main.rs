@@ -29,6 +29,7 @@ mod worth_of_counts;
 mod alarms;
 mod bench;
 mod deployment;
+mod kills;
 mod live_asterix;
 mod live_bearings;
 mod live_counts;

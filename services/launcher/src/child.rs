@@ -281,8 +281,9 @@ impl Child {
         }
         let pause = self.backoff.ended(lived, came_up);
         let give_up = match self.part.kind {
-            // It says why, and will say so again.
-            ProcessKind::Keeper => !self.was_up && !killed,
+            // In memory that is new it will say so again; one after a predecessor that was killed may have its remains
+            // to complain of.
+            ProcessKind::Keeper => !self.was_up && !killed && (self.failures() == 1 || self.failures() >= CHANCES),
             ProcessKind::Fusion => !self.was_up && self.failures() >= CHANCES,
             _ => self.part.required && self.failures() >= CHANCES,
         };

@@ -34,8 +34,6 @@ const LAST_WORD_PATIENCE: Duration = Duration::from_millis(500);
 const TICK: Duration = Duration::from_millis(50);
 /// Time between two words to the keeper without a reason.
 const TELL_PERIOD: Duration = Duration::from_millis(200);
-/// A keeper that dies so often before it comes up again finds something that it cannot use.
-const KEEPER_CHANCES: u32 = 3;
 
 /// A child refuses its configuration or how it was called: exit code 2, here as there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -363,8 +361,8 @@ impl<'a> Supervisor<'a> {
         let child = &self.children[index];
         let Some(end) = child.last_end() else { return };
         let is_keeper = child.part().kind == ProcessKind::Keeper;
-        // Nothing but what is in shared memory can trouble it, and nobody but somebody outside kills it.
-        let keeper_cannot_use_it = is_keeper && (!end.is_killed() || child.failures() > KEEPER_CHANCES);
+        // Nothing but what is in shared memory can trouble it: a fault, or what its predecessor was killed over.
+        let keeper_cannot_use_it = is_keeper && !end.is_killed();
         // Who stands still once may have been stopped by somebody; but its successor, too?
         let was_stopped = matches!(end, End::StoodStill(_)) && child.failures() == 1;
         let is_suspect = !was_stopped && end.may_be_of_memory() && self.suspicion.raise(now, index, child.failures());
