@@ -318,7 +318,7 @@ fn a_second_start_is_refused_and_another_name_is_not() {
 #[test]
 fn status_shows_what_runs() {
     let home = Home::new();
-    assert_eq!(home.status(), "nothing runs\n");
+    assert_eq!(home.status(), format!("nothing runs in {}\n", home.base().display()));
     let demo = home.demo();
     let status = home.status();
     for expected in [
@@ -445,13 +445,34 @@ fn killed_children_are_restarted_and_counted() {
 }
 
 #[test]
-fn children_of_a_killed_launcher_end_and_the_next_start_cleans_up() {
+fn children_of_a_killed_launcher_end_and_the_next_start_finds_room() {
     let home = Home::new();
     let demo = home.demo();
     demo.signal(Signal::KILL);
     let (status, _) = demo.end();
     assert_eq!(status.signal(), Some(9));
     // Started at once: the children may still be on their way out.
+    let next = home.demo();
+    next.stop();
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
+fn what_is_left_where_all_were_killed_is_listed_and_the_next_start_clears_up() {
+    let home = Home::new();
+    let demo = home.demo();
+    // It cannot start any of them again.
+    demo.signal(Signal::STOP);
+    for pid in home.pids() {
+        if pid != demo.pid() {
+            kill(pid, Signal::KILL);
+        }
+    }
+    demo.signal(Signal::KILL);
+    demo.end();
+    let status = home.status();
+    assert!(status.contains("instance demo: does not run"), "{status}");
+    assert!(status.contains(home.base().to_str().unwrap()), "{status}");
     let next = home.demo();
     let said = next.said();
     assert!(
@@ -462,20 +483,25 @@ fn children_of_a_killed_launcher_end_and_the_next_start_cleans_up() {
     home.assert_nothing_is_left("demo");
 }
 
+/// `--root` says for a command and all that it starts where instances are; nothing else is looked at.
 #[test]
-fn what_a_killed_launcher_leaves_is_listed() {
+fn the_base_folder_can_be_named() {
     let home = Home::new();
-    let demo = home.demo();
-    demo.signal(Signal::KILL);
-    demo.end();
-    until("the children have ended", || home.processes().is_empty());
-    assert!(
-        home.status().contains("instance demo: does not run"),
-        "{}",
-        home.status()
+    let folder = home.path("elsewhere");
+    let root = ["--root", folder.to_str().unwrap()];
+    let demo = home.start(&[&["demo"], &root[..]].concat());
+    demo.until_said("instance demo runs");
+    assert_eq!(home.status(), format!("nothing runs in {}\n", home.base().display()));
+    let status = home.run(&[&root[..], &["status"]].concat());
+    let status = String::from_utf8(status.stdout).unwrap();
+    let begin = format!(
+        "instance demo: run by process {}, in {}/demo\n",
+        demo.pid(),
+        folder.display()
     );
-    assert_eq!(home.run(&["demo", "--for", "0.5"]).status.code(), Some(0));
-    home.assert_nothing_is_left("demo");
+    assert!(status.starts_with(&begin) && status.contains("fusion"), "{status}");
+    demo.stop();
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
 }
 
 #[test]

@@ -117,7 +117,7 @@ fn faults_of_the_keeper_or_of_several_children_have_the_deployment_rebuilt_and_t
 /// Random octets at random places of the instance's files, as any process of the same user can write them.
 fn corrupt(home: &Home, ending: &str, count: usize, seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut names = home.shared_memory("demo");
+    let mut names = home.shared_memory();
     names.retain(|name| name.ends_with(ending));
     names.sort();
     assert!(!names.is_empty(), "{ending}");
@@ -367,7 +367,7 @@ fn a_service_manager_is_told_that_it_runs_how_it_is_and_that_the_launcher_lives(
         }
     };
     let mut command = home.command(&["demo"]);
-    let demo = Home::start_command(command.env("NOTIFY_SOCKET", &path).env("WATCHDOG_USEC", "4000000"));
+    let demo = home.start_command(command.env("NOTIFY_SOCKET", &path).env("WATCHDOG_USEC", "4000000"));
     hear("STATUS=9 processes run");
     hear("READY=1");
     hear("WATCHDOG=1");

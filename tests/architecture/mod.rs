@@ -91,7 +91,7 @@ const CLOCKS: &[&str] = &[
 const MAY_READ_CLOCKS: &[(&str, &str, &str)] = &[
     (
         "bus",
-        "root.rs",
+        "seal.rs",
         "limits how long a claim waits; `runtime` stands on the bus",
     ),
     (

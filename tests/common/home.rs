@@ -3,9 +3,10 @@
 //! Each test has its own folder for instances, so tests can run side by side. Nothing here waits for a time to pass:
 //! every wait is for a condition, and its limit only ends a test that hangs.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::ops::Deref;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
@@ -20,7 +21,31 @@ use super::folder::Folder;
 pub(crate) const PATIENCE: Duration = Duration::from_secs(90);
 
 /// A folder for instances and files of one test.
-pub(crate) struct Home(Folder);
+pub(crate) struct Home(Folder, Seen);
+
+/// With what the names of the memory of all instances of a home begin, as far as anybody looked.
+#[derive(Clone, Default)]
+pub(crate) struct Seen(Arc<Mutex<BTreeSet<String>>>);
+
+impl Seen {
+    fn look(&self, base: &Path) {
+        for instance in Root::list(base).unwrap() {
+            if let Ok(Some(prefix)) = instance.root.prefix() {
+                self.0.lock().unwrap().insert(prefix);
+            }
+        }
+    }
+
+    /// Names of the files that are in shared memory.
+    fn memory(&self) -> Vec<String> {
+        let prefixes = self.0.lock().unwrap();
+        fs::read_dir("/dev/shm")
+            .unwrap()
+            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+            .filter(|name| prefixes.iter().any(|prefix| name.starts_with(prefix)))
+            .collect()
+    }
+}
 
 impl Deref for Home {
     type Target = Folder;
@@ -32,14 +57,14 @@ impl Deref for Home {
 
 impl Home {
     pub(crate) fn new() -> Self {
-        Self(Folder::of_short_path())
+        Self(Folder::of_short_path(), Seen::default())
     }
 
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = self.0.command("");
         command
             .args(arguments)
-            .env("XDG_RUNTIME_DIR", self.0.folder())
+            .env("KOSEKI_ROOT", self.base())
             .env_remove("KOSEKI_DATA")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -61,10 +86,10 @@ impl Home {
     }
 
     pub(crate) fn start(&self, arguments: &[&str]) -> Running {
-        Self::start_command(&mut self.command(arguments))
+        self.start_command(&mut self.command(arguments))
     }
 
-    pub(crate) fn start_command(command: &mut Command) -> Running {
+    pub(crate) fn start_command(&self, command: &mut Command) -> Running {
         let mut child = command.spawn().unwrap();
         let (stdout, stderr) = (Arc::default(), Arc::default());
         let readers = vec![
@@ -76,6 +101,8 @@ impl Home {
             stdout,
             stderr,
             readers,
+            base: self.base(),
+            seen: self.1.clone(),
         }
     }
 
@@ -120,39 +147,44 @@ impl Home {
 
     /// Live processes that were started in this home.
     pub(crate) fn processes(&self) -> Vec<String> {
-        let mark = format!("XDG_RUNTIME_DIR={}", self.0.folder().display());
-        let mut found = Vec::new();
-        for entry in fs::read_dir("/proc").unwrap().flatten() {
-            let environment = fs::read(entry.path().join("environ")).unwrap_or_default();
-            if environment
+        let command = |pid: u32| fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        let shown = |pid| String::from_utf8_lossy(&command(pid)).replace('\0', " ");
+        self.pids().into_iter().map(shown).collect()
+    }
+
+    /// Their numbers.
+    pub(crate) fn pids(&self) -> Vec<u32> {
+        let mark = format!("KOSEKI_ROOT={}", self.base().display());
+        let pids = fs::read_dir("/proc").unwrap().flatten();
+        let pids = pids.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+        let is_ours = |pid: &u32| {
+            let environment = fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();
+            environment
                 .split(|byte| *byte == 0)
                 .any(|variable| variable == mark.as_bytes())
-            {
-                let command = fs::read(entry.path().join("cmdline")).unwrap_or_default();
-                found.push(String::from_utf8_lossy(&command).replace('\0', " "));
-            }
-        }
-        found
+        };
+        pids.filter(is_ours).collect()
+    }
+
+    /// The base folder of its deployments.
+    pub(crate) fn base(&self) -> PathBuf {
+        self.path("koseki")
     }
 
     pub(crate) fn root(&self, instance: &str) -> Root {
-        Root::in_base(self.path("koseki"), instance).unwrap()
+        Root::in_base(self.base(), instance).unwrap()
     }
 
-    /// Names of the files that an instance has in shared memory.
-    pub(crate) fn shared_memory(&self, instance: &str) -> Vec<String> {
-        let root = self.root(instance);
-        fs::read_dir("/dev/shm")
-            .unwrap()
-            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-            .filter(|name| name.starts_with(root.prefix()))
-            .collect()
+    /// Names of the files that instances have in shared memory.
+    pub(crate) fn shared_memory(&self) -> Vec<String> {
+        self.1.look(&self.base());
+        self.1.memory()
     }
 
     pub(crate) fn assert_nothing_is_left(&self, instance: &str) {
         let root = self.root(instance);
         assert_eq!(self.processes(), [""; 0]);
-        assert_eq!(self.shared_memory(instance), [""; 0]);
+        assert_eq!(self.shared_memory(), [""; 0]);
         assert!(!root.path().exists(), "{} is left", root.path().display());
         let lock = root.base().join(format!("{instance}.lock"));
         assert!(!lock.exists(), "{} is left", lock.display());
@@ -169,10 +201,8 @@ impl Drop for Home {
         while !self.processes().is_empty() && start.elapsed() < PATIENCE {
             thread::sleep(Duration::from_millis(2));
         }
-        for instance in ["demo", "test", "beside"] {
-            for name in self.shared_memory(instance) {
-                let _ = fs::remove_file(Path::new("/dev/shm").join(name));
-            }
+        for name in self.shared_memory() {
+            let _ = fs::remove_file(Path::new("/dev/shm").join(name));
         }
     }
 }
@@ -191,6 +221,8 @@ pub(crate) struct Running {
     pub(crate) stdout: Arc<Mutex<String>>,
     pub(crate) stderr: Arc<Mutex<String>>,
     pub(crate) readers: Vec<JoinHandle<()>>,
+    base: PathBuf,
+    seen: Seen,
 }
 
 impl Running {
@@ -211,6 +243,7 @@ impl Running {
         let start = Instant::now();
         while !self.said().contains(words) {
             assert!(start.elapsed() < PATIENCE, "not said: {words}\n{}", self.said());
+            self.seen.look(&self.base);
             thread::sleep(Duration::from_millis(2));
         }
     }
@@ -224,6 +257,7 @@ impl Running {
     pub(crate) fn end(mut self) -> (ExitStatus, String) {
         let mut status = None;
         until("a command ends", || {
+            self.seen.look(&self.base);
             status = self.child.try_wait().unwrap();
             status.is_some()
         });

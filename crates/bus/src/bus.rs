@@ -12,10 +12,11 @@ use messages::Topic;
 
 use crate::error::BusError;
 use crate::line::{self, Ends, Identity, Lines, OwnLine, PublisherLine};
+use crate::membership::Membership;
 use crate::ports::{Kept, Transport};
 use crate::publisher::Publisher;
 use crate::quality::LEAVERS_MAX;
-use crate::root::Root;
+use crate::root::{Root, close_to_others};
 use crate::service::{DeadProcesses, Held, Service};
 use crate::subscriber::Subscriber;
 use crate::transport::Payload;
@@ -25,13 +26,19 @@ use crate::waiter::{WATCHED_MAX, WaitMode, Waiter};
 const OPEN_PATIENCE: Duration = Duration::from_millis(500);
 /// Publishers of a topic with few of them that may leave between two looks of a subscriber without loss.
 const FEW_LEAVERS: usize = 8;
+/// With what names begin that no other process sees.
+const PREFIX_IN_PROCESS: &str = "k_";
 
 /// One process's connection to an instance. It may move to another thread; ports stay on the thread that made them.
 /// Ports outlive it.
 #[derive(Debug)]
 pub struct Bus<S: Transport> {
     node: Kept<Node<S>>,
+    // After the node.
+    _membership: Option<Membership>,
     root: Root,
+    /// With what names of its memory begin.
+    prefix: String,
     patience: Duration,
 }
 
@@ -56,14 +63,23 @@ impl<S: Transport> Bus<S> {
     }
 
     fn open_keeping(root: &Root, process: &str, leavers: usize) -> Result<Self, BusError> {
-        if S::CROSSES_PROCESSES && root.holder()?.is_none() {
-            return Err(BusError::NotRunning {
+        let (membership, prefix) = if S::CROSSES_PROCESSES {
+            let joined = Membership::begin(root)?.ok_or_else(|| BusError::NotRunning {
                 instance: root.instance().to_owned(),
-            });
+            })?;
+            (Some(joined.0), joined.1)
+        } else {
+            (None, PREFIX_IN_PROCESS.to_owned())
+        };
+        let node = S::join(root, process, &prefix, leavers)?;
+        if S::CROSSES_PROCESSES {
+            close_to_others(&prefix)?;
         }
         Ok(Self {
-            node: S::join(root, process, leavers)?,
+            node,
+            _membership: membership,
             root: root.clone(),
+            prefix,
             patience: OPEN_PATIENCE,
         })
     }
@@ -91,7 +107,7 @@ impl<S: Transport> Bus<S> {
     pub fn hold<T: Payload>(&self, topic: &Topic<T>) -> Result<Held, BusError> {
         if S::CROSSES_PROCESSES {
             // Before the topic: whoever finds that finds its lines.
-            Lines::create(self.root.prefix(), &topic.name, topic.capacity.publishers)?;
+            Lines::create(&self.prefix, &topic.name, topic.capacity.publishers)?;
         }
         S::hold(&self.node, &self.service(topic))
     }
@@ -154,7 +170,7 @@ impl<S: Transport> Bus<S> {
     }
 
     fn lines<T: Payload>(&self, topic: &Topic<T>) -> Result<Option<Lines>, BusError> {
-        let open = || Lines::open(self.root.prefix(), &topic.name);
+        let open = || Lines::open(&self.prefix, &topic.name);
         S::CROSSES_PROCESSES.then(open).transpose()
     }
 
@@ -168,7 +184,7 @@ impl<S: Transport> Bus<S> {
     pub fn remove_dead(&self) -> DeadProcesses {
         let dead = S::remove_dead(&self.node);
         if S::CROSSES_PROCESSES {
-            line::mark_dead(self.root.prefix(), || self.root.nodes());
+            line::mark_dead(&self.prefix, || self.root.nodes());
         }
         dead
     }

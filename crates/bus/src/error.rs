@@ -5,7 +5,7 @@
 
 use std::fmt;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use thiserror::Error;
@@ -40,13 +40,26 @@ pub enum BusError {
         limit: usize,
     },
 
-    /// The base folder is open to other users.
+    /// The base folder is open to other users, or could be exchanged by them.
     #[error(
-        "base folder {} belongs to another user or may be written by others: take one that is your own (mode 0700)",
+        "base folder: {} {fault}: take a folder of your own, in folders of your own (mode 0700), with --root or \
+         $KOSEKI_ROOT",
         path.display()
     )]
     BaseNotPrivate {
-        /// The folder.
+        /// The folder, or one above it.
+        path: PathBuf,
+        /// Why it is refused.
+        fault: &'static str,
+    },
+
+    /// Something that Koseki has not made has the place of an instance's folder or lock.
+    #[error(
+        "{} is none of Koseki's, and stays as it is: move it away, or take another instance name or base folder",
+        path.display()
+    )]
+    NotOurs {
+        /// Whatever is there.
         path: PathBuf,
     },
 
@@ -253,5 +266,15 @@ impl fmt::Display for Processes<'_> {
             write!(f, "{separator}{} ({})", process.pid, process.name)?;
         }
         Ok(())
+    }
+}
+
+/// For `map_err`: what was tried with `path` when the operating system refused.
+pub(crate) fn io_error(action: &'static str, path: &Path) -> impl Fn(io::Error) -> BusError {
+    let path = path.to_owned();
+    move |source| BusError::Io {
+        action,
+        path: path.clone(),
+        source,
     }
 }

@@ -21,7 +21,8 @@
 //! - **The steady state allocates nothing** once every port has met its peers: `take` and `wait` nothing at all, `send`
 //!   nothing of its own (iceoryx2 0.10 takes one block of some fifty bytes per slice, and gives it back at once).
 //! - **Nobody cleans up behind another's back.** Dead processes are removed when [`Bus::remove_dead`] is called (by
-//!   the keeper) or a topic has no place left; the remains of a dead deployment, when [`Root::claim`] succeeds.
+//!   the keeper) or a topic has no place left; the remains of a dead deployment, when [`Root::claim`] succeeds, or when
+//!   the last process that had joined it leaves.
 //!
 //! ```
 //! use bus::{Bus, InProcess, Mark, Root, WaitMode, Woken};
@@ -58,14 +59,17 @@
 //! function here prints.
 
 mod bare;
+pub mod base;
 mod bus;
 mod error;
 mod line;
+mod membership;
 mod ports;
 mod process;
 mod publisher;
 mod quality;
 mod root;
+mod seal;
 mod service;
 mod space;
 mod subscriber;

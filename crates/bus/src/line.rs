@@ -30,7 +30,7 @@ use rustix::fs::{FallocateFlags, OFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
 
 use crate::error::BusError;
-use crate::root::SHARED_MEMORY_DIR;
+use crate::seal::SHARED_MEMORY_DIR;
 
 /// Most lines of a topic.
 const LINES_MAX: usize = 1024;

@@ -36,7 +36,7 @@ pub trait Ports: Medium + Sized + 'static {
     #[doc(hidden)]
     fn drain(listener: &Listener<Self>) -> io::Result<()>;
     #[doc(hidden)]
-    fn join(root: &Root, process: &str, leavers: usize) -> Result<Kept<Node<Self>>, BusError>;
+    fn join(root: &Root, process: &str, prefix: &str, leavers: usize) -> Result<Kept<Node<Self>>, BusError>;
     #[doc(hidden)]
     fn remove_dead(node: &Node<Self>) -> DeadProcesses;
     #[doc(hidden)]
@@ -139,8 +139,8 @@ macro_rules! transport {
                 service::drain(listener)
             }
 
-            fn join(root: &Root, process: &str, leavers: usize) -> Result<Kept<Node<Self>>, BusError> {
-                service::join(root, process, leavers).map(Kept::new)
+            fn join(root: &Root, process: &str, prefix: &str, leavers: usize) -> Result<Kept<Node<Self>>, BusError> {
+                service::join(root, process, prefix, leavers).map(Kept::new)
             }
 
             fn remove_dead(node: &Node<Self>) -> DeadProcesses {

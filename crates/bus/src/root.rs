@@ -3,56 +3,53 @@
 //! Several deployments (and any number of tests) run on one machine without seeing each other. Each is an *instance*
 //! with a name, and all its traces have known places:
 //!
-//! - `<base>/<instance>/`: iceoryx2's files: which services and processes exist, and sockets for wake-ups;
-//! - `/dev/shm/<prefix>…`: the memory itself; the prefix is derived from the folder's path, so no two instances share
-//!   one;
+//! - `<base>/<instance>/`: iceoryx2's files (which services and processes exist, and sockets for wake-ups), and the
+//!   instance's [seal](crate::seal), which says with what the names of its memory begin;
+//! - `/dev/shm/<prefix>…`: the memory itself;
 //! - `<base>/<instance>.lock`: locked by the process that runs the instance, and holding its number.
+//!
+//! The [base folder](crate::base) is private, and only a folder that bears the seal is ever removed.
 //!
 //! A process that is killed leaves files behind, and iceoryx2 can get stuck on them: a service that was being created
 //! when its only process was killed can never be opened again. The obvious remedy, removing files that look old, would
 //! take the memory from under live processes. Instead, one process, the launcher, *claims* the instance: it takes the
 //! lock (which the system gives back when the process dies, however it dies), makes sure that no process uses the
 //! instance any more, and then removes everything, knowing that nobody can be using it. All other processes only open
-//! what its keeper created.
+//! what its keeper created, and while they use it they hold the seal, so that nobody can join an instance that is just
+//! being removed. Where the launcher has ended before its readers, the last of them to leave removes the instance.
 //!
 //! Limits: Linux only (`/dev/shm`); all processes of an instance belong to one user and must name the base folder by
 //! the same path.
 
-use std::fs::{self, DirBuilder, File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, Write as _};
-use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
+use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use iceoryx2::node::{Node, NodeState, NodeView as _};
 use iceoryx2::prelude::{CallbackProgression, Config, FileName, SemanticString as _};
 use rustix::fs::{FlockOperation, flock};
 
-use crate::error::BusError;
+use crate::base;
+use crate::error::{BusError, io_error};
 use crate::process::Process;
 use crate::quality::LEAVERS_MAX;
+use crate::seal::{self, NO_LINKS, PREFIX_LEN, SHARED_MEMORY_DIR, Seal};
 use crate::transport::SharedMemory;
 
 /// Most characters in the name of an instance.
 pub const INSTANCE_NAME_MAX: usize = 40;
 
-/// Where POSIX shared memory appears as files.
-pub(crate) const SHARED_MEMORY_DIR: &str = "/dev/shm";
-
 /// Longest path of a socket that the system accepts.
 const SOCKET_PATH_MAX: usize = 107;
 /// Length that iceoryx2 appends to the folder for a socket, besides the prefix: '/', a 128-bit number, ".event".
 const SOCKET_NAME_LEN: usize = 1 + 39 + 6;
-/// Letters of the prefix: 'k', eight hexadecimal digits, '_'.
-const PREFIX_LEN: usize = 10;
 /// Longest folder of an instance.
 const ROOT_PATH_MAX: usize = SOCKET_PATH_MAX - SOCKET_NAME_LEN - PREFIX_LEN;
 
-/// How long [`Root::claim`] tries before it believes that another process holds the instance: a status command holds
-/// the lock for a moment while it looks.
-const CLAIM_PATIENCE: Duration = Duration::from_millis(250);
-/// Pause between two tries.
-const CLAIM_PAUSE: Duration = Duration::from_millis(10);
+/// End of the name of iceoryx2's count of processes.
+const COUNTER_SUFFIX: &str = ".global_mgmt";
 /// How long iceoryx2 waits for another process that is about to create something. It is also the longest time that a
 /// publisher can be held up by a subscriber that was killed in the middle of connecting to it.
 const CREATION_TIMEOUT: Duration = Duration::from_millis(250);
@@ -63,16 +60,15 @@ pub struct Root {
     instance: String,
     base: PathBuf,
     path: PathBuf,
-    prefix: String,
 }
 
 impl Root {
-    /// The instance called `instance` in the [default base folder](Self::default_base).
+    /// The instance called `instance` in the [base folder of this process](base::find).
     ///
     /// # Errors
     /// If the name is not usable.
     pub fn new(instance: &str) -> Result<Self, BusError> {
-        Self::in_base(Self::default_base(), instance)
+        Self::in_base(base::find(), instance)
     }
 
     /// The instance called `instance` in the folder `base`.
@@ -99,21 +95,11 @@ impl Root {
                 limit: ROOT_PATH_MAX,
             });
         }
-        let prefix = format!("k{:08x}_", hash(path.as_os_str().as_encoded_bytes()));
         Ok(Self {
             instance: instance.to_owned(),
             base,
             path,
-            prefix,
         })
-    }
-
-    /// `$XDG_RUNTIME_DIR/koseki`, or `/tmp/koseki-<user number>` where that is not set.
-    pub fn default_base() -> PathBuf {
-        match std::env::var_os("XDG_RUNTIME_DIR") {
-            Some(folder) if !folder.is_empty() => PathBuf::from(folder).join("koseki"),
-            _ => PathBuf::from(format!("/tmp/koseki-{}", rustix::process::geteuid().as_raw())),
-        }
     }
 
     /// The instance's name.
@@ -131,43 +117,52 @@ impl Root {
         &self.path
     }
 
-    /// With what the names of the instance's files begin: iceoryx2's `prefix`, for its tools and other languages.
-    pub fn prefix(&self) -> &str {
-        &self.prefix
+    /// With what the names of the instance's memory begin: iceoryx2's `prefix`, for its tools and other languages. It is
+    /// drawn anew for each run. `None` if the instance neither runs nor was left behind.
+    ///
+    /// # Errors
+    /// If the seal cannot be read, or is none.
+    pub fn prefix(&self) -> Result<Option<String>, BusError> {
+        Ok(Seal::open(&self.path)?.and_then(|seal| seal.prefix))
     }
 
     /// Makes this process the one that runs the instance, and removes what an earlier, killed run left behind.
     ///
     /// # Errors
     /// [`BusError::AlreadyRunning`] if a live process holds the claim; [`BusError::StillUsed`] if processes outlived
-    /// their launcher; [`BusError::BaseNotPrivate`] if the base folder is not safe.
+    /// their launcher; [`BusError::BaseNotPrivate`] if the base folder is not safe; [`BusError::NotOurs`] if something
+    /// else has the place of the instance's folder. Nothing is changed then.
     pub fn claim(&self) -> Result<Claim, BusError> {
         tame_logging();
-        self.make_base()?;
-        let lock = self.lock()?;
+        base::make(&self.base)?;
+        let lock = self.lock(&seal::Patience::begin())?;
         // From here on this process holds the lock, and every return without a `Claim` gives it back.
-        let processes = self.processes()?;
-        if !processes.is_empty() {
-            return Err(BusError::StillUsed {
-                instance: self.instance.clone(),
-                processes,
-            });
+        match self.wipe().and_then(|wiped| Seal::make(&self.path).map(|()| wiped)) {
+            Ok(wiped) => Ok(Claim {
+                root: self.clone(),
+                _lock: lock,
+                wiped,
+            }),
+            Err(error) => {
+                // The lock file tells of an instance, where there is one.
+                if !matches!(Seal::open(&self.path), Ok(Some(_))) {
+                    let _ = fs::remove_file(self.lock_path());
+                }
+                Err(error)
+            }
         }
-        let wiped = self.wipe()?;
-        Ok(Claim {
-            root: self.clone(),
-            _lock: lock,
-            wiped,
-        })
     }
 
     /// The process that runs the instance: `None` if nobody does, `Some(None)` if its number cannot be read.
     ///
     /// # Errors
-    /// If the lock file cannot be read.
+    /// If the lock file cannot be read, or the base folder is not safe.
     pub fn holder(&self) -> Result<Option<Option<u32>>, BusError> {
+        if !base::check(&self.base)? {
+            return Ok(None);
+        }
         let path = self.lock_path();
-        let mut lock = match File::open(&path) {
+        let mut lock = match OpenOptions::new().read(true).custom_flags(NO_LINKS).open(&path) {
             Ok(lock) => lock,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(io_error("read", &path)(error)),
@@ -214,7 +209,10 @@ impl Root {
 
     fn visit_nodes(&self, mut visit: impl FnMut(NodeState<SharedMemory>)) -> Result<(), BusError> {
         tame_logging();
-        let config = self.config(LEAVERS_MAX)?;
+        let Some(prefix) = self.prefix()? else {
+            return Ok(());
+        };
+        let config = self.config(&prefix, LEAVERS_MAX)?;
         let listed = Node::<SharedMemory>::list(&config, |state| {
             visit(state);
             CallbackProgression::Continue
@@ -225,7 +223,7 @@ impl Root {
     /// Every instance in the folder `base` that runs, or ran and was not removed; in the order of their names.
     ///
     /// # Errors
-    /// If the folder cannot be read. One that does not exist contains no instance.
+    /// If the folder cannot be read, or is not safe. One that does not exist contains no instance.
     pub fn list(base: impl AsRef<Path>) -> Result<Vec<Instance>, BusError> {
         let base = base.as_ref();
         let entries = match fs::read_dir(base) {
@@ -252,15 +250,15 @@ impl Root {
     }
 
     /// iceoryx2's settings for this instance. No file is read: what the machine's administrator configured for other
-    /// users of iceoryx2 does not apply.
-    /// Subscribers keep what `leavers` publishers left unread.
-    pub(crate) fn config(&self, leavers: usize) -> Result<Config, BusError> {
+    /// users of iceoryx2 does not apply. Names of memory begin with `prefix`; subscribers keep what `leavers` publishers
+    /// left unread.
+    pub(crate) fn config(&self, prefix: &str, leavers: usize) -> Result<Config, BusError> {
         let unusable = |error: String| io_error("use", &self.path)(io::Error::other(error));
         let path = self.path.as_os_str().as_encoded_bytes();
         let path = iceoryx2::prelude::Path::new(path).map_err(|e| unusable(format!("{e:?}")))?;
         let mut config = Config::default();
         config.global.set_root_path(&path);
-        config.global.prefix = FileName::new(self.prefix.as_bytes()).map_err(|e| unusable(format!("{e:?}")))?;
+        config.global.prefix = FileName::new(prefix.as_bytes()).map_err(|e| unusable(format!("{e:?}")))?;
         config.global.creation_timeout = CREATION_TIMEOUT;
         config.defaults.publish_subscribe.subscriber_expired_connection_buffer = leavers;
         // Dead processes are removed when somebody asks for it, not whenever any process comes or goes.
@@ -274,27 +272,9 @@ impl Root {
         self.base.join(format!("{}.lock", self.instance))
     }
 
-    /// Creates the base folder, and refuses one in which another user could plant files.
-    fn make_base(&self) -> Result<(), BusError> {
-        DirBuilder::new()
-            .recursive(true)
-            .mode(0o700)
-            .create(&self.base)
-            .map_err(io_error("create", &self.base))?;
-        let found = fs::metadata(&self.base).map_err(io_error("read", &self.base))?;
-        let own = found.uid() == rustix::process::geteuid().as_raw();
-        if !own || found.mode() & 0o022 != 0 {
-            return Err(BusError::BaseNotPrivate {
-                path: self.base.clone(),
-            });
-        }
-        Ok(())
-    }
-
     /// Takes the lock and writes this process's number into it.
-    fn lock(&self) -> Result<File, BusError> {
+    fn lock(&self, patience: &seal::Patience) -> Result<File, BusError> {
         let path = self.lock_path();
-        let deadline = Instant::now() + CLAIM_PATIENCE;
         loop {
             let mut lock = OpenOptions::new()
                 .read(true)
@@ -302,64 +282,133 @@ impl Root {
                 .create(true)
                 .truncate(false)
                 .mode(0o600)
+                .custom_flags(NO_LINKS)
                 .open(&path)
                 .map_err(io_error("open", &path))?;
             match flock(&lock, FlockOperation::NonBlockingLockExclusive) {
                 // The file may have been removed, by one that ended the instance, after it was opened here.
-                Ok(()) if is_same_file(&lock, &path) => {
+                Ok(()) if seal::is_same_file(&lock, &path) => {
+                    let empty = lock.metadata().is_ok_and(|found| found.len() == 0);
+                    if !empty && read_pid(&mut lock).is_none() {
+                        return Err(BusError::NotOurs { path });
+                    }
                     lock.set_len(0)
+                        .and_then(|()| lock.rewind())
                         .and_then(|()| writeln!(lock, "{}", std::process::id()))
                         .map_err(io_error("write", &path))?;
                     return Ok(lock);
                 }
                 Ok(()) => {}
-                Err(rustix::io::Errno::WOULDBLOCK) if Instant::now() >= deadline => {
+                Err(rustix::io::Errno::WOULDBLOCK) if patience.is_over() => {
                     return Err(BusError::AlreadyRunning {
                         instance: self.instance.clone(),
                         pid: read_pid(&mut lock),
                     });
                 }
-                Err(rustix::io::Errno::WOULDBLOCK) => std::thread::sleep(CLAIM_PAUSE),
+                Err(rustix::io::Errno::WOULDBLOCK) => patience.pause(),
                 Err(error) => return Err(io_error("lock", &path)(error.into())),
             }
         }
     }
 
-    /// Removes all files of the instance but its lock. Only for the holder of the lock, when nobody uses them.
+    /// Removes all files of the instance but its lock, if nobody uses them. Only for the holder of the lock.
     fn wipe(&self) -> Result<Wiped, BusError> {
+        let Some(seal) = Seal::open(&self.path)? else {
+            return Ok(Wiped::default());
+        };
+        let mut processes = self.processes()?;
+        let alone = seal.lock_alone().map_err(io_error("lock the seal in", &self.path))?;
+        if !alone && processes.is_empty() {
+            // It is joining or leaving.
+            processes.push(Process::unknown());
+        }
+        if !processes.is_empty() {
+            return Err(BusError::StillUsed {
+                instance: self.instance.clone(),
+                processes,
+            });
+        }
+        self.wipe_sealed(&seal)
+    }
+
+    /// Removes the instance without a trace, for the last process that leaves it: nobody runs it any more, and `seal` is
+    /// locked for this process alone.
+    pub(crate) fn clear_alone(&self, seal: &Seal) -> Result<(), BusError> {
+        // Who runs it by now will find what is to be removed.
+        let _lock = self.lock(&seal::Patience::begin_short())?;
+        if self.processes()?.is_empty() {
+            self.wipe_sealed(seal)?;
+            self.remove_lock()?;
+        }
+        Ok(())
+    }
+
+    fn remove_lock(&self) -> Result<(), BusError> {
+        let path = self.lock_path();
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(io_error("remove", &path)(error)),
+            _ => Ok(()),
+        }
+    }
+
+    fn wipe_sealed(&self, seal: &Seal) -> Result<Wiped, BusError> {
         let mut wiped = Wiped::default();
-        if self.path.exists() {
-            count_files(&self.path, &mut wiped)?;
-            fs::remove_dir_all(&self.path).map_err(io_error("remove", &self.path))?;
+        if let Some(prefix) = &seal.prefix {
+            wipe_memory(prefix, &mut wiped)?;
         }
-        let folder = Path::new(SHARED_MEMORY_DIR);
-        for entry in fs::read_dir(folder).map_err(io_error("read", folder))? {
-            let entry = entry.map_err(io_error("read", folder))?;
-            let ours = entry
-                .file_name()
-                .to_str()
-                .is_some_and(|name| name.starts_with(&self.prefix));
-            if !ours {
-                continue;
-            }
-            let path = entry.path();
-            // Files appear and vanish here at any time; one that is gone need not be removed.
-            if let Ok(found) = entry.metadata() {
-                wiped.add(&found);
-            }
-            match fs::remove_file(&path) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                    return Err(io_error("remove", &path)(error));
-                }
-                _ => {}
-            }
-        }
+        count_files(&self.path, &mut wiped)?;
+        fs::remove_dir_all(&self.path).map_err(io_error("remove", &self.path))?;
         Ok(wiped)
     }
 }
 
-/// The right to run an instance. It ends with the process, or when dropped; the files stay then, and the next claim
-/// removes them. [`Claim::remove`] ends it without leaving a trace.
+/// iceoryx2 counts processes in a file that every user of the machine may write, and one cut short would kill whoever
+/// counts next. So that file is replaced by a copy for this user alone as soon as it is there: whoever has opened the
+/// first one has nothing.
+pub(crate) fn close_to_others(prefix: &str) -> Result<(), BusError> {
+    let folder = Path::new(SHARED_MEMORY_DIR);
+    for entry in fs::read_dir(folder).map_err(io_error("read", folder))?.flatten() {
+        let name = entry.file_name();
+        let counts = |name: &&str| name.starts_with(prefix) && name.ends_with(COUNTER_SUFFIX);
+        let Some(name) = name.to_str().filter(counts) else {
+            continue;
+        };
+        let open = |found: &fs::Metadata| base::is_own(found) && found.mode() & 0o077 != 0;
+        if !entry.metadata().is_ok_and(|found| open(&found)) {
+            continue;
+        }
+        let (path, copy) = (entry.path(), folder.join(format!("{name}.{}", std::process::id())));
+        let replaced = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&copy);
+        let replaced = replaced
+            .and_then(|mut file| file.write_all(&fs::read(&path)?))
+            .and_then(|()| fs::rename(&copy, &path));
+        replaced.map_err(io_error("replace", &path))?;
+    }
+    Ok(())
+}
+
+/// Removes the memory whose names begin with `prefix`. Files of other users, which have chosen such names, are theirs.
+fn wipe_memory(prefix: &str, wiped: &mut Wiped) -> Result<(), BusError> {
+    let folder = Path::new(SHARED_MEMORY_DIR);
+    for entry in fs::read_dir(folder).map_err(io_error("read", folder))? {
+        let entry = entry.map_err(io_error("read", folder))?;
+        let named = entry.file_name().to_str().is_some_and(|name| name.starts_with(prefix));
+        // Files appear and vanish here at any time; one that is gone need not be removed.
+        let Some(found) = entry.metadata().ok().filter(|found| named && base::is_own(found)) else {
+            continue;
+        };
+        let path = entry.path();
+        match fs::remove_file(&path) {
+            Ok(()) => wiped.add(&found),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(io_error("remove", &path)(error)),
+        }
+    }
+    Ok(())
+}
+
+/// The right to run an instance. When it is dropped, the instance is removed, if nobody uses it; after a kill, the next
+/// claim does that.
 #[derive(Debug)]
 #[must_use = "the instance is held only as long as the claim lives"]
 pub struct Claim {
@@ -379,13 +428,18 @@ impl Claim {
         self.wiped
     }
 
-    /// Removes every file of the instance but its lock, whoever still uses them: for one whose memory is corrupt.
-    /// Processes that have joined it keep what they have mapped.
+    /// Removes every file of the instance but its lock, whoever still uses them, and begins anew: for one whose memory
+    /// is corrupt. Processes that have joined it keep what they have mapped.
     ///
     /// # Errors
     /// If a file cannot be removed.
     pub fn empty(&self) -> Result<Wiped, BusError> {
-        self.root.wipe()
+        let wiped = match Seal::open(&self.root.path)? {
+            Some(seal) => self.root.wipe_sealed(&seal)?,
+            None => Wiped::default(),
+        };
+        Seal::make(&self.root.path)?;
+        Ok(wiped)
     }
 
     /// Removes every file of the instance, its lock too. Every [`Bus`](crate::Bus) and port of this process must be
@@ -394,17 +448,20 @@ impl Claim {
     /// # Errors
     /// [`BusError::StillUsed`] if a process (perhaps this one) still uses the instance; nothing is removed then.
     pub fn remove(self) -> Result<Wiped, BusError> {
-        let processes = self.root.processes()?;
-        if !processes.is_empty() {
-            return Err(BusError::StillUsed {
-                instance: self.root.instance.clone(),
-                processes,
-            });
-        }
+        self.clear()
+    }
+
+    fn clear(&self) -> Result<Wiped, BusError> {
         let wiped = self.root.wipe()?;
-        let path = self.root.lock_path();
-        fs::remove_file(&path).map_err(io_error("remove", &path))?;
+        self.root.remove_lock()?;
         Ok(wiped)
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        // What is still used stays, and so does the lock file, which tells of it.
+        let _ = self.clear();
     }
 }
 
@@ -445,15 +502,6 @@ pub(crate) fn tame_logging() {
     });
 }
 
-fn io_error(action: &'static str, path: &Path) -> impl Fn(io::Error) -> BusError {
-    let path = path.to_owned();
-    move |source| BusError::Io {
-        action,
-        path: path.clone(),
-        source,
-    }
-}
-
 fn count_files(folder: &Path, wiped: &mut Wiped) -> Result<(), BusError> {
     for entry in fs::read_dir(folder).map_err(io_error("read", folder))? {
         let entry = entry.map_err(io_error("read", folder))?;
@@ -467,25 +515,11 @@ fn count_files(folder: &Path, wiped: &mut Wiped) -> Result<(), BusError> {
     Ok(())
 }
 
-fn is_same_file(file: &File, path: &Path) -> bool {
-    match (file.metadata(), fs::metadata(path)) {
-        (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
-        _ => false,
-    }
-}
-
 fn read_pid(lock: &mut File) -> Option<u32> {
     let mut text = String::new();
     lock.rewind().ok()?;
     lock.read_to_string(&mut text).ok()?;
     text.trim().parse().ok()
-}
-
-/// FNV-1a, 32 bits.
-fn hash(bytes: &[u8]) -> u32 {
-    bytes.iter().fold(0x811c_9dc5, |hash, byte| {
-        (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193)
-    })
 }
 
 #[cfg(test)]
@@ -509,13 +543,5 @@ mod tests {
         let error = Root::in_base(&base, "abc").unwrap_err();
         assert!(error.to_string().contains(&format!("{}", ROOT_PATH_MAX + 1)));
         assert!(error.to_string().contains(&format!("{ROOT_PATH_MAX}")));
-    }
-
-    #[test]
-    fn prefixes_differ_and_have_the_length_reckoned_with() {
-        let a = Root::in_base("/tmp/b", "one").unwrap();
-        let b = Root::in_base("/tmp/b", "two").unwrap();
-        assert_ne!(a.prefix(), b.prefix());
-        assert_eq!(a.prefix().len(), PREFIX_LEN);
     }
 }

@@ -47,11 +47,12 @@ const OPEN_PAUSE: Duration = Duration::from_millis(10);
 /// Attempts to drain one listener at a time: a publisher that never pauses must not keep its reader from reading.
 const DRAIN_MAX: usize = 16;
 
-/// Joins the instance as `process`, whose subscribers keep what `leavers` publishers left unread.
+/// Joins the instance as `process`, whose subscribers keep what `leavers` publishers left unread. Names of memory begin
+/// with `prefix`.
 ///
 /// # Errors
 /// As [`Bus::open`](crate::Bus::open).
-pub(crate) fn join<S: Medium>(root: &Root, process: &str, leavers: usize) -> Result<Node<S>, BusError> {
+pub(crate) fn join<S: Medium>(root: &Root, process: &str, prefix: &str, leavers: usize) -> Result<Node<S>, BusError> {
     tame_logging();
     let refused = |reason: String| BusError::Join {
         process: process.to_owned(),
@@ -63,7 +64,7 @@ pub(crate) fn join<S: Medium>(root: &Root, process: &str, leavers: usize) -> Res
     NodeBuilder::new()
         .name(&name)
         .signal_handling_mode(SignalHandlingMode::Disabled)
-        .config(&root.config(leavers)?)
+        .config(&root.config(prefix, leavers)?)
         .create::<S>()
         .map_err(|error| refused(error.to_string()))
 }

@@ -10,7 +10,7 @@ use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
 use crate::quality::{NODES_MAX, reserved_slices};
-use crate::root::SHARED_MEMORY_DIR;
+use crate::seal::SHARED_MEMORY_DIR;
 
 /// iceoryx2's own header of a slice, with its padding (rounded up).
 const SLICE_HEADER_BYTES: usize = 64;

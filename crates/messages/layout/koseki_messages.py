@@ -1,5 +1,8 @@
 """Koseki's samples in shared memory, for ctypes and the iceoryx2 Python package.
 
+To join an instance, set iceoryx2's root-path to the folder that `koseki status` names, and its prefix to the line in
+the file koseki-instance there, which is another one at each start.
+
 Written by `cargo run -p messages --example layouts`; a test keeps it true.
 """
 

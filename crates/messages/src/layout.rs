@@ -381,6 +381,8 @@ fn c_type(element: &str) -> String {
 pub fn python_module() -> String {
     let mut out = String::from(
         "\"\"\"Koseki's samples in shared memory, for ctypes and the iceoryx2 Python package.\n\n\
+         To join an instance, set iceoryx2's root-path to the folder that `koseki status` names, and its prefix to the \
+         line in\nthe file koseki-instance there, which is another one at each start.\n\n\
          Written by `cargo run -p messages --example layouts`; a test keeps it true.\n\"\"\"\n\nimport ctypes\n\n",
     );
     for (name, value, doc) in constants() {

@@ -244,7 +244,7 @@ impl Fusion<'_> {
 /// A bench that was killed could not clear up, and no later one has its name.
 fn remove_left_behind() {
     // What cannot be listed or removed is no reason not to measure; `koseki status` shows it.
-    for left in Root::list(Root::default_base()).unwrap_or_default() {
+    for left in Root::list(bus::base::find()).unwrap_or_default() {
         let name = left.root.instance();
         if left.runs || !name.starts_with(INSTANCES) {
             continue;

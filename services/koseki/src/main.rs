@@ -32,10 +32,12 @@ mod top;
 mod track;
 
 use std::io::Write as _;
+use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use anyhow::Context as _;
 use clap::Parser as _;
 use clap::error::ErrorKind;
 use configuration::{BUILT_IN_DEMO, Config, ConfigError, Process};
@@ -56,7 +58,11 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return refuse_usage(&error),
     };
-    match run(cli.command) {
+    let done = match cli.root {
+        Some(root) => with_root(&root),
+        None => Ok(()),
+    };
+    match done.and_then(|()| run(cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let what = one_line(&format!("{error:#}"));
@@ -65,6 +71,19 @@ fn main() -> ExitCode {
             ExitCode::from(exit_code(&error))
         }
     }
+}
+
+/// Sets the base folder of instances. Environment variables can only be set for a new program, so this one becomes
+/// itself once more, unless it has the right one already.
+fn with_root(root: &Path) -> anyhow::Result<()> {
+    let root = std::path::absolute(root).map_err(|error| Usage(format!("--root {}: {error}", root.display())))?;
+    if std::env::var_os("KOSEKI_ROOT").is_some_and(|set| set == root.as_os_str()) {
+        return Ok(());
+    }
+    let itself = std::env::current_exe().context("finding the executable")?;
+    let mut again = std::process::Command::new(itself);
+    let refusal = again.args(std::env::args_os().skip(1)).env("KOSEKI_ROOT", &root).exec();
+    Err(refusal).context("starting with another base folder")
 }
 
 fn run(command: Command) -> anyhow::Result<()> {

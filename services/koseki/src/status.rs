@@ -4,6 +4,7 @@
 //! leaves. Rates are the differences between the two rounds.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use alarms::{AlarmKind, Present};
@@ -39,14 +40,14 @@ pub(crate) fn run(status: &Status) -> anyhow::Result<()> {
             }
             listed
         }
-        None => Root::list(Root::default_base())?,
+        None => Root::list(bus::base::find())?,
     };
     let found: Vec<InstanceStatus> = instances.iter().map(InstanceStatus::of).collect::<Result<_, _>>()?;
     if status.json {
         return crate::print(&(serde_json::to_string_pretty(&found)? + "\n"));
     }
     if found.is_empty() {
-        return crate::print("nothing runs\n");
+        return crate::print(&format!("nothing runs in {}\n", bus::base::find().display()));
     }
     crate::print(&found.iter().map(InstanceStatus::text).collect::<String>())
 }
@@ -55,6 +56,8 @@ pub(crate) fn run(status: &Status) -> anyhow::Result<()> {
 #[derive(Debug, Serialize)]
 struct InstanceStatus {
     instance: String,
+    /// Where it lives.
+    folder: PathBuf,
     state: InstanceState,
     /// Process number of the launcher, while it runs.
     pid: Option<u32>,
@@ -96,6 +99,7 @@ impl InstanceStatus {
     fn of(instance: &Instance) -> anyhow::Result<Self> {
         let mut status = Self {
             instance: instance.root.instance().to_owned(),
+            folder: instance.root.path().to_owned(),
             state: InstanceState::Runs,
             pid: instance.pid,
             processes: Vec::new(),
@@ -111,7 +115,6 @@ impl InstanceStatus {
             return Ok(status);
         }
         let listened = listen(&instance.root);
-        clear_if_ended(&instance.root)?;
         match listened {
             Ok(heard) => {
                 status.processes = rows(&heard.speakers, &heard.processes);
@@ -134,13 +137,16 @@ impl InstanceStatus {
     }
 
     fn text(&self) -> String {
-        let name = &self.instance;
+        let (name, folder) = (&self.instance, self.folder.display());
         let pid = self.pid.map_or_else(|| "?".to_owned(), |pid| pid.to_string());
         let mut text = match self.state {
-            InstanceState::Runs => format!("instance {name}: run by process {pid}\n{}", table(&self.processes)),
+            InstanceState::Runs => format!(
+                "instance {name}: run by process {pid}, in {folder}\n{}",
+                table(&self.processes)
+            ),
             InstanceState::StartsOrStops => format!("instance {name}: process {pid} is starting or stopping it\n"),
             InstanceState::Killed => format!(
-                "instance {name}: does not run; an earlier run was killed, and the next start removes what it left\n"
+                "instance {name}: does not run; an earlier run was killed, and the next start removes what it left in {folder}\n"
             ),
             InstanceState::Refused => format!("instance {name}: does not run; a start of it was refused\n"),
         };
@@ -167,18 +173,6 @@ impl AlarmStatus {
             remedy: kind.map_or("", AlarmKind::remedy),
         }
     }
-}
-
-/// Joining an instance at the very moment in which its launcher clears it brings its folder back. Nobody else would
-/// remove it before the next start.
-pub(crate) fn clear_if_ended(root: &Root) -> Result<(), BusError> {
-    if root.holder()?.is_none()
-        && root.path().exists()
-        && let Ok(claim) = root.claim()
-    {
-        claim.remove()?;
-    }
-    Ok(())
 }
 
 /// First and last message of one process, or of the launcher about it.
@@ -435,6 +429,7 @@ mod tests {
         };
         let status = InstanceStatus {
             instance: "demo".to_owned(),
+            folder: "/run/koseki/demo".into(),
             state: InstanceState::Runs,
             pid: Some(7),
             processes: Vec::new(),
@@ -445,7 +440,10 @@ mod tests {
             alarms: vec![AlarmStatus::of(&alarm.with_text("12 MB are left."))],
         };
         let text = status.text();
-        assert!(text.starts_with("instance demo: run by process 7\n"), "{text}");
+        assert!(
+            text.starts_with("instance demo: run by process 7, in /run/koseki/demo\n"),
+            "{text}"
+        );
         assert!(text.contains("  registration: source 3: -1.5 m east\n"), "{text}");
         let remedy = AlarmKind::DiskLow.remedy();
         let expected = format!("  alarm, major: 12 MB are left.\n    {remedy}\n");

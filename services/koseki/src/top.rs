@@ -4,7 +4,6 @@ use bus::{Instance, Root};
 use monitor::top::{Form, Settings, run as look_on};
 
 use crate::args::{Top, Usage};
-use crate::status::clear_if_ended;
 
 /// Looks on at the instance that is named, or at the only one that runs.
 ///
@@ -13,20 +12,16 @@ use crate::status::clear_if_ended;
 pub(crate) fn run(top: &Top) -> anyhow::Result<()> {
     let root = match &top.instance {
         Some(name) => Root::new(name).map_err(|error| Usage(error.to_string()))?,
-        None => the_only_one(&Root::list(Root::default_base())?)?,
+        None => the_only_one(&Root::list(bus::base::find())?)?,
     };
-    let looked = look_on(
-        &root,
-        Settings {
-            interval: top.interval,
-            once: top.once.then_some(match top.json {
-                true => Form::Json,
-                false => Form::Text,
-            }),
-        },
-    );
-    clear_if_ended(&root)?;
-    looked
+    let settings = Settings {
+        interval: top.interval,
+        once: top.once.then_some(match top.json {
+            true => Form::Json,
+            false => Form::Text,
+        }),
+    };
+    look_on(&root, settings)
 }
 
 fn the_only_one(instances: &[Instance]) -> anyhow::Result<Root> {

@@ -4,5 +4,6 @@ mod allocation;
 mod bare;
 mod common;
 mod conformance;
+mod intruders;
 mod lines;
 mod processes;

@@ -44,6 +44,10 @@ const OUT_DEFAULT: &str = "records";
 #[derive(Debug, Parser)]
 #[command(name = "koseki", version = VERSION, max_term_width = 110, after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Cli {
+    /// Base folder of instances, for this command and all that it starts [default: $KOSEKI_ROOT, else /run/koseki,
+    /// else $XDG_RUNTIME_DIR/koseki, else /tmp/koseki-<user number>; of these the first that is this user's own]
+    #[arg(long, value_name = "DIR", global = true)]
+    pub(crate) root: Option<PathBuf>,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -224,7 +228,7 @@ Examples:
   koseki status --instance demo
   koseki status --json | jq '.[].alarms'
 
-Instances are looked for in $XDG_RUNTIME_DIR/koseki, or /tmp/koseki-<user number> where that is not set.";
+The folder after each instance is where it lives: see --root.";
 
 /// `koseki status`.
 #[derive(Debug, Args)]

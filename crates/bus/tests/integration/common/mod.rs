@@ -17,6 +17,8 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 /// An instance in its own folder. When dropped, it makes sure that the test left nothing behind.
 pub(crate) struct Home {
     root: Root,
+    /// Where its memory was, when it was last claimed.
+    prefix: Option<String>,
     claim: Option<Claim>,
     folder: tempfile::TempDir,
 }
@@ -35,13 +37,21 @@ impl Home {
         let root = Root::in_base(folder.path(), "test").unwrap();
         Self {
             root,
+            prefix: None,
             claim: None,
             folder,
         }
     }
 
     pub(crate) fn claim(&mut self) -> &Claim {
-        self.claim.insert(self.root.claim().unwrap())
+        let claim = self.claim.insert(self.root.claim().unwrap());
+        self.prefix = self.root.prefix().unwrap();
+        claim
+    }
+
+    /// Ends the instance.
+    pub(crate) fn end(&mut self) {
+        self.claim.take().unwrap().remove().unwrap();
     }
 
     pub(crate) fn root(&self) -> &Root {
@@ -63,7 +73,7 @@ impl Drop for Home {
             return;
         }
         removed.unwrap();
-        let left: Vec<_> = shared_memory(&self.root);
+        let left: Vec<_> = self.prefix.iter().flat_map(|prefix| memory_of(prefix)).collect();
         assert!(left.is_empty(), "left in shared memory: {left:?}");
         let left: Vec<_> = fs::read_dir(self.folder.path()).unwrap().collect();
         assert!(left.is_empty(), "left in the base folder: {left:?}");
@@ -72,10 +82,18 @@ impl Drop for Home {
 
 /// Names of the files of `root` in shared memory.
 pub(crate) fn shared_memory(root: &Root) -> Vec<String> {
+    root.prefix()
+        .unwrap()
+        .map(|prefix| memory_of(&prefix))
+        .unwrap_or_default()
+}
+
+/// Names of the files in shared memory that begin with `prefix`.
+pub(crate) fn memory_of(prefix: &str) -> Vec<String> {
     fs::read_dir(Path::new("/dev/shm"))
         .unwrap()
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter(|name| name.starts_with(root.prefix()))
+        .filter(|name| name.starts_with(prefix))
         .collect()
 }
 

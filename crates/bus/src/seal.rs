@@ -1,0 +1,171 @@
+//! The seal of an instance: a file in its folder that proves that Koseki made the folder, and whose lock proves that it is
+//! used.
+//!
+//! The file holds the *prefix*, with which the names of the instance's memory begin. That memory lies in a folder in
+//! which every user of the machine can make files, so a prefix that could be foreseen could be occupied beforehand.
+//! It is drawn at random for each run, and drawn again if anything begins with it already.
+//!
+//! Every process that joins the instance holds a shared lock of the file until it leaves; whoever removes the instance
+//! takes the exclusive one first. So nobody joins while it is being removed, which would bring some of its files back
+//! after their removal.
+
+use std::fs::{self, DirBuilder, File, OpenOptions};
+use std::io::{self, Read, Write as _};
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use rustix::fs::{FlockOperation, flock};
+use rustix::rand::{GetRandomFlags, getrandom};
+
+use crate::error::{BusError, io_error};
+
+/// Where POSIX shared memory appears as files.
+pub(crate) const SHARED_MEMORY_DIR: &str = "/dev/shm";
+/// Flag for opening files: a link in the place of the file is an error.
+pub(crate) const NO_LINKS: i32 = rustix::fs::OFlags::NOFOLLOW.bits() as i32;
+
+/// Letters of the prefix: 'k', eight hexadecimal digits, '_'.
+pub(crate) const PREFIX_LEN: usize = 10;
+
+/// Name of the file in the instance's folder.
+pub(crate) const SEAL: &str = "koseki-instance";
+
+/// An instance's seal.
+#[derive(Debug)]
+pub(crate) struct Seal {
+    pub(crate) file: File,
+    /// `None` if the process that was making the instance was killed before it had any memory.
+    pub(crate) prefix: Option<String>,
+}
+
+impl Seal {
+    /// The seal in `folder`; `None` if there is no folder, or nothing is in it.
+    ///
+    /// # Errors
+    /// [`BusError::NotOurs`] if there is something in the folder, but no seal.
+    pub(crate) fn open(folder: &Path) -> Result<Option<Self>, BusError> {
+        let path = folder.join(SEAL);
+        let not_ours = || BusError::NotOurs {
+            path: folder.to_owned(),
+        };
+        if fs::symlink_metadata(folder).is_ok_and(|found| !found.is_dir()) {
+            return Err(not_ours());
+        }
+        let mut file = match OpenOptions::new().read(true).custom_flags(NO_LINKS).open(&path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let entries = fs::read_dir(folder).into_iter().flatten().count();
+                return if entries == 0 { Ok(None) } else { Err(not_ours()) };
+            }
+            Err(error) => return Err(io_error("open", &path)(error)),
+        };
+        let mut text = String::new();
+        // As much as it has, and a little.
+        let read = Read::take(&mut file, 64).read_to_string(&mut text);
+        read.map_err(io_error("read", &path))?;
+        let prefix = match text.trim_end() {
+            "" => None,
+            prefix if is_prefix(prefix) => Some(prefix.to_owned()),
+            _ => return Err(not_ours()),
+        };
+        Ok(Some(Self { file, prefix }))
+    }
+
+    /// Makes the folder and its seal. Only for the holder of the instance's lock.
+    pub(crate) fn make(folder: &Path) -> Result<(), BusError> {
+        let made = DirBuilder::new().recursive(true).mode(0o700).create(folder);
+        made.map_err(io_error("create", folder))?;
+        let path = folder.join(SEAL);
+        let written = OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .mode(0o600)
+            .open(&path)
+            .and_then(|mut file| writeln!(file, "{}", free_prefix()?));
+        written.map_err(io_error("write", &path))
+    }
+
+    /// Whether nobody has joined, and nobody can any more as long as this seal lives.
+    pub(crate) fn lock_alone(&self) -> io::Result<bool> {
+        let patience = Patience::begin();
+        while !self.try_lock_alone()? {
+            if patience.is_over() {
+                return Ok(false);
+            }
+            patience.pause();
+        }
+        Ok(true)
+    }
+
+    /// The same without waiting for those who are just looking. A process's own membership is given up by it.
+    pub(crate) fn try_lock_alone(&self) -> io::Result<bool> {
+        match flock(&self.file, FlockOperation::NonBlockingLockExclusive) {
+            Ok(()) => Ok(true),
+            Err(rustix::io::Errno::WOULDBLOCK) => Ok(false),
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+/// How long one waits for a lock that others hold for a moment: a status command that looks, or a process between its
+/// start by another thread and its becoming another program.
+#[derive(Debug)]
+pub(crate) struct Patience(Instant);
+
+impl Patience {
+    pub(crate) fn begin() -> Self {
+        Self(Instant::now() + Duration::from_millis(250))
+    }
+
+    /// So little that another one who waits for what is held meanwhile is still waiting afterwards.
+    pub(crate) fn begin_short() -> Self {
+        Self(Instant::now() + Duration::from_millis(50))
+    }
+
+    pub(crate) fn is_over(&self) -> bool {
+        Instant::now() >= self.0
+    }
+
+    pub(crate) fn pause(&self) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Whether `path` still names the file that was opened.
+pub(crate) fn is_same_file(file: &File, path: &Path) -> bool {
+    match (file.metadata(), fs::symlink_metadata(path)) {
+        (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
+        _ => false,
+    }
+}
+
+/// A number that nobody can foresee.
+pub(crate) fn random() -> u32 {
+    let mut octets = [0; 4];
+    // The kernel refuses it only while the machine starts, and then the place is checked all the same.
+    let _ = getrandom(&mut octets, GetRandomFlags::empty());
+    u32::from_ne_bytes(octets)
+}
+
+fn is_prefix(text: &str) -> bool {
+    let digits = text.strip_prefix('k').and_then(|rest| rest.strip_suffix('_'));
+    text.len() == PREFIX_LEN && digits.is_some_and(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()))
+}
+
+/// A prefix with which nothing begins in shared memory.
+fn free_prefix() -> io::Result<String> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(SHARED_MEMORY_DIR)? {
+        names.push(entry?.file_name());
+    }
+    loop {
+        let prefix = format!("k{:08x}_", random());
+        if !names
+            .iter()
+            .any(|name| name.as_encoded_bytes().starts_with(prefix.as_bytes()))
+        {
+            return Ok(prefix);
+        }
+    }
+}
