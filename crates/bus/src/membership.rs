@@ -3,7 +3,7 @@
 use rustix::fs::{FlockOperation, flock};
 
 use crate::error::BusError;
-use crate::root::Root;
+use crate::root::{Root, Wiped, wipe_memory};
 use crate::seal::{SEAL, Seal, is_same_file};
 
 /// A process's part in an instance. It ends when dropped, which must be after the process's last port. If nobody runs
@@ -41,8 +41,19 @@ impl Drop for Membership {
         // The last one that leaves is the only one who can lock it alone, for all have given up their locks before they
         // try. If something fails, as where a launcher that was killed still holds its lock, the next start clears up.
         let _ = flock(&self.seal.file, FlockOperation::Unlock);
-        if matches!(self.root.holder(), Ok(None)) && self.seal.try_lock_alone().unwrap_or(false) {
+        if !is_same_file(&self.seal.file, &self.root.path().join(SEAL)) {
+            // The memory was replaced while this process had it. What it made there since then is nobody's.
+            if let Some(prefix) = self.seal.prefix.as_ref().filter(|_| self.is_last()) {
+                let _ = wipe_memory(prefix, &mut Wiped::default());
+            }
+        } else if matches!(self.root.holder(), Ok(None)) && self.is_last() {
             let _ = self.root.clear_alone(&self.seal);
         }
+    }
+}
+
+impl Membership {
+    fn is_last(&self) -> bool {
+        self.seal.try_lock_alone().unwrap_or(false)
     }
 }

@@ -117,8 +117,8 @@ impl Root {
         &self.path
     }
 
-    /// With what the names of the instance's memory begin: iceoryx2's `prefix`, for its tools and other languages. It is
-    /// drawn anew for each run. `None` if the instance neither runs nor was left behind.
+    /// With what the names of the instance's memory begin: iceoryx2's `prefix`, for its tools and other languages. It
+    /// is drawn anew for each run. `None` if the instance neither runs nor was left behind.
     ///
     /// # Errors
     /// If the seal cannot be read, or is none.
@@ -250,8 +250,8 @@ impl Root {
     }
 
     /// iceoryx2's settings for this instance. No file is read: what the machine's administrator configured for other
-    /// users of iceoryx2 does not apply. Names of memory begin with `prefix`; subscribers keep what `leavers` publishers
-    /// left unread.
+    /// users of iceoryx2 does not apply. Names of memory begin with `prefix`; subscribers keep what `leavers`
+    /// publishers left unread.
     pub(crate) fn config(&self, prefix: &str, leavers: usize) -> Result<Config, BusError> {
         let unusable = |error: String| io_error("use", &self.path)(io::Error::other(error));
         let path = self.path.as_os_str().as_encoded_bytes();
@@ -331,8 +331,8 @@ impl Root {
         self.wipe_sealed(&seal)
     }
 
-    /// Removes the instance without a trace, for the last process that leaves it: nobody runs it any more, and `seal` is
-    /// locked for this process alone.
+    /// Removes the instance without a trace, for the last process that leaves it: nobody runs it any more, and `seal`
+    /// is locked for this process alone.
     pub(crate) fn clear_alone(&self, seal: &Seal) -> Result<(), BusError> {
         // Who runs it by now will find what is to be removed.
         let _lock = self.lock(&seal::Patience::begin_short())?;
@@ -388,7 +388,7 @@ pub(crate) fn close_to_others(prefix: &str) -> Result<(), BusError> {
 }
 
 /// Removes the memory whose names begin with `prefix`. Files of other users, which have chosen such names, are theirs.
-fn wipe_memory(prefix: &str, wiped: &mut Wiped) -> Result<(), BusError> {
+pub(crate) fn wipe_memory(prefix: &str, wiped: &mut Wiped) -> Result<(), BusError> {
     let folder = Path::new(SHARED_MEMORY_DIR);
     for entry in fs::read_dir(folder).map_err(io_error("read", folder))? {
         let entry = entry.map_err(io_error("read", folder))?;

@@ -1,5 +1,5 @@
-//! The seal of an instance: a file in its folder that proves that Koseki made the folder, and whose lock proves that it is
-//! used.
+//! The seal of an instance: a file in its folder that proves that Koseki made the folder, and whose lock proves that
+//! the folder is used.
 //!
 //! The file holds the *prefix*, with which the names of the instance's memory begin. That memory lies in a folder in
 //! which every user of the machine can make files, so a prefix that could be foreseen could be occupied beforehand.
