@@ -117,7 +117,7 @@ enabled = false
 
     /// The report that the monitor has written at the end.
     fn report(&self) -> serde_json::Value {
-        serde_json::from_slice(&std::fs::read(self.home.path("out/report.json")).unwrap()).unwrap()
+        serde_json::from_slice(&std::fs::read(self.home.path("out/latest/report.json")).unwrap()).unwrap()
     }
 }
 

@@ -75,11 +75,11 @@ fn counts_change_the_tracks_and_the_recording_gives_them_again() {
             site.counted(label),
             expected,
             "{label}: {}",
-            site.read("out/report.json")
+            site.read("out/latest/report.json")
         );
     }
     assert!(site.counted("wide_area_used") >= 6);
-    let recorded = site.read("out/wide_area_remote.csv");
+    let recorded = site.read("out/latest/wide_area_remote.csv");
     assert_eq!(recorded.lines().count(), 1 + seen.len(), "{recorded}");
     let published = site.published();
     assert!(published.len() > 40, "{}", published.len());
@@ -116,7 +116,7 @@ fn a_silent_sensor_changes_nothing_and_one_that_is_killed_comes_back() {
         .subscriber(&messages::wide_area("remote"), || mono_ns() as u64)
         .unwrap();
     assert_eq!(
-        site.read("out/wide_area_remote.csv").lines().count(),
+        site.read("out/latest/wide_area_remote.csv").lines().count(),
         0,
         "nothing has been said so far"
     );
@@ -250,14 +250,14 @@ fn a_recording_is_supported_alike_at_any_speed() {
         "detections_radar.csv",
         "wide_area_remote.csv",
     ] {
-        let (fast, slow) = (site.read(&format!("out/{name}")), site.read(&format!("slow/{name}")));
+        let (fast, slow) = (site.read(&format!("out/latest/{name}")), site.read(&format!("slow/latest/{name}")));
         let lines = [&fast, &slow].map(|text| text.lines().count());
         assert!(fast == slow && lines[0] > 10, "{name}: {lines:?}");
     }
     let with_route = |line: &str| format!("{line},\n");
     let expected: String = counts.lines().skip(1).map(with_route).collect();
     assert_eq!(
-        site.read("out/wide_area_remote.csv").split_once('\n').unwrap().1,
+        site.read("out/latest/wide_area_remote.csv").split_once('\n').unwrap().1,
         expected,
         "to the last digit"
     );
@@ -316,7 +316,7 @@ fn cues_and_even_times_in_a_running_deployment() {
             .all(|pair| pair[1].sequence == pair[0].sequence + 1 && pair[1].time_ns >= pair[0].time_ns)
     );
     // `koseki track` says the same of the recorded detections.
-    let detections = "out/detections_radar.csv";
+    let detections = "out/latest/detections_radar.csv";
     let arguments = [
         "track",
         "--detections",
@@ -331,7 +331,7 @@ fn cues_and_even_times_in_a_running_deployment() {
     let output = site.home.run(&arguments);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let looks = site.read("looks.csv");
-    let recorded = site.read("out/cues_radar.csv");
+    let recorded = site.read("out/latest/cues_radar.csv");
     assert!(looks.starts_with(&recorded), "{recorded}");
     assert!(recorded.lines().count() > cues.len(), "less than a reader has heard");
     let looks: Vec<Vec<f64>> = looks
@@ -356,7 +356,7 @@ fn cues_and_even_times_in_a_running_deployment() {
         .map(|row| row.split(',').next().unwrap().parse().unwrap())
         .collect();
     assert!(
-        times.len() > 20 && times.is_sorted() && times.iter().all(|time_s| (time_s * 4.0).fract() == 0.0),
+        times.len() > 10 && times.is_sorted() && times.iter().all(|time_s| (time_s * 4.0).fract() == 0.0),
         "{times:?}"
     );
     site.home.assert_nothing_is_left("test");
@@ -380,7 +380,7 @@ fn what_a_direction_finder_hears_identifies_a_track() {
     until("the finder's adapter listens", || {
         site.home.status_row("ears").state == "running"
     });
-    let named = |site: &Site| site.read("out/sensor_tracks_radar.csv").contains(",patrol,");
+    let named = |site: &Site| site.read("out/latest/sensor_tracks_radar.csv").contains(",patrol,");
     for turn in 0..200 {
         if turn > 10 {
             let ([east, north], now_s) = (site.radar.middle_m(), utc_ns().rem_euclid(NS_PER_DAY) as f64 / NS);
@@ -396,7 +396,7 @@ fn what_a_direction_finder_hears_identifies_a_track() {
     }
     let (status, said) = running.stop();
     assert_eq!(status.code(), Some(0), "{said}");
-    assert!(named(&site), "{}", site.read("out/sensor_tracks_radar.csv"));
+    assert!(named(&site), "{}", site.read("out/latest/sensor_tracks_radar.csv"));
     assert!(site.counted("emissions") > 0 && site.counted("emissions_rejected") > 0);
     site.home.assert_nothing_is_left("test");
 }

@@ -69,7 +69,7 @@ impl Site {
 
     /// Tracks that `koseki track` makes of detections: their rows without sensor and what only the tracker knows.
     fn tracked(&self, name: &str, detections: &[&str], config: &str) -> Vec<String> {
-        let header = self.read("out/detections_radar.csv").lines().next().unwrap().to_owned();
+        let header = self.read("out/latest/detections_radar.csv").lines().next().unwrap().to_owned();
         fs::write(self.home.path(name), format!("{header}\n{}\n", detections.join("\n"))).unwrap();
         let arguments = ["track", "--detections", name, "--config", config, "--out", "again.csv"];
         let output = self.home.run(&arguments);
@@ -144,7 +144,7 @@ impl Radar {
 fn plots_become_tracks_and_their_recording_gives_the_same_again() {
     let mut site = Site::new();
     let running = site.start();
-    let recorded = site.home.path("out/sensor_tracks_radar.csv");
+    let recorded = site.home.path("out/latest/sensor_tracks_radar.csv");
     let lines = || fs::read_to_string(&recorded).unwrap_or_default().lines().count();
     for _ in 0..40 {
         site.radar.turn();
@@ -152,8 +152,8 @@ fn plots_become_tracks_and_their_recording_gives_the_same_again() {
     let (status, said) = running.stop();
     assert_eq!(status.code(), Some(0), "{said}");
     let (tracks, detections) = (
-        site.read("out/sensor_tracks_radar.csv"),
-        site.read("out/detections_radar.csv"),
+        site.read("out/latest/sensor_tracks_radar.csv"),
+        site.read("out/latest/detections_radar.csv"),
     );
     let (published, detections): (Vec<String>, Vec<&str>) = (rows(&tracks), detections.lines().skip(1).collect());
     assert!(
@@ -178,7 +178,7 @@ fn plots_become_tracks_and_their_recording_gives_the_same_again() {
     let confirmed = published.iter().map(|row| row.split(',').nth(1).unwrap().to_owned());
     let numbers: std::collections::BTreeSet<String> = confirmed.collect();
     assert!((TARGETS..TARGETS + 3).contains(&numbers.len()), "{numbers:?}");
-    let report = site.read("out/report.json");
+    let report = site.read("out/latest/report.json");
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert!(report.to_string().contains("\"detections\""), "{report}");
     site.home.assert_nothing_is_left("test");
@@ -188,7 +188,7 @@ fn plots_become_tracks_and_their_recording_gives_the_same_again() {
 fn an_adapter_that_is_killed_goes_on_with_new_numbers() {
     let mut site = Site::new();
     let running = site.start();
-    let system = site.home.path("out/system_tracks.csv");
+    let system = site.home.path("out/latest/system_tracks.csv");
     let written = |name: &std::path::Path| fs::read_to_string(name).unwrap_or_default().lines().count();
     for _ in 0..20 {
         site.radar.turn();
@@ -205,7 +205,7 @@ fn an_adapter_that_is_killed_goes_on_with_new_numbers() {
     }
     let (status, said) = running.stop();
     assert_eq!(status.code(), Some(0), "{said}");
-    let detections = site.read("out/detections_radar.csv");
+    let detections = site.read("out/latest/detections_radar.csv");
     let detections: Vec<&str> = detections.lines().skip(1).collect();
     let scan = |row: &&str| row.split(',').nth(2).unwrap().parse::<u32>().unwrap();
     let scans: Vec<u32> = detections.iter().map(scan).collect();
@@ -214,7 +214,7 @@ fn an_adapter_that_is_killed_goes_on_with_new_numbers() {
     let gap = (1..scans.len())
         .max_by_key(|place| scans[*place] - scans[place - 1])
         .unwrap();
-    let published = rows(&site.read("out/sensor_tracks_radar.csv"));
+    let published = rows(&site.read("out/latest/sensor_tracks_radar.csv"));
     let after = site.tracked("after.csv", &detections[gap..], "site.toml");
     assert!(after.len() > 40, "{}", after.len());
     assert!(published.ends_with(&after), "the restarted adapter's tracks");
@@ -265,7 +265,7 @@ fn a_recording_of_plots_is_tracked_at_any_speed() {
         ];
         let output = site.home.run(&up);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
-        let files = ["sensor_tracks_radar.csv", "detections_radar.csv"].map(|name| site.read(&format!("{out}/{name}")));
+        let files = ["sensor_tracks_radar.csv", "detections_radar.csv"].map(|name| site.read(&format!("{out}/latest/{name}")));
         let [tracks, detections] = files;
         assert!(
             tracks.lines().count() > 150 && detections.lines().count() > 400,

@@ -274,7 +274,7 @@ fn replay(data: &Path, more: &[&str]) -> (Home, PathBuf) {
     let (status, said) = start(&home, data, more).end();
     assert!(status.success(), "{said}");
     home.assert_nothing_is_left(INSTANCE);
-    let out = home.path("out");
+    let out = home.path("out/latest");
     (home, out)
 }
 
@@ -556,7 +556,7 @@ fn files_at(speeds: &[&str], start: &dyn Fn(&Home, &str) -> Running) -> BTreeMap
         let (status, said) = start(&home, speed).end();
         assert!(status.success(), "{said}");
         home.assert_nothing_is_left(INSTANCE);
-        let found = bytes_of(&home.path("out"));
+        let found = bytes_of(&home.path("out/latest"));
         if let Some(files) = &files {
             assert!(found.keys().eq(files.keys()), "{speed}: {:?}", found.keys());
             let differ = found.iter().find(|(name, bytes)| files[*name] != **bytes);
@@ -599,7 +599,7 @@ fn a_killed_adapter_leaves_no_trace_in_the_files() {
     let home = Home::new();
     let running = start(&home, &data, &["--speed", "1500"]);
     for name in ["multilateration", "radar"] {
-        let file = home.path(&format!("out/sensor_tracks_{name}.csv"));
+        let file = home.path(&format!("out/latest/sensor_tracks_{name}.csv"));
         // Killed in the middle of its work, not while it starts.
         until("it has begun", || {
             std::fs::metadata(&file).is_ok_and(|file| file.len() > 200_000)
@@ -612,8 +612,8 @@ fn a_killed_adapter_leaves_no_trace_in_the_files() {
     assert!(status.success(), "{said}");
     home.assert_nothing_is_left(INSTANCE);
     assert!(
-        bytes_of(&undisturbed) == bytes_of(&home.path("out")),
+        bytes_of(&undisturbed) == bytes_of(&home.path("out/latest")),
         "the files differ"
     );
-    assert!(home.read("out/report.json").contains("SIGKILL"), "the report says so");
+    assert!(home.read("out/latest/report.json").contains("SIGKILL"), "the report says so");
 }

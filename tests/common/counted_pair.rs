@@ -144,8 +144,8 @@ impl Site {
     /// What `koseki track` makes of the recorded detections, with the recorded counts or without.
     pub(crate) fn tracked(&self, out: &str, with_counts: bool) -> Vec<String> {
         let (detections, counts) = (
-            format!("{out}/detections_radar.csv"),
-            format!("{out}/wide_area_remote.csv"),
+            format!("{out}/latest/detections_radar.csv"),
+            format!("{out}/latest/wide_area_remote.csv"),
         );
         let mut arguments = vec![
             "track",
@@ -166,11 +166,11 @@ impl Site {
 
     /// Lines of the recorded tracks so far.
     pub(crate) fn lines(&self) -> usize {
-        self.read("out/sensor_tracks_radar.csv").lines().count()
+        self.read("out/latest/sensor_tracks_radar.csv").lines().count()
     }
 
     pub(crate) fn published(&self) -> Vec<String> {
-        rows(&self.read("out/sensor_tracks_radar.csv"))
+        rows(&self.read("out/latest/sensor_tracks_radar.csv"))
     }
 
     /// Sum of a counter over everything in the final report that has one.
@@ -185,7 +185,7 @@ impl Site {
                 _ => 0,
             }
         }
-        let report: serde_json::Value = serde_json::from_str(&self.read("out/report.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_str(&self.read("out/latest/report.json")).unwrap();
         // What a process says of its socket is said twice.
         sum(&report["sources"], label) + sum(&report["network"], label)
     }

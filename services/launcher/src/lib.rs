@@ -45,6 +45,7 @@ pub mod keeper;
 mod link;
 mod part;
 mod preflight;
+mod records;
 mod service_manager;
 mod supervisor;
 mod suspicion;
@@ -55,7 +56,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use configuration::Config;
-use runtime::Options;
+use runtime::{Now, Options};
 use runtime::instance::{self, Instance};
 use runtime::signals::Stop;
 
@@ -83,9 +84,19 @@ pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
     let processes = part::parts(config).len();
     let instance = Instance::claim(config, &orders.options.instance, processes, &stop, say)?;
     let result = preflight::check(config)
-        .and_then(|()| supervisor::Supervisor::new(config, orders, &instance, stop, wake))
-        .and_then(supervisor::Supervisor::run);
+        .and_then(|()| with_records(config, orders.clone()))
+        .and_then(|orders| supervisor::Supervisor::new(config, &orders, &instance, stop, wake)?.run());
     result.and(instance.clear())
+}
+
+/// The orders, with a folder of this start's own in the place of the one that is asked for, if anything is written.
+fn with_records(config: &Config, mut orders: Orders) -> anyhow::Result<Orders> {
+    if config.recorder || config.monitor.files {
+        let out = &mut orders.options.out;
+        *out = records::begin(out, Now::read().utc_ns)?;
+        say(&format!("this start writes to {}", out.display()));
+    }
+    Ok(orders)
 }
 
 /// Most bytes that a deployment takes in shared memory.

@@ -2,20 +2,38 @@
 //!
 //! A run's files must not be lost because the process that writes them was restarted. What the dead one had written
 //! stands; its last line may be torn, and is cut off. Which run a folder's files belong to stands beside them, in
-//! `run.txt`: files of another run are replaced.
+//! `run.txt`: a folder of another run is refused, for a recording is never replaced.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom};
 use std::path::Path;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 
-/// Whether the files in `folder` are of the run that is described by `run`; from now on they are.
+/// Whether the files in `folder` are of the run that is described by `run`; if there are none, from now on they are.
+///
+/// # Errors
+/// If the files are of another run, or the folder cannot be written to.
 pub(crate) fn claim(folder: &Path, run: &str) -> anyhow::Result<bool> {
     let path = folder.join("run.txt");
-    let same = std::fs::read_to_string(&path).is_ok_and(|text| text == run);
-    std::fs::write(&path, run).with_context(|| format!("writing {}", path.display()))?;
-    Ok(same)
+    match std::fs::read_to_string(&path) {
+        Ok(text) => {
+            ensure!(
+                text == run,
+                "{} holds the recording of another run ({}); name another folder",
+                folder.display(),
+                text.trim()
+            );
+            Ok(true)
+        }
+        Err(_) => {
+            // Whole or not at all: half a line would be of another run.
+            let new = folder.join(".run.txt");
+            let write = || std::fs::write(&new, run).and_then(|()| std::fs::rename(&new, &path));
+            write().with_context(|| format!("writing {}", path.display()))?;
+            Ok(false)
+        }
+    }
 }
 
 /// A file to write rows to.
@@ -32,7 +50,7 @@ pub(crate) fn open(path: &Path, resume: bool) -> anyhow::Result<Opened> {
     let opened = if resume && path.exists() {
         resumed(path)
     } else {
-        File::create(path).map(|file| Opened { file, rows: 0 })
+        File::create_new(path).map(|file| Opened { file, rows: 0 })
     };
     opened.with_context(|| format!("opening {} for writing", path.display()))
 }
@@ -75,16 +93,17 @@ mod tests {
         assert_eq!(after("header\n1\n", true), (1, "header\n1\n+".to_owned()));
         assert_eq!(after("header\n", true), (0, "+".to_owned()));
         assert_eq!(after("hea", true), (0, "+".to_owned()));
-        assert_eq!(after("header\n1\n", false), (0, "+".to_owned()));
+        assert_eq!(after("", true), (0, "+".to_owned()));
     }
 
     #[test]
-    fn a_folder_belongs_to_the_last_run_that_claimed_it() {
+    fn a_folder_belongs_to_the_first_run_that_claimed_it() {
         let folder = tempfile::tempdir().unwrap();
         assert!(!claim(folder.path(), "first").unwrap());
         assert!(claim(folder.path(), "first").unwrap());
-        assert!(!claim(folder.path(), "second").unwrap());
-        assert!(!claim(folder.path(), "first").unwrap());
+        let refused = claim(folder.path(), "second").unwrap_err().to_string();
+        assert!(refused.contains("another run (first); name another folder"), "{refused}");
+        assert!(claim(folder.path(), "first").unwrap());
     }
 
     #[test]
