@@ -159,7 +159,7 @@ fn a_source_that_falls_silent_is_told_until_it_speaks_again() {
     site.until_said(&running, "alarm cleared: radar has sent nothing for ", scan);
     let (status, said) = running.stop();
     assert_eq!(status.code(), Some(0), "{said}");
-    let rows = std::fs::read_to_string(site.home.path("out/alarms.csv")).unwrap();
+    let rows = std::fs::read_to_string(site.home.path("out/latest/alarms.csv")).unwrap();
     let events: Vec<&str> = rows.lines().skip(1).map(|row| row.split(',').nth(2).unwrap()).collect();
     assert!(events.starts_with(&["raised"]) && events.contains(&"cleared"), "{rows}");
     site.home.assert_nothing_is_left("test");
@@ -177,7 +177,7 @@ fn what_is_not_configured_is_named() {
     site.until_said(&running, words, |site| drop(site.socket.send_to(&old, site.to)));
     let (_, said) = running.stop();
     let report: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(site.home.path("out/report.json")).unwrap()).unwrap();
+        serde_json::from_slice(&std::fs::read(site.home.path("out/latest/report.json")).unwrap()).unwrap();
     let alarms: Vec<_> = report["alarms"]
         .as_array()
         .unwrap()
@@ -218,7 +218,7 @@ fn assert_no_alarm(arguments: &[&str]) {
     let output = home.run(&command);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let report: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(home.path("out/report.json")).unwrap()).unwrap();
+        serde_json::from_slice(&std::fs::read(home.path("out/latest/report.json")).unwrap()).unwrap();
     let alarms = report["alarms"].as_array().unwrap();
     let is_of_machine = |alarm: &serde_json::Value| OF_THE_MACHINE.contains(&alarm["alarm"].as_str().unwrap());
     assert!(alarms.iter().all(is_of_machine), "{alarms:#?}");

@@ -144,7 +144,10 @@ fn the_record_is_located_again(home: &Home, heard: usize, states: usize) {
         let cells = |line: &str| line.split(',').map(str::to_owned).collect();
         text.lines().skip(1).map(cells).collect()
     };
-    let (bearings, platform) = (rows("out/latest/bearings_finder.csv"), rows("out/latest/platform_states_finder.csv"));
+    let (bearings, platform) = (
+        rows("out/latest/bearings_finder.csv"),
+        rows("out/latest/platform_states_finder.csv"),
+    );
     assert!(
         bearings.len() >= heard && platform.len() >= states,
         "less than a reader has heard"
@@ -154,7 +157,13 @@ fn the_record_is_located_again(home: &Home, heard: usize, states: usize) {
         bearings[0][4..7],
         "where the first bearing was measured from"
     );
-    let output = home.run(&["locate", "--bearings", "out/latest/bearings_finder.csv", "--out", "again.csv"]);
+    let output = home.run(&[
+        "locate",
+        "--bearings",
+        "out/latest/bearings_finder.csv",
+        "--out",
+        "again.csv",
+    ]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     // Time, number and place; a sensor track has its sensor between the first two.
     let again: BTreeSet<Vec<String>> = rows("again.csv").into_iter().map(|row| row[..5].to_vec()).collect();

@@ -250,7 +250,10 @@ fn a_recording_is_supported_alike_at_any_speed() {
         "detections_radar.csv",
         "wide_area_remote.csv",
     ] {
-        let (fast, slow) = (site.read(&format!("out/latest/{name}")), site.read(&format!("slow/latest/{name}")));
+        let (fast, slow) = (
+            site.read(&format!("out/latest/{name}")),
+            site.read(&format!("slow/latest/{name}")),
+        );
         let lines = [&fast, &slow].map(|text| text.lines().count());
         assert!(fast == slow && lines[0] > 10, "{name}: {lines:?}");
     }

@@ -69,7 +69,12 @@ impl Site {
 
     /// Tracks that `koseki track` makes of detections: their rows without sensor and what only the tracker knows.
     fn tracked(&self, name: &str, detections: &[&str], config: &str) -> Vec<String> {
-        let header = self.read("out/latest/detections_radar.csv").lines().next().unwrap().to_owned();
+        let header = self
+            .read("out/latest/detections_radar.csv")
+            .lines()
+            .next()
+            .unwrap()
+            .to_owned();
         fs::write(self.home.path(name), format!("{header}\n{}\n", detections.join("\n"))).unwrap();
         let arguments = ["track", "--detections", name, "--config", config, "--out", "again.csv"];
         let output = self.home.run(&arguments);
@@ -265,7 +270,8 @@ fn a_recording_of_plots_is_tracked_at_any_speed() {
         ];
         let output = site.home.run(&up);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
-        let files = ["sensor_tracks_radar.csv", "detections_radar.csv"].map(|name| site.read(&format!("{out}/latest/{name}")));
+        let files =
+            ["sensor_tracks_radar.csv", "detections_radar.csv"].map(|name| site.read(&format!("{out}/latest/{name}")));
         let [tracks, detections] = files;
         assert!(
             tracks.lines().count() > 150 && detections.lines().count() > 400,

@@ -592,6 +592,64 @@ fn hashes(files: &BTreeMap<String, Vec<u8>>) -> String {
     out + &hash_of_columns("system_tracks.csv, contributions", fused, of_fusion)
 }
 
+/// Rows that died with a recorder are missed and said to be, to the row; nothing is written twice, whoever is killed.
+#[test]
+fn what_died_with_a_recorder_is_counted_and_nothing_is_written_twice() {
+    let Some(data) = recordings("lebl2016") else { return };
+    let (_whole, undisturbed) = replay(&data, &["--speed", "max"]);
+    let home = Home::new();
+    let running = start(&home, &data, &["--speed", "250"]);
+    let file = home.path("out/latest/sensor_tracks_ads-b.csv");
+    let size = || std::fs::metadata(&file).map_or(0, |file| file.len());
+    for name in [
+        "recorder",
+        "multilateration",
+        "recorder",
+        "fusion",
+        "recorder",
+        "ads-b",
+        "recorder",
+        "radar",
+    ] {
+        let before = size();
+        until("work goes on", || size() > before + 200_000);
+        let victim = home.status_row(name).pid;
+        kill(victim, Signal::KILL);
+        until("it is back", || {
+            let row = home.status_row(name);
+            row.pid != victim && row.state == "running"
+        });
+    }
+    let (status, said) = running.end();
+    assert!(status.success(), "{said}");
+    home.assert_nothing_is_left(INSTANCE);
+    let report: serde_json::Value = serde_json::from_str(&home.read("out/latest/report.json")).unwrap();
+    let hops = report["losses"]["hops"].as_array().unwrap();
+    let mut missing = 0;
+    for name in ["radar", "multilateration", "ads-b"] {
+        let file = format!("sensor_tracks_{name}.csv");
+        let (whole, found) = (undisturbed.join(&file), home.path("out/latest").join(&file));
+        let [whole, found] = [whole, found].map(|path| std::fs::read_to_string(path).unwrap());
+        let mut rest = whole.lines();
+        // In the same order, each at most once.
+        for row in found.lines() {
+            assert!(
+                rest.any(|other| other == row),
+                "{name}: {row} comes twice, or was never published"
+            );
+        }
+        let lacks = (whole.lines().count() - found.lines().count()) as u64;
+        let announced: u64 = hops
+            .iter()
+            .filter(|hop| hop["from"] == name && hop["to"] == "recorder")
+            .map(|hop| hop["lost"].as_u64().unwrap())
+            .sum();
+        assert_eq!(lacks, announced, "{name}: {report}");
+        missing += lacks;
+    }
+    println!("{missing} rows died with four recorders");
+}
+
 #[test]
 fn a_killed_adapter_leaves_no_trace_in_the_files() {
     let Some(data) = recordings("lebl2016") else { return };
@@ -615,5 +673,8 @@ fn a_killed_adapter_leaves_no_trace_in_the_files() {
         bytes_of(&undisturbed) == bytes_of(&home.path("out/latest")),
         "the files differ"
     );
-    assert!(home.read("out/latest/report.json").contains("SIGKILL"), "the report says so");
+    assert!(
+        home.read("out/latest/report.json").contains("SIGKILL"),
+        "the report says so"
+    );
 }

@@ -327,6 +327,8 @@ counters! {
         "Estimates that were not finite or beyond reason (a track's state, a source's errors): not used, and begun anew.";
     Rebuilds = "rebuilds", Process by [Launcher],
         "Times that the deployment was torn down and rebuilt because its shared memory was corrupt.";
+    MissingRows = "missing_rows", Level by [],
+        "Level: samples of a recorded source that are in none of the recorder's rows.";
 }
 
 #[cfg(test)]

@@ -140,13 +140,14 @@ pub struct Reached<S: Transport> {
 }
 
 impl<S: Transport> Reached<S> {
-    /// Speaks as `kind` of `streams`.
+    /// Speaks as `kind` of `streams`, of each of which all samples below a number have been worked off before.
     ///
     /// # Errors
     /// If the progress topic cannot be opened.
-    pub fn new(bus: &Bus<S>, incarnation: u64, kind: ProcessKind, streams: &[StreamId]) -> anyhow::Result<Self> {
-        let topic = |stream: &StreamId| Progress {
+    pub fn new(bus: &Bus<S>, incarnation: u64, kind: ProcessKind, streams: &[(StreamId, u64)]) -> anyhow::Result<Self> {
+        let topic = |(stream, done_sequence): &(StreamId, u64)| Progress {
             consumer_incarnation: incarnation,
+            done_sequence: *done_sequence,
             number: stream.number,
             stream: stream.stream.code(),
             consumer: kind.code(),
@@ -232,7 +233,7 @@ mod tests {
         }
 
         fn reached(&self, incarnation: u64, kind: ProcessKind) -> Reached<InProcess> {
-            Reached::new(&self.bus, incarnation, kind, &[stream(2), stream(3)]).unwrap()
+            Reached::new(&self.bus, incarnation, kind, &[(stream(2), 0), (stream(3), 0)]).unwrap()
         }
     }
 
@@ -317,7 +318,7 @@ mod tests {
             number: 3,
         };
         let mut flow = Flow::new(&bench.bus, 7, detections, 40, &[ProcessKind::Fusion]).unwrap();
-        let streams = [stream(3), detections];
+        let streams = [(stream(3), 0), (detections, 0)];
         let mut fusion = Reached::new(&bench.bus, 100, ProcessKind::Fusion, &streams).unwrap();
         fusion.say(NOW).unwrap();
         flow.update(0).unwrap();

@@ -61,9 +61,12 @@ impl<S: Transport> FusionAgent<S> {
         if recorded {
             waiter.watch(bus, &messages::progress())?;
         }
-        let stream = |source: &Source| StreamId {
-            stream: Stream::SensorTracks,
-            number: source.number,
+        let stream = |source: &Source| {
+            let id = StreamId {
+                stream: Stream::SensorTracks,
+                number: source.number,
+            };
+            (id, 0)
         };
         let streams: Vec<_> = config.sources.iter().map(stream).collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Fusion, &streams);

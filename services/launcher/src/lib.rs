@@ -56,9 +56,9 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use configuration::Config;
-use runtime::{Now, Options};
 use runtime::instance::{self, Instance};
 use runtime::signals::Stop;
+use runtime::{Now, Options};
 
 pub use supervisor::ChildRefused;
 

@@ -51,7 +51,10 @@ fn link_latest(out: &Path, name: &str) {
         return;
     }
     let new = out.join(format!(".{LATEST}-{name}"));
-    if symlink(name, &new).and_then(|()| std::fs::rename(&new, &latest)).is_err() {
+    if symlink(name, &new)
+        .and_then(|()| std::fs::rename(&new, &latest))
+        .is_err()
+    {
         let _ = std::fs::remove_file(&new);
     }
 }
@@ -72,9 +75,15 @@ mod tests {
         std::fs::write(out.join("latest/system_tracks.csv"), "first").unwrap();
         let again = begin(&out, START_NS + 1).unwrap();
         assert_eq!(again, out.join("20261122T231500Z-2"));
-        assert_eq!(out.join("latest").canonicalize().unwrap(), again.canonicalize().unwrap());
+        assert_eq!(
+            out.join("latest").canonicalize().unwrap(),
+            again.canonicalize().unwrap()
+        );
         assert_eq!(std::fs::read(first.join("system_tracks.csv")).unwrap(), b"first");
-        assert_eq!(begin(&out, START_NS + 61_000_000_000).unwrap(), out.join("20261122T231601Z"));
+        assert_eq!(
+            begin(&out, START_NS + 61_000_000_000).unwrap(),
+            out.join("20261122T231601Z")
+        );
         let names = std::fs::read_dir(&out).unwrap().count();
         assert_eq!(names, 4, "three folders and the link");
     }

@@ -320,7 +320,11 @@ impl Survey {
 
     fn losses(&self, sources: &[SourceReport], own: SubscriberCounts, processes: &[Process]) -> Losses {
         let hop = |from: &str, to: ProcessKind, published, read: &Counters| {
-            let (taken, lost) = (read[Counter::Taken], read[Counter::Lost]);
+            // A recorder knows by its files what died with its predecessors, counted by them or not.
+            let (taken, lost) = (
+                read[Counter::Taken],
+                read[Counter::Lost].max(read[Counter::MissingRows]),
+            );
             Hop::new(from, to.word(), published, taken, lost)
         };
         let is_restarted_monitor = |process: &Process| {

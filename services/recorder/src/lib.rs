@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 mod agent;
+mod numbering;
 mod recorded;
 mod recovery;
 mod topic_file;

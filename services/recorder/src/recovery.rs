@@ -102,7 +102,10 @@ mod tests {
         assert!(!claim(folder.path(), "first").unwrap());
         assert!(claim(folder.path(), "first").unwrap());
         let refused = claim(folder.path(), "second").unwrap_err().to_string();
-        assert!(refused.contains("another run (first); name another folder"), "{refused}");
+        assert!(
+            refused.contains("another run (first); name another folder"),
+            "{refused}"
+        );
         assert!(claim(folder.path(), "first").unwrap());
     }
 

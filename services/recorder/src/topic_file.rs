@@ -1,7 +1,10 @@
 //! One topic written to one file, a row per sample.
 //!
-//! Samples of a recording are numbered from 0, and each is one row; so a file says by its rows how far it has got, and
-//! what is published again after a restart is recognised. System tracks are not: a restarted fusion makes new ones.
+//! Samples of a recording are numbered, so a file says by its rows how far it has got (`numbering`), and what is
+//! published again after a restart is recognised. System tracks are not: a restarted fusion makes new ones.
+//!
+//! Rows are handed to the system before anybody hears that they are written, so a recorder that is killed has not said
+//! that of a row which died with it.
 
 use std::fmt::Debug;
 use std::fs::File;
@@ -14,6 +17,7 @@ use formats::rows::RowWriter;
 use frames::SystemFrame;
 use messages::{BatchHeader, StreamId};
 
+use crate::numbering::Numbering;
 use crate::recorded::Recorded;
 use crate::recovery::{self, Opened};
 
@@ -55,8 +59,8 @@ pub(crate) trait StreamFile: Debug {
     /// Whether the publisher has said that nothing follows.
     fn has_ended(&self) -> bool;
 
-    /// Hands everything to the system.
-    fn flush(&mut self) -> anyhow::Result<()>;
+    /// Number of the next sample of a replay; 0 for what is not numbered.
+    fn next_sequence(&self) -> u64;
 }
 
 /// Counts of one file.
@@ -65,6 +69,8 @@ pub(crate) struct FileCounts {
     pub(crate) subscriber: SubscriberCounts,
     /// Samples that are in no file: lost on the way, or with a recorder that died.
     pub(crate) lost: u64,
+    /// Samples of a replay that are in none of the rows before the last one, whichever recorder lost them.
+    pub(crate) missing: u64,
     pub(crate) rows: u64,
     /// Latest time of the data, UTC, nanoseconds; `i64::MIN` before the first sample.
     pub(crate) progress_ns: i64,
@@ -78,12 +84,10 @@ pub(crate) struct TopicFile<S: Transport, T: Recorded> {
     subscriber: Subscriber<S, T>,
     writer: RowWriter<T::Row, BufWriter<File>>,
     frame: SystemFrame,
-    /// Whether the samples are numbered over all their publishers.
-    is_replay: bool,
-    /// Samples of a replay below this have been written, whoever publishes them again.
-    next_sequence: u64,
-    /// Samples of a replay that were published but are in no row: a recorder died with them.
-    missed: u64,
+    /// Numbers of the samples, if these are numbered over all their publishers.
+    numbering: Option<Numbering>,
+    /// Samples that were missing when this recorder began.
+    missing_before: u64,
     rows: u64,
     progress_ns: i64,
     ended: bool,
@@ -105,6 +109,9 @@ impl<S: Transport, T: Recorded> TopicFile<S, T> {
         let topic = T::topic(name);
         let Opened { file, rows } = recovery::open(&path, place.resume)?;
         let file = BufWriter::new(file);
+        let is_replay = place.replays && id.stream.is_replayed();
+        let numbers = || Numbering::of(&path, rows).with_context(|| format!("reading the gaps of {}", path.display()));
+        let numbering = is_replay.then(numbers).transpose()?;
         place.waiter.watch(place.bus, &topic)?;
         Ok(Box::new(Self {
             id,
@@ -115,9 +122,8 @@ impl<S: Transport, T: Recorded> TopicFile<S, T> {
                 _ => RowWriter::resume(file, place.first_day_ns),
             },
             frame: place.frame,
-            is_replay: place.replays && id.stream.is_replayed(),
-            next_sequence: rows,
-            missed: 0,
+            missing_before: numbering.as_ref().map_or(0, Numbering::missing),
+            numbering,
             rows: 0,
             progress_ns: i64::MIN,
             ended: false,
@@ -137,9 +143,8 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
             subscriber,
             writer,
             frame,
-            is_replay,
-            next_sequence,
-            missed,
+            numbering,
+            missing_before: _,
             rows,
             progress_ns,
             ended,
@@ -148,23 +153,28 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
         let taken = subscriber.take(SLICES_PER_TOPIC, |header, samples| {
             for sample in samples {
                 let sequence = sample.sequence();
-                if *is_replay && sequence < *next_sequence {
+                if numbering
+                    .as_ref()
+                    .is_some_and(|numbers| sequence < numbers.next_sequence())
+                {
                     continue;
                 }
-                *missed += if *is_replay { sequence - *next_sequence } else { 0 };
-                *next_sequence = sequence.saturating_add(1);
                 *progress_ns = (*progress_ns).max(sample.time_ns());
                 let Some(row) = sample.row(id.number, frame) else {
                     continue;
                 };
                 if written.is_ok() {
-                    written = writer.write(&row);
+                    let numbered = numbering.as_mut().map_or(Ok(()), |numbers| numbers.add_row(sequence));
+                    written = numbered.and_then(|()| writer.write(&row));
                     *rows += 1;
                 }
             }
             *ended |= header.flags & BatchHeader::END != 0;
-            done(header, *next_sequence);
+            done(header, numbering.as_ref().map_or(0, Numbering::next_sequence));
         })?;
+        if taken > 0 {
+            written = written.and_then(|()| writer.flush());
+        }
         written.with_context(|| format!("writing {path}"))?;
         Ok(taken > 0)
     }
@@ -175,10 +185,12 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
 
     fn counts(&self) -> FileCounts {
         let subscriber = self.subscriber.counts();
+        let missing = self.numbering.as_ref().map(Numbering::missing);
         FileCounts {
             subscriber,
             // The numbers of a replay's samples tell more than those of its slices: what a dead recorder had taken too.
-            lost: if self.is_replay { self.missed } else { subscriber.lost },
+            lost: missing.map_or(subscriber.lost, |missing| missing - self.missing_before),
+            missing: missing.unwrap_or(0),
             rows: self.rows,
             progress_ns: self.progress_ns,
         }
@@ -188,7 +200,7 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
         self.ended
     }
 
-    fn flush(&mut self) -> anyhow::Result<()> {
-        self.writer.flush().with_context(|| format!("writing {}", self.path))
+    fn next_sequence(&self) -> u64 {
+        self.numbering.as_ref().map_or(0, Numbering::next_sequence)
     }
 }

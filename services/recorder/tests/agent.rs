@@ -48,8 +48,12 @@ impl Bench {
         }
     }
 
+    fn try_recorder(&self, run: &str) -> anyhow::Result<RecorderAgent<InProcess>> {
+        RecorderAgent::new(&config(), &self.bus, 1, &self.folder.path().join("out"), 0, run)
+    }
+
     fn recorder(&self, run: &str) -> RecorderAgent<InProcess> {
-        RecorderAgent::new(&config(), &self.bus, 1, &self.folder.path().join("out"), 0, run).unwrap()
+        self.try_recorder(run).unwrap()
     }
 
     /// Sends reports with the given numbers.
@@ -78,10 +82,18 @@ impl Bench {
     }
 }
 
-fn lost(agent: &RecorderAgent<InProcess>) -> u64 {
+fn counted(agent: &RecorderAgent<InProcess>, counter: Counter) -> u64 {
     let mut entries: Vec<HealthEntry> = Vec::new();
     agent.health(&mut entries);
-    entries[1].counters[Counter::Lost]
+    entries[1].counters[counter]
+}
+
+fn lost(agent: &RecorderAgent<InProcess>) -> u64 {
+    counted(agent, Counter::Lost)
+}
+
+fn missing(agent: &RecorderAgent<InProcess>) -> u64 {
+    counted(agent, Counter::MissingRows)
 }
 
 #[test]
@@ -124,10 +136,24 @@ fn a_restarted_recorder_continues_its_run_and_counts_what_went_missing() {
     assert_eq!(bench.rows("sensor_tracks_a.csv"), 8);
     assert_eq!(lost(&second), 2, "numbers 4 and 5 died with the first");
 
-    let mut other = bench.recorder("another run");
-    bench.send(0..1, false);
-    other.close(NOW).unwrap();
-    assert_eq!(bench.rows("sensor_tracks_a.csv"), 1, "another run's files are replaced");
+    drop(second);
+
+    // What the second one knew of the gap, the third one knows, too: nothing is written twice.
+    let mut third = bench.recorder("run");
+    bench.send(8..12, false);
+    third.close(NOW).unwrap();
+    assert_eq!(
+        (bench.rows("sensor_tracks_a.csv"), lost(&third), missing(&third)),
+        (10, 0, 2)
+    );
+    drop(third);
+
+    let refused = bench.try_recorder("another run").unwrap_err().to_string();
+    assert!(
+        refused.contains("holds the recording of another run (run)"),
+        "{refused}"
+    );
+    assert_eq!(bench.rows("sensor_tracks_a.csv"), 10, "and is left as it is");
 }
 
 #[test]

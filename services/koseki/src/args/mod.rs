@@ -169,7 +169,8 @@ pub(crate) struct Demo {
     /// Replace a value of the configuration (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Folder for what is recorded [default: records/INSTANCE]
+    /// Folder for what is recorded: each start makes one of its own in it, to which `latest` leads [default:
+    /// records/INSTANCE]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -343,7 +344,8 @@ pub(crate) struct Shared {
     /// Replay speed of recordings: seconds of the recording per second, or max (nothing is lost at any speed)
     #[arg(long, value_name = "FACTOR|max", default_value = "1", value_parser = speed)]
     speed: Speed,
-    /// Folder for what is recorded [default: records/INSTANCE]
+    /// Folder for what is recorded: each start makes one of its own in it, to which `latest` leads [default:
+    /// records/INSTANCE]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Name of this instance; several run side by side under different names [default: the configuration's name]

@@ -1,0 +1,137 @@
+//! Numbers of the samples that are the rows of a file.
+//!
+//! Samples of a replay are numbered from 0, and each is a row; so the rows of a file say by themselves which sample
+//! comes next, as long as none is missing. Where some are (they died with a recorder that had taken them), a line
+//! beside the file says so, `gaps_<file>`: after `rows` rows, the next one is of the sample `sequence`. It is written
+//! before that row is, so a recorder that is killed in between leaves a line about rows that are not there; its
+//! successor leaves it out.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+/// Header line.
+const HEADER: &str = "rows,sequence";
+
+/// Count of the rows of a file, and the number of the next sample.
+#[derive(Debug)]
+pub(crate) struct Numbering {
+    path: PathBuf,
+    /// Open once there is a gap.
+    gaps: Option<File>,
+    rows: u64,
+    /// By how much the number of the row that was written last is beyond its place.
+    ahead: u64,
+    next_sequence: u64,
+}
+
+impl Numbering {
+    /// Numbers of the file `path`, which holds `rows` rows.
+    ///
+    /// # Errors
+    /// If the file of gaps cannot be read or written.
+    pub(crate) fn of(path: &Path, rows: u64) -> io::Result<Self> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let path = path.with_file_name(format!("gaps_{name}"));
+        let text = match std::fs::read_to_string(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
+            read => read?,
+        };
+        let gap = |line: &str| {
+            let (at, sequence) = line.split_once(',')?;
+            Some((at.parse::<u64>().ok()?, sequence.parse::<u64>().ok()?))
+        };
+        // A line without an end is torn, and was about a row that was never written.
+        let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
+        let stands: Vec<_> = whole.lines().filter_map(gap).filter(|(at, _)| *at < rows).collect();
+        let ahead = stands.last().map_or(0, |(at, sequence)| sequence.saturating_sub(*at));
+        let mut numbering = Self {
+            path,
+            gaps: None,
+            rows,
+            ahead,
+            next_sequence: rows + ahead,
+        };
+        if !text.is_empty() {
+            std::fs::remove_file(&numbering.path)?;
+            stands
+                .iter()
+                .try_for_each(|(at, sequence)| numbering.note(*at, *sequence))?;
+        }
+        Ok(numbering)
+    }
+
+    fn note(&mut self, rows: u64, sequence: u64) -> io::Result<()> {
+        let gaps = match &mut self.gaps {
+            Some(gaps) => gaps,
+            None => {
+                let mut new = OpenOptions::new().create(true).append(true).open(&self.path)?;
+                writeln!(new, "{HEADER}")?;
+                self.gaps.insert(new)
+            }
+        };
+        gaps.write_all(format!("{rows},{sequence}\n").as_bytes())
+    }
+
+    /// Takes note that the next row is of the sample `sequence`, which is not below [`Self::next_sequence`].
+    ///
+    /// # Errors
+    /// If a gap cannot be written.
+    pub(crate) fn add_row(&mut self, sequence: u64) -> io::Result<()> {
+        let ahead = sequence.saturating_sub(self.rows);
+        if ahead != self.ahead {
+            self.note(self.rows, sequence)?;
+            self.ahead = ahead;
+        }
+        self.rows += 1;
+        self.next_sequence = sequence.saturating_add(1);
+        Ok(())
+    }
+
+    /// Number of the next sample: those below have been worked off, whoever publishes them again.
+    pub(crate) fn next_sequence(&self) -> u64 {
+        self.next_sequence
+    }
+
+    /// Samples before the last row that are in none.
+    pub(crate) fn missing(&self) -> u64 {
+        self.ahead
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_are_known_to_the_next_recorder_however_many_there_were() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rows.csv");
+        let gaps = || std::fs::read_to_string(folder.path().join("gaps_rows.csv")).unwrap_or_default();
+        let mut first = Numbering::of(&path, 0).unwrap();
+        (0..3).for_each(|sequence| first.add_row(sequence).unwrap());
+        assert_eq!((first.next_sequence(), first.missing(), gaps()), (3, 0, String::new()));
+        [5, 6, 10].iter().for_each(|sequence| first.add_row(*sequence).unwrap());
+        assert_eq!((first.next_sequence(), first.missing()), (11, 5));
+        assert_eq!(gaps(), "rows,sequence\n3,5\n5,10\n");
+        // All six rows are there, or the last is not, or only the first three are.
+        for (rows, next_sequence, missing, left) in [
+            (6, 11, 5, "rows,sequence\n3,5\n5,10\n"),
+            (5, 7, 2, "rows,sequence\n3,5\n"),
+            (3, 3, 0, ""),
+        ] {
+            let next = Numbering::of(&path, rows).unwrap();
+            let found = (next.next_sequence(), next.missing(), gaps());
+            assert_eq!(found, (next_sequence, missing, left.to_owned()), "{rows}");
+        }
+    }
+
+    #[test]
+    fn a_torn_line_counts_for_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rows.csv");
+        std::fs::write(folder.path().join("gaps_rows.csv"), "rows,sequence\n3,5\n4,1").unwrap();
+        let numbering = Numbering::of(&path, 9).unwrap();
+        assert_eq!((numbering.next_sequence(), numbering.missing()), (11, 2));
+    }
+}
