@@ -265,7 +265,7 @@ mod tests {
         let mut companions = Companions::default();
         let scattered = |number: u32| [f64::from(number) * 4_000.0 - 20_000.0, f64::from(number % 3) * 9_000.0];
         assert_eq!(seen(&mut companions, scattered), []);
-        let one_airway = |number: u32| (number < 2).then_some([8_000.0, 0.0]).unwrap_or([1e6, 0.0]);
+        let one_airway = |number: u32| if number < 2 { [8_000.0, 0.0] } else { [1e6, 0.0] };
         assert_eq!(seen(&mut Companions::default(), one_airway), []);
     }
 

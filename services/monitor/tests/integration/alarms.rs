@@ -394,7 +394,9 @@ fn a_rebuilt_deployment_is_told_by_the_monitor_that_comes_after_it() {
 fn a_process_that_says_nothing_any_more_hangs() {
     let mut site = Site::new(&[]);
     let silent = |site: &mut Site| site.health.clear();
-    let speaks = |site: &mut Site| drop(site.say(ProcessKind::Fusion, "fusion", NO_SOURCE));
+    let speaks = |site: &mut Site| {
+        site.say(ProcessKind::Fusion, "fusion", NO_SOURCE);
+    };
     speaks(&mut site);
     site.pass(1);
     silent(&mut site);
