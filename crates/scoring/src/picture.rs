@@ -12,6 +12,7 @@ use std::io::Read;
 
 use csv_table::CsvError;
 use messages::Covariance;
+use rustc_hash::FxHashMap;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -67,6 +68,11 @@ pub struct Timeline {
     pictures: Pictures<3>,
     /// Latest time of any row.
     end_s: Option<f64>,
+    /// Latest time of each track, to tell how often they are updated.
+    updated_s: FxHashMap<i64, f64>,
+    updates: u64,
+    /// Updates that came after the state before had ceased to show, and the sum of the times since then, seconds.
+    late_updates: (u64, f64),
 }
 
 impl Timeline {
@@ -103,7 +109,17 @@ impl Timeline {
             // Of two rows of one time the later one counts.
             pictures: Pictures::new(|state, kept| state.time_s >= kept.time_s),
             end_s: None,
+            updated_s: FxHashMap::default(),
+            updates: 0,
+            late_updates: (0, 0.0),
         }
+    }
+
+    /// Mean time between two states of a track, seconds, if most of them come after the one before has ceased to show:
+    /// tracks that are there are then missing from the pictures in between.
+    pub fn period_of_gaps_s(&self) -> Option<f64> {
+        let (late, sum_s) = self.late_updates;
+        (2 * late > self.updates).then(|| sum_s / late as f64)
     }
 
     /// Adds a state, as a row of a file would.
@@ -119,6 +135,13 @@ impl Timeline {
     }
 
     fn keep(&mut self, state: State<3>, covariance: Option<&Covariance>) {
+        if let Some(before_s) = self.updated_s.insert(state.id, state.time_s) {
+            let period_s = state.time_s - before_s;
+            self.updates += 1;
+            if period_s > self.age_max_s {
+                self.late_updates = (self.late_updates.0 + 1, self.late_updates.1 + period_s);
+            }
+        }
         let second = first_whole_second(state.time_s);
         if is_fresh(state.time_s, second, self.age_max_s) {
             let spread_m2 = covariance.map(|stated| spread_after(stated, second as f64 - state.time_s));

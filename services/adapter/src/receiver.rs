@@ -6,10 +6,9 @@
 
 use std::borrow::Cow;
 use std::fmt::Debug;
-use std::net::{IpAddr, SocketAddr};
+use std::net::IpAddr;
 use std::time::Duration;
 
-use anyhow::Context as _;
 use configuration::{Process, Transport};
 use messages::Counter;
 use net::{ReceiverSettings, UdpReceiver};
@@ -54,10 +53,7 @@ impl<D: Datagrams> Receiver<D> {
             Transport::Loopback { port } => Cow::Owned(ReceiverSettings::new(IpAddr::V4(process.loopback), *port)),
             Transport::Sbs { server, .. } => anyhow::bail!("{server} sends lines and no datagrams"),
         };
-        let socket = UdpReceiver::open(&settings).with_context(|| {
-            let address = SocketAddr::new(settings.address, settings.port);
-            format!("receiving at {address}")
-        })?;
+        let socket = UdpReceiver::open(&settings)?;
         Ok(Self { socket, reader })
     }
 }

@@ -1,7 +1,7 @@
 //! `koseki condition`: tells a running deployment which condition (weather) holds from now on (TI-7).
 //!
-//! Sensor accuracies may depend on a named condition. The order goes to fusion on the control topic, again and again
-//! until fusion's health messages show that it was obeyed or refused: repeating it changes nothing.
+//! Sensor accuracies may depend on a named condition. The order goes to fusion on the control topic, again after a
+//! second unless fusion's health messages show that it was obeyed or refused: repeating it changes nothing.
 
 use std::time::Duration;
 
@@ -14,8 +14,10 @@ use crate::args::{Condition, Usage};
 
 /// How long to wait for fusion's word.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Pause between two attempts.
+/// Pause between two looks for it.
 const PAUSE: Duration = Duration::from_millis(50);
+/// Time after which the order is repeated: far longer than an answer takes.
+const REPEAT: Duration = Duration::from_secs(1);
 
 /// Orders the condition.
 ///
@@ -34,6 +36,7 @@ pub(crate) fn run(condition: &Condition) -> anyhow::Result<()> {
     let mut health = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
     let mut control = bus.publisher(&messages::control(), mono_ns() as u64)?;
     let (start, mut before) = (instant(), None);
+    let mut due = start;
     while instant() - start < PATIENCE {
         if let Some(now) = answer(&mut health)? {
             let (obeyed, refused) = before.get_or_insert(now);
@@ -49,7 +52,8 @@ pub(crate) fn run(condition: &Condition) -> anyhow::Result<()> {
                 )));
             }
         }
-        if before.is_some() {
+        if before.is_some() && instant() >= due {
+            due = instant() + REPEAT;
             control.send(
                 Mark {
                     progress_ns: i64::MIN,

@@ -4,6 +4,7 @@
 //! it means, or as one JSON object under the same words.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use scoring::{
@@ -50,6 +51,17 @@ fn picture(score: &Score) -> anyhow::Result<()> {
         Timeline::tracks(open(tracks_file)?, score.max_age).map_err(|error| InputError::new(tracks_file, error))?;
     let found = scoring::score_picture(&truth, &tracks, &settings);
     let found = found.map_err(|error| InputError::new(truth_file, format!("{error}; see --t0 and --t1")))?;
+    if let Some(period_s) = tracks.period_of_gaps_s() {
+        // Best effort: the figures are what was asked for.
+        let _ = writeln!(
+            std::io::stderr(),
+            "koseki: hint: the tracks have a state every {} s or so, which shows for {} s only (--max-age), so they are \
+             missing in between; try --max-age {}, or tracks at even times (--refresh, --period)",
+            digits(period_s),
+            score.max_age,
+            period_s.ceil()
+        );
+    }
     show(&found, PICTURE_WORDS, score.json)
 }
 

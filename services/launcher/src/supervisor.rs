@@ -470,8 +470,8 @@ impl<'a> Supervisor<'a> {
     /// Stops all children, one kind after the other.
     ///
     /// # Errors
-    /// If one did not stop well; or if the work was in vain: `down` names children that were not there in the end, or no
-    /// report has come. That is a warning where somebody wanted the end before it could be otherwise; but a recorder
+    /// If one did not stop well; or if the work was in vain: `down` names children that were not there in the end, or
+    /// no report has come. That is a warning where somebody wanted the end before it could be otherwise; but a recorder
     /// that failed has lost what was recorded.
     fn stop_all(&mut self, down: Vec<(ProcessKind, String)>) -> anyhow::Result<()> {
         let mut problems = Vec::new();

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, Subscriber, Transport, WaitMode, Waiter};
 use configuration::{Config, MonitorWait};
 use messages::{FrameOrigin, Health, SystemTrack};
@@ -318,6 +319,11 @@ impl<S: Transport> Agent for MonitorAgent<S> {
         self.screen.end(&report);
         let survey = &self.survey;
         let finish = |files: Files| files.finish(survey.stages(), &report, |number| survey.source_name(number));
-        taken.and(self.files.take().map_or(Ok(()), finish))
+        let finished = self.files.take().map_or(Ok(()), finish);
+        let shown = match self.screen.failure() {
+            None => Ok(()),
+            Some(error) => Err(error).context("writing to standard output"),
+        };
+        taken.and(finished).and(shown)
     }
 }

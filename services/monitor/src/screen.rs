@@ -1,6 +1,6 @@
 //! Where text goes: a terminal, redrawn in place, or a log, line by line.
 
-use std::io::{IsTerminal as _, Write};
+use std::io::{self, IsTerminal as _, Write};
 
 use ratatui::backend::{Backend as _, CrosstermBackend};
 use ratatui::buffer::Buffer;
@@ -27,14 +27,16 @@ pub struct Screen {
     drawn: Option<(u16, u16)>,
     looks: Looks,
     errors: Box<dyn Write>,
-    /// Whoever read has gone (`| head`). That is no reason to stop watching.
+    /// Whoever read has gone (`| head`, a closed terminal). That is no reason to stop watching.
     gone: bool,
+    /// What else kept text from being written: a full disk, say.
+    failure: Option<io::Error>,
 }
 
 impl Screen {
     /// The process's standard output.
     pub fn standard_output() -> Self {
-        let out = std::io::stdout();
+        let out = io::stdout();
         let terminal = out.is_terminal();
         Self::new(Box::new(out), terminal)
     }
@@ -48,6 +50,7 @@ impl Screen {
             looks: Looks::of_environment(),
             errors: Box::new(std::io::stderr()),
             gone: false,
+            failure: None,
         }
     }
 
@@ -73,7 +76,7 @@ impl Screen {
     }
 
     /// Every cell is written, so that what others have written on the terminal is gone; erasing first would flicker.
-    fn draw(&mut self, overview: &Overview, size: (u16, u16)) -> std::io::Result<()> {
+    fn draw(&mut self, overview: &Overview, size: (u16, u16)) -> io::Result<()> {
         let (width, height) = size;
         // The last line is left to what others say on standard error.
         let mut buffer = Buffer::empty(Rect::new(0, 0, width, height.saturating_sub(1)));
@@ -104,6 +107,11 @@ impl Screen {
         self.write(&report.text(usize::from(width)));
     }
 
+    /// Reason for which text was not written, unless nobody wanted to read it.
+    pub(crate) fn failure(&mut self) -> Option<io::Error> {
+        self.failure.take()
+    }
+
     fn write(&mut self, text: &str) {
         self.attempt(|screen| {
             screen.out.write_all(text.as_bytes())?;
@@ -111,9 +119,14 @@ impl Screen {
         });
     }
 
-    fn attempt(&mut self, write: impl FnOnce(&mut Self) -> std::io::Result<()>) {
-        if !self.gone {
-            self.gone = write(self).is_err();
+    fn attempt(&mut self, write: impl FnOnce(&mut Self) -> io::Result<()>) {
+        if self.gone {
+            return;
+        }
+        if let Err(error) = write(self) {
+            self.gone = true;
+            let is_failure = !self.terminal && error.kind() != io::ErrorKind::BrokenPipe;
+            self.failure = Some(error).filter(|_| is_failure);
         }
     }
 }

@@ -86,36 +86,55 @@ impl Paths {
         // The platform is drawn as far as it comes near.
         let fixes = self.raw_km.iter().chain(&self.output_km);
         let (east, north, _) = equal_scales(fixes, (SIZE.0 - ASIDE, MAP_HEIGHT - ASIDE));
-        let title = format!("Emitter {}: fixes and output", self.emitter.unwrap_or_default());
+        let title = format!("Emitter {} located from bearings", self.emitter.unwrap_or_default());
         let mut chart = map_chart(area, &title, &east, &north)?;
         let inside = |at: &(f64, f64)| east.contains(&at.0) && north.contains(&at.1);
         let parts = self.platform_km.split(|at| !inside(at)).filter(|part| part.len() > 1);
-        for part in parts {
-            chart.draw_series(LineSeries::new(part.iter().copied(), PLATFORM))?;
+        for (index, part) in parts.enumerate() {
+            let drawn = chart.draw_series(LineSeries::new(part.iter().copied(), PLATFORM))?;
+            if index == 0 {
+                drawn
+                    .label("platform")
+                    .legend(|(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], PLATFORM));
+            }
         }
-        for (name, path, colour, width) in [("filter", &self.raw_km, RAW, 1), ("output", &self.output_km, OUTPUT, 2)] {
+        let paths = [
+            ("fixes of the filter", &self.raw_km, RAW, 1),
+            ("output", &self.output_km, OUTPUT, 2),
+        ];
+        for (name, path, colour, width) in paths {
             chart
                 .draw_series(LineSeries::new(path.iter().copied(), colour.stroke_width(width)))?
                 .label(name)
                 .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], colour.stroke_width(width)));
         }
-        chart.draw_series(self.selected_km.iter().map(|at| Circle::new(*at, 4, OUTPUT.filled())))?;
+        let selected = self.selected_km.iter().map(|at| Circle::new(*at, 4, OUTPUT.filled()));
+        chart
+            .draw_series(selected)?
+            .label("selected fixes")
+            .legend(|(x, y)| Circle::new((x + 12, y), 4, OUTPUT.filled()));
         draw_legend(&mut chart)
     }
 
     fn draw_sigma(&self, area: &Drawing<'_>) -> Drawn {
         let time = range(self.sigma_m.iter().map(|at| at.0));
-        let sigma = range(self.sigma_m.iter().map(|at| at.1));
+        // A logarithmic axis as long as the values are apart: a wider one would be empty.
+        let sigma = self.sigma_m.iter().map(|at| at.1).filter(|sigma_m| *sigma_m > 0.0);
+        let low_m = sigma.clone().fold(f64::INFINITY, f64::min).min(1e6);
+        let sigma = 0.9 * low_m..1.1 * sigma.fold(low_m, f64::max);
         let mut chart = ChartBuilder::on(area)
-            .caption("Root of the variance value", ("sans-serif", 16))
+            .caption(
+                "Standard deviation of the filter's fixes: root of the variance value",
+                ("sans-serif", 16),
+            )
             .margin(16)
             .x_label_area_size(40)
             .y_label_area_size(60)
-            .build_cartesian_2d(time, (sigma.start.max(0.1) * 0.9..sigma.end.max(0.2) * 1.1).log_scale())?;
+            .build_cartesian_2d(time, sigma.log_scale())?;
         chart
             .configure_mesh()
             .x_desc("time, s")
-            .y_desc("m")
+            .y_desc("standard deviation, m")
             .light_line_style(RGBColor(235, 235, 235))
             .draw()?;
         chart.draw_series(LineSeries::new(self.sigma_m.iter().copied(), RAW))?;

@@ -324,11 +324,11 @@ fn the_end_of_the_others_is_waited_for() {
 }
 
 #[test]
-fn readers_that_have_gone_do_not_end_it() {
-    struct Gone;
+fn readers_that_have_gone_do_not_end_it_and_a_full_disk_is_said() {
+    struct Gone(std::io::ErrorKind);
     impl Write for Gone {
         fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
-            Err(std::io::ErrorKind::BrokenPipe.into())
+            Err(self.0.into())
         }
         fn flush(&mut self) -> std::io::Result<()> {
             Ok(())
@@ -346,13 +346,20 @@ fn readers_that_have_gone_do_not_end_it() {
         scenario_start_ns: UTC_NS,
         launcher: None,
     };
-    let clock = Rc::clone(&bench.clock);
-    let screen = Screen::new(Box::new(Gone), true);
-    let reads = Box::new(move || clock.get());
-    let mut second = MonitorAgent::new(&config, &options, "second", &bench.bus, reads, screen).unwrap();
-    bench.pass(2 * S);
-    second.turn(bench.clock.get()).unwrap();
-    second.close(bench.clock.get()).unwrap();
+    use std::io::ErrorKind::{BrokenPipe, Other, StorageFull};
+    for (error, terminal, said) in [
+        (BrokenPipe, false, false),
+        (Other, true, false),
+        (StorageFull, false, true),
+    ] {
+        let clock = Rc::clone(&bench.clock);
+        let screen = Screen::new(Box::new(Gone(error)), terminal);
+        let reads = Box::new(move || clock.get());
+        let mut second = MonitorAgent::new(&config, &options, "second", &bench.bus, reads, screen).unwrap();
+        bench.pass(2 * S);
+        second.turn(bench.clock.get()).unwrap();
+        assert_eq!(second.close(bench.clock.get()).is_err(), said, "{error}");
+    }
 }
 
 /// How many listeners still find a place on the topic of system tracks.
