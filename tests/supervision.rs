@@ -20,7 +20,7 @@ use crate::common::home::PATIENCE;
 use crate::common::{Home, Running, free_address, kill, until};
 
 /// Watched closely, so that a test need not wait for long.
-const WATCHED: [&str; 2] = ["--set", "launcher.watchdog_s=1"];
+const WATCHED: [&str; 2] = ["--set", "launcher.watchdog_s=2"];
 
 /// System tracks reach whoever joins now.
 fn until_tracks_come(home: &Home) {
@@ -195,7 +195,7 @@ fn children_that_stand_still_are_replaced() {
         ("monitor", "monitor"),
     ] {
         kill(home.status_row(name).pid, Signal::STOP);
-        demo.until_said(&format!("{title} stood still for 1."));
+        demo.until_said(&format!("{title} stood still for "));
         demo.until_said(&format!("{title} restarted (1), back after "));
         assert_eq!(home.status_row(name).restarts, "1", "{name}");
     }
@@ -229,7 +229,7 @@ fn a_housekeeping_thread_that_stands_still_takes_its_process_with_it() {
     if first.contains("not permitted") {
         println!("skipped: this machine does not allow to hold up a thread: {first}");
     } else {
-        demo.until_said("fusion stood still for 1.");
+        demo.until_said("fusion stood still for ");
         demo.until_said("fusion restarted (1), back after ");
     }
     strace.wait().unwrap();
@@ -250,12 +250,12 @@ fn who_stood_still_with_the_whole_machine_is_let_live() {
         "simulator",
     ];
     let children = names.map(|name| home.status_row(name).pid);
-    for _ in 0..3 {
+    for _ in 0..2 {
         demo.signal(Signal::STOP);
         for pid in children {
             kill(pid, Signal::STOP);
         }
-        std::thread::sleep(Duration::from_millis(1500));
+        std::thread::sleep(Duration::from_millis(2500));
         // The worst order: who watches is the first to wake up.
         demo.signal(Signal::CONT);
         std::thread::sleep(Duration::from_millis(300));

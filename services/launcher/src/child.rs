@@ -239,7 +239,10 @@ impl Child {
             *still + elapsed
         };
         let limit = if *running { limit } else { START_ALLOWANCE * limit };
-        if *still >= limit {
+        if *still >= limit && waits_for_disk(process) {
+            // It could not even be killed, and goes on when the disk answers.
+            *still = Duration::ZERO;
+        } else if *still >= limit {
             *condemned = true;
             signal(process, Signal::KILL);
         }
@@ -354,6 +357,12 @@ impl Child {
         }
         self.state = State::Ended;
     }
+}
+
+/// Whether the kernel lets the process's first thread neither run nor be killed: state D, behind its name in brackets.
+fn waits_for_disk(process: &std::process::Child) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{}/stat", process.id()));
+    stat.is_ok_and(|stat| stat.rsplit(") ").next().is_some_and(|rest| rest.starts_with('D')))
 }
 
 /// A process that has not been waited for keeps its number, so this cannot reach another one.
