@@ -126,7 +126,7 @@ alarms! {
     ProcessRestarted = 15, "process-restarted", Major, raise 0 s, clear 60 s,
         "{process} was restarted, {times} so far: the last one {end}.",
         "Read what it wrote to standard error before it ended.";
-    ProcessDown = 16, "process-down", Critical, raise 1 s, clear 1 s,
+    ProcessDown = 16, "process-down", Critical, raise 1 s, clear 5 s,
         "{process} does not run: {end}.",
         "Read what it wrote to standard error; it is started again after a while.";
     ProcessHung = 17, "process-hung", Critical, raise 0 s, clear 2 s,

@@ -372,7 +372,7 @@ fn processes_that_end_and_come_back_are_told() {
     site.pass(2);
     assert_eq!(site.standing(), ["fusion does not run: was killed by SIGKILL."]);
     launched(&mut site, LifeState::Running, 1, "was killed by SIGKILL");
-    site.pass(3);
+    site.pass(7);
     let restarted = "fusion was restarted, 1 time so far: the last one was killed by SIGKILL.";
     assert_eq!(site.standing(), [restarted]);
     site.pass(62);
