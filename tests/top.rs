@@ -171,7 +171,7 @@ fn metrics_are_collected_from_a_deployment_that_runs() {
     let collect = || {
         let mut stream = TcpStream::connect(&address).unwrap();
         stream
-            .write_all(b"GET /metrics HTTP/1.1\r\nHost: here\r\n\r\n")
+            .write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n")
             .unwrap();
         let mut text = String::new();
         stream.read_to_string(&mut text).unwrap();

@@ -244,7 +244,7 @@ pub struct Fusion {
 }
 
 /// The monitor process.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Monitor {
     /// Time between two tables, nanoseconds.
     pub interval_ns: i64,
@@ -256,6 +256,8 @@ pub struct Monitor {
     pub deadlines: Deadlines,
     /// Where it serves metrics for Prometheus, if it does.
     pub metrics: Option<SocketAddr>,
+    /// Names by which they may be asked for, besides the machine's own for itself, in small letters.
+    pub metrics_hosts: Vec<String>,
     /// Limits beyond which alarms are raised.
     pub alarms: alarms::Limits,
 }

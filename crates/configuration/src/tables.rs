@@ -316,6 +316,8 @@ settings::settings! {
         prometheus: Option<String> = None;
         /// Allows an address that other machines can reach.
         prometheus_public: bool = false;
+        /// Names of this machine, besides its address and localhost, by which metrics are asked for.
+        prometheus_hosts: Vec<String> = Vec::new(), usually "none";
         /// Limits beyond which alarms are raised.
         alarms: alarms::Limits = alarms::Limits::default();
     }

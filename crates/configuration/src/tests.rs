@@ -408,6 +408,7 @@ fn mistakes_in_the_monitors_keys_are_named() {
         ("prometheus = \"localhost\"", "as in \"127.0.0.1:9464\""),
         ("prometheus = \"0.0.0.0:9464\"", "set prometheus_public = true"),
         ("prometheus = \"[::]:9464\"", "reached from other machines"),
+        ("prometheus_hosts = [\"a:80\"]", "write it without a port"),
     ];
     for (lines, expected) in cases {
         let (text, line) = with_monitor(lines);

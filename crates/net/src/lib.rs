@@ -36,7 +36,7 @@ mod wait;
 pub use error::NetError;
 pub use interface::Interface;
 pub use lines::{LinesCounters, LinesSettings, TcpLines};
-pub use page::PageServer;
+pub use page::{PATIENCE as PAGE_PATIENCE, PageServer};
 pub use receiver::{BATCH_MAX, Datagram, ReceiverCounters, ReceiverSettings, UdpReceiver};
 pub use sender::{SenderCounters, SenderSettings, UdpSender};
 pub use senders::AllowedSenders;

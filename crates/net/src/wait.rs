@@ -18,7 +18,8 @@ pub(crate) fn pause(timeout: Duration) -> io::Result<()> {
     wait(&mut [], timeout).map(|_| ())
 }
 
-fn wait(descriptors: &mut [PollFd<'_>], timeout: Duration) -> io::Result<bool> {
+/// The same for several, each for its own events, which are marked in it.
+pub(crate) fn wait(descriptors: &mut [PollFd<'_>], timeout: Duration) -> io::Result<bool> {
     // A time that does not fit is longer than any machine runs.
     let timeout = Timespec::try_from(timeout).unwrap_or(Timespec {
         tv_sec: i64::MAX / 2,

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod golden;
+pub mod page;
 mod random;
 mod recordings;
 mod table;

@@ -125,7 +125,7 @@ impl<S: Transport> MonitorAgent<S> {
         let survey = Survey::new(config, options, name, begun)?;
         let serve = |address| {
             let begin = survey.snapshot(begun, states.counts());
-            Metrics::serve(address, begin).map_err(|error| format!("{error:#}"))
+            Metrics::serve(address, &config.monitor.metrics_hosts, begin).map_err(|error| format!("{error:#}"))
         };
         Ok(Self {
             metrics: config.monitor.metrics.map(serve),

@@ -12,14 +12,15 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use net::PageServer;
+use runtime::clock;
 
 use crate::exposition::{CONTENT_TYPE, Snapshot};
 
 const PATH: &str = "/metrics";
 /// Longest wait for a client before looking whether it is time to stop.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// Clients that are answered at the end, if they had come by then.
-const LAST_CLIENTS_MAX: usize = 8;
+/// Looks at clients at the end, if some had come by then that are not answered yet.
+const LAST_LOOKS: usize = 20;
 /// How long the last client may take at the end, and the pause between two looks.
 const END_PATIENCE: Duration = Duration::from_secs(2);
 const END_PAUSE: Duration = Duration::from_millis(5);
@@ -51,12 +52,13 @@ impl Shared {
 }
 
 impl Metrics {
-    /// Serves at `address`, at first what is in `begin`.
+    /// Serves at `address`, which may also be asked for as one of `hosts`, at first what is in `begin`.
     ///
     /// # Errors
     /// If the address cannot be listened at: it is taken, say, by another monitor.
-    pub(crate) fn serve(address: SocketAddr, begin: Snapshot) -> anyhow::Result<Self> {
+    pub(crate) fn serve(address: SocketAddr, hosts: &[String], begin: Snapshot) -> anyhow::Result<Self> {
         let server = PageServer::open(address, PATH, CONTENT_TYPE).context("monitor.prometheus")?;
+        let mut server = server.with_hosts(hosts.to_vec());
         let address = server.local_address().context("monitor.prometheus")?;
         let shared = Arc::new(Shared {
             latest: Mutex::new(Arc::new(begin)),
@@ -65,7 +67,7 @@ impl Metrics {
         let of_thread = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name("metrics".to_owned())
-            .spawn(move || answer(&server, &of_thread))
+            .spawn(move || answer(&mut server, &of_thread))
             .context("starting the thread that serves metrics")?;
         Ok(Self {
             address,
@@ -104,16 +106,18 @@ impl Drop for Metrics {
     }
 }
 
-fn answer(server: &PageServer, shared: &Shared) {
-    while !shared.stop.load(Ordering::Relaxed) {
-        if server.serve(PATIENCE, || shared.text()).is_err() {
+fn answer(server: &mut PageServer, shared: &Shared) {
+    let mut last_looks = LAST_LOOKS;
+    while last_looks > 0 {
+        let stop = shared.stop.load(Ordering::Relaxed);
+        let patience = if stop { END_PAUSE } else { PATIENCE };
+        if server.serve(patience, clock::instant, || shared.text()).is_err() {
             // The system cannot wait for a socket. Without metrics, the monitor is still a monitor.
             return;
         }
-    }
-    for _ in 0..LAST_CLIENTS_MAX {
-        if !matches!(server.serve(Duration::ZERO, || shared.text()), Ok(true)) {
-            return;
+        // Whoever had come by then is accepted in the first of these looks, and answered in the next two.
+        if stop {
+            last_looks = if server.is_idle() { 0 } else { last_looks - 1 };
         }
     }
 }

@@ -2,4 +2,5 @@
 
 mod allocation;
 mod lines;
+mod page;
 mod udp;

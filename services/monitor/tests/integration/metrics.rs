@@ -201,7 +201,9 @@ fn whoever_has_asked_when_the_monitor_ends_is_answered() {
     let clients: Vec<TcpStream> = (0..3)
         .map(|_| {
             let mut client = TcpStream::connect(address).unwrap();
-            client.write_all(b"GET /metrics HTTP/1.1\r\n\r\n").unwrap();
+            client
+                .write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n")
+                .unwrap();
             client
         })
         .collect();
