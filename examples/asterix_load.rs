@@ -5,9 +5,10 @@
 //! cargo run --release -p koseki --example asterix_load -- 20000 60 records/load/gateway.ast
 //! ```
 //!
-//! Arguments: records per second of both sensors together, seconds, and the file for the gateway's blocks. Targets fly
-//! straight on in a grid; each is reported by both sensors in turn. Records are sent when they are due, however late
-//! that is: a sender that is held up catches up, it does not leave out.
+//! Arguments: records per second of both sensors together, seconds, the file for the gateway's blocks, and how many
+//! times as many records there are in the second third of the time (1 if nothing is said; 10 or 100 is an overload).
+//! Targets fly straight on in a grid; each is reported by both sensors in turn. Records are sent when they are due,
+//! however late that is: a sender that is held up catches up, it does not leave out.
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
@@ -40,6 +41,10 @@ fn main() -> anyhow::Result<()> {
         .map_or(Ok(60.0), |text| text.parse())
         .context("seconds")?;
     let file = arguments.next().unwrap_or_else(|| "gateway.ast".to_owned());
+    let factor: f64 = arguments
+        .next()
+        .map_or(Ok(1.0), |text| text.parse())
+        .context("factor")?;
     let mut sensors = [
         Sensor::new(48, 1, [239, 255, 48, 2], 8648)?,
         Sensor::new(20, 2, [239, 255, 20, 2], 8620)?,
@@ -48,11 +53,16 @@ fn main() -> anyhow::Result<()> {
 
     let begun = Instant::now();
     let begun_utc_ns = SystemTime::now().duration_since(UNIX_EPOCH)?.as_nanos() as i64;
-    let all = (rate * seconds) as u64;
+    let third_s = seconds / 3.0;
+    let due_by = |elapsed_s: f64| {
+        let more_s = (factor - 1.0) * (elapsed_s - third_s).clamp(0.0, third_s);
+        (rate * (elapsed_s.min(seconds) + more_s)) as u64
+    };
+    let all = due_by(seconds);
     let mut sent = 0;
     while sent < all {
         let elapsed = begun.elapsed();
-        let due = ((elapsed.as_secs_f64() * rate) as u64).min(all);
+        let due = due_by(elapsed.as_secs_f64());
         for record in sent..due {
             let sensor = &mut sensors[(record % 2) as usize];
             sensor.send(&track(record / 2 % TARGETS, begun_utc_ns, elapsed));

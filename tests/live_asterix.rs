@@ -324,6 +324,63 @@ fn hostile_datagrams_are_counted_and_change_nothing() {
     site.home.assert_nothing_is_left("test");
 }
 
+/// Ten and a hundred times what the machine can take are sent, as fast as the sender can: what is lost is counted where
+/// it is lost, and afterwards everything goes on as before.
+#[test]
+fn an_overload_is_counted_at_every_stage() {
+    let mut site = Site::new("");
+    let running = site.start();
+    let mut sensors = [Sensor::new(site.group, 48, 1)];
+    let mut heard = Heard::default();
+    let all = |heard: &Heard| heard.tracks.len() == TARGETS as usize;
+    scan_until("all targets", &mut site, &mut sensors, &mut heard, all);
+    for scans in [1_000, 10_000] {
+        for _ in 0..scans {
+            sensors[0].scan();
+        }
+        heard = Heard::default();
+        scan_until(
+            "all targets after the overload",
+            &mut site,
+            &mut sensors,
+            &mut heard,
+            all,
+        );
+    }
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    let report = site.report();
+    let of = |list: &str, process: &str, label: &str| {
+        let entries = report[list].as_array().unwrap();
+        let entry = entries.iter().find(|entry| entry["process"] == process).unwrap();
+        entry["counters"][label].as_u64().unwrap()
+    };
+    // What was sent since the last look at the gateway may be on its way when the deployment ends.
+    let nearly = |what: &str, sent: u64, counted: u64, on_the_way: u64| {
+        assert!(
+            counted <= sent && sent <= counted + on_the_way,
+            "{what}: {sent} sent, {counted} counted"
+        );
+    };
+    let datagrams = of("network", "adapter lan", "datagrams");
+    let dropped = of("network", "adapter lan", "datagrams_dropped");
+    nearly("datagrams", sensors[0].sender.counters().sent, datagrams + dropped, 1);
+    let radar = &report["sources"][0];
+    let of_radar = |part: &str, label: &str| radar[part][label].as_u64().unwrap();
+    assert_eq!(of_radar("adapter", "records"), datagrams * u64::from(TARGETS));
+    let mut on_the_way = 0;
+    for hop in report["losses"]["hops"].as_array().unwrap() {
+        let number = |key: &str| hop[key].as_u64().unwrap();
+        let counted = number("taken") + number("lost");
+        nearly(&hop.to_string(), number("published"), counted, u64::from(TARGETS));
+        on_the_way += number("unread");
+    }
+    let fused = report["fusion"]["published"].as_u64().unwrap();
+    let sent_on = of("others", "gateway out", "taken") + of("others", "gateway out", "lost");
+    nearly("states", fused, sent_on, on_the_way + 10 * u64::from(TARGETS));
+    site.home.assert_nothing_is_left("test");
+}
+
 #[test]
 fn killed_adapters_and_gateways_come_back() {
     let mut site = Site::new("block_bytes = 300");

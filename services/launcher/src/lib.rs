@@ -12,9 +12,8 @@
 //!    these say that they run, the adapters, and the simulator last. All are children of the same executable.
 //! 3. **It watches them** (`supervisor`): a child that ends with exit code 0 has finished. One that ends otherwise is
 //!    noticed at once, its shared memory is taken back, and it is started again, after pauses that grow (`backoff`)
-//!    while it keeps failing, for ever: the others do their work meanwhile. One that gives no sign of life stands
-//! still,
-//!    and is killed and replaced. Several that fall over one after the other have what they share against them
+//!    while it keeps failing, for ever: the others do their work meanwhile. One that gives no sign of life has
+//!    stopped, and is killed and replaced. Several that fall over one after the other have what they share against them
 //!    (`suspicion`): then the deployment is torn down and rebuilt in new shared memory. Only what cannot be cured by
 //!    starting again (a configuration that a child refuses, a fusion or a required source that never comes up) ends the
 //!    deployment with an error.
