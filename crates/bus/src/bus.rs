@@ -184,6 +184,8 @@ impl<S: Transport> Bus<S> {
     pub fn remove_dead(&self) -> DeadProcesses {
         let dead = S::remove_dead(&self.node);
         if S::CROSSES_PROCESSES {
+            // What cannot be removed now is found again the next time.
+            let _ = self.root.remove_remains(&self.prefix);
             line::mark_dead(&self.prefix, || self.root.nodes());
         }
         dead

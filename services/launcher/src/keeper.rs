@@ -26,6 +26,9 @@ use crate::link::{Facts, Heard, Link, Said};
 const PAUSE: Duration = Duration::from_millis(20);
 /// Time between two messages about the children, nanoseconds.
 const PERIOD_NS: i64 = 200_000_000;
+/// Time after which dead processes are looked for although the launcher knows of none, nanoseconds: those that joined by
+/// themselves are not its children.
+const RECLAIM_PERIOD_NS: i64 = 10_000_000_000;
 
 /// Runs the keeper until it is told to stop.
 ///
@@ -45,6 +48,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         facts: None,
         heard: Heard::default(),
         reclaimed: None,
+        reclaimed_ns: i64::MIN,
         published_ns: i64::MIN,
     };
     runtime::service::run(process, &mut keeper)
@@ -61,13 +65,15 @@ struct Keeper<'a> {
     heard: Heard,
     /// Deaths up to which memory has been taken back.
     reclaimed: Option<u64>,
+    /// When that was.
+    reclaimed_ns: i64,
     published_ns: i64,
 }
 
 impl Agent for Keeper<'_> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let has_news = self.listen_to_launcher();
-        self.reclaim();
+        self.reclaim(now);
         self.listen_to_processes()?;
         if has_news || now.mono_ns >= self.published_ns.saturating_add(PERIOD_NS) {
             self.publish(now)?;
@@ -98,14 +104,15 @@ impl Keeper<'_> {
         has_news
     }
 
-    /// Takes back what dead processes had, if any has died since the last time. The first time, that of the keeper's
-    /// own predecessor.
-    fn reclaim(&mut self) {
+    /// Takes back what dead processes had, if any has died since the last time, and now and then what strangers had. The
+    /// first time, that of the keeper's own predecessor.
+    fn reclaim(&mut self, now: Now) {
         let Some(deaths) = self.facts.as_ref().map(|facts| facts.deaths) else {
             return;
         };
-        if self.reclaimed != Some(deaths) && self.bus.remove_dead().failed == 0 {
-            self.reclaimed = Some(deaths);
+        let due = self.reclaimed != Some(deaths) || now.mono_ns >= self.reclaimed_ns.saturating_add(RECLAIM_PERIOD_NS);
+        if due && self.bus.remove_dead().failed == 0 {
+            (self.reclaimed, self.reclaimed_ns) = (Some(deaths), now.mono_ns);
         }
     }
 

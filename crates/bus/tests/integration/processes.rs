@@ -3,6 +3,7 @@
 //! The other processes are this very test program: it starts itself with a role in its environment, and runs nothing
 //! but the test [`role`], which plays it.
 
+use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -21,6 +22,7 @@ const BASE: &str = "KOSEKI_BUS_TEST_BASE";
 
 const DEPTH: usize = 16;
 const SLICE_LEN: usize = 4;
+const KILLS_WHILE_JOINING: u64 = 30;
 /// Samples of a burst: more than a queue holds.
 const BURST: usize = 2 * DEPTH * SLICE_LEN;
 
@@ -37,6 +39,7 @@ fn role() {
         "publisher" => publish(&root),
         "burst" => publish_burst(&root),
         "subscriber" => subscribe(&root),
+        "joiner" => join_and_leave(&root),
         other => panic!("no role {other}"),
     }
 }
@@ -78,6 +81,19 @@ fn publish_burst(root: &Root) {
     send(&mut publisher, BURST);
     say("ready");
     wait_for_the_end();
+}
+
+/// Joins and leaves again and again, until killed at whatever it is doing.
+fn join_and_leave(root: &Root) {
+    say("ready");
+    loop {
+        let bus = Bus::<SharedMemory>::open(root, "joiner").unwrap();
+        let topic = topic("a", DEPTH, SLICE_LEN);
+        let mut subscriber = bus.subscriber(&topic, || 0).unwrap();
+        let mut publisher = bus.publisher(&topic, 1).unwrap();
+        send(&mut publisher, 1);
+        subscriber.take(1, |_, _| ()).unwrap();
+    }
 }
 
 /// Takes everything up to the end of the source, then says what it counted.
@@ -200,6 +216,22 @@ fn line(home: &Home) -> Line<SharedMemory> {
     Line::new(home, "a", DEPTH, SLICE_LEN)
 }
 
+/// All files of the instance, in its folder and in shared memory.
+fn files(home: &Home) -> Vec<String> {
+    fn list(folder: &Path, found: &mut Vec<String>) {
+        for entry in fs::read_dir(folder).unwrap().flatten() {
+            found.push(entry.path().display().to_string());
+            if entry.path().is_dir() {
+                list(&entry.path(), found);
+            }
+        }
+    }
+    let mut found = shared_memory(home.root());
+    list(home.root().path(), &mut found);
+    found.sort();
+    found
+}
+
 #[test]
 fn a_killed_publisher_is_survived_removed_and_replaced() {
     let home = Home::new();
@@ -275,6 +307,21 @@ fn a_kill_at_any_moment_leaves_a_sum_that_the_publishers_line_confirms() {
         numbered += dead.next_sequence;
         let counts = subscriber.counts();
         assert_eq!(counts.taken + counts.lost, numbered);
+    }
+}
+
+#[test]
+fn nothing_stays_of_processes_killed_while_they_join_or_leave() {
+    let home = Home::new();
+    let line = line(&home);
+    line.bus.remove_dead();
+    let before = files(&home);
+    for round in 0..KILLS_WHILE_JOINING {
+        let mut joiner = Other::start(home.root(), "joiner");
+        thread::sleep(Duration::from_micros(700 * round));
+        joiner.kill();
+        while line.bus.remove_dead().failed > 0 {}
+        assert_eq!(files(&home), before, "after kill {round}");
     }
 }
 
