@@ -122,6 +122,7 @@ fn campaign(count: usize, aged: Duration, seed: u64) -> Vec<Duration> {
         let restarts = home.status_row(name).restarts;
         assert_eq!(restarts, times.to_string(), "{name}: {}", demo.said());
     }
+    is_over.store(true, Ordering::Relaxed);
     let (status, said) = demo.stop();
     assert_eq!(status.code(), Some(0), "{said}");
     assert_eq!(
