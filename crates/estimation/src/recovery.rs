@@ -61,33 +61,52 @@ pub fn recovered<const D: usize>(predicted: &Gaussian, updated: &Gaussian) -> Op
     })
 }
 
-/// Spectral density of the white acceleration noise, m²/s³, that a position filter must have assumed on `axis` between
-/// two successive covariances `duration_s` apart; `None` if they do not come from such a filter.
-pub fn implied_noise(before: &Covariance, after: &Covariance, duration_s: f64, axis: usize) -> Option<f64> {
-    let of = |covariance: &Covariance| {
-        let (p, v) = (axis, axis + AXES);
-        (covariance.get(p, p), covariance.get(p, v), covariance.get(v, v))
+/// Spectral density of the white acceleration noise, m²/s³, that a position filter must have assumed on each of the `D`
+/// axes from `first` on, between two successive covariances `duration_s` apart; `None` if they do not come from such a
+/// filter.
+///
+/// Axes whose measurement errors are correlated, as those of a radar are, have to be looked at together: it is the
+/// matrix of regression that stays, not its single elements.
+pub fn implied_noise<const D: usize>(
+    before: &Covariance,
+    after: &Covariance,
+    duration_s: f64,
+    first: usize,
+) -> Option<f64> {
+    let block = |covariance: &Covariance, row: usize, column: usize| {
+        SMatrix::<f64, D, D>::from_fn(|i, j| covariance.get(first + row + i, first + column + j))
     };
-    let (p, c, v) = of(before);
+    let of = |covariance| {
+        let velocity = block(covariance, AXES, AXES);
+        (block(covariance, 0, 0), block(covariance, 0, AXES), velocity)
+    };
+    // Carried on without noise; the noise adds q times the unit's, the same on each axis.
+    let (position, cross, velocity) = of(before);
     let t = duration_s;
-    // Without noise; the noise adds q times the unit's.
-    let (a0, b0, c0) = (p + 2.0 * t * c + t * t * v, c + t * v, v);
+    let moved_position = position + (cross + cross.transpose()) * t + velocity * (t * t);
+    let moved_cross = cross + velocity * t;
     let unit = AxisNoise::white(1.0, t);
-    let (a1, b1, c1) = (unit.position_m2, unit.cross_m2ps, unit.velocity_m2ps2);
-    let (a, b, c) = of(after);
-    // The regression of velocity on position, b/a, is the same before and after the update: linear in q.
-    let by_regression = (a * b0 - b * a0) / (b * a1 - a * b1);
-    // So is the variance of velocity for a given position, c − b²/a: quadratic in q.
-    let conditional = c - b * b / a;
-    let (square, linear, constant) = (
-        a1 * c1 - b1 * b1,
-        a0 * c1 + a1 * c0 - 2.0 * b0 * b1 - conditional * a1,
-        a0 * c0 - b0 * b0 - conditional * a0,
+    let identity = SMatrix::<f64, D, D>::identity();
+    let (position, cross, conditional) = of(after);
+    let regression = cross.transpose() * position.cholesky()?.inverse();
+    // q of the equations wanted = q · unit, by least squares.
+    let solved = |wanted: SMatrix<f64, D, D>, unit: SMatrix<f64, D, D>| wanted.dot(&unit) / unit.norm_squared();
+    // The regression of velocity on position is the same before and after the update.
+    let by_regression = solved(
+        regression * moved_position - moved_cross.transpose(),
+        identity * unit.cross_m2ps - regression * unit.position_m2,
     );
-    let by_variance = (-linear + (linear * linear - 4.0 * square * constant).sqrt()) / (2.0 * square);
+    // So is the covariance of velocity for a given position.
+    let by_variance = solved(
+        conditional - velocity - regression * (cross - moved_cross),
+        identity * unit.velocity_m2ps2 - regression * unit.cross_m2ps,
+    );
     // Written so that NaN is refused.
     let agree = (by_regression - by_variance).abs() <= AGREEMENT * by_variance.abs() && by_variance > 0.0;
-    let updated = a < (1.0 - CHANGE_MIN) * (a0 + by_variance * a1);
+    let updated = (0..D).all(|axis| {
+        let predicted = moved_position[(axis, axis)] + by_variance * unit.position_m2;
+        position[(axis, axis)] < (1.0 - CHANGE_MIN) * predicted
+    });
     (agree && updated).then_some(by_variance)
 }
 
@@ -125,18 +144,55 @@ mod tests {
         }
     }
 
+    /// Errors of a radar that is far away: six times as wide across the line of sight as along it, and neither east nor
+    /// north.
+    #[test]
+    fn elongated_errors_hide_no_process_noise() {
+        let model = NearlyConstantVelocity::new(20.0, 2.0);
+        let velocity = FirstVelocity {
+            horizontal_sigma_mps: 150.0,
+            vertical_sigma_mps: 15.0,
+        };
+        let [along, across] = [50.0f64, 300.0].map(|sigma| sigma * sigma);
+        let ellipse = |turn_rad: f64| {
+            let (sin, cos) = turn_rad.sin_cos();
+            let [xx, xy, yy] = [
+                cos * cos * along + sin * sin * across,
+                sin * cos * (along - across),
+                sin * sin * along + cos * cos * across,
+            ];
+            [xx, xy, 0.0, yy, 0.0, 5625.0]
+        };
+        let mut track = Gaussian::from_first_position::<3>([0.0; 3], &ellipse(0.7), velocity);
+        for step in 1..20 {
+            let mut updated = model.predicted(&track, 4.0);
+            let turned = ellipse(0.7 + 0.02 * f64::from(step));
+            updated
+                .update_position::<3>([0.0; 3], &turned)
+                .expect("positive definite");
+            let found = implied_noise::<2>(&track.covariance, &updated.covariance, 4.0, 0).expect("a filter");
+            assert!((found - 20.0).abs() < 1e-3, "{found} in step {step}");
+            let vertical = implied_noise::<1>(&track.covariance, &updated.covariance, 4.0, 2).expect("a filter");
+            assert!((vertical - 2.0).abs() < 1e-3, "{vertical} in step {step}");
+            track = updated;
+        }
+    }
+
     #[test]
     fn extrapolation_shows_no_measurement() {
         let start = Gaussian::new([0.0; 3], [0.0; 3], &Covariance::diagonal([10.0; 3], [10.0; 3]));
         let predicted = NearlyConstantVelocity::new(5.0, 5.0).predicted(&start, 4.0);
         assert_eq!(recovered::<3>(&predicted, &predicted), None);
-        assert_eq!(implied_noise(&start.covariance, &predicted.covariance, 4.0, 0), None);
+        assert_eq!(
+            implied_noise::<2>(&start.covariance, &predicted.covariance, 4.0, 0),
+            None
+        );
     }
 
     #[test]
     fn covariances_filled_in_by_hand_imply_no_filter() {
         let constant = Covariance::diagonal([5.0; 3], [5.0; 3]);
-        assert_eq!(implied_noise(&constant, &constant, 1.0, 0), None);
+        assert_eq!(implied_noise::<2>(&constant, &constant, 1.0, 0), None);
     }
 
     proptest! {
@@ -154,7 +210,7 @@ mod tests {
             before = model.predicted(&before, 1.0);
             let mut after = model.predicted(&before, seconds);
             after.update_position::<3>([0.0; 3], &[1.0, 0.0, 0.0, 1.0, 0.0, 1.0].map(|one| one * sigma * sigma)).expect("positive definite");
-            let found = implied_noise(&before.covariance, &after.covariance, seconds, 1);
+            let found = implied_noise::<1>(&before.covariance, &after.covariance, seconds, 1);
             if let Some(found) = found {
                 prop_assert!((found / density - 1.0).abs() < 0.05, "{found} instead of {density}");
             } else {

@@ -6,14 +6,15 @@
 //! of position and velocity shows no filter: then the report is taken as it is.
 
 use estimation::{Gaussian, Recovered, Symmetric3, recovered};
-use messages::{AXES, Covariance, SensorTrack, sensor_track_bits};
+use messages::{AXES, SensorTrack, sensor_track_bits};
+use nalgebra::Matrix2;
 
 /// Factor on the covariance of reports from a filter that cannot be undone.
 const SMOOTHED: f64 = 3.0;
 /// Correlation of position and velocity that shows a filter.
 const FILTERED: f64 = 0.2;
-/// Difference of the regression of velocity on position that rounding explains.
-const SLOPE_TOLERANCE: f64 = 0.1;
+/// Relative difference of the regression of velocity on position that rounding explains.
+const REGRESSION_TOLERANCE: f64 = 0.1;
 
 /// The state of a report.
 pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
@@ -124,9 +125,14 @@ pub(crate) fn recovered_measurement(
 /// Whether exactly one position measurement can have led from `predicted` to `updated`: it leaves the regression of
 /// velocity on position as it was.
 fn is_one_update(predicted: &Gaussian, updated: &Gaussian) -> bool {
-    (0..2).all(|axis| {
-        let slope = |p: &Covariance| p.get(axis, axis + AXES) / p.get(axis, axis);
-        let (before, after) = (slope(&predicted.covariance), slope(&updated.covariance));
-        (before - after).abs() <= SLOPE_TOLERANCE * before.abs().max(after.abs())
-    })
+    let regression = |of: &Gaussian| {
+        let block = |row: usize| Matrix2::from_fn(|i, j| of.covariance.get(row + i, j));
+        Some(block(AXES) * block(0).try_inverse()?)
+    };
+    match (regression(predicted), regression(updated)) {
+        (Some(before), Some(after)) => {
+            (before - after).norm() <= REGRESSION_TOLERANCE * before.norm().max(after.norm())
+        }
+        _ => false,
+    }
 }

@@ -123,15 +123,14 @@ impl SourceModel {
 
     /// Learns from two successive reports of one sensor track.
     pub(crate) fn learn_noise(&mut self, before: &Covariance, after: &Covariance, seconds: f64, has_height: bool) {
-        let implied = |axis| implied_noise(before, after, seconds, axis);
-        let horizontal = [implied(0), implied(1)];
-        for noise in horizontal.into_iter().flatten() {
+        let horizontal = implied_noise::<2>(before, after, seconds, 0);
+        if let Some(noise) = horizontal {
             self.horizontal_noise.add(noise);
         }
-        if has_height && let Some(noise) = implied(2) {
+        if has_height && let Some(noise) = implied_noise::<1>(before, after, seconds, 2) {
             self.vertical_noise.add(noise);
         }
-        let filtered = f64::from(u8::from(horizontal.iter().all(Option::is_some)));
+        let filtered = f64::from(u8::from(horizontal.is_some()));
         self.filtered_share += (filtered - self.filtered_share) / 16.0;
         let known = self.horizontal_noise.samples >= NOISE_SAMPLES_MIN && self.filtered_share > 0.5;
         self.process_noise = known.then(|| {
