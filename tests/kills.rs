@@ -1,6 +1,6 @@
 //! Kills at random: children come back, and every sample that died with one is counted.
 //!
-//! A short form runs with all tests. The campaign itself takes some eight minutes; it prints what it measured:
+//! A short form runs with all tests. The campaign itself takes three minutes; it prints what it measured:
 //! `cargo test -p koseki --test integration two_hundred_kills -- --ignored --nocapture`.
 //!
 //! An *observer* reads the topics of all sources and the system tracks from beginning to end; now and then it falls
@@ -39,7 +39,7 @@ fn killed_children_come_back_and_what_died_with_them_is_counted() {
 }
 
 #[test]
-#[ignore = "takes some eight minutes: run it by its name"]
+#[ignore = "takes three minutes: run it by its name"]
 fn two_hundred_kills() {
     let mut back = campaign(200, WELL, 2);
     back.sort();
