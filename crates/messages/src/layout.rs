@@ -44,6 +44,12 @@ pub trait Sample: Copy {
     const LAYOUT: Layout;
     /// Fingerprint that the header of a slice of such samples states.
     const SCHEMA: u64 = Self::LAYOUT.fingerprint();
+
+    /// Bytes of `samples` as they lie in memory.
+    fn octets(samples: &[Self]) -> &[u8];
+
+    /// Sample that these bytes are; `None` if they are not as many as it has.
+    fn of_octets(octets: &[u8]) -> Option<Self>;
 }
 
 /// Declares a shared-memory sample: a `#[repr(C)]` struct with its asserted size, its zero-copy marker, its [`Layout`],
@@ -96,6 +102,16 @@ macro_rules! sample {
                     doc: [$($fdoc),+][0],
                 }, )* ],
             };
+
+            fn octets(samples: &[Self]) -> &[u8] {
+                // SAFETY: every byte belongs to a field (checked in the constant below), so all are written.
+                unsafe { std::slice::from_raw_parts(samples.as_ptr().cast(), size_of_val(samples)) }
+            }
+
+            fn of_octets(octets: &[u8]) -> Option<Self> {
+                // SAFETY: there are as many bytes as are read, and any bits are a sample: it is made of numbers only.
+                (octets.len() == $size).then(|| unsafe { octets.as_ptr().cast::<Self>().read_unaligned() })
+            }
         }
 
         const _: () = {
@@ -149,6 +165,37 @@ impl Layout {
     pub const fn fingerprint(&self) -> u64 {
         let hash = Fnv(0xcbf2_9ce4_8422_2325).number(crate::SCHEMA_VERSION as usize);
         hash.layout(&crate::BatchHeader::LAYOUT).layout(self).0
+    }
+
+    /// Schema of this sample for ROS 2 (`ros2msg`): its fields, then those of each sample that it contains.
+    ///
+    /// CDR, ROS 2's encoding, puts numbers one after another, each at a multiple of its own size. That is how a sample
+    /// lies in memory, since its padding is fields, too: four octets that say "little-endian" and the sample's bytes are
+    /// a ROS 2 message.
+    pub fn ros2_schema(&self) -> String {
+        let mut out = String::new();
+        self.ros2_fields(&mut out);
+        let mut contained: Vec<&Self> = self.contained().collect();
+        let mut next = 0;
+        while let Some(layout) = contained.get(next).copied() {
+            contained.extend(layout.contained());
+            next += 1;
+        }
+        for (place, layout) in contained.iter().enumerate() {
+            if !contained[..place].iter().any(|earlier| earlier.name == layout.name) {
+                let _ = writeln!(out, "{}\nMSG: koseki/{}", "=".repeat(80), layout.name);
+                layout.ros2_fields(&mut out);
+            }
+        }
+        out
+    }
+
+    fn ros2_fields(&self, out: &mut String) {
+        for field in self.fields {
+            let (element, count) = element(field.kind, self, field);
+            let count = count.map(|count| format!("[{count}]")).unwrap_or_default();
+            let _ = writeln!(out, "{}{count} {} #{}", ros2_type(&element), field.name, field.doc);
+        }
     }
 
     /// Samples that the fields of this one are, or are arrays of.
@@ -420,5 +467,14 @@ fn python_type(element: &str) -> String {
         "u8" | "u16" | "u32" | "u64" => format!("ctypes.c_uint{}", &element[1..]),
         "i8" | "i16" | "i32" | "i64" => format!("ctypes.c_int{}", &element[1..]),
         sample => sample.to_owned(),
+    }
+}
+
+fn ros2_type(element: &str) -> String {
+    match element {
+        "f64" | "f32" => format!("float{}", &element[1..]),
+        "u8" | "u16" | "u32" | "u64" => format!("uint{}", &element[1..]),
+        "i8" | "i16" | "i32" | "i64" => format!("int{}", &element[1..]),
+        sample => format!("koseki/{sample}"),
     }
 }

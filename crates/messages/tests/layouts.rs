@@ -87,3 +87,36 @@ fn every_contained_layout_counts() {
         assert_eq!(found, contained(layout), "{}", layout.name);
     }
 }
+
+#[test]
+fn names_of_fields_are_those_that_ros_2_allows() {
+    for field in layout::ALL.iter().flat_map(|layout| layout.fields) {
+        let is_allowed = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_';
+        let name = field.name;
+        assert!(name.starts_with(|first: char| first.is_ascii_lowercase()), "{name}");
+        assert!(name.chars().all(is_allowed) && !name.contains("__") && !name.ends_with('_'), "{name}");
+    }
+}
+
+#[test]
+fn a_schema_for_ros_2_has_the_fields_and_those_of_contained_samples_once() {
+    let schema = messages::Health::LAYOUT.ros2_schema();
+    let (own, contained) = schema.split_once(&"=".repeat(80)).unwrap();
+    assert_eq!(own.lines().count(), messages::Health::LAYOUT.fields.len());
+    assert!(own.contains("\nuint64 incarnation # ") || own.starts_with("uint64 incarnation # "), "{own}");
+    assert_eq!(contained.matches("MSG: koseki/Counters\nuint64[96] values # ").count(), 1, "{contained}");
+    let track = messages::SystemTrack::LAYOUT.ros2_schema();
+    assert_eq!(track.matches("MSG: koseki/Contribution\n").count(), 1, "{track}");
+}
+
+#[test]
+fn a_sample_is_its_bytes() {
+    let cue = messages::Cue {
+        sequence: 7,
+        ..messages::Cue::default()
+    };
+    let octets = messages::Cue::octets(std::slice::from_ref(&cue));
+    assert_eq!(octets.len(), messages::Cue::LAYOUT.size);
+    assert_eq!(messages::Cue::of_octets(octets), Some(cue));
+    assert_eq!(messages::Cue::of_octets(&octets[1..]), None);
+}
