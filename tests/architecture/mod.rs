@@ -30,6 +30,7 @@ const ORDER: &[&str] = &[
     "asterix",
     "outgoing",
     "formats",
+    "recording",
     "reception",
     "sources",
     "bus",

@@ -1,0 +1,106 @@
+//! What is missing of a topic.
+//!
+//! Each slice says how many samples its publisher had sent before. So it is known what should have come between two
+//! slices, even if the recorder died between them: the next file begins by saying how far each publisher was.
+
+use std::collections::BTreeMap;
+
+use messages::BatchHeader;
+
+use crate::Facts;
+
+/// Fact: when the recording began, monotonic, nanoseconds.
+pub(crate) const SINCE: &str = "since_ns";
+
+/// Count of what is missing of a topic.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Samples that were published while the recording went on and are not in it.
+    pub lost: u64,
+    /// When the recording began, monotonic, nanoseconds: publishers that started later are missed from their first
+    /// sample.
+    pub since_ns: u64,
+    /// Sequence number that must come next of each publisher, by its incarnation.
+    next: BTreeMap<u64, u64>,
+}
+
+impl Tally {
+    /// Tally of the topic called `name` at the beginning of a file with these facts.
+    pub fn begin(name: &str, facts: &Facts) -> Self {
+        let number = |text: &String| text.parse().unwrap_or(0);
+        let publisher = |(key, value): (&String, &String)| {
+            let incarnation = key.strip_prefix(&next_key(name, ""))?.parse().ok()?;
+            Some((incarnation, number(value)))
+        };
+        Self {
+            lost: facts.get(&lost_key(name)).map_or(0, number),
+            since_ns: facts.get(SINCE).map_or(0, number),
+            next: facts.iter().filter_map(publisher).collect(),
+        }
+    }
+
+    /// States this tally, of the topic called `name`, among the facts for the next file's beginning.
+    pub fn state(&self, name: &str, facts: &mut Facts) {
+        facts.insert(SINCE.to_owned(), self.since_ns.to_string());
+        facts.insert(lost_key(name), self.lost.to_string());
+        let next = |(incarnation, next): (&u64, &u64)| (next_key(name, &incarnation.to_string()), next.to_string());
+        facts.extend(self.next.iter().map(next));
+    }
+
+    /// Notes a slice of `count` samples.
+    pub fn slice(&mut self, header: &BatchHeader, count: usize) {
+        let (incarnation, first) = (header.incarnation, header.first_sequence);
+        let begin = if incarnation >= self.since_ns { 0 } else { first };
+        let next = self.next.entry(incarnation).or_insert(begin);
+        self.lost += first.saturating_sub(*next);
+        *next = first.saturating_add(count as u64).max(*next);
+    }
+
+    /// Publishers that were heard.
+    pub fn publishers(&self) -> usize {
+        self.next.len()
+    }
+}
+
+fn lost_key(topic: &str) -> String {
+    format!("lost/{topic}")
+}
+
+fn next_key(topic: &str, incarnation: &str) -> String {
+    format!("next/{topic}/{incarnation}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(incarnation: u64, first_sequence: u64) -> BatchHeader {
+        BatchHeader {
+            incarnation,
+            first_sequence,
+            ..BatchHeader::default()
+        }
+    }
+
+    #[test]
+    fn gaps_are_counted_for_each_publisher_and_through_the_beginning_of_a_file() {
+        let mut tally = Tally {
+            since_ns: 100,
+            ..Tally::default()
+        };
+        tally.slice(&header(99, 7), 3);
+        assert_eq!(tally.lost, 0, "it had begun before the recording");
+        tally.slice(&header(99, 12), 1);
+        tally.slice(&header(100, 4), 1);
+        assert_eq!(tally.lost, 6);
+        let mut facts = Facts::new();
+        tally.state("a/b", &mut facts);
+        Tally::default().state("a/b/c", &mut facts);
+        facts.insert(SINCE.to_owned(), "100".to_owned());
+        let mut after = Tally::begin("a/b", &facts);
+        assert_eq!(after, tally);
+        after.slice(&header(99, 14), 1);
+        after.slice(&header(99, 10), 2);
+        assert_eq!((after.lost, after.publishers()), (7, 2));
+    }
+}

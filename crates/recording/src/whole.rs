@@ -1,0 +1,80 @@
+//! Finding out up to where a file can be read.
+//!
+//! A file is magic bytes, then records: a code, a length of eight bytes, and so many bytes. A chunk is one record. What
+//! a killed process leaves is the beginning of what it would have written, so all whole records are sound.
+
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
+
+/// Code of the last record.
+const FOOTER: u8 = 0x02;
+/// Code of the record after the data.
+const DATA_END: u8 = 0x0f;
+
+/// Usable beginning of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Whole {
+    /// Bytes from the beginning that are whole records of data; 0 if it is no such file.
+    pub bytes: u64,
+    /// Whether the file ends as it should.
+    pub is_ended: bool,
+}
+
+/// Says up to where a file can be read.
+///
+/// # Errors
+/// If it cannot be read at all.
+pub fn whole<R: Read + Seek>(file: &mut R) -> std::io::Result<Whole> {
+    let file_bytes = file.seek(SeekFrom::End(0))?;
+    file.rewind()?;
+    let mut at = Whole {
+        bytes: 0,
+        is_ended: false,
+    };
+    let mut magic = [0; mcap::MAGIC.len()];
+    if !read(file, &mut magic)? || magic != *mcap::MAGIC {
+        return Ok(at);
+    }
+    at.bytes = magic.len() as u64;
+    let mut next = at.bytes;
+    let mut in_data = true;
+    let mut head = [0; 9];
+    while read(file, &mut head)? {
+        let length = u64::from_le_bytes(head[1..].try_into().expect("eight bytes"));
+        let end = (next + head.len() as u64).saturating_add(length);
+        if end > file_bytes {
+            break;
+        }
+        file.seek(SeekFrom::Start(end))?;
+        next = end;
+        in_data &= head[0] != DATA_END;
+        if in_data {
+            at.bytes = end;
+        }
+        if head[0] == FOOTER {
+            at.is_ended = read(file, &mut magic)? && magic == *mcap::MAGIC;
+            break;
+        }
+    }
+    Ok(at)
+}
+
+/// Fills `bytes`; `false` if the file ends before that.
+fn read<R: Read>(file: &mut R, bytes: &mut [u8]) -> std::io::Result<bool> {
+    match file.read_exact(bytes) {
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+/// End of a file without index, for one that was cut after its whole records.
+pub fn closing() -> Vec<u8> {
+    let mut bytes = vec![DATA_END];
+    bytes.extend(4u64.to_le_bytes());
+    bytes.extend([0; 4]);
+    bytes.push(FOOTER);
+    bytes.extend(20u64.to_le_bytes());
+    bytes.extend([0; 20]);
+    bytes.extend(mcap::MAGIC);
+    bytes
+}

@@ -1,0 +1,143 @@
+//! Writing one file.
+
+use std::io::{Seek, Write};
+
+use mcap::WriteOptions;
+use mcap::records::{MessageHeader, Metadata};
+use messages::BatchHeader;
+use messages::layout::{Layout, Sample};
+
+use crate::{CDR, FACTS, Facts, RecordingError, SLICES};
+
+/// Bytes of messages after which a chunk is written.
+const CHUNK_BYTES: usize = 1 << 20;
+
+/// Writes one file.
+pub struct Writer<W: Write + Seek> {
+    file: mcap::Writer<W>,
+    /// Message at hand, reused.
+    message: Vec<u8>,
+    /// Bytes of messages in the chunk.
+    gathered: usize,
+}
+
+/// A topic in a file.
+#[derive(Clone, Copy, Debug)]
+pub struct Channel {
+    headers: u16,
+    samples: u16,
+    sample_size: usize,
+}
+
+impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Writer").field("gathered", &self.gathered).finish()
+    }
+}
+
+impl<W: Write + Seek> Writer<W> {
+    /// Begins a file at whose beginning `facts` stand.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn begin(out: W, facts: &Facts) -> Result<Self, RecordingError> {
+        let options = WriteOptions::new()
+            .profile("ros2")
+            .library("koseki")
+            .compression(None)
+            .disable_seeking(true)
+            // Ends where a slice does, so that no slice is torn.
+            .chunk_size(None);
+        let mut file = options.create(out)?;
+        file.write_metadata(&Metadata {
+            name: FACTS.to_owned(),
+            metadata: facts.clone(),
+        })?;
+        Ok(Self {
+            file,
+            message: Vec::new(),
+            gathered: 0,
+        })
+    }
+
+    /// Adds the topic called `name`, whose samples have this layout.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn channel(&mut self, name: &str, layout: &Layout) -> Result<Channel, RecordingError> {
+        Ok(Channel {
+            headers: self.add(&format!("{name}{SLICES}"), &BatchHeader::LAYOUT)?,
+            samples: self.add(name, layout)?,
+            sample_size: layout.size,
+        })
+    }
+
+    fn add(&mut self, name: &str, layout: &Layout) -> Result<u16, RecordingError> {
+        let schema = format!("koseki/msg/{}", layout.name);
+        let schema = self
+            .file
+            .add_schema(&schema, "ros2msg", layout.ros2_schema().as_bytes())?;
+        let fingerprint = ("fingerprint".to_owned(), format!("{:016x}", layout.fingerprint()));
+        Ok(self
+            .file
+            .add_channel(schema, name, "cdr", &Facts::from([fingerprint]))?)
+    }
+
+    /// Adds a slice, whose samples are `octets`, that was taken and sent at these times (UTC, nanoseconds). Whether a
+    /// chunk was written: then everything so far is in the file.
+    ///
+    /// # Errors
+    /// If the chunk cannot be written.
+    pub fn slice(
+        &mut self,
+        channel: Channel,
+        header: &BatchHeader,
+        octets: &[u8],
+        taken_ns: i64,
+        sent_ns: i64,
+    ) -> Result<bool, RecordingError> {
+        let mut message = MessageHeader {
+            channel_id: channel.headers,
+            sequence: header.first_sequence as u32,
+            log_time: taken_ns.max(0) as u64,
+            publish_time: sent_ns.max(0) as u64,
+        };
+        self.message(&message, BatchHeader::octets(std::slice::from_ref(header)))?;
+        message.channel_id = channel.samples;
+        for sample in octets.chunks_exact(channel.sample_size) {
+            self.message(&message, sample)?;
+            message.sequence = message.sequence.wrapping_add(1);
+        }
+        let is_full = self.gathered >= CHUNK_BYTES;
+        if is_full {
+            self.flush()?;
+        }
+        Ok(is_full)
+    }
+
+    fn message(&mut self, header: &MessageHeader, octets: &[u8]) -> Result<(), RecordingError> {
+        self.message.clear();
+        self.message.extend_from_slice(&CDR);
+        self.message.extend_from_slice(octets);
+        self.gathered += self.message.len();
+        Ok(self.file.write_to_known_channel(header, &self.message)?)
+    }
+
+    /// Hands everything so far to the system.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn flush(&mut self) -> Result<(), RecordingError> {
+        self.gathered = 0;
+        Ok(self.file.flush()?)
+    }
+
+    /// Writes what is left, and the index.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn finish(mut self) -> Result<(), RecordingError> {
+        self.file.finish()?;
+        Ok(())
+    }
+}

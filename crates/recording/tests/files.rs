@@ -1,0 +1,152 @@
+//! Files that are written, cut anywhere, and read again.
+
+use std::io::Cursor;
+
+use messages::layout::Sample as _;
+use messages::{BatchHeader, Cue, Health};
+use proptest::prelude::*;
+use recording::{Facts, Survey, Writer, closing, whole};
+
+const TOPIC: &str = "sensor/a/cues";
+
+/// A file of slices with these numbers of samples, and its length and samples after each flush, which is every third
+/// slice.
+fn file(slices: &[usize], is_finished: bool) -> (Vec<u8>, Vec<(usize, u64)>) {
+    let (mut bytes, mut first, mut flushed) = (Shared::default(), 0, Vec::new());
+    let facts = Facts::from([("build".to_owned(), "one".to_owned())]);
+    let mut writer = Writer::begin(bytes.clone(), &facts).unwrap();
+    let channel = writer.channel(TOPIC, &Cue::LAYOUT).unwrap();
+    writer.channel("health", &Health::LAYOUT).unwrap();
+    for (index, count) in slices.iter().enumerate() {
+        let header = BatchHeader {
+            first_sequence: first,
+            ..BatchHeader::default()
+        };
+        let sample = |number: usize| Cue {
+            sequence: first + number as u64,
+            ..Cue::default()
+        };
+        let samples: Vec<Cue> = (0..*count).map(sample).collect();
+        writer
+            .slice(channel, &header, Cue::octets(&samples), 1_000 + index as i64, 5)
+            .unwrap();
+        first += *count as u64;
+        if index % 3 == 2 {
+            writer.flush().unwrap();
+            flushed.push((bytes.len(), first));
+        }
+    }
+    if is_finished {
+        writer.finish().unwrap();
+    } else {
+        // Killed: what it would still write is nowhere.
+        let before = bytes.len();
+        drop(writer);
+        bytes.truncate(before);
+    }
+    (bytes.bytes(), flushed)
+}
+
+/// Bytes that the test sees while they are written.
+#[derive(Clone, Default)]
+struct Shared(std::rc::Rc<std::cell::RefCell<Cursor<Vec<u8>>>>);
+
+impl Shared {
+    fn len(&self) -> usize {
+        self.0.borrow().get_ref().len()
+    }
+
+    fn truncate(&mut self, length: usize) {
+        self.0.borrow_mut().get_mut().truncate(length);
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        self.0.borrow().get_ref().clone()
+    }
+}
+
+impl std::io::Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.borrow_mut().write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl std::io::Seek for Shared {
+    fn seek(&mut self, to: std::io::SeekFrom) -> std::io::Result<u64> {
+        self.0.borrow_mut().seek(to)
+    }
+}
+
+fn survey(files: &[&[u8]]) -> Survey {
+    let mut survey = Survey::default();
+    for file in files {
+        survey.add(&mut Cursor::new(file)).unwrap();
+    }
+    survey
+}
+
+/// What a reader that asks for a proper end makes of a file: the data of its messages.
+fn messages_of(file: &[u8]) -> Vec<Vec<u8>> {
+    let stream = mcap::MessageStream::new(file).unwrap();
+    stream.map(|message| message.unwrap().data.into_owned()).collect()
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let (file, _) = file(&[2, 0, 3, 1], true);
+    let found = survey(&[&file]);
+    assert_eq!((found.torn, found.facts["build"].as_str()), (0, "one"));
+    let topic = &found.topics[TOPIC];
+    assert_eq!((topic.slices, topic.samples, topic.tally.lost), (4, 6, 0));
+    assert_eq!((topic.first_ns, topic.last_ns), (Some(1_000), Some(1_003)));
+    assert_eq!(topic.schema, "koseki/msg/Cue");
+    assert_eq!(found.topics["health"].slices, 0);
+    let numbers = messages_of(&file).into_iter().filter_map(|data| Cue::of_octets(&data[4..]));
+    assert_eq!(numbers.map(|cue| cue.sequence).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
+}
+
+#[test]
+fn what_no_recorder_wrote_is_nothing() {
+    for bytes in [&b""[..], b"MCAP", b"time_s,sensor_id\n1,2\n"] {
+        assert_eq!(whole(&mut Cursor::new(bytes)).unwrap().bytes, 0);
+    }
+}
+
+#[test]
+fn what_is_missing_between_files_is_lost() {
+    let (whole_file, _) = file(&[2, 2, 2, 2, 2, 2], true);
+    let (cut, flushed) = file(&[2, 2, 2, 2, 2, 2], false);
+    let found = survey(&[&cut[..flushed[0].0], &whole_file]);
+    assert_eq!(found.topics[TOPIC].samples, 18);
+    assert_eq!(found.torn, 1);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn a_file_that_is_cut_anywhere_holds_what_was_flushed_before(
+        slices in prop::collection::vec(0_usize..5, 3..40),
+        part in 0.0_f64..1.0,
+        is_finished: bool,
+    ) {
+        let (bytes, flushed) = file(&slices, is_finished);
+        let cut = &bytes[..(part * bytes.len() as f64) as usize];
+        let found = whole(&mut Cursor::new(cut)).unwrap();
+        prop_assert!(found.bytes <= cut.len() as u64 && !found.is_ended);
+        if found.bytes == 0 {
+            return Ok(());
+        }
+        let samples = survey(&[cut]).topics.get(TOPIC).map_or(0, |topic| topic.samples);
+        let expected = flushed.iter().rfind(|(length, _)| *length <= cut.len());
+        prop_assert!(samples >= expected.map_or(0, |(_, samples)| *samples));
+        let mended = [&cut[..found.bytes as usize], &closing()].concat();
+        prop_assert!(whole(&mut Cursor::new(&mended)).unwrap().is_ended);
+        let of_cues = messages_of(&mended).iter().filter(|data| Cue::of_octets(&data[4..]).is_some()).count();
+        prop_assert_eq!(of_cues as u64, samples);
+    }
+}
