@@ -14,11 +14,13 @@ use settings::SettingsError;
 
 use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
-use super::tables::{DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable, WaitWord};
+use super::tables::{
+    DeploymentTable, FusionTable, PlaceTable, RecordWord, RecordedTable, RecorderTable, SourceTable, WaitWord,
+};
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
-use super::{Config, Fusion, Input, Instrument, Links, Order, Recorded, RecordedFormat, Source};
+use super::{Config, Fusion, Input, Instrument, Links, Order, Recorded, RecordedFormat, Recording, Segments, Source};
 use runtime::cores::Placement;
 use sources::{Processing, TrackerSettings};
 
@@ -94,6 +96,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         name: raw.name,
         origin: raw.origin,
         path: path.to_owned(),
+        text: String::new(),
         frame,
         order: raw.time.order,
         first_day_ns,
@@ -102,8 +105,31 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         receivers,
         gateways,
         scenario,
+        recording: check_recording(&raw.recorder, first_day_ns.is_some())?,
         recorder: raw.recorder.enabled,
         watchdog: Duration::from_secs_f64(raw.launcher.watchdog_s),
+    })
+}
+
+fn check_recording(raw: &RecorderTable, replays: bool) -> Checked<Recording> {
+    let has = |word| raw.format.contains(&word);
+    let csv = has(RecordWord::Csv);
+    if raw.format.is_empty() || (replays && !csv) {
+        let why = match replays {
+            true => "recorded inputs wait for their rows to be written: add \"csv\"",
+            false => "nothing would be written: name \"csv\" or \"mcap\", or say enabled = false",
+        };
+        return Err(SettingsError::new("recorder.format", why));
+    }
+    let segments = || Segments {
+        flush_ns: raw.flush_s.ns(),
+        bytes: u64::from(raw.segment_mb) * 1_000_000,
+        length_ns: raw.segment_s.ns(),
+        keep_bytes: raw.keep_gb.map(|gigabytes| (gigabytes * 1e9) as u64),
+    };
+    Ok(Recording {
+        csv,
+        mcap: has(RecordWord::Mcap).then(segments),
     })
 }
 

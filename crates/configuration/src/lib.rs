@@ -60,6 +60,8 @@ pub struct Config {
     pub origin: u32,
     /// File it was read from.
     pub path: PathBuf,
+    /// Text of the file; values that replace some of its stand in comments at the end.
+    pub text: String,
     /// The system frame.
     pub frame: SystemFrame,
     /// Order in which fusion works (PL-12).
@@ -82,8 +84,32 @@ pub struct Config {
     pub monitor: Monitor,
     /// Whether a recorder runs.
     pub recorder: bool,
+    /// Forms of the recording.
+    pub recording: Recording,
     /// A process that does not move for so long is replaced.
     pub watchdog: Duration,
+}
+
+/// Forms of a recording.
+#[derive(Clone, Copy, Debug)]
+pub struct Recording {
+    /// Whether rows of text are written.
+    pub csv: bool,
+    /// Containers of all topics, if they are written.
+    pub mcap: Option<Segments>,
+}
+
+/// Containers, one after another.
+#[derive(Clone, Copy, Debug)]
+pub struct Segments {
+    /// Time after which they are written to, nanoseconds.
+    pub flush_ns: i64,
+    /// Size at which another is begun.
+    pub bytes: u64,
+    /// Time after which another is begun, nanoseconds.
+    pub length_ns: i64,
+    /// Size of all beyond which the oldest are deleted; `None` keeps all.
+    pub keep_bytes: Option<u64>,
 }
 
 settings::words! {
@@ -331,7 +357,12 @@ impl Config {
         let checked = document
             .read::<DeploymentTable>()
             .and_then(|table| check::check(path, table));
-        checked.map_err(|error| in_file(path, document.located(error)))
+        let mut config = checked.map_err(|error| in_file(path, document.located(error)))?;
+        config.text = text.to_owned();
+        config
+            .text
+            .extend(overrides.iter().map(|each| format!("\n# --set {each}")));
+        Ok(config)
     }
 
     /// Whether a file's text describes a deployment, rightly or wrongly; else it may be an [`Offline`] configuration.

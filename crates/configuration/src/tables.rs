@@ -344,6 +344,17 @@ settings::settings! {
     pub struct RecorderTable {
         /// Whether there is one.
         enabled: bool = true;
+        /// Files that are written: rows of text, a file for each topic of data, and containers of all topics, for
+        /// everything to be read again to the bit.
+        format: Vec<RecordWord> = vec![RecordWord::Csv];
+        /// Time after which containers are written to: what a killed recorder loses at most.
+        flush_s: Seconds = Seconds::of(1.0), in [0.01, 3_600];
+        /// Size at which another container is begun, megabytes.
+        segment_mb: u32 = 256, in [1, 65_536];
+        /// Time after which another container is begun.
+        segment_s: Seconds = Seconds::of(3_600.0), in [1, 604_800];
+        /// Size of all containers of a start beyond which the oldest are deleted, gigabytes.
+        keep_gb: Option<f64> = None, in [0.001, 1e6];
     }
 
     /// The launcher, which starts and watches the others.
@@ -362,6 +373,14 @@ settings::words! {
         Spin = "spin",
         /// Spins for a while, then sleeps until notified.
         Hybrid = "hybrid",
+    }
+
+    /// Words for the forms of a recording.
+    pub enum RecordWord {
+        /// Rows of text.
+        Csv = "csv",
+        /// Containers.
+        Mcap = "mcap",
     }
 
     /// Words for how the monitor waits.

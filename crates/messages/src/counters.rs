@@ -329,6 +329,14 @@ counters! {
         "Times that the deployment was torn down and rebuilt because its shared memory was corrupt.";
     MissingRows = "missing_rows", Level by [],
         "Level: samples of a recorded source that are in none of the recorder's rows.";
+    RecordedSamples = "recorded_samples", Process by [Recorder],
+        "Samples taken for the recording of all topics.";
+    RecordedLost = "recorded_lost", Process by [Recorder],
+        "Samples that the recording of all topics lacks: dropped because the recorder fell behind or died, or not written.";
+    RecordingFailures = "recording_failures", Process by [Recorder],
+        "Times that the recording of all topics could not be written; it is tried again every second.";
+    RecordingsDeleted = "recordings_deleted", Process by [Recorder],
+        "Files of the recording of all topics that were deleted to make room for later ones.";
 }
 
 #[cfg(test)]

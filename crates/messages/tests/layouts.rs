@@ -94,7 +94,10 @@ fn names_of_fields_are_those_that_ros_2_allows() {
         let is_allowed = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_';
         let name = field.name;
         assert!(name.starts_with(|first: char| first.is_ascii_lowercase()), "{name}");
-        assert!(name.chars().all(is_allowed) && !name.contains("__") && !name.ends_with('_'), "{name}");
+        assert!(
+            name.chars().all(is_allowed) && !name.contains("__") && !name.ends_with('_'),
+            "{name}"
+        );
     }
 }
 
@@ -103,8 +106,15 @@ fn a_schema_for_ros_2_has_the_fields_and_those_of_contained_samples_once() {
     let schema = messages::Health::LAYOUT.ros2_schema();
     let (own, contained) = schema.split_once(&"=".repeat(80)).unwrap();
     assert_eq!(own.lines().count(), messages::Health::LAYOUT.fields.len());
-    assert!(own.contains("\nuint64 incarnation # ") || own.starts_with("uint64 incarnation # "), "{own}");
-    assert_eq!(contained.matches("MSG: koseki/Counters\nuint64[96] values # ").count(), 1, "{contained}");
+    assert!(
+        own.contains("\nuint64 incarnation # ") || own.starts_with("uint64 incarnation # "),
+        "{own}"
+    );
+    assert_eq!(
+        contained.matches("MSG: koseki/Counters\nuint64[96] values # ").count(),
+        1,
+        "{contained}"
+    );
     let track = messages::SystemTrack::LAYOUT.ros2_schema();
     assert_eq!(track.matches("MSG: koseki/Contribution\n").count(), 1, "{track}");
 }

@@ -35,12 +35,21 @@ pub type Facts = std::collections::BTreeMap<String, String>;
 
 /// Failure to write or read a recording.
 #[derive(Debug, thiserror::Error)]
-#[error(transparent)]
-pub struct RecordingError(#[from] mcap::McapError);
+pub enum RecordingError {
+    /// Refusal of the system.
+    #[error(transparent)]
+    System(#[from] std::io::Error),
+    /// Contents that are not as they should be.
+    #[error(transparent)]
+    Contents(mcap::McapError),
+}
 
-impl From<std::io::Error> for RecordingError {
-    fn from(error: std::io::Error) -> Self {
-        Self(error.into())
+impl From<mcap::McapError> for RecordingError {
+    fn from(error: mcap::McapError) -> Self {
+        match error {
+            mcap::McapError::Io(error) => Self::System(error),
+            other => Self::Contents(other),
+        }
     }
 }
 

@@ -87,7 +87,8 @@ impl Survey {
             }
             Record::Channel(channel) => {
                 if !channel.topic.ends_with(SLICES) {
-                    self.topic(&channel.topic).schema = channels.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                    self.topic(&channel.topic).schema =
+                        channels.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
                 }
                 channels.topics.insert(channel.id, channel.topic);
             }

@@ -25,6 +25,14 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// Tally of a topic in a recording that begins at this monotonic time, nanoseconds.
+    pub fn since(since_ns: u64) -> Self {
+        Self {
+            since_ns,
+            ..Self::default()
+        }
+    }
+
     /// Tally of the topic called `name` at the beginning of a file with these facts.
     pub fn begin(name: &str, facts: &Facts) -> Self {
         let number = |text: &String| text.parse().unwrap_or(0);
@@ -84,10 +92,7 @@ mod tests {
 
     #[test]
     fn gaps_are_counted_for_each_publisher_and_through_the_beginning_of_a_file() {
-        let mut tally = Tally {
-            since_ns: 100,
-            ..Tally::default()
-        };
+        let mut tally = Tally::since(100);
         tally.slice(&header(99, 7), 3);
         assert_eq!(tally.lost, 0, "it had begun before the recording");
         tally.slice(&header(99, 12), 1);

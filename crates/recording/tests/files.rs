@@ -105,7 +105,9 @@ fn what_is_written_is_read_again() {
     assert_eq!((topic.first_ns, topic.last_ns), (Some(1_000), Some(1_003)));
     assert_eq!(topic.schema, "koseki/msg/Cue");
     assert_eq!(found.topics["health"].slices, 0);
-    let numbers = messages_of(&file).into_iter().filter_map(|data| Cue::of_octets(&data[4..]));
+    let numbers = messages_of(&file)
+        .into_iter()
+        .filter_map(|data| Cue::of_octets(&data[4..]));
     assert_eq!(numbers.map(|cue| cue.sequence).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
 }
 
@@ -114,15 +116,6 @@ fn what_no_recorder_wrote_is_nothing() {
     for bytes in [&b""[..], b"MCAP", b"time_s,sensor_id\n1,2\n"] {
         assert_eq!(whole(&mut Cursor::new(bytes)).unwrap().bytes, 0);
     }
-}
-
-#[test]
-fn what_is_missing_between_files_is_lost() {
-    let (whole_file, _) = file(&[2, 2, 2, 2, 2, 2], true);
-    let (cut, flushed) = file(&[2, 2, 2, 2, 2, 2], false);
-    let found = survey(&[&cut[..flushed[0].0], &whole_file]);
-    assert_eq!(found.topics[TOPIC].samples, 18);
-    assert_eq!(found.torn, 1);
 }
 
 proptest! {

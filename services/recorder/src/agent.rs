@@ -10,6 +10,7 @@ use messages::{Counter, ProcessKind, Stream, StreamId};
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
+use crate::all_topics::AllTopics;
 use crate::recorded;
 use crate::recovery;
 use crate::topic_file::{Place, StreamFile};
@@ -21,6 +22,7 @@ const TURNS_AT_CLOSE: usize = 1000;
 #[derive(Debug)]
 pub struct RecorderAgent<S: Transport> {
     files: Vec<Box<dyn StreamFile>>,
+    all_topics: Option<AllTopics<S>>,
     waiter: Waiter<S>,
     /// Recordings: says how far the recorder has got with each of `files`, in their order, so that nothing is lost.
     reached: Option<Reached<S>>,
@@ -43,6 +45,12 @@ impl<S: Transport> RecorderAgent<S> {
     ) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let mut waiter = bus.waiter(WaitMode::Event);
+        let csv = config.recording.csv;
+        let all_topics = config.recording.mcap.map(|settings| {
+            let waiter = (!csv).then_some(&mut waiter);
+            AllTopics::new(config, settings, bus, waiter, incarnation, folder, run)
+        });
+        let all_topics = all_topics.transpose()?;
         let mut place = Place {
             bus,
             waiter: &mut waiter,
@@ -56,6 +64,7 @@ impl<S: Transport> RecorderAgent<S> {
         let streams: Vec<_> = config
             .input_streams()
             .chain([(StreamId::SYSTEM_TRACKS, ""), (StreamId::ALARMS, "")])
+            .filter(|_| csv)
             .collect();
         let open = |(id, name): &(StreamId, &str)| recorded::open(&mut place, *id, name);
         let files = streams.iter().map(open).collect::<Result<Vec<_>, _>>()?;
@@ -63,14 +72,16 @@ impl<S: Transport> RecorderAgent<S> {
         let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &begins);
         Ok(Self {
             files,
+            all_topics,
             waiter,
             reached: config.is_recorded().then(reached).transpose()?,
         })
     }
 
     /// Writes what has arrived; whether there was anything.
-    fn write_arrived(&mut self) -> anyhow::Result<bool> {
-        let mut worked = false;
+    fn write_arrived(&mut self, now: Now) -> anyhow::Result<bool> {
+        let all_topics = self.all_topics.as_mut();
+        let mut worked = all_topics.map_or(Ok(false), |topics| topics.turn(now))?;
         for (index, file) in self.files.iter_mut().enumerate() {
             worked |= file.write_arrived(&mut |header, next_sequence| {
                 if let Some(reached) = &mut self.reached {
@@ -84,14 +95,15 @@ impl<S: Transport> RecorderAgent<S> {
     /// Whether everything that a replay repeats, and what fusion makes of it, is there.
     fn all_ended(&self) -> bool {
         let ends = |stream: Stream| stream.is_replayed() || stream == Stream::SystemTracks;
+        // Without rows nothing is repeated: the configuration says so.
         let mut ending = self.files.iter().filter(|file| ends(file.id().stream));
-        ending.all(|file| file.has_ended())
+        !self.files.is_empty() && ending.all(|file| file.has_ended())
     }
 }
 
 impl<S: Transport> Agent for RecorderAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        let worked = self.write_arrived()?;
+        let worked = self.write_arrived(now)?;
         if let Some(reached) = &mut self.reached {
             reached.say(now)?;
         }
@@ -106,9 +118,10 @@ impl<S: Transport> Agent for RecorderAgent<S> {
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
-        let files = &self.files;
-        self.waiter
-            .wait(at_most, || files.iter().any(|file| file.has_slices()))?;
+        let (files, all_topics) = (&self.files, &self.all_topics);
+        self.waiter.wait(at_most, || {
+            files.iter().any(|file| file.has_slices()) || all_topics.as_ref().is_some_and(AllTopics::has_slices)
+        })?;
         Ok(())
     }
 
@@ -117,6 +130,17 @@ impl<S: Transport> Agent for RecorderAgent<S> {
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let first = entries.len();
         entries.push(HealthEntry::default());
+        if let Some(all_topics) = &self.all_topics {
+            let counts = all_topics.counts();
+            for (counter, count) in [
+                (Counter::RecordedSamples, counts.samples),
+                (Counter::RecordedLost, counts.lost),
+                (Counter::RecordingFailures, counts.failures),
+                (Counter::RecordingsDeleted, counts.deleted),
+            ] {
+                entries[first].counters.add(counter, count);
+            }
+        }
         for file in &self.files {
             let (id, counts) = (file.id(), file.counts());
             if id.stream == Stream::SensorTracks {
@@ -147,13 +171,13 @@ impl<S: Transport> Agent for RecorderAgent<S> {
         }
     }
 
-    fn close(&mut self, _now: Now) -> anyhow::Result<()> {
+    fn close(&mut self, now: Now) -> anyhow::Result<()> {
         // Bounded, in case somebody goes on publishing.
         for _ in 0..TURNS_AT_CLOSE {
-            if !self.write_arrived()? {
+            if !self.write_arrived(now)? {
                 break;
             }
         }
-        Ok(())
+        self.all_topics.as_mut().map_or(Ok(()), |topics| topics.close(now))
     }
 }

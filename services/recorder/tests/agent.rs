@@ -11,9 +11,13 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 const NOW: Now = Now { mono_ns: 1, utc_ns: 0 };
 
 fn config() -> Config {
+    config_with(&[])
+}
+
+fn config_with(overrides: &[String]) -> Config {
     let text = "name = \"t\"\n[frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n[time]\norder = \"time\"\ndate = \"2016-05-10\"\n\
                 [[source]]\nname = \"a\"\n[source.recorded]\nfile = \"a.ast\"\n";
-    Config::parse(Path::new("t.toml"), text, &[]).unwrap()
+    Config::parse(Path::new("t.toml"), text, overrides).unwrap()
 }
 
 struct Bench {
@@ -183,4 +187,157 @@ fn alarms_make_a_row_when_they_are_raised_and_when_they_are_cleared() {
     recorder.turn(NOW).unwrap();
     recorder.close(NOW).unwrap();
     assert_eq!(bench.rows("alarms.csv"), 2);
+}
+
+mod all_topics {
+    use std::fs::File;
+    use std::path::PathBuf;
+
+    use recording::Survey;
+
+    use super::*;
+
+    const TOPIC: &str = "sensor/a/tracks";
+
+    /// A bench for recorders of all topics.
+    fn bench() -> Bench {
+        let mut bench = Bench::new();
+        bench._held.push(bench.bus.hold(&messages::health()).unwrap());
+        bench._held.push(bench.bus.hold(&messages::control()).unwrap());
+        bench._held.push(bench.bus.hold(&messages::frame_origin()).unwrap());
+        bench
+    }
+
+    fn recorder_of(bench: &Bench, folder: &Path, more: &[&str]) -> RecorderAgent<InProcess> {
+        let overrides: Vec<String> = [&["recorder.format=[\"csv\", \"mcap\"]"], more]
+            .concat()
+            .iter()
+            .map(|each| (*each).to_owned())
+            .collect();
+        let config = config_with(&overrides);
+        RecorderAgent::new(&config, &bench.bus, 1, folder, 0, "run").unwrap()
+    }
+
+    fn files(folder: &Path) -> Vec<PathBuf> {
+        let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let mut files: Vec<_> = files
+            .filter(|path| path.extension().is_some_and(|ending| ending == "mcap"))
+            .collect();
+        files.sort();
+        files
+    }
+
+    fn survey(folder: &Path) -> Survey {
+        let mut survey = Survey::default();
+        for file in files(folder) {
+            survey.add(&mut File::open(file).unwrap()).unwrap();
+        }
+        survey
+    }
+
+    fn at(mono_s: f64) -> Now {
+        Now {
+            mono_ns: (mono_s * 1e9) as i64,
+            utc_ns: 0,
+        }
+    }
+
+    fn counted(agent: &RecorderAgent<InProcess>, counter: Counter) -> u64 {
+        let mut entries: Vec<HealthEntry> = Vec::new();
+        agent.health(&mut entries);
+        entries[0].counters[counter]
+    }
+
+    #[test]
+    fn all_that_was_said_is_in_the_file() {
+        let mut bench = bench();
+        let out = bench.folder.path().join("out");
+        let mut recorder = recorder_of(&bench, &out, &[]);
+        bench.send(0..5, false);
+        recorder.turn(at(1.0)).unwrap();
+        bench.send(5..9, true);
+        recorder.turn(at(2.5)).unwrap();
+        recorder.close(at(2.6)).unwrap();
+        let found = survey(&out);
+        assert_eq!(
+            (found.topics[TOPIC].samples, found.topics[TOPIC].tally.lost, found.torn),
+            (9, 0, 0)
+        );
+        assert_eq!(found.topics["system/tracks"].samples, 9);
+        assert!(found.topics.contains_key("health") && found.facts["configuration"].contains("a.ast"));
+        assert_eq!(counted(&recorder, Counter::RecordedSamples), 18);
+    }
+
+    #[test]
+    fn a_killed_recorder_costs_what_was_not_flushed_and_the_next_one_counts_it() {
+        let mut bench = bench();
+        let (out, after) = (bench.folder.path().join("out"), bench.folder.path().join("after"));
+        std::fs::create_dir(&after).unwrap();
+        let mut first = recorder_of(&bench, &out, &[]);
+        bench.send(0..4, false);
+        first.turn(at(10.0)).unwrap();
+        bench.send(4..6, false);
+        first.turn(at(11.5)).unwrap();
+        bench.send(6..9, false);
+        first.turn(at(11.6)).unwrap();
+        // What a killed one leaves: its file as it is now, and a few octets of a chunk.
+        let mut left = std::fs::read(&files(&out)[0]).unwrap();
+        left.extend([6, 1, 0, 0]);
+        std::fs::write(after.join("all_topics_000001.mcap"), left).unwrap();
+        drop(first);
+        let mut second = recorder_of(&bench, &after, &[]);
+        bench.send(9..11, false);
+        second.turn(at(13.0)).unwrap();
+        assert_eq!(counted(&second, Counter::RecordedLost), 6, "3 of each topic");
+        second.close(at(14.0)).unwrap();
+        let found = survey(&after);
+        assert_eq!(
+            (found.topics[TOPIC].samples, found.topics[TOPIC].tally.lost, found.torn),
+            (8, 3, 0)
+        );
+        assert_eq!(files(&after).len(), 2);
+    }
+
+    #[test]
+    fn files_follow_each_other_and_the_oldest_make_room() {
+        let mut bench = bench();
+        let out = bench.folder.path().join("out");
+        let mut recorder = recorder_of(&bench, &out, &["recorder.segment_s=1", "recorder.keep_gb=0.001"]);
+        for turn in 0..40 {
+            let first = 60 * turn;
+            bench.send(first..first + 60, false);
+            recorder.turn(at(turn as f64 + 0.5)).unwrap();
+        }
+        recorder.close(at(41.0)).unwrap();
+        let (deleted, left) = (counted(&recorder, Counter::RecordingsDeleted), files(&out).len() as u64);
+        assert!(deleted > 2 && left > 1, "{deleted} deleted, {left} left");
+        let bytes: u64 = files(&out).iter().map(|path| path.metadata().unwrap().len()).sum();
+        assert!(bytes < 1_200_000, "{bytes}");
+        assert_eq!(survey(&out).topics[TOPIC].tally.lost, 0);
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_counted_and_it_goes_on_when_it_can() {
+        let mut bench = bench();
+        let out = bench.folder.path().join("out");
+        let away = bench.folder.path().join("away");
+        let mut recorder = recorder_of(&bench, &out, &["recorder.segment_s=1"]);
+        bench.send(0..4, false);
+        recorder.turn(at(1.0)).unwrap();
+        recorder.turn(at(2.5)).unwrap();
+        std::fs::rename(&out, &away).unwrap();
+        bench.send(4..7, false);
+        recorder.turn(at(2.6)).unwrap();
+        bench.send(7..9, false);
+        recorder.turn(at(3.0)).unwrap();
+        assert_eq!(counted(&recorder, Counter::RecordedLost), 10);
+        assert_eq!(counted(&recorder, Counter::RecordingFailures), 1);
+        std::fs::rename(&away, &out).unwrap();
+        bench.send(9..10, false);
+        recorder.turn(at(4.0)).unwrap();
+        let error = recorder.close(at(4.5)).unwrap_err();
+        assert!(error.to_string().contains("lacks 10 samples"), "{error}");
+        let topic = &survey(&out).topics[TOPIC];
+        assert_eq!((topic.samples, topic.tally.lost), (5, 5));
+    }
 }

@@ -1,0 +1,287 @@
+//! Files of the recording of all topics, one after another.
+//!
+//! A recorder that starts puts an end to the file that a dead one has left and begins the next. What cannot be written
+//! is counted and tried again in a new file, so that a full disk costs samples, but neither files nor the deployment.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+use configuration::Segments as Settings;
+use messages::BatchHeader;
+use messages::layout::Layout;
+use recording::{Channel, Facts, RecordingError, Survey, Tally, Writer};
+use runtime::Now;
+
+/// Time between two attempts to write after a failure, nanoseconds.
+const RETRY_NS: i64 = 1_000_000_000;
+
+/// Name of a file: this, a number that rises, and the ending.
+const STEM: &str = "all_topics_";
+const ENDING: &str = ".mcap";
+
+/// Files of the recording, one after another.
+#[derive(Debug)]
+pub(crate) struct Segments {
+    folder: PathBuf,
+    settings: Settings,
+    facts: Facts,
+    topics: Vec<Topic>,
+    /// Number of the latest file.
+    number: u32,
+    open: Option<Open>,
+    /// When writing is tried again, monotonic, nanoseconds.
+    retry_ns: i64,
+    counts: SegmentCounts,
+}
+
+/// A topic that is recorded.
+#[derive(Debug)]
+struct Topic {
+    name: String,
+    layout: Layout,
+    tally: Tally,
+    /// Samples that are not yet on disk.
+    gathered: u64,
+}
+
+/// The file that is written.
+#[derive(Debug)]
+struct Open {
+    path: PathBuf,
+    writer: Writer<BufWriter<File>>,
+    channels: Vec<Channel>,
+    begun_ns: i64,
+    flushed_ns: i64,
+    bytes: u64,
+}
+
+/// Counts since the recorder started.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SegmentCounts {
+    pub(crate) samples: u64,
+    /// Samples that are in no file, those with which an earlier recorder died included.
+    pub(crate) lost: u64,
+    pub(crate) failures: u64,
+    pub(crate) deleted: u64,
+}
+
+impl Segments {
+    /// Goes on with the recording in `folder`, if there is one: of `topics`, with `facts` at the beginning of each file.
+    ///
+    /// # Errors
+    /// If the folder or the latest file cannot be read.
+    pub(crate) fn new(
+        folder: &Path,
+        settings: Settings,
+        facts: Facts,
+        topics: Vec<(String, Layout)>,
+        incarnation: u64,
+    ) -> anyhow::Result<Self> {
+        let mut earlier = Survey::default();
+        let files = files(folder)?;
+        let number = files.last().map_or(0, |(number, _)| *number);
+        if let Some((_, path)) = files.last() {
+            end(path)?;
+            earlier.add(&mut File::open(path)?)?;
+        }
+        let topics = topics.into_iter().map(|(name, layout)| {
+            let known = earlier.topics.get(&name).map(|topic| topic.tally.clone());
+            Topic {
+                tally: known.unwrap_or_else(|| Tally::since(incarnation)),
+                name,
+                layout,
+                gathered: 0,
+            }
+        });
+        Ok(Self {
+            folder: folder.to_owned(),
+            settings,
+            facts,
+            topics: topics.collect(),
+            number,
+            open: None,
+            retry_ns: i64::MIN,
+            counts: SegmentCounts::default(),
+        })
+    }
+
+    pub(crate) fn counts(&self) -> SegmentCounts {
+        self.counts
+    }
+
+    /// Adds a slice of the topic at this place of the list, whose samples are `octets`.
+    pub(crate) fn slice(&mut self, topic: usize, header: &BatchHeader, octets: &[u8], now: Now) {
+        let of = &mut self.topics[topic];
+        let (count, before) = (octets.len() / of.layout.size, of.tally.lost);
+        of.tally.slice(header, count);
+        self.counts.samples += count as u64;
+        self.counts.lost += of.tally.lost - before;
+        self.topics[topic].gathered += count as u64;
+        self.open_if_due(now);
+        let Some(open) = &mut self.open else {
+            self.give_up_gathered();
+            return;
+        };
+        let sent_ns = now.utc_ns - (now.mono_ns - header.sent_ns);
+        let written = open
+            .writer
+            .slice(open.channels[topic], header, octets, now.utc_ns, sent_ns);
+        match written {
+            Ok(false) => {}
+            Ok(true) => self.flushed(now),
+            Err(error) => self.failed(&error, now),
+        }
+    }
+
+    /// Does what is due: writes what is gathered, begins another file, deletes old ones.
+    pub(crate) fn tend(&mut self, now: Now) {
+        self.open_if_due(now);
+        let Some(open) = &mut self.open else { return };
+        if now.mono_ns - open.flushed_ns < self.settings.flush_ns {
+            return;
+        }
+        match open.writer.flush() {
+            Ok(()) => self.flushed(now),
+            Err(error) => self.failed(&error, now),
+        }
+        let is_over =
+            |open: &Open| open.bytes >= self.settings.bytes || now.mono_ns - open.begun_ns >= self.settings.length_ns;
+        if self.open.as_ref().is_some_and(is_over) {
+            self.finish(now);
+        }
+        self.make_room(now);
+    }
+
+    /// Ends the file that is written.
+    pub(crate) fn finish(&mut self, now: Now) {
+        if let Some(open) = self.open.take() {
+            match open.writer.finish() {
+                Ok(()) => self.topics.iter_mut().for_each(|topic| topic.gathered = 0),
+                Err(error) => self.give_up(&open.path, &error, now),
+            }
+        }
+    }
+
+    fn flushed(&mut self, now: Now) {
+        self.topics.iter_mut().for_each(|topic| topic.gathered = 0);
+        if let Some(open) = &mut self.open {
+            open.flushed_ns = now.mono_ns;
+            open.bytes = std::fs::metadata(&open.path).map_or(0, |file| file.len());
+        }
+    }
+
+    fn failed(&mut self, error: &RecordingError, now: Now) {
+        if let Some(open) = self.open.take() {
+            // It tries to write the rest; whatever comes of that is cut off.
+            drop(open.writer);
+            self.give_up(&open.path, error, now);
+        }
+    }
+
+    fn give_up(&mut self, path: &Path, error: &RecordingError, now: Now) {
+        if self.counts.failures == 0 {
+            let lead = "koseki: the recording of all topics cannot be written";
+            let _ = writeln!(
+                std::io::stderr(),
+                "{lead} ({}: {error}); samples are lost and counted until it can",
+                path.display()
+            );
+        }
+        self.counts.failures += 1;
+        self.retry_ns = now.mono_ns + RETRY_NS;
+        self.give_up_gathered();
+        // If not even that can be done, the next recorder does it.
+        let _ = end(path);
+    }
+
+    fn give_up_gathered(&mut self) {
+        for topic in &mut self.topics {
+            topic.tally.lost += topic.gathered;
+            self.counts.lost += std::mem::take(&mut topic.gathered);
+        }
+    }
+
+    fn open_if_due(&mut self, now: Now) {
+        if self.open.is_some() || now.mono_ns < self.retry_ns {
+            return;
+        }
+        self.number += 1;
+        let path = self.folder.join(format!("{STEM}{:06}{ENDING}", self.number));
+        match self.begin(&path, now) {
+            Ok(open) => self.open = Some(open),
+            Err(error) => {
+                self.give_up(&path, &error, now);
+                // Nothing is in it.
+                let _ = std::fs::remove_file(&path);
+                self.number -= 1;
+            }
+        }
+    }
+
+    fn begin(&self, path: &Path, now: Now) -> Result<Open, RecordingError> {
+        let mut facts = self.facts.clone();
+        for topic in &self.topics {
+            topic.tally.state(&topic.name, &mut facts);
+        }
+        let mut writer = Writer::begin(BufWriter::new(File::create_new(path)?), &facts)?;
+        let channels = self.topics.iter();
+        let channels = channels.map(|topic| writer.channel(&topic.name, &topic.layout));
+        let channels = channels.collect::<Result<_, _>>()?;
+        writer.flush()?;
+        Ok(Open {
+            path: path.to_owned(),
+            writer,
+            channels,
+            begun_ns: now.mono_ns,
+            flushed_ns: now.mono_ns,
+            bytes: 0,
+        })
+    }
+
+    /// Deletes the oldest files until the others take no more than they may; never the one that is written.
+    fn make_room(&mut self, now: Now) {
+        let Some(keep_bytes) = self.settings.keep_bytes else {
+            return;
+        };
+        let Ok(files) = files(&self.folder) else { return };
+        let size = |path: &PathBuf| std::fs::metadata(path).map_or(0, |file| file.len());
+        let mut bytes: u64 = files.iter().map(|(_, path)| size(path)).sum();
+        for (number, path) in files {
+            if bytes <= keep_bytes || number == self.number {
+                break;
+            }
+            let freed = size(&path);
+            if let Err(error) = std::fs::remove_file(&path) {
+                self.failed(&error.into(), now);
+                return;
+            }
+            bytes -= freed;
+            self.counts.deleted += 1;
+        }
+    }
+}
+
+/// Puts an end to a file that has none.
+fn end(path: &Path) -> std::io::Result<()> {
+    let mut file = OpenOptions::new().read(true).append(true).open(path)?;
+    let whole = recording::whole(&mut file)?;
+    if !whole.is_ended {
+        file.set_len(whole.bytes)?;
+        file.write_all(&recording::closing())?;
+    }
+    Ok(())
+}
+
+/// Files of the recording with their numbers, ascending.
+fn files(folder: &Path) -> std::io::Result<Vec<(u32, PathBuf)>> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().and_then(|name| name.to_str());
+        let number = name.and_then(|name| name.strip_prefix(STEM)?.strip_suffix(ENDING)?.parse().ok());
+        files.extend(number.map(|number| (number, path)));
+    }
+    files.sort();
+    Ok(files)
+}
