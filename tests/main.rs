@@ -34,6 +34,7 @@ mod live_asterix;
 mod live_bearings;
 mod live_counts;
 mod live_plots;
+mod recording;
 mod supervision;
 mod system_calls;
 mod top;

@@ -3,7 +3,7 @@
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
 //! that answer questions ([`check`], [`status`], [`top`]), measure ([`mod@bench`]), give orders ([`condition`]) or work
-//! on files ([`decode`], [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`], [`locate`], [`compare`],
+//! on files ([`mod@recording_info`], [`decode`], [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`], [`locate`], [`compare`],
 //! [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
@@ -24,6 +24,7 @@ mod fuse;
 mod locate;
 mod offline;
 mod picture;
+mod recording_info;
 mod recordings;
 mod score;
 mod simulate;
@@ -110,6 +111,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Check(check) => check::run(&check),
         Command::Status(status) => status::run(&status),
         Command::Top(top) => top::run(&top),
+        Command::Recording(args::Recording::Info(info)) => recording_info::run(&info),
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),
         Command::Encode(encode) => encode::run(&encode),

@@ -33,7 +33,7 @@ const GROWING: &[Growing] = {
     &[
         (
             AlarmKind::SamplesLost,
-            &[Counter::Lost],
+            &[Counter::Lost, Counter::RecordedLost],
             "sample",
             &[Fusion, Recorder, Gateway],
         ),

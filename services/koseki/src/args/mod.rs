@@ -89,6 +89,9 @@ pub(crate) enum Command {
     /// Tell a running deployment which condition (weather) holds from now on
     #[command(after_help = CONDITION_EXAMPLES)]
     Condition(Condition),
+    /// Say what a recording of all topics holds
+    #[command(after_help = RECORDING_EXAMPLES, subcommand)]
+    Recording(Recording),
     /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
     #[command(after_help = DECODE_EXAMPLES)]
     Decode(Decode),
@@ -273,6 +276,27 @@ pub(crate) struct Top {
     /// Print them as JSON
     #[arg(long, requires = "once")]
     pub(crate) json: bool,
+}
+
+const RECORDING_EXAMPLES: &str = "\
+Examples:
+  koseki up config/live.toml --set 'recorder.format=[\"csv\", \"mcap\"]' --out records/tower
+  koseki recording info records/tower/latest
+  koseki recording info records/tower/latest/all_topics_000002.mcap";
+
+/// `koseki recording`.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Recording {
+    /// Topics, times, counts and losses of a recording of all topics, and where it comes from
+    Info(RecordingInfo),
+}
+
+/// `koseki recording info`.
+#[derive(Debug, Args)]
+pub(crate) struct RecordingInfo {
+    /// A file, or the folder of a start
+    #[arg(value_name = "RECORDING")]
+    pub(crate) path: PathBuf,
 }
 
 const CONDITION_EXAMPLES: &str = "\

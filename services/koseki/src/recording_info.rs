@@ -1,0 +1,78 @@
+//! `koseki recording info`: what a recording of all topics holds.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use formats::rows::Utc;
+use recording::Survey;
+use telemetry::table::{Align, Table};
+
+use crate::args::{RecordingInfo, Usage};
+
+/// Prints what a recording holds.
+///
+/// # Errors
+/// If there is none, or it cannot be read.
+pub(crate) fn run(info: &RecordingInfo) -> anyhow::Result<()> {
+    let files = files(&info.path)?;
+    let mut survey = Survey::default();
+    for path in &files {
+        let mut add = || survey.add(&mut File::open(path)?);
+        add().with_context(|| format!("reading {}", path.display()))?;
+    }
+    crate::print(&text(&survey, files.len())?)
+}
+
+/// The files of a recording, in their order.
+fn files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    if path.is_file() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let refused = |why: String| Usage(format!("{}: {why}", path.display()));
+    let entries = std::fs::read_dir(path).map_err(|error| refused(error.to_string()))?;
+    let mut files = Vec::new();
+    for entry in entries {
+        let file = entry?.path();
+        files.extend(file.extension().is_some_and(|ending| ending == "mcap").then_some(file));
+    }
+    files.sort();
+    if files.is_empty() {
+        let why = "no recording of all topics is in this folder; [recorder] format = [\"csv\", \"mcap\"] makes one";
+        return Err(refused(why.to_owned()).into());
+    }
+    Ok(files)
+}
+
+fn text(survey: &Survey, files: usize) -> anyhow::Result<String> {
+    let mut out = String::new();
+    for fact in ["run", "version"] {
+        let said = survey.facts.get(fact).map_or("not said", String::as_str);
+        writeln!(out, "{fact}: {said}")?;
+    }
+    writeln!(out, "files: {files}, without an end: {}\n", survey.torn)?;
+    let mut table = Table::new(&[
+        ("topic", Align::Left),
+        ("samples", Align::Right),
+        ("lost", Align::Right),
+        ("slices", Align::Right),
+        ("publishers", Align::Right),
+        ("first (UTC)", Align::Left),
+        ("last (UTC)", Align::Left),
+    ]);
+    for (name, topic) in &survey.topics {
+        let time = |time_ns: Option<u64>| time_ns.map_or(String::new(), |time_ns| Utc(time_ns as i64).to_string());
+        table.row([
+            name.clone(),
+            topic.samples.to_string(),
+            topic.tally.lost.to_string(),
+            topic.slices.to_string(),
+            topic.tally.publishers().to_string(),
+            time(topic.first_ns),
+            time(topic.last_ns),
+        ]);
+    }
+    out.push_str(&table.to_string());
+    Ok(out)
+}
