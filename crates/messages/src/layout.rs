@@ -170,8 +170,8 @@ impl Layout {
     /// Schema of this sample for ROS 2 (`ros2msg`): its fields, then those of each sample that it contains.
     ///
     /// CDR, ROS 2's encoding, puts numbers one after another, each at a multiple of its own size. That is how a sample
-    /// lies in memory, since its padding is fields, too: four octets that say "little-endian" and the sample's bytes are
-    /// a ROS 2 message.
+    /// lies in memory, since its padding is fields, too: four octets that say "little-endian" and the sample's bytes
+    /// are a ROS 2 message.
     pub fn ros2_schema(&self) -> String {
         let mut out = String::new();
         self.ros2_fields(&mut out);
