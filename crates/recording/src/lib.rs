@@ -2,8 +2,8 @@
 //!
 //! MCAP is a container of messages with times, on channels with schemas, that the tools of robotics read. Koseki's
 //! samples go into it as they lie in shared memory: with four octets in front they are messages of ROS 2
-//! ([`Layout::ros2_schema`](messages::layout::Layout::ros2_schema)). So one file holds the exact bits, for whoever wants
-//! to have the same picture again, and is open to viewers and to Python.
+//! ([`Layout::ros2_schema`](messages::layout::Layout::ros2_schema)). So one file holds the exact bits, for whoever
+//! wants to have the same picture again, and is open to viewers and to Python.
 //!
 //! Each topic has two channels. `<topic>/slices` has the header of each slice, and directly after it in the file come
 //! the slice's samples on `<topic>`, up to the next header of the topic. Messages are *logged* when the recorder took

@@ -471,8 +471,8 @@ impl<'a> Supervisor<'a> {
     ///
     /// # Errors
     /// If one did not stop well; or if the work was in vain: `down` names children that were not there in the end, or
-    /// no report has come. That is a warning where somebody wanted the end before it could be otherwise; but a recorder
-    /// that failed has lost what was recorded.
+    /// no report has come. That is a warning where somebody wanted the end before it could be otherwise; but a
+    /// recorder that failed has lost what was recorded.
     fn stop_all(&mut self, down: Vec<(ProcessKind, String)>) -> anyhow::Result<()> {
         let mut problems = Vec::new();
         let is_recorder = |(kind, _): &(ProcessKind, String)| *kind == ProcessKind::Recorder;

@@ -10,8 +10,9 @@
 //! holds the bearings that were used and `platform_states_<name>.csv` where the platform was: `koseki locate` makes the
 //! same fixes of the bearings (FM-7). Reports of wide-area sensors are in `wide_area_<name>.csv`, as exactly.
 //!
-//! With `format = ["csv", "mcap"]` every topic, talk between processes too, goes to the bit into `all_topics_<number>.mcap`
-//! (see the crate `recording`), with the times of taking and sending, configuration and version.
+//! With `format = ["csv", "mcap"]` every topic, talk between processes too, goes to the bit into
+//! `all_topics_<number>.mcap` (see the crate `recording`), with the times of taking and sending, configuration and
+//! version.
 
 #![forbid(unsafe_code)]
 

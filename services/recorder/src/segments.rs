@@ -67,7 +67,8 @@ pub(crate) struct SegmentCounts {
 }
 
 impl Segments {
-    /// Goes on with the recording in `folder`, if there is one: of `topics`, with `facts` at the beginning of each file.
+    /// Goes on with the recording in `folder`, if there is one: of `topics`, with `facts` at the beginning of each
+    /// file.
     ///
     /// # Errors
     /// If the folder or the latest file cannot be read.
