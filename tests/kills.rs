@@ -5,8 +5,8 @@
 //!
 //! An *observer* reads the topics of all sources and the system tracks from beginning to end; now and then it falls
 //! behind, so that something is lost. Beside its subscribers' own counters it keeps a tally that is independent of
-//! them: samples that came, by publisher, against the number that the publisher's line in shared memory states. Kills are
-//! tallied, too, against what the launcher says of them.
+//! them: samples that came, by publisher, against the number that the publisher's line in shared memory states. Kills
+//! are tallied, too, against what the launcher says of them.
 
 use std::collections::BTreeMap;
 use std::fs;

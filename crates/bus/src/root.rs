@@ -210,8 +210,8 @@ impl Root {
         Ok(nodes)
     }
 
-    /// Removes the files of dead processes that iceoryx2 leaves behind. It does not see a process that died before it had
-    /// said that it lives; and one that died before it had described itself, or while its description was being
+    /// Removes the files of dead processes that iceoryx2 leaves behind. It does not see a process that died before it
+    /// had said that it lives; and one that died before it had described itself, or while its description was being
     /// removed, it looks for among other instances. What such processes had in topics is gone by then, or never was.
     pub(crate) fn remove_remains(&self, prefix: &str) -> Result<(), BusError> {
         // Listed before the living are: who joins meanwhile is not among them.

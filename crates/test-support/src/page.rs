@@ -9,7 +9,8 @@ const HELD_UP_MAX: Duration = Duration::from_secs(4);
 /// How long a client waits before it fails the test.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A running server of one page, [`Served::TEXT`], at [`Served::PATH`], which may also be asked for as [`Served::HOST`].
+/// A running server of one page, [`Served::TEXT`], at [`Served::PATH`], which may also be asked for as
+/// [`Served::HOST`].
 #[derive(Debug)]
 pub struct Served {
     /// Where it listens, on the loopback interface.

@@ -26,8 +26,8 @@ use crate::link::{Facts, Heard, Link, Said};
 const PAUSE: Duration = Duration::from_millis(20);
 /// Time between two messages about the children, nanoseconds.
 const PERIOD_NS: i64 = 200_000_000;
-/// Time after which dead processes are looked for although the launcher knows of none, nanoseconds: those that joined by
-/// themselves are not its children.
+/// Time after which dead processes are looked for although the launcher knows of none, nanoseconds: those that joined
+/// by themselves are not its children.
 const RECLAIM_PERIOD_NS: i64 = 10_000_000_000;
 
 /// Runs the keeper until it is told to stop.
@@ -104,8 +104,8 @@ impl Keeper<'_> {
         has_news
     }
 
-    /// Takes back what dead processes had, if any has died since the last time, and now and then what strangers had. The
-    /// first time, that of the keeper's own predecessor.
+    /// Takes back what dead processes had, if any has died since the last time, and now and then what strangers had.
+    /// The first time, that of the keeper's own predecessor.
     fn reclaim(&mut self, now: Now) {
         let Some(deaths) = self.facts.as_ref().map(|facts| facts.deaths) else {
             return;
