@@ -5,8 +5,8 @@
 //!
 //! **Nobody holds up anybody.** All connections are looked at in turn, none is waited for. Each has [`PATIENCE`] for
 //! its whole life, however it spends it, and a request a greatest length. There are at most [`CLIENTS_MAX`] of them:
-//! one more takes the place of the oldest, so that a client that says nothing cannot keep one out that does. What clients
-//! can take of memory is limited by that.
+//! one more takes the place of the oldest, so that a client that says nothing cannot keep one out that does. What
+//! clients can take of memory is limited by that.
 //!
 //! **Nobody is tricked.** A page in a browser may not read answers of other servers; but its own name can be made to
 //! lead here (DNS rebinding), and then it may. The browser still says the name that it asked for. So a request is
