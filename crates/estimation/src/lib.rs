@@ -21,6 +21,7 @@
 
 #![forbid(unsafe_code)]
 
+mod clock;
 mod combination;
 mod common_noise;
 mod definite;
@@ -35,6 +36,7 @@ mod recovery;
 mod testing;
 mod update;
 
+pub use clock::SourceClock;
 pub use combination::{
     Criterion, Estimate, INPUTS_MAX, correlated_combination, information_sum, intersection_weights,
     weighted_information,

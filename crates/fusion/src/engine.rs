@@ -6,7 +6,7 @@
 //! learn;
 //! [`Tracks`] are what they share.
 
-use messages::{Counter, NS_PER_S, SensorTrack, TrackState};
+use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
 
 use crate::association_step::Search;
@@ -179,15 +179,27 @@ impl Engine {
             .run_timer_before(&self.settings, &mut self.tracks, time_ns, out)
     }
 
-    /// Takes one report. Every system-track state that it changes is handed to `sink`.
-    ///
-    /// Reports should come in the order of their times; one older than its own sensor track's latest is rejected.
+    /// Takes one report of those that come in the order of their times: time passes with them. Every system-track state
+    /// that it changes is handed to `sink`.
     pub fn take(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
+        self.take_at(report, report.time_of_measurement_ns, sink);
+    }
+
+    /// Takes one report, come at `now_ns` (UTC), up to which time passes: not by what the report claims. Every
+    /// system-track state that it changes is handed to `sink`.
+    ///
+    /// One older than its own sensor track's latest is rejected; one whose time nobody should believe is kept out of
+    /// the tracks.
+    pub fn take_at(&mut self, report: &SensorTrack, now_ns: i64, sink: &mut impl Sink) {
         if !inlet::is_valid(report, &self.settings.sources) {
             self.outbox.counts.add(report.source, Counter::RejectedInvalid);
             return;
         }
-        self.advance(report.time_of_measurement_ns, sink);
+        self.advance(now_ns, sink);
+        if report.has(sensor_track_bits::WILD_CLOCK) {
+            self.outbox.counts.add(report.source, Counter::RejectedClock);
+            return;
+        }
         self.learn_of_sources();
         if report.state == TrackState::Coasted as u8 {
             // The source has seen nothing. Its extrapolation agrees with itself perfectly, which says nothing about the
@@ -337,7 +349,8 @@ impl Engine {
     /// Lets a sensor track wait for the end of its scan.
     fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get_mut(sensor);
-        let (source, time_ns) = (entry.source, entry.time_ns);
+        // A clock that is ahead shall not keep a scan waiting.
+        let (source, time_ns) = (entry.source, entry.time_ns.min(self.schedule.now_ns()));
         if std::mem::replace(&mut entry.waits, true) {
             return;
         }

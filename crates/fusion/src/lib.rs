@@ -5,6 +5,9 @@
 //! the new state of the system track to the caller. [`Engine::advance`] lets time pass: tracks without reports coast
 //! and end.
 //!
+//! What a source says of the time is a claim. Live, [`Engine::take_at`] is told when a report came, and time passes by
+//! that alone; in order of time, it passes to where all sources have got.
+//!
 //! With recorded inputs, [`Merger`] first puts the reports of all sources into the order of their times.
 //!
 //! Architecture invariants: no clock, no thread, no file, no shared memory; the same reports with the same settings

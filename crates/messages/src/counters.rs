@@ -323,6 +323,8 @@ counters! {
         "Level: category × 65536 + edition (before the point) × 256 + edition (after it) that most of those blocks fit.";
     DetectionPermille = "detection_permille", Level by [],
         "Level: scans in which the source sees a target that it tracks, of a thousand.";
+    RejectedClock = "rejected_clock", FusionRejection by [Fusion],
+        "Reports kept out of the tracks because their source's clock is wild: far from the time of receipt, or jumping.";
     EstimatesRestarted = "estimates_restarted", FusionRemark by [Fusion],
         "Estimates that were not finite or beyond reason (a track's state, a source's errors): not used, and begun anew.";
     Rebuilds = "rebuilds", Process by [Launcher],

@@ -61,6 +61,14 @@ sample! {
 }
 
 impl Registration {
+    /// Sets the offset of the clock and its standard deviation, seconds; `None`: unknown.
+    pub fn set_clock_offset(&mut self, known: Option<(f64, f64)>) {
+        let (offset_s, sigma_s) = known.unwrap_or_default();
+        self.clock_offset_s = offset_s;
+        // 0 says that it is unknown, and no clock is as good as that.
+        self.clock_offset_sigma_s = if known.is_some() { sigma_s.max(1e-9) } else { 0.0 };
+    }
+
     /// Whether all errors in `bits` are being removed from the source's reports.
     pub fn removes(&self, bits: u32) -> bool {
         self.removed & bits == bits

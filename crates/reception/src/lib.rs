@@ -68,8 +68,8 @@ settings::settings! {
         speed_mps: f64 = 700.0, in [0.1, 2e4];
         /// Distance of a position beyond what the speed limit explains since the track's last report.
         jump_m: f64 = 100.0, in [0, 1e6];
-        /// Distance of a time of day from the source's running time.
-        time_step_s: Seconds = Seconds::of(60.0), in [0.01, 40e3];
+        /// Distance of a time from that of receipt (of a recording, from its running time) beyond which it is not believed.
+        time_step_s: Option<Seconds> = None, in [0.01, 40e3], usually "5; in a recording 60";
         /// Most live tracks that are remembered.
         tracks: usize = 4096, in [1, 1e6];
     }
@@ -127,6 +127,17 @@ settings::words! {
 }
 
 impl Limits {
+    /// Distance of a time from that of receipt beyond which it is not believed: well below the time after which tracks
+    /// end.
+    pub fn clock_step(&self) -> Seconds {
+        self.time_step_s.unwrap_or(Seconds::of(5.0))
+    }
+
+    /// The same in a recording, where only the running time is known: gaps are usual.
+    fn running_step(&self) -> Seconds {
+        self.time_step_s.unwrap_or(Seconds::of(60.0))
+    }
+
     fn check(&self) -> Result<(), SettingsError> {
         let (low, high) = (self.height_min_m, self.height_max_m);
         if low <= high {

@@ -67,7 +67,7 @@ impl TimeCheck {
     /// Checks `time_ns` against the running time. Two stamps in a row that agree with each other are believed: there
     /// was a gap.
     pub(crate) fn check(&mut self, limits: &Limits, running_ns: i64, time_ns: i64) -> Result<(), Counter> {
-        let near = |other: i64| (time_ns - other).abs() <= limits.time_step_s.ns();
+        let near = |other: i64| (time_ns - other).abs() <= limits.running_step().ns();
         let insists = time_ns > running_ns && self.refused_ns.is_some_and(near);
         if near(running_ns) || insists {
             self.refused_ns = None;
@@ -90,7 +90,7 @@ mod tests {
             height_max_m: 2e4,
             speed_mps: 100.0,
             jump_m: 50.0,
-            time_step_s: settings::Seconds::of(10.0),
+            time_step_s: Some(settings::Seconds::of(10.0)),
             tracks: 10,
         }
     }

@@ -68,7 +68,7 @@ impl BearingLocator {
         };
         if self
             .received_ns
-            .is_some_and(|received_ns| apart_ns(received_ns) > self.limits.time_step_s.ns())
+            .is_some_and(|received_ns| apart_ns(received_ns) > self.limits.clock_step().ns())
         {
             self.rejected.time += 1;
             return;

@@ -4,7 +4,7 @@
 //! make tracks is a further kind of [`Processing`]: a file here, a variant, a line in each of the methods of
 //! [`Pipeline`].
 
-use messages::{Counters, SensorBearing};
+use messages::{Counters, SensorBearing, sensor_track_bits};
 use observations::{Bearing, Observation, Service, WideAreaReport};
 use reception::{Converter, SourceModel};
 use settings::SettingsError;
@@ -105,7 +105,9 @@ impl Pipeline {
         match &mut self.maker {
             Maker::None => {
                 if let Some(track) = self.converter.convert(observation, ingested_ns) {
-                    self.progress_ns = self.progress_ns.max(track.time_of_measurement_ns);
+                    if !track.has(sensor_track_bits::WILD_CLOCK) {
+                        self.progress_ns = self.progress_ns.max(track.time_of_measurement_ns);
+                    }
                     samples.tracks.push(track);
                 }
             }
@@ -171,6 +173,12 @@ impl Pipeline {
     /// Time that the source has reached, UTC, nanoseconds; `i64::MIN` before its first data.
     pub fn progress_ns(&self) -> i64 {
         self.progress_ns
+    }
+
+    /// Offset of the source's clock against times of receipt and its standard deviation from report to report, seconds;
+    /// `None` while it is not known.
+    pub fn clock_offset(&self) -> Option<(f64, f64)> {
+        self.converter.clock().offset()
     }
 
     /// Everything that has been counted.

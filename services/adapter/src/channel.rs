@@ -137,6 +137,7 @@ impl Channel {
             note: self.name.clone(),
             ..HealthEntry::default()
         };
+        entry.registration.set_clock_offset(self.pipeline.clock_offset());
         entry.counters += decoded;
         entry.set(Counter::Published, self.outlets.tracks.sent());
         let lost = self.counts.iter().map(|sensor| sensor.counts());

@@ -62,7 +62,14 @@ fn drive(reading: usize, stopped: usize) -> std::time::Duration {
         bus.hold(&messages::system_tracks()).expect("a topic"),
         bus.hold(&messages::progress()).expect("a topic"),
     ];
-    let mut agent = FusionAgent::new(&config(), &bus, 1, Arc::clone(&housekeeping::orders())).expect("an agent");
+    let mut agent = FusionAgent::new(
+        &config(),
+        runtime::Speed::Max,
+        &bus,
+        1,
+        Arc::clone(&housekeeping::orders()),
+    )
+    .expect("an agent");
     let mut source: Publisher<InProcess, SensorTrack> = bus.publisher(&topic, 2).expect("a publisher");
     let subscriber = |_| bus.subscriber(&messages::system_tracks(), || 1).expect("a subscriber");
     let mut readers: Vec<Subscriber<InProcess, SystemTrack>> = (0..reading).map(subscriber).collect();

@@ -12,10 +12,11 @@ use messages::{
 use runtime::clock::mono_ns;
 use runtime::flow::Reached;
 use runtime::housekeeping::Orders;
-use runtime::{Agent, HealthEntry, Now, Turn};
+use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
 use crate::inputs::{Input, Taken};
 use crate::output::Output;
+use crate::source_time::SourceTime;
 
 /// Reports worked off in one turn, so that a flood does not delay everything else.
 const REPORTS_PER_TURN: usize = 256;
@@ -47,16 +48,23 @@ pub struct FusionAgent<S: Transport> {
 }
 
 impl<S: Transport> FusionAgent<S> {
-    /// Fusion of `config`, connected to `bus`; `incarnation` is the process's monotonic start time. It obeys `orders`.
+    /// Fusion of `config`, whose recordings are replayed at `speed`, connected to `bus`; `incarnation` is the process's
+    /// monotonic start time. It obeys `orders`.
     ///
     /// # Errors
     /// If a setting cannot work or a topic cannot be opened.
-    pub fn new(config: &Config, bus: &Bus<S>, incarnation: u64, orders: Arc<Orders>) -> anyhow::Result<Self> {
+    pub fn new(
+        config: &Config,
+        speed: Speed,
+        bus: &Bus<S>,
+        incarnation: u64,
+        orders: Arc<Orders>,
+    ) -> anyhow::Result<Self> {
         let mut waiter = bus.waiter(config.fusion.wait);
         if config.fusion.placement.core.is_some() {
             waiter = waiter.without_yielding();
         }
-        let inputs = Input::open_all(config, bus, incarnation, &mut waiter)?;
+        let inputs = Input::open_all(config, speed, bus, incarnation, &mut waiter)?;
         let recorded = config.is_recorded();
         if recorded {
             waiter.watch(bus, &messages::progress())?;
@@ -105,18 +113,30 @@ impl<S: Transport> FusionAgent<S> {
         while worked < REPORTS_PER_TURN && self.begin_round()? {
             worked += self.round.len();
             for place in 0..self.round.len() {
-                self.work_off_one(self.round[place])?;
+                self.work_off_one(self.round[place], now)?;
             }
             // After the work, so that a lone report does not wait for it.
             for _ in 0..LOOKS_PER_ROUND {
                 self.look_at_next()?;
             }
         }
-        let output = &mut self.output;
-        self.engine
-            .advance(now.utc_ns, &mut |track: &SystemTrack| output.push(track));
+        self.let_time_pass(self.passed_ns(now));
         self.output.send(self.progress_ns, false)?;
         Ok(worked > 0)
+    }
+
+    /// Order `arrival`: UTC up to which time has passed.
+    fn passed_ns(&self, now: Now) -> i64 {
+        if self.reached.is_none() {
+            return now.utc_ns;
+        }
+        // Replayed: as far as the slowest of those that still have something.
+        let running = self.inputs.iter().filter(|input| !input.has_ended);
+        let reached = running.map(|input| match input.time {
+            SourceTime::Unpaced => input.progress_ns,
+            _ => input.time.paced_ns(now).unwrap_or(i64::MIN),
+        });
+        reached.min().unwrap_or(i64::MIN)
     }
 
     /// Lists the sources that have something; whether any has. While none is known, all are looked at until one has.
@@ -159,13 +179,14 @@ impl<S: Transport> FusionAgent<S> {
     }
 
     /// Works off the next report of one source.
-    fn work_off_one(&mut self, index: usize) -> anyhow::Result<()> {
-        let input = &mut self.inputs[index];
-        let Some(Taken { report, last }) = input.next_report() else {
+    fn work_off_one(&mut self, index: usize, now: Now) -> anyhow::Result<()> {
+        let Some(Taken { report, last }) = self.inputs[index].next_report(now) else {
             return Ok(());
         };
-        let output = &mut self.output;
-        self.engine.take(&report, &mut |track: &SystemTrack| output.push(track));
+        let passed_ns = self.passed_ns(now);
+        let (input, output) = (&self.inputs[index], &mut self.output);
+        self.engine
+            .take_at(&report, passed_ns, &mut |track: &SystemTrack| output.push(track));
         self.progress_ns = self.progress_ns.max(input.progress_ns);
         if last || self.output.waiting() >= SENT_TOGETHER {
             self.output.send(self.progress_ns, false)?;
@@ -314,7 +335,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
                     .source(input.source)
                     .copied()
                     .unwrap_or(messages::Counters::default()),
-                registration: registration(&self.engine, input.source),
+                registration: registration(&self.engine, input),
                 ..HealthEntry::default()
             };
             input.count(&mut entry.counters);
@@ -327,7 +348,13 @@ impl<S: Transport> Agent for FusionAgent<S> {
 }
 
 /// Knowledge of a source's systematic errors, as health messages carry it.
-fn registration(engine: &Engine, source: u16) -> Registration {
+fn registration<S: Transport>(engine: &Engine, input: &Input<S>) -> Registration {
+    let mut registration = errors(engine, input.source);
+    registration.set_clock_offset(input.time.clock_offset());
+    registration
+}
+
+fn errors(engine: &Engine, source: u16) -> Registration {
     let Some(known) = engine.source_errors(source).filter(|known| known.samples > 0.0) else {
         return Registration::default();
     };

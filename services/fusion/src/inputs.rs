@@ -2,7 +2,10 @@
 
 use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
 use configuration::Config;
-use messages::{BatchHeader, Counter, Counters, SensorTrack};
+use messages::{BatchHeader, Counter, Counters, SensorTrack, sensor_track_bits};
+use runtime::{Now, Speed};
+
+use crate::source_time::SourceTime;
 
 /// Slices without a report, or of another layout, that are passed over in a row before other sources have their turn.
 const PASSED_OVER_MAX: usize = 16;
@@ -18,6 +21,10 @@ pub(crate) struct Input<S: Transport> {
     pub(crate) progress_ns: i64,
     /// Order `arrival`: the slice that is being worked off.
     in_hand: Option<InHand<S>>,
+    /// Order `arrival`: by what its clock is judged.
+    pub(crate) time: SourceTime,
+    /// Whether it has said that nothing follows.
+    pub(crate) has_ended: bool,
 }
 
 /// A slice that stays in shared memory while its reports are worked off one at a time, in turn with other sources'.
@@ -38,9 +45,11 @@ pub(crate) struct Taken {
 }
 
 impl<S: Transport> Input<S> {
-    /// Opens the topics of all sources, in the order of their numbers, and has `waiter` watch them.
+    /// Opens the topics of all sources, in the order of their numbers, and has `waiter` watch them. Recordings are
+    /// replayed at `speed`.
     pub(crate) fn open_all(
         config: &Config,
+        speed: Speed,
         bus: &Bus<S>,
         incarnation: u64,
         waiter: &mut Waiter<S>,
@@ -56,6 +65,8 @@ impl<S: Transport> Input<S> {
                 slice_len: topic.capacity.slice_len,
                 progress_ns: i64::MIN,
                 in_hand: None,
+                time: SourceTime::of(source, speed),
+                has_ended: false,
             });
         }
         Ok(inputs)
@@ -71,7 +82,7 @@ impl<S: Transport> Input<S> {
             match self.subscriber.receive()? {
                 Received::Nothing => return Ok(false),
                 Received::Rejected => {}
-                Received::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header().progress_ns),
+                Received::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header()),
                 Received::Slice(slice) => {
                     // Read here, not before: until the slice is in hand it may not have been published.
                     let taken_ns = clock();
@@ -88,8 +99,12 @@ impl<S: Transport> Input<S> {
     }
 
     /// Everything up to a slice's mark has been worked off.
-    fn pass(&mut self, progress_ns: i64) {
-        self.progress_ns = self.progress_ns.max(progress_ns);
+    fn pass(&mut self, header: &BatchHeader) {
+        if header.progress_ns != i64::MIN {
+            self.time.begin(header.progress_ns, header.sent_ns);
+        }
+        self.progress_ns = self.progress_ns.max(header.progress_ns);
+        self.has_ended |= header.flags & BatchHeader::END != 0;
     }
 
     /// When the slice in hand was sent, monotonic, nanoseconds.
@@ -97,17 +112,22 @@ impl<S: Transport> Input<S> {
         self.in_hand.as_ref().map(|hand| hand.slice.header().sent_ns)
     }
 
-    /// The next report of the slice in hand, stamped. With the last one the slice is given back, and its mark holds.
-    pub(crate) fn next_report(&mut self) -> Option<Taken> {
+    /// The next report of the slice in hand, stamped, and marked if its time is not to be believed. With the last one the
+    /// slice is given back, and its mark holds.
+    pub(crate) fn next_report(&mut self, now: Now) -> Option<Taken> {
         let hand = self.in_hand.as_mut()?;
-        let reports = hand.slice.samples();
-        let report = stamped(reports.get(hand.next)?, self.source, hand.taken_ns);
+        let (sent_ns, reports) = (hand.slice.header().sent_ns, hand.slice.samples());
+        let mut report = stamped(reports.get(hand.next)?, self.source, hand.taken_ns);
         hand.next += 1;
         let last = hand.next == reports.len();
+        self.time.begin(report.time_of_measurement_ns, sent_ns);
+        if !self.time.believes(report.time_of_measurement_ns, sent_ns, now) {
+            report.valid |= sensor_track_bits::WILD_CLOCK;
+        }
         if last {
-            let progress_ns = hand.slice.header().progress_ns;
+            let header = *hand.slice.header();
             self.in_hand = None;
-            self.pass(progress_ns);
+            self.pass(&header);
         }
         Some(Taken { report, last })
     }

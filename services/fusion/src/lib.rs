@@ -15,6 +15,7 @@
 mod agent;
 mod inputs;
 mod output;
+mod source_time;
 
 pub use agent::FusionAgent;
 
@@ -44,7 +45,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let entries_max = 1 + config.sources.len();
     // Before this thread takes its place: threads inherit core and priority.
     let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&orders))?;
-    let mut agent = FusionAgent::new(config, &process.bus, process.incarnation, orders)?;
+    let mut agent = FusionAgent::new(config, process.options.speed, &process.bus, process.incarnation, orders)?;
     let refused = cores::take_place(fusion.placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");

@@ -38,7 +38,7 @@ impl Converter {
     }
 
     fn try_detect(&mut self, observation: &Observation) -> Result<Detection, Counter> {
-        let time_ns = self.pass(observation)?;
+        let time_ns = self.pass(observation)?.believed()?;
         let height = self.reported_height(observation).map_or(Height::Unknown, Height::Known);
         let used = self.plot(observation).ok_or(Counter::RejectedNoPosition)?;
         let placed = place(&self.model, used, height)?;

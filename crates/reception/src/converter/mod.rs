@@ -2,6 +2,7 @@
 
 mod detecting;
 
+use estimation::SourceClock;
 use frames::SensorFrame;
 use frames::time::DayUnroller;
 use messages::{
@@ -24,6 +25,21 @@ const CLIMB_MAX_MPS: f64 = 20.0;
 /// Tracks silent for this long are forgotten when room is needed, nanoseconds.
 const FORGET_NS: i64 = 120_000_000_000;
 
+/// Time of measurement of a report, UTC.
+#[derive(Clone, Copy, Debug)]
+struct Stamp {
+    time_ns: i64,
+    /// Whether it can be; else the source's clock is wild.
+    is_believed: bool,
+}
+
+impl Stamp {
+    /// The time, if it is believed.
+    fn believed(self) -> Result<i64, Counter> {
+        self.is_believed.then_some(self.time_ns).ok_or(Counter::RejectedTime)
+    }
+}
+
 /// Turns one source's observations into sensor tracks, and counts what it refuses.
 #[derive(Debug)]
 pub struct Converter {
@@ -32,6 +48,8 @@ pub struct Converter {
     first_day_ns: i64,
     /// Time of receipt of what is converted now, UTC, nanoseconds; `None` for recordings.
     received_ns: Option<i64>,
+    /// The source's clock against times of receipt.
+    clock: SourceClock,
     time_check: TimeCheck,
     /// Sender of the latest report; holds for those after it that name none.
     sender: Option<(u8, u8)>,
@@ -48,6 +66,7 @@ impl Converter {
             day: None,
             first_day_ns,
             received_ns: None,
+            clock: SourceClock::new(model.limits.clock_step().s()),
             time_check: TimeCheck::new(),
             sender: None,
             altitude_correction_m: altitude_correction_m(model.qnh_hpa),
@@ -57,10 +76,15 @@ impl Converter {
     }
 
     /// Says when the reports that follow were received, UTC, nanoseconds. From now on times of day are of the day that
-    /// brings them nearest to it, and rejected if they are farther from it than the limit on time steps. A recording
-    /// has no such time; there the source's running time takes its place.
+    /// brings them nearest to it, and not believed if they are farther from it than the limit on time steps, or jump. A
+    /// recording has no such time; there the source's running time takes its place.
     pub fn received(&mut self, received_ns: i64) {
         self.received_ns = Some(received_ns);
+    }
+
+    /// The source's clock, as far as times of receipt tell.
+    pub fn clock(&self) -> &SourceClock {
+        &self.clock
     }
 
     /// Everything that has been counted, indexed by [`Counter`].
@@ -76,14 +100,17 @@ impl Converter {
     /// A record that is no target report, with its time of day; gives its UTC (nanoseconds) if it has one that can be.
     pub fn service(&mut self, time_of_day_ns: Option<i64>) -> Option<i64> {
         self.count(Counter::ServiceMessages);
-        self.utc(time_of_day_ns?).ok()
+        self.utc(time_of_day_ns?).and_then(Stamp::believed).ok()
     }
 
-    /// The sensor track that `observation` reports; `None` if it was refused.
+    /// The sensor track that `observation` reports; `None` if it was refused. One whose time is not believed is marked
+    /// and counted as refused: it is of use for nothing but to tell how wrong the clock is.
     pub fn convert(&mut self, observation: &Observation, ingested_ns: i64) -> Option<SensorTrack> {
         match self.try_convert(observation, ingested_ns) {
             Ok(track) => {
-                self.count(if track.state == TrackState::Terminated as u8 {
+                self.count(if track.has(bits::WILD_CLOCK) {
+                    Counter::RejectedTime
+                } else if track.state == TrackState::Terminated as u8 {
                     Counter::TracksEnded
                 } else {
                     Counter::Reports
@@ -102,19 +129,23 @@ impl Converter {
     }
 
     fn try_convert(&mut self, observation: &Observation, ingested_ns: i64) -> Result<SensorTrack, Counter> {
-        let time_ns = self.pass(observation)?;
+        let Stamp { time_ns, is_believed } = self.pass(observation)?;
         let number = observation.track_number.ok_or(Counter::RejectedNoTrackNumber)?;
         let height = self.height(observation, number, time_ns);
         let Some(used) = self.position(observation) else {
             return match observation.state {
-                TrackState::Terminated => self.end(number, time_ns, ingested_ns),
+                TrackState::Terminated if is_believed => self.end(number, time_ns, ingested_ns),
                 _ => Err(Counter::RejectedNoPosition),
             };
         };
         let placed = place(&self.model, used, height)?;
         let delivered = self.velocity(observation, &placed)?;
         let own = accuracy::own_position(&self.model, observation, used)?;
-        let velocity = self.remember(number, time_ns, &placed, height, delivered)?;
+        let velocity = if is_believed {
+            self.remember(number, time_ns, &placed, height, delivered)?
+        } else {
+            delivered
+        };
         if placed.slant.is_some_and(|slant| slant.is_assumed()) {
             self.count(Counter::HeightAssumed);
         }
@@ -122,6 +153,7 @@ impl Converter {
         track.position_m = placed.position_m;
         track.covariance = accuracy::covariance(&self.model, &placed, own, height.is_known(), velocity);
         let mut set = |condition: bool, bit: u16| track.valid |= if condition { bit } else { 0 };
+        set(!is_believed, bits::WILD_CLOCK);
         set(height.is_known(), bits::HEIGHT);
         set(velocity != Velocity::Unknown, bits::VELOCITY);
         set(matches!(velocity, Velocity::Derived(_)), bits::DERIVED_VELOCITY);
@@ -137,16 +169,16 @@ impl Converter {
     }
 
     /// UTC of a report of a target, from a sender that is wanted.
-    fn pass(&mut self, observation: &Observation) -> Result<i64, Counter> {
+    fn pass(&mut self, observation: &Observation) -> Result<Stamp, Counter> {
         self.admit(observation)?;
-        let time_ns = self.time(observation)?;
+        let stamp = self.time(observation)?;
         if observation.field_monitor {
             return Err(Counter::RejectedFieldMonitor);
         }
         if observation.test {
             return Err(Counter::RejectedTestTarget);
         }
-        Ok(time_ns)
+        Ok(stamp)
     }
 
     /// Whether the sender is wanted.
@@ -159,34 +191,37 @@ impl Converter {
     }
 
     /// UTC of the measurement, checked.
-    fn time(&mut self, observation: &Observation) -> Result<i64, Counter> {
+    fn time(&mut self, observation: &Observation) -> Result<Stamp, Counter> {
         let near_ns = self.received_ns.or(self.running_ns());
         let completed = || Some(complete(observation.truncated_time_ns?, near_ns?));
         let time_of_day_ns = observation.time_of_day_ns.or_else(completed);
         self.utc(time_of_day_ns.ok_or(Counter::RejectedTime)?)
     }
 
-    /// UTC of a time of day, checked against the source's running time.
-    fn utc(&mut self, time_of_day_ns: i64) -> Result<i64, Counter> {
+    /// UTC of a time of day, checked against the time of receipt, else against the source's running time.
+    fn utc(&mut self, time_of_day_ns: i64) -> Result<Stamp, Counter> {
         if !(0..=frames::time::NS_PER_DAY).contains(&time_of_day_ns) {
             return Err(Counter::RejectedTime);
         }
         if let Some(received_ns) = self.received_ns {
-            let utc_ns = DayUnroller::near(received_ns).utc_ns(time_of_day_ns);
-            if (utc_ns - received_ns).abs() > self.model.limits.time_step_s.ns() {
-                return Err(Counter::RejectedTime);
+            let time_ns = DayUnroller::near(received_ns).utc_ns(time_of_day_ns);
+            let is_believed = self.clock.believes(time_ns, received_ns);
+            if is_believed {
+                self.day
+                    .get_or_insert_with(|| DayUnroller::near(time_ns))
+                    .advance(time_ns);
             }
-            self.day
-                .get_or_insert_with(|| DayUnroller::near(utc_ns))
-                .advance(utc_ns);
-            return Ok(utc_ns);
+            return Ok(Stamp { time_ns, is_believed });
         }
         let first_ns = self.first_day_ns + time_of_day_ns;
         let day = self.day.get_or_insert_with(|| DayUnroller::near(first_ns));
         let utc_ns = day.utc_ns(time_of_day_ns);
         self.time_check.check(&self.model.limits, day.running_ns(), utc_ns)?;
         day.advance(utc_ns);
-        Ok(utc_ns)
+        Ok(Stamp {
+            time_ns: utc_ns,
+            is_believed: true,
+        })
     }
 
     /// The height: by the pressure first, which all sources have in common.

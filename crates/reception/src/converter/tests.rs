@@ -28,7 +28,7 @@ fn converter() -> Converter {
             height_max_m: 20e3,
             speed_mps: 350.0,
             jump_m: 100.0,
-            time_step_s: settings::Seconds::of_ns(60 * S),
+            time_step_s: Some(settings::Seconds::of_ns(60 * S)),
             tracks: 2,
         },
         covariance: CovarianceModel {
@@ -113,12 +113,14 @@ fn live_stamps_are_judged_by_the_time_of_receipt() {
     assert_eq!(early.time_of_measurement_ns, midnight + S, "its clock is ahead");
     let count = |converter: &Converter| converter.counters()[Counter::RejectedTime];
     for (refused, time_s) in [(1, 61.0), (2, 62.0), (3, 43_000.0)] {
-        assert_eq!(
-            converter.convert(&observation(time_s), 0),
-            None,
-            "however often it insists"
-        );
+        let track = converter.convert(&observation(time_s), 0).unwrap();
+        assert!(track.has(bits::WILD_CLOCK), "however often it insists");
         assert_eq!(count(&converter), refused);
+        assert_eq!(
+            converter.running_ns(),
+            Some(midnight + S),
+            "and time does not go on with it"
+        );
     }
     converter.received(midnight + 61 * S);
     assert!(converter.convert(&observation(61.0), 0).is_some());

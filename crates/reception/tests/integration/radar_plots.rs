@@ -42,7 +42,7 @@ fn model() -> SourceModel {
             height_max_m: 20e3,
             speed_mps: 350.0,
             jump_m: 1000.0,
-            time_step_s: settings::Seconds::of_ns(60 * S),
+            time_step_s: Some(settings::Seconds::of_ns(60 * S)),
             tracks: 1000,
         },
         covariance: CovarianceModel {

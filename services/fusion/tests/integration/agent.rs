@@ -7,19 +7,25 @@ use bus::{Bus, Held, InProcess, Mark, Publisher, Root, Subscriber};
 use configuration::Config;
 use fusion_service::FusionAgent;
 use messages::{
-    BatchHeader, Control, Counter, Covariance, FusionRule, SensorTrack, SystemTrack, TrackState, sensor_track_bits,
+    BatchHeader, Control, Counter, Covariance, FusionRule, NO_SOURCE, SensorTrack, SystemTrack, TrackState,
+    sensor_track_bits,
 };
 use runtime::housekeeping::{self, Orders};
-use runtime::{Agent, HealthEntry, Now, Turn};
+use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 use test_support::S;
 
 const DAY: i64 = 16_931 * 86_400 * S;
 
 fn config(order: &str, more: &str) -> Config {
     let source = |name: &str| {
-        let recorded = format!("[source.recorded]\nfile = \"{name}.ast\"\n");
-        format!("[[source]]\nname = \"{name}\"\n{recorded}[source.accuracy]\nconditions = {{ rain = 9.0 }}\n")
+        // Live sources are those of other processes here; "replay" is order `arrival` with recordings.
+        let input = match order {
+            "arrival" => "[source.external]\n".to_owned(),
+            _ => format!("[source.recorded]\nfile = \"{name}.ast\"\n"),
+        };
+        format!("[[source]]\nname = \"{name}\"\n{input}[source.accuracy]\nconditions = {{ rain = 9.0 }}\n")
     };
+    let order = if order == "replay" { "arrival" } else { order };
     let head = format!(
         "name = \"t\"\n[frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n[time]\norder = \"{order}\"\ndate = \"2016-05-10\"\n"
     );
@@ -40,6 +46,7 @@ struct Bench {
     agent: FusionAgent<InProcess>,
     sources: [Publisher<InProcess, SensorTrack>; 2],
     orders: Arc<Orders>,
+    now: Now,
     system: Subscriber<InProcess, SystemTrack>,
     received: Vec<SystemTrack>,
     /// Progress marks of the slices received.
@@ -49,6 +56,10 @@ struct Bench {
 
 impl Bench {
     fn new(config: &Config) -> Self {
+        Self::at_speed(config, Speed::Factor(1.0))
+    }
+
+    fn at_speed(config: &Config, speed: Speed) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let bus: Bus<InProcess> = Bus::open(&Root::in_base(folder.path(), "t").unwrap(), "test").unwrap();
         let topics = ["a", "b"].map(messages::sensor_tracks);
@@ -57,7 +68,7 @@ impl Bench {
         held.push(bus.hold(&messages::progress()).unwrap());
         let system = bus.subscriber(&messages::system_tracks(), || 1).unwrap();
         let orders = housekeeping::orders();
-        let agent = FusionAgent::new(config, &bus, 1, Arc::clone(&orders)).unwrap();
+        let agent = FusionAgent::new(config, speed, &bus, 1, Arc::clone(&orders)).unwrap();
         let sources = topics.map(|topic| bus.publisher(&topic, 2).unwrap());
         Self {
             _folder: folder,
@@ -65,6 +76,10 @@ impl Bench {
             agent,
             sources,
             orders,
+            now: Now {
+                mono_ns: 1,
+                utc_ns: DAY,
+            },
             system,
             received: Vec::new(),
             marks: Vec::new(),
@@ -75,7 +90,7 @@ impl Bench {
     fn send(&mut self, source: usize, reports: &[SensorTrack], progress_ns: i64, end: bool) {
         let mark = Mark {
             progress_ns,
-            sent_ns: 1,
+            sent_ns: self.now.mono_ns,
             end,
         };
         self.sources[source]
@@ -84,13 +99,7 @@ impl Bench {
     }
 
     fn turn(&mut self) -> Turn {
-        let turn = self
-            .agent
-            .turn(Now {
-                mono_ns: 1,
-                utc_ns: DAY,
-            })
-            .unwrap();
+        let turn = self.agent.turn(self.now).unwrap();
         let (received, marks, ended) = (&mut self.received, &mut self.marks, &mut self.ended);
         self.system
             .take(usize::MAX, |header, tracks| {
@@ -100,6 +109,13 @@ impl Bench {
             })
             .unwrap();
         turn
+    }
+
+    /// Lets so much time pass on both clocks.
+    fn pass(&mut self, seconds: f64) {
+        let passed_ns = (seconds * S as f64) as i64;
+        self.now.mono_ns += passed_ns;
+        self.now.utc_ns += passed_ns;
     }
 
     fn settle(&mut self) {
@@ -304,6 +320,8 @@ fn a_condition_ordered_while_running_changes_the_accuracy_values() {
                 i64::MIN,
                 false,
             );
+            bench.settle();
+            bench.pass(1.0);
         }
         bench.settle();
         bench.received.last().unwrap().contributions()[0].accuracy
@@ -315,4 +333,175 @@ fn a_condition_ordered_while_running_changes_the_accuracy_values() {
         (value(Some("fog")) / clear - 1.0).abs() < 1e-9,
         "a condition that nobody names"
     );
+}
+
+/// A minute of an honest source and one whose times are `claimed` of the true ones, ten reports a second each, a target
+/// each second; everything that was published, and counted of the second source.
+fn beside(claimed: impl Fn(i64) -> i64) -> (Vec<SystemTrack>, Bench) {
+    let mut bench = Bench::new(&config("arrival", AT_ONCE));
+    for step in 0..600u64 {
+        let number = (step % 10) as u32;
+        let (second, place) = (0.1 * step as f64, 5e3 * f64::from(number));
+        bench.send(0, &[report(number, step, second - 0.05, place)], i64::MIN, false);
+        let mut other = report(number, step, 0.0, -1e5 - place);
+        other.time_of_measurement_ns = claimed(bench.now.utc_ns);
+        bench.send(1, &[other], i64::MIN, false);
+        bench.settle();
+        bench.pass(0.1);
+    }
+    (std::mem::take(&mut bench.received), bench)
+}
+
+fn of_first(tracks: &[SystemTrack]) -> Vec<String> {
+    let first = tracks.iter().filter(|track| track.position_m[0] > -5e4);
+    first
+        .map(|track| {
+            // Not when it was worked off.
+            let stages = messages::StageTimes::default();
+            format!(
+                "{:?}",
+                SystemTrack {
+                    stages,
+                    sequence: 0,
+                    track_number: 0,
+                    ..*track
+                }
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn a_wild_clock_harms_nobody_else_and_is_shown() {
+    let (honest, _) = beside(|now_ns| now_ns - S / 20);
+    assert_eq!(of_first(&honest).len(), 600);
+    for offset_s in [5.5, 30.0, 50.0, 70.0, -30.0, 31e6] {
+        let (tracks, bench) = beside(|now_ns| now_ns + (offset_s * S as f64) as i64);
+        assert_eq!(of_first(&tracks), of_first(&honest), "{offset_s} s");
+        assert!(tracks.iter().all(|track| track.trigger_source != 1), "{offset_s} s");
+        assert_eq!(bench.counter(Counter::RejectedClock), 600, "{offset_s} s");
+        let mut entries = Vec::new();
+        bench.agent.health(&mut entries);
+        let shown = entries[2].registration;
+        assert!(
+            (shown.clock_offset_s - offset_s).abs() < 1e-3 && shown.clock_offset_sigma_s > 0.0,
+            "{shown:?}"
+        );
+        assert!(entries[1].registration.clock_offset_s.abs() < 0.1);
+    }
+    // One report in fifty, and any number that there is.
+    for wild in [
+        |now_ns: i64| now_ns + 50 * S,
+        |now_ns: i64| now_ns.wrapping_mul(0x1e37_79b9_7f4a_7c15),
+    ] {
+        let (tracks, bench) = beside(|now_ns| {
+            if now_ns / (S / 10) % 50 == 7 {
+                wild(now_ns)
+            } else {
+                now_ns - S / 20
+            }
+        });
+        assert_eq!(of_first(&tracks), of_first(&honest));
+        assert!(bench.counter(Counter::RejectedClock) + bench.counter(Counter::RejectedInvalid) >= 12);
+        assert_eq!(tracks.iter().filter(|track| track.trigger_source == 1).count(), 588);
+    }
+}
+
+#[test]
+fn a_source_is_back_when_its_clock_is_sound_again() {
+    let bad_from = DAY + 10 * S;
+    let (tracks, _) = beside(|now_ns| {
+        now_ns - S / 20
+            + if (bad_from..bad_from + 20 * S).contains(&now_ns) {
+                40 * S
+            } else {
+                0
+            }
+    });
+    let times: Vec<i64> = tracks
+        .iter()
+        .filter(|track| track.trigger_source == 1)
+        .map(|track| track.reference_time_ns)
+        .collect();
+    let in_second = |second: i64| times.iter().filter(|time_ns| (*time_ns - DAY) / S == second).count();
+    assert_eq!((in_second(5), in_second(20)), (10, 0));
+    assert!(in_second(31) < 10, "not at the first sound report");
+    assert_eq!(in_second(45), 10);
+}
+
+#[test]
+fn a_replay_on_arrival_is_judged_by_the_clock_that_it_has() {
+    let live_until = |bench: &mut Bench, mark: bool| {
+        for step in 0..300u64 {
+            let second = 0.1 * step as f64;
+            let mark_ns = if mark {
+                DAY + (second * S as f64) as i64
+            } else {
+                i64::MIN
+            };
+            bench.send(0, &[report(1, step, second, 0.0)], mark_ns, false);
+            // The other recording began a year later, and runs as evenly; one of its times is 50 s ahead.
+            let wild = if step == 150 { 50.0 } else { 0.0 };
+            bench.send(
+                1,
+                &[report(1, step, 365.0 * 86_400.0 + second + wild, 1e5)],
+                mark_ns,
+                false,
+            );
+            bench.settle();
+            bench.pass(0.01);
+        }
+        bench
+            .received
+            .iter()
+            .filter(|track| track.state == TrackState::Terminated as u8)
+            .count()
+    };
+    // Ten seconds of the recording a second.
+    let mut paced = Bench::at_speed(&config("replay", AT_ONCE), Speed::Factor(10.0));
+    assert_eq!(live_until(&mut paced, false), 0);
+    assert_eq!(paced.counter(Counter::RejectedClock), 1);
+    // Faster than any clock: time passes to where the slowest says that it has got.
+    let mut free = Bench::at_speed(&config("replay", AT_ONCE), Speed::Max);
+    assert_eq!(live_until(&mut free, true), 0);
+    assert_eq!(free.counter(Counter::RejectedClock), 0);
+    free.send(0, &[], i64::MAX, true);
+    free.send(1, &[], DAY + 60 * S, false);
+    free.settle();
+    assert_eq!(
+        free.received.last().map(|track| track.state),
+        Some(TrackState::Terminated as u8),
+        "one is silent"
+    );
+}
+
+#[test]
+fn by_time_one_source_that_runs_away_holds_up_nobody_and_ends_nothing() {
+    let honest: Vec<_> = (0..60).map(|step| report(1, step, step as f64, 0.0)).collect();
+    let run = |ahead: &[f64]| {
+        let mut bench = Bench::new(&config("time", ""));
+        for step in 0..60 {
+            bench.send(0, &honest[step..=step], DAY + step as i64 * S, step == 59);
+            let seconds = step as f64 + ahead[step % ahead.len()];
+            let other = report(7, step as u64, seconds, 1e5);
+            bench.send(1, &[other], other.time_of_measurement_ns.saturating_add(S), step == 59);
+            bench.settle();
+        }
+        bench.settle();
+        assert_eq!(bench.turn(), Turn::Finished);
+        bench
+            .received
+            .retain(|track| track.position_m[0] < 5e4 && track.trigger_source != NO_SOURCE);
+        bench.received
+    };
+    let calm = run(&[0.5]);
+    assert_eq!(calm.len(), 60);
+    for ahead in [&[30.0][..], &[70.0], &[0.5, 0.5, 50.0], &[3e9]] {
+        let tracks = run(ahead);
+        assert_eq!(tracks.len(), 60, "{ahead:?}");
+        assert!(
+            tracks.iter().all(|track| track.track_number == tracks[0].track_number),
+            "{ahead:?}"
+        );
+    }
 }

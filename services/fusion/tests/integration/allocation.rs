@@ -17,7 +17,7 @@ use fusion_service::FusionAgent;
 use heap::{Counting, SMALL_BYTES, heap_use};
 use messages::{Control, Counter, Covariance, SensorTrack, TrackState, sensor_track_bits};
 use runtime::housekeeping;
-use runtime::{Agent, HealthEntry, Now};
+use runtime::{Agent, HealthEntry, Now, Speed};
 use test_support::S;
 
 #[global_allocator]
@@ -29,7 +29,7 @@ const SLICE: u64 = 48;
 const SLICES: u64 = 3000;
 
 fn config(wait: &str) -> Config {
-    let source = |name: &str| format!("[[source]]\nname = \"{name}\"\n[source.recorded]\nfile = \"{name}.ast\"\n");
+    let source = |name: &str| format!("[[source]]\nname = \"{name}\"\n[source.external]\n");
     let text = format!(
         "name = \"t\"\n[frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n[time]\norder = \"arrival\"\ndate = \"2016-05-10\"\n\
          {}{}{}[recorder]\nenabled = false\n[fusion]\nwait = \"{wait}\"\n[fusion.capacity]\nsystem_tracks = 250\n",
@@ -67,7 +67,7 @@ fn the_loop_allocates_nothing() {
         held.push(bus.hold(&messages::system_tracks()).unwrap());
         held.push(bus.hold(&messages::progress()).unwrap());
         let orders = housekeeping::orders();
-        let mut agent = FusionAgent::new(&config(wait), &bus, 1, Arc::clone(&orders)).unwrap();
+        let mut agent = FusionAgent::new(&config(wait), Speed::Max, &bus, 1, Arc::clone(&orders)).unwrap();
         let mut sources: Vec<Publisher<InProcess, SensorTrack>> =
             topics.iter().map(|topic| bus.publisher(topic, 2).unwrap()).collect();
         let mut reader = bus.subscriber(&messages::system_tracks(), || 1).unwrap();

@@ -33,7 +33,7 @@ fn model(polar: bool, form: PositionForm) -> SourceModel {
             height_max_m: 1e5,
             speed_mps: 1e4,
             jump_m: 1e6,
-            time_step_s: settings::Seconds::of_ns(1_000_000_000),
+            time_step_s: Some(settings::Seconds::of_ns(1_000_000_000)),
             tracks: 10,
         },
         covariance: CovarianceModel {

@@ -1,0 +1,187 @@
+//! A source's clock, judged by when its reports are received.
+//!
+//! Each report claims a time of measurement. Received, it is a little older than it says: the time it took to measure,
+//! work out and send. A clock that is wrong shows as an offset beyond that. A small steady one is no harm, and can be
+//! corrected; far from the time of receipt, or with jumps, nothing that a report says of its time is to be believed.
+//!
+//! The offset is followed as a mean over the latest reports that agree with each other. Single reports far from it do
+//! not move it; several in a row that agree with each other do, since then the clock was set. A source that is wild too
+//! often is wild as a whole, until for a while it hardly was (hysteresis).
+
+use messages::NS_PER_S;
+
+/// Reports in a row that agree with each other, and not with what was known, before they are followed; and reports
+/// after which the offset is known.
+const AGREEING: u32 = 8;
+/// Smallest weight of a new report in the offset.
+const GAIN_MIN: f64 = 1.0 / 64.0;
+/// Weight of a new report in the share of wild ones, and the shares from which and below which the source as a whole is
+/// wild and no longer is.
+const SHARE_GAIN: f64 = 1.0 / 16.0;
+const WILD_FROM: f64 = 0.3;
+const WILD_UNTIL: f64 = 0.05;
+
+/// What is known of one source's clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SourceClock {
+    /// Greatest offset that is believed; half of it is a jump.
+    step_s: f64,
+    offset_s: f64,
+    variance_s2: f64,
+    /// Reports that agreed with the offset.
+    reports: u32,
+    /// Mean offset of the latest reports that agreed with each other and with nothing before, and their number.
+    apart: (f64, u32),
+    wild_share: f64,
+    is_wild: bool,
+}
+
+impl SourceClock {
+    /// Nothing is known yet; an offset beyond `step_s` will not be believed.
+    pub fn new(step_s: f64) -> Self {
+        Self {
+            step_s,
+            offset_s: 0.0,
+            variance_s2: 0.0,
+            reports: 0,
+            apart: (0.0, 0),
+            wild_share: 0.0,
+            is_wild: false,
+        }
+    }
+
+    /// Whether the time of a report may be believed that claims to be of `time_ns` and was received at `received_ns`,
+    /// both UTC in nanoseconds, whatever they are.
+    pub fn believes(&mut self, time_ns: i64, received_ns: i64) -> bool {
+        let offset_s = time_ns.saturating_sub(received_ns) as f64 / NS_PER_S;
+        let jumps = self.reports >= AGREEING && !self.is_near(offset_s, self.offset_s);
+        self.follow(offset_s);
+        let is_odd = offset_s.abs() > self.step_s || jumps;
+        self.wild_share += SHARE_GAIN * (f64::from(u8::from(is_odd)) - self.wild_share);
+        self.is_wild = self.wild_share > if self.is_wild { WILD_UNTIL } else { WILD_FROM };
+        !is_odd && !self.is_wild
+    }
+
+    /// Offset of the clock against times of receipt and its standard deviation from report to report, seconds; positive
+    /// if the clock is ahead. `None` while too few reports are known.
+    pub fn offset(&self) -> Option<(f64, f64)> {
+        (self.reports >= AGREEING).then(|| (self.offset_s, self.variance_s2.sqrt()))
+    }
+
+    fn is_near(&self, offset_s: f64, other_s: f64) -> bool {
+        (offset_s - other_s).abs() <= 0.5 * self.step_s
+    }
+
+    fn follow(&mut self, offset_s: f64) {
+        if self.reports == 0 || self.is_near(offset_s, self.offset_s) {
+            self.apart.1 = 0;
+            self.reports = self.reports.saturating_add(1);
+            let gain = (1.0 / f64::from(self.reports)).max(GAIN_MIN);
+            let rest = if self.reports == 1 {
+                0.0
+            } else {
+                offset_s - self.offset_s
+            };
+            self.offset_s = if self.reports == 1 {
+                offset_s
+            } else {
+                self.offset_s + gain * rest
+            };
+            self.variance_s2 += gain * (rest * rest - self.variance_s2);
+            return;
+        }
+        let (mean_s, count) = self.apart;
+        self.apart = if count > 0 && self.is_near(offset_s, mean_s) {
+            (mean_s + (offset_s - mean_s) / f64::from(count + 1), count + 1)
+        } else {
+            (offset_s, 1)
+        };
+        if self.apart.1 >= AGREEING {
+            (self.offset_s, self.reports) = self.apart;
+            self.apart.1 = 0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const S: i64 = 1_000_000_000;
+    const NOW: i64 = 1_700_000_000 * S;
+
+    /// How many of a hundred reports with these offsets (seconds) are believed.
+    fn believed(clock: &mut SourceClock, offset_s: impl Fn(i64) -> f64) -> usize {
+        let report = |step: &i64| {
+            let received_ns = NOW + step * S / 10;
+            clock.believes(received_ns + (offset_s(*step) * S as f64) as i64, received_ns)
+        };
+        (0..100).filter(report).count()
+    }
+
+    #[test]
+    fn a_sound_clock_is_believed_and_its_delay_known() {
+        let mut clock = SourceClock::new(5.0);
+        assert_eq!(clock.offset(), None);
+        assert_eq!(believed(&mut clock, |step| -0.4 - 0.1 * (step % 3) as f64), 100);
+        let (offset_s, sigma_s) = clock.offset().unwrap();
+        assert!(
+            (offset_s + 0.5).abs() < 0.02 && (0.05..0.12).contains(&sigma_s),
+            "{offset_s} {sigma_s}"
+        );
+    }
+
+    #[test]
+    fn a_clock_far_off_is_not_believed_and_its_offset_known() {
+        for offset_s in [-30.0, 5.1, 30.0, 50.0, 70.0] {
+            let mut clock = SourceClock::new(5.0);
+            assert_eq!(believed(&mut clock, |_| offset_s), 0);
+            assert!((clock.offset().unwrap().0 - offset_s).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn single_wild_times_harm_nobody() {
+        for first in [0, 1, 7] {
+            let mut clock = SourceClock::new(5.0);
+            let offset_s = |step: i64| if step % 50 == first { 50.0 } else { 0.1 };
+            assert_eq!(believed(&mut clock, offset_s), 98);
+            assert!((clock.offset().unwrap().0 - 0.1).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_clock_that_jumps_is_wild_as_a_whole_and_believed_again_when_it_is_sound() {
+        let mut clock = SourceClock::new(5.0);
+        assert_eq!(believed(&mut clock, |_| 0.0), 100);
+        let jumping = believed(&mut clock, |step| if step % 3 == 0 { 4.0 } else { -0.5 });
+        assert!(jumping < 20, "{jumping}");
+        let sound = believed(&mut clock, |_| 0.0);
+        assert!((40..80).contains(&sound), "{sound}: not at once, and for good");
+        assert_eq!(believed(&mut clock, |_| 0.0), 100);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_is_followed() {
+        let mut clock = SourceClock::new(5.0);
+        believed(&mut clock, |_| 0.0);
+        believed(&mut clock, |_| 3.0);
+        assert_eq!(believed(&mut clock, |_| 3.0), 100);
+        assert!((clock.offset().unwrap().0 - 3.0).abs() < 0.1);
+    }
+
+    proptest! {
+        #[test]
+        fn any_times_are_judged(times in prop::collection::vec((any::<i64>(), any::<i64>()), 0..200)) {
+            let mut clock = SourceClock::new(5.0);
+            for (time_ns, received_ns) in times {
+                let believed = clock.believes(time_ns, received_ns);
+                let apart = i128::from(time_ns) - i128::from(received_ns);
+                prop_assert!(!believed || apart.abs() <= 5 * i128::from(S));
+                prop_assert!(clock.offset().is_none_or(|(offset_s, sigma_s)| offset_s.is_finite() && sigma_s >= 0.0));
+            }
+        }
+    }
+}
