@@ -158,6 +158,85 @@ fn rows_that_cannot_be_used_are_left_out_counted_and_named() {
 }
 
 #[test]
+fn a_sensor_whose_times_run_away_lets_no_time_pass_for_the_others() {
+    // One file of two sensors, written as they came: the second one's clock is wrong, always or now and then.
+    let both = |offset_s: fn(usize) -> Option<f64>| {
+        let mut text = format!("{HEADER}\n");
+        for step in 0..300usize {
+            let time_s = 0.1 * step as f64;
+            for (id, time_s) in [
+                (1, Some(time_s)),
+                (2, offset_s(step).map(|offset_s| time_s + 0.01 + offset_s)),
+            ] {
+                let Some(time_s) = time_s else { continue };
+                let target = step % 3;
+                let x = if id == 1 { 100.0 * time_s } else { 80e3 };
+                let y = 20e3 * target as f64;
+                text += &format!("{time_s},{id},{target},{x},{y},3000,100,0,0,{VARIANCES},confirmed\n");
+            }
+        }
+        text
+    };
+    let folder = Folder::new();
+    folder.write("calm.csv", both(|_| None));
+    let lies: [fn(usize) -> Option<f64>; 6] = [
+        |_| Some(5.5),
+        |_| Some(30.0),
+        |_| Some(50.0),
+        |_| Some(70.0),
+        |step| Some(if step % 50 == 7 { 50.0 } else { 0.0 }),
+        |step| Some(if step % 3 == 1 { 9e9 } else { 0.0 }),
+    ];
+    // The honest sensor's part of the picture, from where a single sensor's word is believed to where the calm one ends.
+    let honest = |file: &str| -> BTreeSet<String> {
+        let out = format!("{file}.out");
+        folder.succeed(&format!("fuse --tracks {file} --refresh 1 --out {out}"));
+        let text = folder.read(&out);
+        let (times, x, y) = (column(&text, "time_s"), column(&text, "x"), column(&text, "y"));
+        let rows = times.iter().zip(x.iter().zip(&y));
+        rows.filter(|(time_s, (x, _))| {
+            (10.0..=29.0).contains(&time_s.parse::<f64>().unwrap()) && x.parse::<f64>().unwrap() < 40e3
+        })
+        .map(|(time_s, (x, y))| {
+            let round = |text: &str| text.parse::<f64>().unwrap().round();
+            format!("{time_s} {} {}", round(x), round(y))
+        })
+        .collect()
+    };
+    let calm = honest("calm.csv");
+    assert!(calm.len() >= 60, "{}", calm.len());
+    for (number, lie) in lies.into_iter().enumerate() {
+        let file = format!("lie{number}.csv");
+        folder.write(&file, both(lie));
+        assert_eq!(honest(&file), calm, "lie {number}");
+    }
+}
+
+#[test]
+fn absurd_speeds_turn_nothing_into_what_is_no_number() {
+    let Some(bytes) = test_support::recording("hostile/nan.csv") else {
+        return;
+    };
+    let folder = Folder::new();
+    folder.write("nan.csv", bytes);
+    folder.succeed("fuse --tracks nan.csv --refresh 1 --out fused.csv");
+    let fused = folder.read("fused.csv");
+    assert!(!fused.contains("NaN") && !fused.contains("inf"));
+    let (times, addresses) = (column(&fused, "time_s"), column(&fused, "address"));
+    let last: BTreeSet<&str> = times
+        .iter()
+        .zip(&addresses)
+        .filter(|(time_s, _)| **time_s == "29")
+        .map(|(_, address)| address.as_ref())
+        .collect();
+    assert_eq!(
+        last.iter().filter(|address| !address.is_empty()).count(),
+        50,
+        "every target of the honest source"
+    );
+}
+
+#[test]
 fn what_cannot_be_fused_is_refused_in_one_line_and_nothing_is_written() {
     let folder = two_sensors();
     folder.write("other.csv", "time_s,x\n1,2\n");

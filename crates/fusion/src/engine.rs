@@ -196,7 +196,9 @@ impl Engine {
             return;
         }
         self.advance(now_ns, sink);
-        if report.has(sensor_track_bits::WILD_CLOCK) {
+        // Nothing lives longer than that beyond the present, however far time is then said to have passed.
+        let latest_ns = self.schedule.now_ns().saturating_add(self.settings.life.terminate_ns());
+        if report.has(sensor_track_bits::WILD_CLOCK) || report.time_of_measurement_ns > latest_ns {
             self.outbox.counts.add(report.source, Counter::RejectedClock);
             return;
         }

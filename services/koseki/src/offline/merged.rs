@@ -1,10 +1,14 @@
 //! Sensor tracks of several files in the order of time, one at a time.
 //!
-//! Of each file no more than two rows are in memory, so files may be of any length. Rows that cannot be used are left
-//! out and counted, each for itself: a recording of a million rows is of use although ten of them are damaged. Only
-//! where the whole file cannot be what it should be, without one of the columns for example, reading ends.
+//! Of each file a few rows are in memory, so files may be of any length. Rows that cannot be used are left out and
+//! counted, each for itself: a recording of a million rows is of use although ten of them are damaged. Only where the
+//! whole file cannot be what it should be, without one of the columns for example, reading ends.
+//!
+//! A row whose time runs away from those of the other sensors that follow it is left out, and not they: nobody's clock
+//! shall let time pass for the others.
 
 use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -16,8 +20,10 @@ use super::progress::Counting;
 use super::refusals::Refusals;
 use crate::files::{InputError, open};
 
-/// A row this much later than the one that follows it is taken for the damaged one of the two, nanoseconds.
-const LEAP_NS: i64 = 600_000_000_000;
+/// Rows that are looked ahead.
+const AHEAD: usize = 16;
+/// A row this much later than most that follow it is taken for the wrong one, nanoseconds.
+const LEAP_NS: i64 = 5_000_000_000;
 
 /// Source of each `sensor_id`.
 #[derive(Clone, Debug, Default)]
@@ -63,9 +69,9 @@ pub(crate) struct Merged {
 struct Lane {
     path: PathBuf,
     reader: SensorTrackReader<Counting, SourceOf>,
-    /// Next row; the row after that has been read too, if there is one.
+    /// Next row, and those after it.
     next: Option<Waiting>,
-    after: Option<Waiting>,
+    ahead: VecDeque<Waiting>,
     /// Time of the row that was given last.
     given_ns: i64,
 }
@@ -100,10 +106,9 @@ impl Merged {
                 path: path.clone(),
                 reader: reader.map_err(|error| InputError::new(path, error))?,
                 next: None,
-                after: None,
+                ahead: VecDeque::with_capacity(AHEAD),
                 given_ns: i64::MIN,
             };
-            lane.after = lane.read(&mut merged.refusals)?;
             lane.step(&mut merged.refusals)?;
             merged.lanes.push(lane);
         }
@@ -135,26 +140,63 @@ impl Lane {
         if let Some(given) = self.next {
             self.given_ns = given.track.time_of_measurement_ns;
         }
-        self.next = self.after.take();
+        self.next = self.next_ahead(refusals)?;
         while let Some(next) = self.next {
-            self.after = self.read(refusals)?;
-            let Some(after) = self.after else { break };
-            let (next_ns, after_ns) = (next.track.time_of_measurement_ns, after.track.time_of_measurement_ns);
-            if after_ns >= next_ns {
-                break;
-            }
-            if next_ns - after_ns > LEAP_NS && after_ns >= self.given_ns {
+            let next_ns = next.track.time_of_measurement_ns;
+            self.look_ahead(refusals)?;
+            if self.runs_away(&next) {
                 let what = format!("{} is far beyond the rows around it", seconds(next_ns));
                 refusals.out_of_order(&self.path, next.line, &what);
-                self.next = self.after.take();
-            } else {
-                let what = format!(
-                    "{} is before {}, the time of an earlier row; sort the rows by time",
-                    seconds(after_ns),
-                    seconds(next_ns)
-                );
-                refusals.out_of_order(&self.path, after.line, &what);
+                self.next = self.next_ahead(refusals)?;
+                continue;
             }
+            let earlier = |row: &Waiting| row.track.time_of_measurement_ns < next_ns;
+            let Some(after) = self.ahead.front().copied().filter(earlier) else {
+                break;
+            };
+            let what = format!(
+                "{} is before {}, the time of an earlier row; sort the rows by time",
+                seconds(after.track.time_of_measurement_ns),
+                seconds(next_ns)
+            );
+            refusals.out_of_order(&self.path, after.line, &what);
+            self.ahead.pop_front();
+        }
+        Ok(())
+    }
+
+    /// Whether the time of `next` is far beyond most rows of other sensors that follow it, or, where none do, of its own
+    /// sensor.
+    fn runs_away(&self, next: &Waiting) -> bool {
+        let (latest_ns, source) = (
+            next.track.time_of_measurement_ns.saturating_sub(LEAP_NS),
+            next.track.source,
+        );
+        let has_others = self.ahead.iter().any(|row| row.track.source != source);
+        let judges = self
+            .ahead
+            .iter()
+            .filter(|row| (row.track.source != source) == has_others);
+        let times = judges.map(|row| row.track.time_of_measurement_ns);
+        let (mut against, mut for_it) = (0, 0);
+        for time_ns in times {
+            against += usize::from((self.given_ns..latest_ns).contains(&time_ns));
+            for_it += usize::from(time_ns >= latest_ns);
+        }
+        against > for_it
+    }
+
+    fn next_ahead(&mut self, refusals: &mut Refusals) -> Result<Option<Waiting>, InputError> {
+        self.look_ahead(refusals)?;
+        Ok(self.ahead.pop_front())
+    }
+
+    /// Reads as many rows as are looked ahead.
+    fn look_ahead(&mut self, refusals: &mut Refusals) -> Result<(), InputError> {
+        while self.ahead.len() < AHEAD
+            && let Some(row) = self.read(refusals)?
+        {
+            self.ahead.push_back(row);
         }
         Ok(())
     }
