@@ -30,6 +30,9 @@ use crate::sources::Sources;
 use crate::system_tracks::{SystemSlot, SystemTracks};
 use crate::tracks::Tracks;
 
+/// No report is of a time farther ahead of the present, nanoseconds, however little is known of its source's clock: so no
+/// track lives long beyond it, and steps through time are few.
+const AHEAD_MAX_NS: i64 = 86_400_000_000_000;
 /// Below this speed a course says nothing, m/s.
 const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 
@@ -196,9 +199,10 @@ impl Engine {
             return;
         }
         self.advance(now_ns, sink);
-        // Nothing lives longer than that beyond the present, however far time is then said to have passed.
-        let latest_ns = self.schedule.now_ns().saturating_add(self.settings.life.terminate_ns());
-        if report.has(sensor_track_bits::WILD_CLOCK) || report.time_of_measurement_ns > latest_ns {
+        // While no time has passed, nothing is known of the present.
+        let now_ns = self.schedule.now_ns();
+        let is_far_ahead = now_ns != i64::MIN && report.time_of_measurement_ns > now_ns.saturating_add(AHEAD_MAX_NS);
+        if report.has(sensor_track_bits::WILD_CLOCK) || is_far_ahead {
             self.outbox.counts.add(report.source, Counter::RejectedClock);
             return;
         }

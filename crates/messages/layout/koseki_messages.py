@@ -37,6 +37,7 @@ SENSOR_TRACK_MEASURED = 0x10  # `measured_m` holds the measurement from which th
 SENSOR_TRACK_ON_GROUND = 0x20  # The source says that the target is on the ground.
 SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # The velocity was derived by the adapter from successive positions.
 SENSOR_TRACK_TRACE = 0x80  # `trace` holds the source's own covariance trace (TI-16).
+SENSOR_TRACK_WILD_CLOCK = 0x100  # The time of measurement is not to be believed: it lies far from that of receipt, or the source's clock jumps.
 SENSOR_DETECTION_RANGE_RATE = 0x1  # `range_rate_mps` was measured.
 SENSOR_DETECTION_SIGMAS = 0x2  # `sigmas` hold standard deviations.
 SENSOR_BEARING_EMITTER = 0x1  # `emitter_id` is known: the sensor tells transmitters apart.

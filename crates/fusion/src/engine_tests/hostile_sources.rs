@@ -34,9 +34,9 @@ fn settings() -> Settings {
     settings
 }
 
-/// Half a minute in order of arrival: ten rounds a second, in which each honest source reports some of its targets, late
-/// by some hundredths of a second, and the hostile one does `lie`, a hundred kilometres away. What is published of the
-/// honest targets, by target, and all that was counted of the hostile source.
+/// Half a minute in order of arrival: ten rounds a second, in which each honest source reports some of its targets,
+/// late by some hundredths of a second, and the hostile one does `lie`, a hundred kilometres away. What is published of
+/// the honest targets, by target, and all that was counted of the hostile source.
 fn run(settings: &Settings, seed: u64, lie: Option<Lie>) -> (BTreeMap<u32, Vec<SystemTrack>>, u64) {
     let (mut noise, mut chance) = (random(seed), random(seed ^ 0xabcd_ef12));
     let mut engine = Engine::new(settings.clone()).unwrap();
@@ -156,7 +156,7 @@ proptest! {
     #[test]
     fn any_time_at_all_is_worked_off_at_once(
         times in prop::collection::vec((any::<i64>(), any::<i64>(), 0u16..3), 1..60),
-        refresh in prop::option::of(Just(settings::Seconds::of(1.0))),
+        refresh in prop::option::of(Just(settings::Seconds::of(100.0))),
         delay in prop::sample::select(vec![0.0, 2.0]),
     ) {
         let mut settings = settings();
@@ -173,6 +173,6 @@ proptest! {
             engine.advance(*now_ns, &mut count);
         }
         engine.advance(i64::MAX, &mut count);
-        prop_assert!(published < 100_000, "{}", published);
+        prop_assert!(published < 1_000_000, "{}", published);
     }
 }
