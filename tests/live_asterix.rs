@@ -11,6 +11,8 @@ use frames::{Geodetic, SensorFrame};
 use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits as bits};
 use net::{Interface, ReceiverSettings, SenderSettings, UdpReceiver, UdpSender};
 use outgoing::{HeightReference, SensorReports};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use rustix::process::Signal;
 
 use crate::common::home::PATIENCE;
@@ -379,6 +381,73 @@ fn an_overload_is_counted_at_every_stage() {
     let sent_on = of("others", "gateway out", "taken") + of("others", "gateway out", "lost");
     nearly("states", fused, sent_on, on_the_way + 10 * u64::from(TARGETS));
     site.home.assert_nothing_is_left("test");
+}
+
+/// Every datagram is in one counter, whatever is in it, and the other sensor goes on being heard.
+fn mutated_datagrams_are_counted(count: u64) {
+    let mut site = Site::new("");
+    let running = site.start();
+    let mut honest = [Sensor::new(site.group, 20, 2)];
+    let mut heard = Heard::default();
+    let all = |heard: &Heard| {
+        let mut addresses = (0..TARGETS).map(|number| u64::from(0x40_0000 + number));
+        addresses.all(|address| heard.tracks.contains_key(&address))
+    };
+    let mut scans = scan_until("all targets", &mut site, &mut honest, &mut heard, all) / u64::from(TARGETS);
+    let mut radar = Sensor::new(site.group, 48, 1);
+    let mut random = ChaCha8Rng::seed_from_u64(17);
+    let senders = [LOOPBACK, IpAddr::from(STRANGER)].map(|from| UdpSocket::bind((from, 0)).unwrap());
+    let mut datagram = Vec::new();
+    for number in 0..count {
+        datagram.clear();
+        let mut keep = |octets: &[u8]| datagram.extend_from_slice(octets);
+        radar
+            .reports
+            .report(&track(number as u32 % TARGETS, utc_ns()), &mut keep);
+        radar.reports.flush(&mut keep);
+        for _ in 0..random.random_range(0..5) {
+            let place = random.random_range(0..datagram.len());
+            datagram[place] ^= 1 << random.random_range(0..8);
+        }
+        datagram.truncate(random.random_range(0..4 * datagram.len()));
+        let sender = &senders[usize::from(number.is_multiple_of(16))];
+        sender.send_to(&datagram, site.group).unwrap();
+    }
+    heard.tracks.clear();
+    scans += scan_until("all targets again", &mut site, &mut honest, &mut heard, all) / u64::from(TARGETS);
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    let report = site.report();
+    let network = report["network"].as_array().unwrap();
+    let lan = network.iter().find(|entry| entry["process"] == "adapter lan").unwrap();
+    let labels = [
+        "datagrams",
+        "datagrams_rejected",
+        "datagrams_rejected_length",
+        "datagrams_dropped",
+    ];
+    let counted: u64 = labels
+        .iter()
+        .map(|label| lan["counters"][label].as_u64().unwrap())
+        .sum();
+    // The last scan may not have been read.
+    assert!(
+        (count + scans - 1..=count + scans).contains(&counted),
+        "{counted} of {count} + {scans}: {lan}"
+    );
+    assert!(!said.contains("restarting"), "{said}");
+    site.home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn mutated_datagrams_are_all_counted() {
+    mutated_datagrams_are_counted(20_000);
+}
+
+#[test]
+#[ignore = "takes minutes: the same with a million"]
+fn a_million_mutated_datagrams_are_all_counted() {
+    mutated_datagrams_are_counted(1_000_000);
 }
 
 #[test]
