@@ -105,6 +105,11 @@ const MAY_READ_CLOCKS: &[(&str, &str, &str)] = &[
         "waiter.rs",
         "spins and sleeps for the time asked for; `runtime` stands on the bus",
     ),
+    (
+        "test-support",
+        "page.rs",
+        "measures whether a server is held up; for tests only",
+    ),
 ];
 
 /// Crates in which modules use each other in circles. None may be added.
