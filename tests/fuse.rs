@@ -187,7 +187,7 @@ fn a_sensor_whose_times_run_away_lets_no_time_pass_for_the_others() {
         |step| Some(if step % 50 == 7 { 50.0 } else { 0.0 }),
         |step| Some(if step % 3 == 1 { 9e9 } else { 0.0 }),
     ];
-    // The honest sensor's part of the picture, from where a single sensor's word is believed to where the calm one ends.
+    // The honest sensor's part of the picture, from where one sensor's word is believed to where the calm one ends.
     let honest = |file: &str| -> BTreeSet<String> {
         let out = format!("{file}.out");
         folder.succeed(&format!("fuse --tracks {file} --refresh 1 --out {out}"));

@@ -30,8 +30,8 @@ use crate::sources::Sources;
 use crate::system_tracks::{SystemSlot, SystemTracks};
 use crate::tracks::Tracks;
 
-/// No report is of a time farther ahead of the present, nanoseconds, however little is known of its source's clock: so no
-/// track lives long beyond it, and steps through time are few.
+/// No report is of a time farther ahead of the present, nanoseconds, however little is known of its source's clock: so
+/// no track lives long beyond it, and steps through time are few.
 const AHEAD_MAX_NS: i64 = 86_400_000_000_000;
 /// Below this speed a course says nothing, m/s.
 const COURSE_SPEED_MIN_MPS: f64 = 1.0;

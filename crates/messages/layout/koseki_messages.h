@@ -35,7 +35,7 @@
 #define KOSEKI_SENSOR_TRACK_ON_GROUND UINT64_C(0x20) /* The source says that the target is on the ground. */
 #define KOSEKI_SENSOR_TRACK_DERIVED_VELOCITY UINT64_C(0x40) /* The velocity was derived by the adapter from successive positions. */
 #define KOSEKI_SENSOR_TRACK_TRACE UINT64_C(0x80) /* `trace` holds the source's own covariance trace (TI-16). */
-#define KOSEKI_SENSOR_TRACK_WILD_CLOCK UINT64_C(0x100) /* The time of measurement is not to be believed: it lies far from that of receipt, or the source's clock jumps. */
+#define KOSEKI_SENSOR_TRACK_WILD_CLOCK UINT64_C(0x100) /* The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps. */
 #define KOSEKI_SENSOR_DETECTION_RANGE_RATE UINT64_C(0x1) /* `range_rate_mps` was measured. */
 #define KOSEKI_SENSOR_DETECTION_SIGMAS UINT64_C(0x2) /* `sigmas` hold standard deviations. */
 #define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* `emitter_id` is known: the sensor tells transmitters apart. */

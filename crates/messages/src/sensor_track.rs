@@ -23,7 +23,7 @@ bits! {
         DERIVED_VELOCITY = 1 << 6;
         /// `trace` holds the source's own covariance trace (TI-16).
         TRACE = 1 << 7;
-        /// The time of measurement is not to be believed: it lies far from that of receipt, or the source's clock jumps.
+        /// The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps.
         WILD_CLOCK = 1 << 8;
     }
 }

@@ -68,7 +68,8 @@ settings::settings! {
         speed_mps: f64 = 700.0, in [0.1, 2e4];
         /// Distance of a position beyond what the speed limit explains since the track's last report.
         jump_m: f64 = 100.0, in [0, 1e6];
-        /// Distance of a time from that of receipt (of a recording, from its running time) beyond which it is not believed.
+        /// Distance of a time from that of receipt (of a recording, from its running time) beyond which it is not
+        /// believed.
         time_step_s: Option<Seconds> = None, in [0.01, 40e3], usually "5; in a recording 60";
         /// Most live tracks that are remembered.
         tracks: usize = 4096, in [1, 1e6];

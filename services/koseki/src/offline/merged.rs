@@ -165,8 +165,8 @@ impl Lane {
         Ok(())
     }
 
-    /// Whether the time of `next` is far beyond most rows of other sensors that follow it, or, where none do, of its own
-    /// sensor.
+    /// Whether the time of `next` is far beyond most rows of other sensors that follow it, or, where none do, of its
+    /// own.
     fn runs_away(&self, next: &Waiting) -> bool {
         let (latest_ns, source) = (
             next.track.time_of_measurement_ns.saturating_sub(LEAP_NS),
