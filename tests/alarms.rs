@@ -11,7 +11,7 @@ use outgoing::SensorReports;
 use rustix::process::Signal;
 
 use crate::common::home::PATIENCE;
-use crate::common::{Home, PLACE, Running, free_address, kill, repository, system, until, utc_ns};
+use crate::common::{Home, PLACE, Running, S, free_address, kill, repository, system, until, utc_ns};
 
 /// Alarms that a machine under load raises rightly, whatever runs on it.
 const OF_THE_MACHINE: [&str; 6] = [
@@ -91,6 +91,11 @@ impl Site {
 
 /// One report of a sensor, in a block.
 fn block(category: u8, edition: Option<Edition>, sic: u8) -> Vec<u8> {
+    block_of(category, edition, sic, utc_ns())
+}
+
+/// One report that says that it was measured at `time_ns`.
+fn block_of(category: u8, edition: Option<Edition>, sic: u8, time_ns: i64) -> Vec<u8> {
     let table = match edition {
         Some(edition) => registry::find(category, edition),
         None => registry::default_edition(category),
@@ -99,7 +104,7 @@ fn block(category: u8, edition: Option<Edition>, sic: u8) -> Vec<u8> {
     let frame = SensorFrame::new(&system, place, 0.0);
     let mut reports = SensorReports::new(table.unwrap(), 1, sic, frame, system, 1472).unwrap();
     let track = SensorTrack {
-        time_of_measurement_ns: utc_ns(),
+        time_of_measurement_ns: time_ns,
         track_number: 1,
         valid: bits::VELOCITY | bits::HEIGHT,
         identity: Identity::default().with_address(0x40_0000),
@@ -207,6 +212,21 @@ fn a_flood_and_a_killed_process_are_told() {
     kill(site.home.status_row("out").pid, Signal::KILL);
     running.until_said("alarm, major: out was restarted, 1 time so far: the last one was killed by SIGKILL.");
     site.until_said(&running, "alarm cleared: The kernel has dropped ", |_| {});
+    running.stop();
+}
+
+#[test]
+fn a_clock_that_is_off_is_told_and_a_wild_one_isolates_its_source() {
+    let mut site = Site::new("");
+    let running = site.start();
+    let ahead = |seconds: i64| {
+        move |site: &mut Site| {
+            let late = block_of(48, None, 1, utc_ns() + seconds * S);
+            let _ = site.socket.send_to(&late, site.to);
+        }
+    };
+    site.until_said(&running, "alarm, major: The clock of radar is +", ahead(3));
+    site.until_said(&running, "alarm, major: radar is isolated: ", ahead(30));
     running.stop();
 }
 

@@ -88,7 +88,7 @@ alarms! {
         "The clock of {source} is {offset} off, by the times at which its reports are received.",
         "Set the sensor's clock, or this machine's: `[source.limits] time_step_s` says how far it may be off.";
     SourceIsolated = 3, "source-isolated", Major, raise 0 s, clear 30 s,
-        "{source} is isolated: {reports} of its reports claim times that cannot be, and are kept out of the tracks.",
+        "{source} is isolated: {reports} so far claimed times that cannot be, and were kept out of the tracks.",
         "Set the sensor's clock; its reports are used again as soon as their times can be.";
     BiasChanged = 4, "bias-changed", Warning, raise 10 s, clear 60 s,
         "The {error} of {source} has changed from {before} to {now}.",

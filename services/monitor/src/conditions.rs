@@ -227,11 +227,17 @@ impl Conditions {
     }
 
     /// What fusion has learned of the sources.
-    fn source_errors(&self, sight: Sight<'_>, round: &mut Round<'_>) {
+    fn source_errors(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         for source in &self.sources {
             let known = sight.book.registration(source.number);
             let subject = Subject::source(source.number);
             let name = || ("source", source.name.clone());
+            let fusion = sight.book.service(ProcessKind::Fusion, source.number);
+            let wild = fusion[Counter::RejectedClock];
+            if self.growth.has_grown(AlarmKind::SourceIsolated, subject, wild, 0) {
+                let values = [name(), ("reports", several(wild, "report"))];
+                round.find(AlarmKind::SourceIsolated, subject, Finding::Bad, &values);
+            }
             let (offset_s, sigma_s) = (known.clock_offset_s, known.clock_offset_sigma_s);
             // A sensor may take one of its periods to send what it has measured.
             let excess_s = match offset_s < 0.0 {

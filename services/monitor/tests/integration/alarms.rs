@@ -173,6 +173,17 @@ fn what_fits_nothing_that_is_configured_is_named() {
 }
 
 #[test]
+fn a_source_whose_clock_is_wild_is_told() {
+    let mut site = Site::new(&[]);
+    site.say(ProcessKind::Fusion, "fusion", 2);
+    let begin = |site: &mut Site| site.say(ProcessKind::Fusion, "fusion", 2).counters[Counter::RejectedClock] = 31;
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::SourceIsolated, begin, |_| {}),
+        "multilateration is isolated: 31 reports so far claimed times that cannot be, and were kept out of the tracks."
+    );
+}
+
+#[test]
 fn what_had_been_counted_before_the_monitor_came_is_no_news() {
     let mut site = Site::new(&[]);
     let fusion = site.say(ProcessKind::Fusion, "fusion", 3);
