@@ -37,6 +37,7 @@ fn all_topics_are_in_the_recording_as_many_as_rows() {
     let (status, said) = running.end();
     assert!(status.success(), "{said}");
     let folder = home.path("out/latest");
+    assert!(!said.contains("has lost"), "{said}");
     let (survey, _) = survey(&folder);
     assert_eq!(survey.torn, 0);
     let mut all_rows = 0;

@@ -117,9 +117,11 @@ impl<S: Transport> AllTopics<S> {
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("configuration".to_owned(), config.text.clone()),
         ]);
+        // What was said before all of them were open is no loss.
+        let since_ns = Now::read().mono_ns as u64;
         Ok(Self {
             topics: opening.topics,
-            segments: Segments::new(folder, settings, facts, opening.names, incarnation)?,
+            segments: Segments::new(folder, settings, facts, opening.names, since_ns)?,
         })
     }
 

@@ -67,8 +67,8 @@ pub(crate) struct SegmentCounts {
 }
 
 impl Segments {
-    /// Goes on with the recording in `folder`, if there is one: of `topics`, with `facts` at the beginning of each
-    /// file.
+    /// Goes on with the recording in `folder`, or begins one at `since_ns` (monotonic, nanoseconds): of `topics`, with
+    /// `facts` at the beginning of each file.
     ///
     /// # Errors
     /// If the folder or the latest file cannot be read.
@@ -77,7 +77,7 @@ impl Segments {
         settings: Settings,
         facts: Facts,
         topics: Vec<(String, Layout)>,
-        incarnation: u64,
+        since_ns: u64,
     ) -> anyhow::Result<Self> {
         let mut earlier = Survey::default();
         let files = files(folder)?;
@@ -89,7 +89,7 @@ impl Segments {
         let topics = topics.into_iter().map(|(name, layout)| {
             let known = earlier.topics.get(&name).map(|topic| topic.tally.clone());
             Topic {
-                tally: known.unwrap_or_else(|| Tally::since(incarnation)),
+                tally: known.unwrap_or_else(|| Tally::since(&name, since_ns)),
                 name,
                 layout,
                 gathered: 0,
