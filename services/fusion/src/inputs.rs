@@ -112,8 +112,8 @@ impl<S: Transport> Input<S> {
         self.in_hand.as_ref().map(|hand| hand.slice.header().sent_ns)
     }
 
-    /// The next report of the slice in hand, stamped, and marked if its time is not believed. With the last one the slice
-    /// is given back, and its mark holds.
+    /// The next report of the slice in hand, stamped, and marked if its time is not believed. With the last one the
+    /// slice is given back, and its mark holds.
     pub(crate) fn next_report(&mut self, now: Now) -> Option<Taken> {
         let hand = self.in_hand.as_mut()?;
         let (sent_ns, reports) = (hand.slice.header().sent_ns, hand.slice.samples());
