@@ -182,6 +182,8 @@ struct Heard {
     /// Identifications of the sensors that it told of.
     sensors: BTreeSet<u64>,
     system_statuses: u64,
+    /// Events of the service, in the order in which they came.
+    events: Vec<u64>,
 }
 
 impl Heard {
@@ -194,7 +196,10 @@ impl Heard {
                     let named = NamedRecord::new(&record);
                     let number = |path: &[&str]| named.get(path).and_then(Value::as_u64);
                     self.system_statuses += u64::from(named.category == 65);
-                    self.sensors.extend(number(&["050", "SIC"]));
+                    match named.category {
+                        65 => self.events.extend(number(&["050"])),
+                        _ => self.sensors.extend(number(&["050", "SIC"])),
+                    }
                     if let Some(address) = number(&["380", "ADR"]) {
                         self.tracks.insert(address, named);
                     }
@@ -264,6 +269,45 @@ fn what_sensors_send_comes_out_of_the_gateway() {
     }
     let (status, said) = running.stop();
     assert_eq!(status.code(), Some(0), "{said}");
+    site.home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn a_user_gets_the_area_the_levels_and_the_categories_that_are_his() {
+    let second = UdpReceiver::open(&ReceiverSettings::new(LOOPBACK, 0)).unwrap();
+    let users = format!(
+        "status = [65]\nlevels = [90.0, 110.0]\n\
+         [gateway.area]\nsouth_deg = 41.0\nnorth_deg = 41.3\nwest_deg = 2.2\neast_deg = 2.32\n\
+         [[gateway]]\nname = \"above\"\nsend_to = \"{}\"\nsac = 9\nsic = 7\nstatus_s = 0.2\nlevels = [110.0, 200.0]\n",
+        second.local_address()
+    );
+    let mut site = Site::new(&users);
+    let running = site.start();
+    let mut sensors = [Sensor::new(site.group, 48, 1), Sensor::new(site.group, 20, 2)];
+    let (mut heard, mut above, mut second) = (Heard::default(), Heard::default(), second);
+    let all = |heard: &Heard| heard.tracks.len() == 2 && heard.system_statuses > 0;
+    scan_until("the targets in the area", &mut site, &mut sensors, &mut heard, all);
+    // As many turns again: the others would have come.
+    let statuses = heard.system_statuses;
+    let later = |heard: &Heard| heard.system_statuses > statuses + 10;
+    scan_until("ten more statuses", &mut site, &mut sensors, &mut heard, later);
+    let inside = [0x40_0001, 0x40_0002];
+    assert!(heard.tracks.keys().eq(&inside), "{:x?}", heard.tracks.keys());
+    assert!(
+        heard.sensors.is_empty() && heard.events.is_empty(),
+        "{:?}",
+        heard.events
+    );
+    above.hear(&mut second, SCAN);
+    assert!(above.tracks.is_empty(), "nobody flies there");
+    assert!(
+        above.sensors.len() == 3 && above.system_statuses > 0,
+        "its status has both categories"
+    );
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    heard.hear(&mut site.gateway, SCAN);
+    assert_eq!(heard.events, [7], "the service was ended by the operator");
     site.home.assert_nothing_is_left("test");
 }
 

@@ -12,8 +12,8 @@ use scenario::SensorKind;
 use settings::SettingsError;
 
 use super::check::{Checked, check_name};
-use super::network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
-use super::tables::{AsterixTable, GatewayTable, LiveTable, ReceiverTable, UdpTable, interface};
+use super::network::{Area, Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
+use super::tables::{AreaTable, AsterixTable, GatewayTable, LiveTable, ReceiverTable, UdpTable, interface};
 use super::wide_area_sensor::WideAreaSensor;
 use super::{Input, Instrument, RecordedFormat, Simulated, Source};
 
@@ -23,6 +23,8 @@ const FIRST_SIMULATED_PORT: u16 = 30_001;
 const FIRST_SIMULATED_WIDE_AREA_PORT: u16 = 31_001;
 /// Categories that a gateway can send of a sensor.
 const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
+/// Categories of status messages.
+const STATUS_CATEGORIES: [u8; 2] = [65, 63];
 /// Category that a gateway sends of the fused picture.
 const SYSTEM_CATEGORY: u8 = 62;
 
@@ -366,6 +368,20 @@ fn check_gateway(key: &impl Fn(&str) -> String, raw: &GatewayTable, sources: &[S
             return Err(SettingsError::new(key("category"), what));
         }
     };
+    if let Some(other) = raw.status.iter().find(|category| !STATUS_CATEGORIES.contains(category)) {
+        let what = format!("{other}: status messages are of category 65 or 63");
+        return Err(SettingsError::new(key("status"), what));
+    }
+    let area = raw.area.as_ref().map(|area| check_area(key, area)).transpose()?;
+    if let Some([low, high]) = raw.levels.filter(|[low, high]| !(low <= high)) {
+        let what = format!("{low} lies above {high}; write the lower level first");
+        return Err(SettingsError::new(key("levels"), what));
+    }
+    if raw.refresh_s.ns() == 0 && (area.is_some() || raw.levels.is_some()) {
+        let what = "0: whether a track has left the area or the levels is known only of tracks that have turns; \
+                    give a period";
+        return Err(SettingsError::new(key("refresh_s"), what));
+    }
     Ok(Gateway {
         name: raw.name.clone(),
         sender,
@@ -375,8 +391,34 @@ fn check_gateway(key: &impl Fn(&str) -> String, raw: &GatewayTable, sources: &[S
         sic: raw.sic,
         refresh_ns: raw.refresh_s.ns(),
         status_ns: raw.status_s.ns(),
+        status: raw.status.clone(),
+        area,
+        levels: raw.levels,
         block_bytes: raw.block_bytes,
         heights: raw.heights,
+    })
+}
+
+fn check_area(key: &impl Fn(&str) -> String, raw: &AreaTable) -> Checked<Area> {
+    let sides = [
+        ("south_deg", raw.south_deg, 90.0),
+        ("north_deg", raw.north_deg, 90.0),
+        ("west_deg", raw.west_deg, 180.0),
+        ("east_deg", raw.east_deg, 180.0),
+    ];
+    for (side, value, limit) in sides {
+        if !(value.abs() <= limit) {
+            let what = format!("{value} must lie between -{limit} and {limit}");
+            return Err(SettingsError::new(key(&format!("area.{side}")), what));
+        }
+    }
+    if raw.south_deg > raw.north_deg {
+        let what = format!("{} lies north of north_deg, {}", raw.south_deg, raw.north_deg);
+        return Err(SettingsError::new(key("area.south_deg"), what));
+    }
+    Ok(Area {
+        latitude_deg: [raw.south_deg, raw.north_deg],
+        longitude_deg: [raw.west_deg, raw.east_deg],
     })
 }
 

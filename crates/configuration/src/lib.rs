@@ -36,7 +36,7 @@ use sources::{Processing, TrackerSettings};
 use tables::DeploymentTable;
 
 pub use locating::locating_settings;
-pub use network::{Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
+pub use network::{Area, Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
 pub use reference::{locating_help, reference, sensor_help, tracking_help};
 pub use tracker::{SeenDetections, Tracking};

@@ -68,6 +68,15 @@ pub struct Live {
     pub asterix: Asterix,
 }
 
+/// A part of the Earth between two parallels and two meridians (WGS-84), degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// Latitudes of the south and the north side, −90 to 90.
+    pub latitude_deg: [f64; 2],
+    /// Longitudes of the west and the east side, −180 to 180; the west one is greater in an area across 180°.
+    pub longitude_deg: [f64; 2],
+}
+
 /// An output to the network: one gateway process.
 #[derive(Clone, Debug)]
 pub struct Gateway {
@@ -87,6 +96,12 @@ pub struct Gateway {
     pub refresh_ns: i64,
     /// Time between two status messages, nanoseconds.
     pub status_ns: i64,
+    /// Categories of the status messages that are sent with the fused picture.
+    pub status: Vec<u8>,
+    /// Area whose tracks are sent; `None`: all.
+    pub area: Option<Area>,
+    /// Lowest and highest flight level of which tracks are sent, hundreds of feet; `None`: all.
+    pub levels: Option<[f64; 2]>,
     /// Most octets in a datagram.
     pub block_bytes: usize,
     /// Reference of its tracks' heights, and so the items that carry them.

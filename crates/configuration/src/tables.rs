@@ -245,7 +245,19 @@ settings::settings! {
         limits: Limits = Limits::default();
     }
 
-    /// A network output.
+    /// A part of the Earth between two parallels and two meridians (WGS-84).
+    pub struct AreaTable {
+        /// Latitude of its south side, −90 to 90.
+        south_deg: f64;
+        /// Latitude of its north side, −90 to 90.
+        north_deg: f64;
+        /// Longitude of its west side, −180 to 180.
+        west_deg: f64;
+        /// Longitude of its east side, −180 to 180; less than that of the west side, if it lies across 180°.
+        east_deg: f64;
+    }
+
+    /// A network output: one for each user, with what this one gets.
     pub struct GatewayTable {
         /// Name of the gateway process.
         name: String;
@@ -269,6 +281,13 @@ settings::settings! {
         refresh_s: Seconds = Seconds::of(1.0), in [0, 3600];
         /// Time between two status messages.
         status_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
+        /// Categories of the status messages that go with the fused picture: 65 for the system, 63 for its sensors.
+        status: Vec<u8> = vec![65, 63];
+        /// Area that the user gets tracks of; a track that leaves it is ended there. Needs `refresh_s` above 0.
+        area: Option<AreaTable> = None, usually "everywhere";
+        /// Lowest and highest flight level (hundreds of feet, of the tracks' heights) that the user gets tracks of;
+        /// tracks of unknown height are on all levels. Needs `refresh_s` above 0.
+        levels: Option<[f64; 2]> = None, usually "all";
         /// Most octets in a datagram: by default what fits into one frame of Ethernet beside the headers of IPv4 and
         /// UDP, at most what a datagram can carry over IPv4.
         block_bytes: usize = 1472, in [256, 65_507];

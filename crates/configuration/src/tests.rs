@@ -261,6 +261,40 @@ fn sensors_behind_one_socket_share_an_adapter() {
 }
 
 #[test]
+fn a_gateway_may_send_a_part_of_the_picture() {
+    let with = |lines: &str| {
+        let text = live().replace("refresh_s = 1.0 ", &format!("{lines}\nrefresh_s = 1.0 "));
+        Config::parse(Path::new("live.toml"), &text, &[]).map_err(|error| error.to_string())
+    };
+    let config =
+        with("area = { south_deg = 41.0, north_deg = 42.0, west_deg = 179.0, east_deg = -179.0 }\nstatus = [63]");
+    let config = config.unwrap();
+    let gateway = config.gateway("picture").unwrap();
+    assert_eq!(gateway.area.unwrap().longitude_deg, [179.0, -179.0]);
+    assert_eq!((gateway.status.as_slice(), gateway.levels), (&[63][..], None));
+    for (lines, expected) in [
+        ("status = [62]", "62: status messages are of category 65 or 63"),
+        ("levels = [200.0, 100.0]", "write the lower level first"),
+        (
+            "area = { south_deg = 43.0, north_deg = 42.0, west_deg = 1.0, east_deg = 2.0 }",
+            "lies north of north_deg",
+        ),
+        (
+            "area = { south_deg = 1.0, north_deg = 2.0, west_deg = 1.0, east_deg = 200.0 }",
+            "between -180 and 180",
+        ),
+    ] {
+        let said = with(lines).unwrap_err();
+        assert!(said.contains(expected), "{said}");
+    }
+    let text = live().replace("refresh_s = 1.0 ", "levels = [0.0, 100.0]\nrefresh_s = 0.0 ");
+    let said = Config::parse(Path::new("live.toml"), &text, &[])
+        .unwrap_err()
+        .to_string();
+    assert!(said.contains("give a period"), "{said}");
+}
+
+#[test]
 fn an_external_source_has_a_topic_and_no_adapter() {
     let text = "name = \"site\"\n[frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n\
                 [[source]]\nname = \"radar\"\n[source.external]\n";

@@ -39,7 +39,8 @@ impl<S: Sink> Outlet<'_, S> {
     pub(crate) fn track(&mut self, write: impl FnOnce(&mut SystemTrack)) -> bool {
         let message = &mut self.outbox.message;
         write(message);
-        let is_finite = |values: &[f64]| values.iter().fold(true, |all, value| all & value.is_finite());
+        // NaN and infinities times 0 are NaN: half the instructions of asking each value.
+        let is_finite = |values: &[f64]| values.iter().fold(0.0, |sum, value| sum + value * 0.0) == 0.0;
         let is_sound =
             is_finite(&message.position_m) & is_finite(&message.velocity_mps) & is_finite(&message.covariance.upper);
         if is_sound {

@@ -41,7 +41,7 @@ mod system;
 mod track_numbers;
 
 pub use sensor::SensorReports;
-pub use status::{Condition, SensorBiases, SensorStatus, StatusReports, SystemStatus};
+pub use status::{Condition, SensorBiases, SensorStatus, ServiceEvent, StatusReports, SystemStatus};
 pub use system::{SystemReports, SystemSource, Technology};
 
 use asterix::block::HEADER_OCTETS;

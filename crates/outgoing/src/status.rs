@@ -1,6 +1,7 @@
 //! Status of the system and of its sensors: CAT065 and CAT063.
 //!
-//! CAT065 carries the state of the system; its other messages, ends of batches and events of the service, are not sent.
+//! CAT065 carries the state of the system, and the events of its service: that it is degraded, interrupted, ended. Its
+//! other messages, ends of batches, are not sent.
 //! CAT063 carries one record for each sensor, whose state is what the caller knows: whether it is connected and whether
 //! reports come, and of the biases those that are known. Gains of the range are not estimated, and sent as 0.
 
@@ -18,6 +19,7 @@ mod system {
     pub(super) const MESSAGE_TYPE: Elements<1> = whole(CAT065, "000");
     pub(super) const SERVICE: Elements<1> = whole(CAT065, "015");
     pub(super) const TIME: Elements<1> = whole(CAT065, "030");
+    pub(super) const EVENT: Elements<1> = whole(CAT065, "050");
     pub(super) const STATUS: Elements<5> = elements(CAT065, "040", ["NOGO", "OVL", "TSV", "PSS", "STTN"]);
 }
 
@@ -53,6 +55,35 @@ pub struct SystemStatus {
     pub processing_system: u8,
     /// Another value than before: tracks have been numbered anew since.
     pub renumbered: bool,
+}
+
+/// Event of the service (I065/050); the numbers are those of the item.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ServiceEvent {
+    /// Degradation has begun.
+    Degraded = 1,
+    /// Degradation has ended.
+    DegradationEnded = 2,
+    /// Interruption due to a contingency.
+    Interrupted = 5,
+    /// Ready for the restart of the service after a contingency.
+    ReadyAgain = 6,
+    /// End by the operator.
+    Ended = 7,
+}
+
+impl ServiceEvent {
+    /// Event that leads from one condition of the system to another; `None`: none does.
+    pub fn between(before: Condition, now: Condition) -> Option<Self> {
+        let runs = |condition| matches!(condition, Condition::Operational | Condition::Degraded);
+        match (before, now) {
+            (Condition::Operational, Condition::Degraded) => Some(Self::Degraded),
+            (Condition::Degraded, Condition::Operational) => Some(Self::DegradationEnded),
+            (before, Condition::NotConnected) if runs(before) => Some(Self::Interrupted),
+            (Condition::NotConnected, now) if runs(now) => Some(Self::ReadyAgain),
+            _ => None,
+        }
+    }
 }
 
 /// Condition of a system or sensor.
@@ -165,6 +196,18 @@ impl StatusReports {
             i64::from(status.renumbered),
         ];
         record.write(&system::STATUS, numbers);
+        outbox.push(record.finish(), send);
+        outbox.flush(send);
+    }
+
+    /// Sends an event of the service at `now_utc_ns`, in a block of its own.
+    pub fn event(&mut self, now_utc_ns: i64, event: ServiceEvent, send: &mut SendBlock<'_>) {
+        let (record, outbox) = &mut self.of_system;
+        items::source(record, &system::SOURCE, self.source);
+        record.write(&system::MESSAGE_TYPE, [3]);
+        items::number(record, &system::SERVICE, self.service.map(i64::from));
+        items::time_of_day(record, &system::TIME, now_utc_ns);
+        record.write(&system::EVENT, [event as i64]);
         outbox.push(record.finish(), send);
         outbox.flush(send);
     }

@@ -6,12 +6,13 @@ use anyhow::Context as _;
 use asterix::registry;
 use bus::{Bus, Payload, Subscriber, Transport, WaitMode, Waiter};
 use configuration::{Config, Gateway, GatewayContent, Source};
-use messages::{Alarm, Counter, Health, SensorTrack, SystemTrack, Topic, TrackState};
+use messages::{Alarm, Counter, Health, SensorTrack, SystemTrack, Topic, TrackState, sensor_track_bits};
 use net::UdpSender;
-use outgoing::{OutgoingCounts, SendBlock, SensorReports, StatusReports, SystemReports, SystemSource};
+use outgoing::{OutgoingCounts, SendBlock, SensorReports, ServiceEvent, StatusReports, SystemReports, SystemSource};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::schedule::Schedule;
+use crate::selection::Selection;
 use crate::sensor_states::SensorStates;
 
 /// Slices taken in one turn: as many as can wait.
@@ -32,6 +33,8 @@ pub(crate) struct GatewayAgent<S: Transport> {
     sensors: SensorStates,
     sender: UdpSender,
     waiter: Waiter<S>,
+    /// Categories of the status messages that this user gets.
+    status: Vec<u8>,
     status_ns: i64,
     next_status_ns: i64,
 }
@@ -48,6 +51,7 @@ enum Content<S: Transport> {
 struct Picture<S: Transport, T: Payload, R> {
     subscriber: Subscriber<S, T>,
     schedule: Schedule<T>,
+    selection: Selection,
     reports: R,
     /// Incarnation of the publisher that the tracks are from.
     publisher: u64,
@@ -57,6 +61,10 @@ struct Picture<S: Transport, T: Payload, R> {
 /// A track, as far as the gateway looks at it.
 trait Track: Payload + Copy {
     fn number(&self) -> u32;
+    /// Position in the system frame, metres.
+    fn position_m(&self) -> [f64; 3];
+    /// Whether its height is known.
+    fn has_height(&self) -> bool;
     fn state(&self) -> Option<TrackState>;
     /// The track's last word.
     fn ended(self) -> Self;
@@ -79,6 +87,7 @@ impl<S: Transport> GatewayAgent<S> {
             UdpSender::open(&gateway.sender).with_context(|| format!("sending to {}", gateway.sender.destination))?;
         let mut waiter = bus.waiter(WaitMode::Event);
         let (sac, sic, block_bytes) = (gateway.sac, gateway.sic, gateway.block_bytes);
+        let user = (gateway.refresh_ns, Selection::new(gateway, config.frame));
         let content = match gateway.content {
             GatewayContent::SystemTracks => {
                 let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
@@ -87,7 +96,7 @@ impl<S: Transport> GatewayAgent<S> {
                 let topic = messages::system_tracks();
                 waiter.watch(bus, &topic)?;
                 let capacity = config.fusion.settings.capacity.system_tracks();
-                let picture = Picture::open(bus, &topic, incarnation, gateway.refresh_ns, capacity, reports)?;
+                let picture = Picture::open(bus, &topic, incarnation, user, capacity, reports)?;
                 let [of_system, of_sensors] = STATUS_CATEGORIES.map(registry::default_edition);
                 let (of_system, of_sensors) = of_system.zip(of_sensors).context("CAT065 and CAT063 have tables")?;
                 let status = StatusReports::new(of_system, of_sensors, sac, sic, block_bytes)?;
@@ -101,7 +110,7 @@ impl<S: Transport> GatewayAgent<S> {
                 let topic = messages::sensor_tracks(&source.name);
                 waiter.watch(bus, &topic)?;
                 let capacity = model.limits.tracks;
-                let picture = Picture::open(bus, &topic, incarnation, gateway.refresh_ns, capacity, reports)?;
+                let picture = Picture::open(bus, &topic, incarnation, user, capacity, reports)?;
                 Content::Sensor(Box::new(picture))
             }
         };
@@ -112,6 +121,7 @@ impl<S: Transport> GatewayAgent<S> {
             sensors: SensorStates::new(config),
             sender,
             waiter,
+            status: gateway.status.clone(),
             status_ns: gateway.status_ns,
             next_status_ns: i64::MIN,
         })
@@ -122,10 +132,16 @@ impl<S: Transport> GatewayAgent<S> {
             return;
         }
         self.next_status_ns = now.utc_ns + self.status_ns;
-        let sender = &mut self.sender;
+        let (sender, wanted) = (&mut self.sender, &self.status);
         let mut send = |datagram: &[u8]| drop(sender.send(datagram));
+        // Blocks begin with their category.
+        let mut send_wanted = |datagram: &[u8]| {
+            if datagram.first().is_some_and(|category| wanted.contains(category)) {
+                send(datagram);
+            }
+        };
         match &mut self.content {
-            Content::System(_, status) => self.sensors.report(now, status, &mut send),
+            Content::System(_, status) => self.sensors.report(now, status, &mut send_wanted),
             Content::Sensor(picture) => picture.reports.status(now.utc_ns, &mut send),
         }
     }
@@ -143,13 +159,14 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
         bus: &Bus<S>,
         topic: &Topic<T>,
         incarnation: u64,
-        refresh_ns: i64,
+        (refresh_ns, selection): (i64, Selection),
         capacity: usize,
         reports: R,
     ) -> anyhow::Result<Self> {
         Ok(Self {
             subscriber: bus.subscriber(topic, || incarnation)?,
             schedule: Schedule::new(refresh_ns, capacity),
+            selection,
             reports,
             publisher: 0,
             next_look_ns: i64::MIN,
@@ -158,7 +175,8 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
 
     /// Takes what has been published and sends what is due; whether more may be waiting.
     fn turn(&mut self, now: Now, send: &mut SendBlock<'_>) -> anyhow::Result<bool> {
-        let (schedule, reports, publisher) = (&mut self.schedule, &mut self.reports, &mut self.publisher);
+        let (schedule, selection) = (&mut self.schedule, &self.selection);
+        let (reports, publisher) = (&mut self.reports, &mut self.publisher);
         let slices = self.subscriber.take(SLICES_PER_TURN, |header, tracks| {
             if header.incarnation != *publisher {
                 // Whoever published the tracks so far is gone, and with it whoever would have ended them.
@@ -167,6 +185,15 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
             }
             for track in tracks {
                 let at_once = match track.state() {
+                    Some(TrackState::Confirmed | TrackState::Coasted)
+                        if !selection.admits(track.position_m(), track.has_height()) =>
+                    {
+                        // It has left what this user gets: the user's track of it ends.
+                        if schedule.end(track.number()) {
+                            reports.report(&track.ended(), send);
+                        }
+                        false
+                    }
                     Some(TrackState::Confirmed | TrackState::Coasted) => {
                         schedule.take(track.number(), *track, now.mono_ns)
                     }
@@ -227,6 +254,18 @@ impl<S: Transport> Agent for GatewayAgent<S> {
         Ok(Turn::Idle(Duration::from_nanos(until_ns as u64)))
     }
 
+    fn close(&mut self, now: Now) -> anyhow::Result<()> {
+        let sender = &mut self.sender;
+        if let Content::System(_, status) = &mut self.content
+            && self.status.contains(&65)
+        {
+            status.event(now.utc_ns, ServiceEvent::Ended, &mut |datagram| {
+                drop(sender.send(datagram))
+            });
+        }
+        Ok(())
+    }
+
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         let content = &self.content;
         self.waiter.wait(at_most, || match content {
@@ -254,6 +293,14 @@ impl Track for SystemTrack {
         self.track_number
     }
 
+    fn position_m(&self) -> [f64; 3] {
+        self.position_m
+    }
+
+    fn has_height(&self) -> bool {
+        self.height_valid != 0
+    }
+
     fn state(&self) -> Option<TrackState> {
         TrackState::from_code(self.state)
     }
@@ -269,6 +316,14 @@ impl Track for SystemTrack {
 impl Track for SensorTrack {
     fn number(&self) -> u32 {
         self.track_number
+    }
+
+    fn position_m(&self) -> [f64; 3] {
+        self.position_m
+    }
+
+    fn has_height(&self) -> bool {
+        self.has(sensor_track_bits::HEIGHT)
     }
 
     fn state(&self) -> Option<TrackState> {

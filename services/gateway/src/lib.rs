@@ -9,6 +9,7 @@
 
 mod agent;
 mod schedule;
+mod selection;
 mod sensor_states;
 
 use anyhow::Context as _;

@@ -12,7 +12,9 @@ use configuration::Config;
 use messages::{
     Alarm, AlarmSeverity, BatchHeader, Counter, Health, NO_SOURCE, ProcessKind, Registration, registration_bits,
 };
-use outgoing::{Condition, SendBlock, SensorBiases, SensorStatus, StatusReports, SystemStatus, Technology};
+use outgoing::{
+    Condition, SendBlock, SensorBiases, SensorStatus, ServiceEvent, StatusReports, SystemStatus, Technology,
+};
 use runtime::Now;
 
 /// A process that has not spoken for so long is gone, nanoseconds; it speaks several times a second.
@@ -22,6 +24,8 @@ const SPEECH_MAX_NS: i64 = 2_000_000_000;
 #[derive(Debug)]
 pub(crate) struct SensorStates {
     fusion_spoke_ns: i64,
+    /// Condition that was sent last, once the system has run.
+    condition: Option<Condition>,
     alarms: Present,
     sensors: Vec<Sensor>,
     statuses: Vec<SensorStatus>,
@@ -58,6 +62,7 @@ impl SensorStates {
         });
         Self {
             fusion_spoke_ns: i64::MIN,
+            condition: None,
             alarms: Present::default(),
             sensors: sensors.collect(),
             statuses: Vec::with_capacity(config.sources.len()),
@@ -102,7 +107,16 @@ impl SensorStates {
 
     /// Sends how fusion and the sensors are.
     pub(crate) fn report(&mut self, now: Now, reports: &mut StatusReports, send: &mut SendBlock<'_>) {
-        reports.system(now.utc_ns, self.system(now.mono_ns), send);
+        let system = self.system(now.mono_ns);
+        let before = self.condition.unwrap_or(system.condition);
+        if let Some(event) = ServiceEvent::between(before, system.condition) {
+            reports.event(now.utc_ns, event, send);
+        }
+        // Before the system has run for the first time, nothing is interrupted.
+        if self.condition.is_some() || system.condition != Condition::NotConnected {
+            self.condition = Some(system.condition);
+        }
+        reports.system(now.utc_ns, system, send);
         let standing = self.alarms.at(now.mono_ns).unwrap_or_default();
         let states = self.sensors.iter().enumerate();
         self.statuses.clear();
