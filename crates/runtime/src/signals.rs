@@ -37,8 +37,8 @@ impl Stop {
     }
 }
 
-/// Whether whoever started this process has it ignore `signal`.
-fn is_ignored(signal: i32) -> bool {
+/// Whether whoever started this process has it, and what it starts, ignore `signal`.
+pub fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
