@@ -373,7 +373,7 @@ fn check_gateway(key: &impl Fn(&str) -> String, raw: &GatewayTable, sources: &[S
         return Err(SettingsError::new(key("status"), what));
     }
     let area = raw.area.as_ref().map(|area| check_area(key, area)).transpose()?;
-    if let Some([low, high]) = raw.levels.filter(|[low, high]| !(low <= high)) {
+    if let Some([low, high]) = raw.levels.filter(|[low, high]| !(*low..=*high).contains(low)) {
         let what = format!("{low} lies above {high}; write the lower level first");
         return Err(SettingsError::new(key("levels"), what));
     }
@@ -407,7 +407,7 @@ fn check_area(key: &impl Fn(&str) -> String, raw: &AreaTable) -> Checked<Area> {
         ("east_deg", raw.east_deg, 180.0),
     ];
     for (side, value, limit) in sides {
-        if !(value.abs() <= limit) {
+        if !(-limit..=limit).contains(&value) {
             let what = format!("{value} must lie between -{limit} and {limit}");
             return Err(SettingsError::new(key(&format!("area.{side}")), what));
         }
