@@ -507,7 +507,7 @@ mod tests {
             child.looked(second, limit);
         }
         assert_eq!(child.reap(Instant::now()), None);
-        // On a busy machine a process that starts may wait for the disk at that moment: then it is given the time again.
+        // A process that starts may wait for the disk at that moment: then it is given the time again.
         let start = Instant::now();
         let sequel = loop {
             child.looked(second, limit);
