@@ -45,7 +45,7 @@ const OUT_DEFAULT: &str = "records";
 #[command(name = "koseki", version = VERSION, max_term_width = 110, after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Cli {
     /// Base folder of instances, for this command and all that it starts [default: $KOSEKI_ROOT, else /run/koseki,
-    /// else $XDG_RUNTIME_DIR/koseki, else /tmp/koseki-<user number>; of these the first that is this user's own]
+    /// else $XDG_RUNTIME_DIR/koseki, else /tmp/koseki-UID; of these the first that is this user's own]
     #[arg(long, value_name = "DIR", global = true)]
     pub(crate) root: Option<PathBuf>,
     #[command(subcommand)]
