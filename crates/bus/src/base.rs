@@ -13,7 +13,7 @@
 //!
 //! The last two lie where every user can make files, so names there prove nothing. What counts is the owner, which
 //! nobody can forge: a folder that belongs to this user, is no link, can be written by no other, and lies below folders
-//! in which no other user can exchange it ([`check`]). Such a folder needs no further care, and nothing in one that is
+//! in which no other user can exchange it (`check`). Such a folder needs no further care, and nothing in one that is
 //! not such is read, let alone written.
 
 use std::fs::{self, DirBuilder, Metadata};

@@ -252,7 +252,7 @@ impl Held {
     }
 }
 
-/// Outcome of [`Bus::remove_dead`].
+/// Outcome of [`crate::Bus::remove_dead`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeadProcesses {
     /// Dead processes whose memory and places were taken back.
