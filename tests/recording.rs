@@ -33,7 +33,8 @@ fn survey(folder: &Path) -> (Survey, usize) {
 #[test]
 fn all_topics_are_in_the_recording_as_many_as_rows() {
     let home = Home::new();
-    let running = home.start(&[&["demo", "--for", "3"], &SETTINGS[..]].concat());
+    let decisions = ["--set", "fusion.decisions=true"];
+    let running = home.start(&[&["demo", "--for", "3"], &SETTINGS[..], &decisions].concat());
     let (status, said) = running.end();
     assert!(status.success(), "{said}");
     let folder = home.path("out/latest");
@@ -45,6 +46,7 @@ fn all_topics_are_in_the_recording_as_many_as_rows() {
         let file = match name.split('/').collect::<Vec<_>>()[..] {
             ["sensor", source, "tracks"] => format!("sensor_tracks_{source}.csv"),
             ["system", "tracks"] => "system_tracks.csv".to_owned(),
+            ["system", "decisions"] => "decisions.csv".to_owned(),
             _ => continue,
         };
         let rows = std::fs::read_to_string(folder.join(file)).unwrap().lines().count() - 1;
@@ -53,6 +55,11 @@ fn all_topics_are_in_the_recording_as_many_as_rows() {
     }
     assert!(all_rows > 100, "{all_rows}");
     assert!(survey.topics["health"].samples > 50);
+    let decisions = std::fs::read_to_string(folder.join("decisions.csv")).unwrap();
+    assert!(
+        decisions.contains(",started,") && decisions.contains(",confirmed,"),
+        "{decisions}"
+    );
     let output = home.run(&["recording", "info", "out/latest"]);
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && said.contains("system/tracks "), "{said}");

@@ -367,6 +367,7 @@ fn fusion(raw: FusionTable, sources: Vec<SourceSettings>) -> Checked<Fusion> {
         },
         required: raw.required,
         rests: raw.rests,
+        decisions: raw.decisions,
         queue,
         deadline_ns: (raw.deadline_us * 1e3) as i64,
     })

@@ -16,8 +16,8 @@ impl Deployment for Config {
         self.first_day_ns
     }
 
-    fn each_input_topic(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError> {
-        for (id, name) in self.input_streams() {
+    fn each_stream(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError> {
+        for (id, name) in self.streams() {
             match id.stream {
                 Stream::SensorTracks => visit.visit(&messages::sensor_tracks(name), publishers)?,
                 Stream::Detections => visit.visit(&messages::sensor_detections(name), publishers)?,
@@ -25,7 +25,9 @@ impl Deployment for Config {
                 Stream::PlatformStates => visit.visit(&messages::platform_states(name), publishers)?,
                 Stream::Cues => visit.visit(&messages::cues(name), publishers)?,
                 Stream::WideArea => visit.visit(&messages::wide_area(name), publishers)?,
-                Stream::SystemTracks | Stream::Alarms => {}
+                Stream::SystemTracks => visit.visit(&messages::system_tracks(), publishers)?,
+                Stream::Alarms => visit.visit(&messages::alarms(), publishers)?,
+                Stream::Decisions => visit.visit(&messages::decisions(), publishers)?,
             }
         }
         Ok(())
@@ -33,9 +35,9 @@ impl Deployment for Config {
 }
 
 impl Config {
-    /// Data streams that adapters and processes outside of the deployment publish, each with the name of its source or
-    /// sensor: source by source, the wide-area sensors last.
-    pub fn input_streams(&self) -> impl Iterator<Item = (StreamId, &str)> {
+    /// Data streams, each with the name of its source or sensor (of none for those of the system as a whole): source by
+    /// source, then the wide-area sensors, then the system.
+    pub fn streams(&self) -> impl Iterator<Item = (StreamId, &str)> {
         let of_sources = self.sources.iter().flat_map(|source| {
             let locates = source.locator().is_some();
             let streams = [
@@ -53,8 +55,11 @@ impl Config {
         });
         let sensors = self.wide_area_sensors.iter();
         let of_sensors = sensors.map(|sensor| (Stream::WideArea, sensor.number, sensor.name.as_str()));
+        let decisions = self.fusion.decisions.then_some(StreamId::DECISIONS);
+        let of_system = [StreamId::SYSTEM_TRACKS, StreamId::ALARMS].into_iter().chain(decisions);
         of_sources
             .chain(of_sensors)
             .map(|(stream, number, name)| (StreamId { stream, number }, name))
+            .chain(of_system.map(|id| (id, "")))
     }
 }

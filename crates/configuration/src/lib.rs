@@ -263,6 +263,8 @@ pub struct Fusion {
     pub required: bool,
     /// Whether a thread that spins with `SCHED_FIFO` pauses often enough that the kernel does not make it.
     pub rests: bool,
+    /// Whether decisions are published.
+    pub decisions: bool,
     /// Reports that wait per source in order `time`.
     pub queue: usize,
     /// A report that takes longer through fusion has missed its deadline, nanoseconds.

@@ -313,6 +313,8 @@ settings::settings! {
         required: bool = false;
         /// A thread that spins with `SCHED_FIFO` pauses often enough that the kernel does not make it.
         rests: bool = true;
+        /// Decisions of fusion, and why, are on the topic `system/decisions` and in the recordings.
+        decisions: bool = false;
         /// Time through fusion beyond which a report has missed its deadline.
         deadline_us: f64 = 1000.0, in [0.1, 1e9];
     }

@@ -37,7 +37,12 @@ impl Reference {
     /// # Errors
     /// If `out` fails.
     pub fn write_time(&self, out: &mut impl Write, time_ns: i64) -> io::Result<()> {
-        csv_table::write_time(out, time_ns.saturating_sub(self.first_day_ns))
+        csv_table::write_time(out, self.since_first_day_ns(time_ns))
+    }
+
+    /// Time (UTC, nanoseconds) since the first day, nanoseconds.
+    pub(crate) fn since_first_day_ns(&self, time_ns: i64) -> i64 {
+        time_ns.saturating_sub(self.first_day_ns)
     }
 
     /// Id under which the file shows source number `source`.

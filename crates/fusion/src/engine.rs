@@ -6,12 +6,12 @@
 //! learn;
 //! [`Tracks`] are what they share.
 
-use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Counter, DecisionKind, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
 
 use crate::association_step::Search;
 use crate::engine_counters::EngineCounters;
-use crate::explanation::{DecisionKind, Sink};
+use crate::explanation::Sink;
 use crate::inlet;
 use crate::life::{self, Life};
 use crate::linking::{Linking, Next};

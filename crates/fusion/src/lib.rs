@@ -55,7 +55,7 @@ mod weighing;
 
 pub use engine::Engine;
 pub use engine_counters::EngineCounters;
-pub use explanation::{Decision, DecisionKind, Sink};
+pub use explanation::Sink;
 pub use merger::{Merger, Pushed};
 pub use settings::Settings;
 pub use state::State;

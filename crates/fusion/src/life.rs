@@ -1,9 +1,9 @@
 //! The life of a system track: tentative, confirmed, coasted, terminated (QF-8), by evidence where there is any.
 
-use messages::{Counter, NO_SOURCE, SensorTrack, TrackState};
+use messages::{Counter, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
 
 use crate::existence::{Claim, Coverage, GONE, MISSES_MAX};
-use crate::explanation::{DecisionKind, Sink};
+use crate::explanation::Sink;
 use crate::message::{publish_change, publish_extrapolated};
 use crate::outlet::Outlet;
 use crate::settings::Settings;

@@ -6,10 +6,10 @@
 //! - it, or the whole system track it is in, keeps agreeing with another one that has none of its sources (one target
 //!   that was started twice).
 
-use messages::{Counter, NO_SOURCE, SensorTrack, TrackState};
+use messages::{Counter, Decision, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
 
 use crate::association_step::Search;
-use crate::explanation::{Decision, DecisionKind, Sink};
+use crate::explanation::Sink;
 use crate::filter::Filter;
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, NO_SYSTEM, Role, SensorSlot};
@@ -267,14 +267,12 @@ impl Linking<'_> {
         let into = entry.number;
         out.decision(&Decision {
             time_ns: now_ns,
-            kind: DecisionKind::Merged,
+            kind: DecisionKind::Merged.code(),
             system_track: ended,
             other_system_track: into,
-            source: NO_SOURCE,
-            other_source: NO_SOURCE,
-            sensor_track: 0,
             value: d2,
             limit: self.settings.association.scan_gate(),
+            ..Decision::default()
         });
         out.count(NO_SOURCE, Counter::TracksMerged);
         Next::End(Merged {

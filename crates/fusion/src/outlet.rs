@@ -1,9 +1,9 @@
 //! The way out of the engine: states, decisions and counts.
 
-use messages::{Counter, SystemTrack};
+use messages::{Counter, Decision, SystemTrack};
 
 use crate::engine_counters::EngineCounters;
-use crate::explanation::{Decision, Sink};
+use crate::explanation::Sink;
 
 /// The counters, and the message that is being written: a large one, filled anew each time and never copied here.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! When a system track is weighed, and which state it has then.
 
-use messages::{Counter, Covariance, SensorTrack, TrackState};
+use messages::{Counter, Covariance, Decision, DecisionKind, SensorTrack, TrackState};
 
 use crate::accuracy::Accuracies;
 use crate::description::Description;
-use crate::explanation::{Decision, DecisionKind, Sink};
+use crate::explanation::Sink;
 use crate::message::{weight, write};
 use crate::outlet::Outlet;
 use crate::rules::{self, Fuse, Method, RuleEntry};
@@ -213,14 +213,13 @@ impl Publisher {
         };
         Decision {
             time_ns,
-            kind: DecisionKind::HandOver,
+            kind: DecisionKind::HandOver.code(),
             system_track,
-            other_system_track: 0,
             source: chosen,
             other_source: last,
-            sensor_track: 0,
             value: accuracy(chosen),
             limit: accuracy(last),
+            ..Decision::default()
         }
     }
 }

@@ -5,7 +5,9 @@
 //! estimated relative to it, in a frame that turns with the target's course, and taken off their measurements; so all
 //! of them go on improving the position, and when the first source falls silent the point stays where it was.
 
-use crate::explanation::{DecisionKind, Sink};
+use messages::DecisionKind;
+
+use crate::explanation::Sink;
 use crate::filter::Innovation;
 use crate::measurement::Measurement;
 use crate::outlet::Outlet;

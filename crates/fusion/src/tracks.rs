@@ -1,8 +1,7 @@
 //! The sensor tracks and the system tracks, and which sensor track belongs to which system track.
 
-use messages::{NO_SOURCE, TrackState};
+use messages::{Decision, DecisionKind, TrackState};
 
-use crate::explanation::{Decision, DecisionKind};
 use crate::filter::Filter;
 use crate::sensor_tracks::{Link, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
@@ -177,14 +176,13 @@ impl Tracks {
         };
         Decision {
             time_ns: entry.time_ns,
-            kind,
+            kind: kind.code(),
             system_track: number,
-            other_system_track: 0,
             source: entry.source,
-            other_source: NO_SOURCE,
             sensor_track: entry.track_number,
             value,
             limit,
+            ..Decision::default()
         }
     }
 
@@ -193,14 +191,11 @@ impl Tracks {
         let entry = self.systems.get(system);
         Decision {
             time_ns,
-            kind,
+            kind: kind.code(),
             system_track: entry.number,
             other_system_track: entry.merged_into,
-            source: NO_SOURCE,
-            other_source: NO_SOURCE,
-            sensor_track: 0,
             value,
-            limit: f64::NAN,
+            ..Decision::default()
         }
     }
 }

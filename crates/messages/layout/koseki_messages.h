@@ -15,6 +15,7 @@
 #define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x934307e9dc3c0033) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0xcf4b0ce1093881cc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0xab4755e97ccac702) /* BatchHeader.schema of its slices. */
+#define KOSEKI_DECISION_SCHEMA UINT64_C(0x9ef5cf0ad91fb702) /* BatchHeader.schema of its slices. */
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0x2ee1a77c420b678) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0xd685ec79c1f207d) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTROL_SCHEMA UINT64_C(0xb124b2ef9c9a3290) /* BatchHeader.schema of its slices. */
@@ -109,6 +110,7 @@
 #define KOSEKI_STREAM_WIDE_AREA UINT64_C(0x6) /* Reports of a wide-area sensor. */
 #define KOSEKI_STREAM_SYSTEM_TRACKS UINT64_C(0x7) /* System tracks. */
 #define KOSEKI_STREAM_ALARMS UINT64_C(0x8) /* Alarms. */
+#define KOSEKI_STREAM_DECISIONS UINT64_C(0x9) /* Decisions of fusion. */
 #define KOSEKI_PROCESS_ADAPTER UINT64_C(0x0) /* Turns one sensor's data into sensor tracks. */
 #define KOSEKI_PROCESS_FUSION UINT64_C(0x1) /* Fuses sensor tracks into system tracks. */
 #define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */
@@ -127,6 +129,19 @@
 #define KOSEKI_ALARM_EVENT_RAISED UINT64_C(0x1) /* The alarm has just been raised. */
 #define KOSEKI_ALARM_EVENT_STANDING UINT64_C(0x2) /* The alarm was raised before, and stands. */
 #define KOSEKI_ALARM_EVENT_CLEARED UINT64_C(0x3) /* The alarm has just been cleared. */
+#define KOSEKI_DECISION_KIND_STARTED UINT64_C(0x1) /* A system track was started for a sensor track that fits none. */
+#define KOSEKI_DECISION_KIND_JOINED UINT64_C(0x2) /* A sensor track joined a system track it fits: value d², limit the gate. */
+#define KOSEKI_DECISION_KIND_JOINED_BY_ADDRESS UINT64_C(0x3) /* A sensor track joined the system track of its address. */
+#define KOSEKI_DECISION_KIND_DUPLICATE UINT64_C(0x4) /* A sensor track was recognised as another part of a target that its source already follows: value metres. */
+#define KOSEKI_DECISION_KIND_IDENTITY_CONFLICT UINT64_C(0x5) /* A sensor track left because its address contradicts the system track's. */
+#define KOSEKI_DECISION_KIND_SPLIT UINT64_C(0x6) /* A sensor track left because it kept missing the others: value d², limit the gate. */
+#define KOSEKI_DECISION_KIND_MERGED UINT64_C(0x7) /* A system track was found to be the same target as another, and merged into it: value d², limit the gate. */
+#define KOSEKI_DECISION_KIND_CONFIRMED UINT64_C(0x8) /* A system track was confirmed: value the number of sources, or what a single source's claim is worth. */
+#define KOSEKI_DECISION_KIND_WITHHELD UINT64_C(0x9) /* A system track is no longer shown: its sources say that they do not see it. Value the sum of the misses. */
+#define KOSEKI_DECISION_KIND_COASTED UINT64_C(0xa) /* Nothing fresh contributes any more. */
+#define KOSEKI_DECISION_KIND_ENDED UINT64_C(0xb) /* A system track has ended. */
+#define KOSEKI_DECISION_KIND_HAND_OVER UINT64_C(0xc) /* The selected source has changed: value the new one's accuracy value, limit the old one's. */
+#define KOSEKI_DECISION_KIND_REFERENCE_POINT UINT64_C(0xd) /* The target's reference point is now that of this source. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */
@@ -543,6 +558,34 @@ static_assert(offsetof(KosekiAlarm, event) == 35, "offset");
 static_assert(offsetof(KosekiAlarm, reserved) == 36, "offset");
 static_assert(offsetof(KosekiAlarm, process) == 40, "offset");
 static_assert(offsetof(KosekiAlarm, text) == 72, "offset");
+
+typedef struct KosekiDecision {
+    int64_t time_ns; /* Time of the data, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The sample's sequence number at its publisher. */
+    uint64_t epoch; /* Start of the process that decided, monotonic, nanoseconds: system tracks of the same `epoch` are meant. */
+    double value; /* Value that was compared; NaN if nothing was. */
+    double limit; /* Limit that the value was compared with; NaN if there was none. */
+    uint32_t system_track; /* System track that it is about. */
+    uint32_t other_system_track; /* The other system track, where there is one; else 0. */
+    uint32_t sensor_track; /* Sensor track that it is about, at its source; 0 if none. */
+    uint16_t source; /* Source that it is about: its number in the configuration; 65535 for none. */
+    uint16_t other_source; /* The other source, where there is one (the one handed over from); 65535 for none. */
+    uint8_t kind; /* A `DecisionKind` code. */
+    uint8_t reserved[7]; /* Reserved, 0. */
+} KosekiDecision;
+static_assert(sizeof(KosekiDecision) == 64, "size");
+static_assert(offsetof(KosekiDecision, time_ns) == 0, "offset");
+static_assert(offsetof(KosekiDecision, sequence) == 8, "offset");
+static_assert(offsetof(KosekiDecision, epoch) == 16, "offset");
+static_assert(offsetof(KosekiDecision, value) == 24, "offset");
+static_assert(offsetof(KosekiDecision, limit) == 32, "offset");
+static_assert(offsetof(KosekiDecision, system_track) == 40, "offset");
+static_assert(offsetof(KosekiDecision, other_system_track) == 44, "offset");
+static_assert(offsetof(KosekiDecision, sensor_track) == 48, "offset");
+static_assert(offsetof(KosekiDecision, source) == 52, "offset");
+static_assert(offsetof(KosekiDecision, other_source) == 54, "offset");
+static_assert(offsetof(KosekiDecision, kind) == 56, "offset");
+static_assert(offsetof(KosekiDecision, reserved) == 57, "offset");
 
 typedef struct KosekiRegistration {
     double comparisons; /* Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known. */

@@ -17,6 +17,7 @@ CUE_SCHEMA = 0x533817797a6d4cd1  # BatchHeader.schema of its slices.
 SYSTEM_TRACK_SCHEMA = 0x934307e9dc3c0033  # BatchHeader.schema of its slices.
 CONTRIBUTOR_SET_SCHEMA = 0xcf4b0ce1093881cc  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0xab4755e97ccac702  # BatchHeader.schema of its slices.
+DECISION_SCHEMA = 0x9ef5cf0ad91fb702  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0x2ee1a77c420b678  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0xd685ec79c1f207d  # BatchHeader.schema of its slices.
 CONTROL_SCHEMA = 0xb124b2ef9c9a3290  # BatchHeader.schema of its slices.
@@ -111,6 +112,7 @@ STREAM_CUES = 0x5  # Cues for the sensor of a source.
 STREAM_WIDE_AREA = 0x6  # Reports of a wide-area sensor.
 STREAM_SYSTEM_TRACKS = 0x7  # System tracks.
 STREAM_ALARMS = 0x8  # Alarms.
+STREAM_DECISIONS = 0x9  # Decisions of fusion.
 PROCESS_ADAPTER = 0x0  # Turns one sensor's data into sensor tracks.
 PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
 PROCESS_MONITOR = 0x2  # Records latencies and counters.
@@ -129,6 +131,19 @@ ALARM_SEVERITY_CRITICAL = 0x3  # The picture as a whole is not to be relied on.
 ALARM_EVENT_RAISED = 0x1  # The alarm has just been raised.
 ALARM_EVENT_STANDING = 0x2  # The alarm was raised before, and stands.
 ALARM_EVENT_CLEARED = 0x3  # The alarm has just been cleared.
+DECISION_KIND_STARTED = 0x1  # A system track was started for a sensor track that fits none.
+DECISION_KIND_JOINED = 0x2  # A sensor track joined a system track it fits: value d², limit the gate.
+DECISION_KIND_JOINED_BY_ADDRESS = 0x3  # A sensor track joined the system track of its address.
+DECISION_KIND_DUPLICATE = 0x4  # A sensor track was recognised as another part of a target that its source already follows: value metres.
+DECISION_KIND_IDENTITY_CONFLICT = 0x5  # A sensor track left because its address contradicts the system track's.
+DECISION_KIND_SPLIT = 0x6  # A sensor track left because it kept missing the others: value d², limit the gate.
+DECISION_KIND_MERGED = 0x7  # A system track was found to be the same target as another, and merged into it: value d², limit the gate.
+DECISION_KIND_CONFIRMED = 0x8  # A system track was confirmed: value the number of sources, or what a single source's claim is worth.
+DECISION_KIND_WITHHELD = 0x9  # A system track is no longer shown: its sources say that they do not see it. Value the sum of the misses.
+DECISION_KIND_COASTED = 0xa  # Nothing fresh contributes any more.
+DECISION_KIND_ENDED = 0xb  # A system track has ended.
+DECISION_KIND_HAND_OVER = 0xc  # The selected source has changed: value the new one's accuracy value, limit the old one's.
+DECISION_KIND_REFERENCE_POINT = 0xd  # The target's reference point is now that of this source.
 
 
 class StageTimes(ctypes.Structure):
@@ -681,6 +696,42 @@ assert Alarm.event.offset == 35
 assert Alarm.reserved.offset == 36
 assert Alarm.process.offset == 40
 assert Alarm.text.offset == 72
+
+
+class Decision(ctypes.Structure):
+    _fields_ = [
+        ("time_ns", ctypes.c_int64),  # Time of the data, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The sample's sequence number at its publisher.
+        ("epoch", ctypes.c_uint64),  # Start of the process that decided, monotonic, nanoseconds: system tracks of the same `epoch` are meant.
+        ("value", ctypes.c_double),  # Value that was compared; NaN if nothing was.
+        ("limit", ctypes.c_double),  # Limit that the value was compared with; NaN if there was none.
+        ("system_track", ctypes.c_uint32),  # System track that it is about.
+        ("other_system_track", ctypes.c_uint32),  # The other system track, where there is one; else 0.
+        ("sensor_track", ctypes.c_uint32),  # Sensor track that it is about, at its source; 0 if none.
+        ("source", ctypes.c_uint16),  # Source that it is about: its number in the configuration; 65535 for none.
+        ("other_source", ctypes.c_uint16),  # The other source, where there is one (the one handed over from); 65535 for none.
+        ("kind", ctypes.c_uint8),  # A `DecisionKind` code.
+        ("reserved", ctypes.c_uint8 * 7),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Decision"
+
+
+assert ctypes.sizeof(Decision) == 64
+assert Decision.time_ns.offset == 0
+assert Decision.sequence.offset == 8
+assert Decision.epoch.offset == 16
+assert Decision.value.offset == 24
+assert Decision.limit.offset == 32
+assert Decision.system_track.offset == 40
+assert Decision.other_system_track.offset == 44
+assert Decision.sensor_track.offset == 48
+assert Decision.source.offset == 52
+assert Decision.other_source.offset == 54
+assert Decision.kind.offset == 56
+assert Decision.reserved.offset == 57
 
 
 class Registration(ctypes.Structure):

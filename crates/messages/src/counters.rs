@@ -339,6 +339,8 @@ counters! {
         "Times that the recording of all topics could not be written; it is tried again every second.";
     RecordingsDeleted = "recordings_deleted", Process by [Recorder],
         "Files of the recording of all topics that were deleted to make room for later ones.";
+    DecisionsDropped = "decisions_dropped", Process by [Fusion],
+        "Decisions of fusion that were not published because they came faster than its second thread took them.";
 }
 
 #[cfg(test)]

@@ -151,6 +151,7 @@ pub const ALL: &[Layout] = &[
     crate::SystemTrack::LAYOUT,
     crate::ContributorSet::LAYOUT,
     crate::Alarm::LAYOUT,
+    crate::Decision::LAYOUT,
     crate::Registration::LAYOUT,
     crate::Counters::LAYOUT,
     crate::Health::LAYOUT,
@@ -338,6 +339,7 @@ fn constants() -> Vec<(String, u64, &'static str)> {
         ("LIFE", crate::LifeState::constants()),
         ("ALARM_SEVERITY", crate::AlarmSeverity::constants()),
         ("ALARM_EVENT", crate::AlarmEvent::constants()),
+        ("DECISION_KIND", crate::DecisionKind::constants()),
     ];
     let schema = |layout: &Layout| {
         (

@@ -20,6 +20,7 @@ mod codes;
 mod control;
 mod counters;
 mod covariance;
+mod decision;
 mod extent;
 mod frame_origin;
 mod health;
@@ -45,6 +46,7 @@ pub use codes::Constant;
 pub use control::{Control, Progress};
 pub use counters::{COUNTERS_MAX, Counter, CounterClass, Counters};
 pub use covariance::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
+pub use decision::{Decision, DecisionKind};
 pub use extent::Extent;
 pub use frame_origin::FrameOrigin;
 pub use health::{Health, HealthName, LifeState, NO_SOURCE};
@@ -64,8 +66,9 @@ pub use system_track::{
 };
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Capacity, Stream, StreamId, Streamed, Topic, TopicName, alarms, contributors, control, cues, frame_origin, health,
-    platform_states, progress, sensor_bearings, sensor_detections, sensor_tracks, system_tracks, wide_area,
+    Capacity, Stream, StreamId, Streamed, Topic, TopicName, alarms, contributors, control, cues, decisions,
+    frame_origin, health, platform_states, progress, sensor_bearings, sensor_detections, sensor_tracks, system_tracks,
+    wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 

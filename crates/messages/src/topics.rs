@@ -8,8 +8,8 @@ use std::marker::PhantomData;
 use crate::codes;
 use crate::layout::Sample;
 use crate::{
-    Alarm, ContributorSet, Control, Cue, FrameOrigin, Health, PlatformState, Progress, SensorBearing, SensorDetection,
-    SensorTrack, SystemTrack, WideArea,
+    Alarm, ContributorSet, Control, Cue, Decision, FrameOrigin, Health, PlatformState, Progress, SensorBearing,
+    SensorDetection, SensorTrack, SystemTrack, WideArea,
 };
 
 /// Name of a topic in shared memory.
@@ -61,6 +61,8 @@ codes! {
         SystemTracks = 7, "system-tracks";
         /// Alarms.
         Alarms = 8, "alarms";
+        /// Decisions of fusion.
+        Decisions = 9, "decisions";
     }
 }
 
@@ -69,7 +71,7 @@ codes! {
 pub struct StreamId {
     /// Kind of topic.
     pub stream: Stream,
-    /// Number of the source or wide-area sensor; 0 for the system tracks.
+    /// Number of the source or wide-area sensor; 0 for streams of the system as a whole.
     pub number: u16,
 }
 
@@ -89,6 +91,11 @@ impl StreamId {
     /// Alarms.
     pub const ALARMS: Self = Self {
         stream: Stream::Alarms,
+        number: 0,
+    };
+    /// Decisions of fusion.
+    pub const DECISIONS: Self = Self {
+        stream: Stream::Decisions,
         number: 0,
     };
 }
@@ -157,6 +164,7 @@ streamed! {
     WideArea: WideArea, wide_area, time_of_observation_ns;
     SystemTrack: SystemTracks, |_| system_tracks(), reference_time_ns;
     Alarm: Alarms, |_| alarms(), time_ns;
+    Decision: Decisions, |_| decisions(), time_ns;
 }
 
 /// Declares topics: sample, name, slices that wait and samples in each, most publishers and subscribers.
@@ -209,6 +217,10 @@ topics! {
     /// Alarms, from the monitor: each slice replaces the one before, and one comes twice a second, so whoever joins
     /// late knows after half a second what stands.
     alarms() -> Alarm: "system/alarms", 16 slices of 64, 2 to 32;
+
+    /// Decisions of fusion, where `[fusion] decisions` asks for them: a few hundredths of a second after the states
+    /// that they led to.
+    decisions() -> Decision: "system/decisions", 64 slices of 64, 2 to 16;
 
     /// Place of the system frame, said again and again for whoever joins without the configuration.
     frame_origin() -> FrameOrigin: "system/frame-origin", 2 slices of 1, 4 to 16;

@@ -9,6 +9,7 @@
 //!   loop ── what it counts, five times a second ──▶ housekeeper ──▶ topic `health`
 //!   loop ◀── emptied buffers ────────────────────── housekeeper
 //!   loop ◀── orders ─────────────────────────────── housekeeper ◀── topic `control`
+//!   loop ── decisions, where they are asked for ──▶ housekeeper ──▶ topic `system/decisions`
 //! ```
 //!
 //! Nothing is allocated in the loop: two buffers go back and forth. If the housekeeper is kept from running, the loop
@@ -24,9 +25,9 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use bus::{Bus, Root, SharedMemory, Subscriber};
+use bus::{Bus, Mark, Publisher, Root, SharedMemory, Subscriber};
 use crossbeam_queue::ArrayQueue;
-use messages::{Control, Health, LifeState};
+use messages::{Control, Decision, Health, LifeState};
 
 use crate::agent::Agent;
 use crate::clock::{Now, mono_ns};
@@ -37,17 +38,30 @@ use crate::process::Process;
 
 /// Orders that wait for the loop.
 const ORDERS_MAX: usize = 16;
+/// Decisions that wait to be published: more than a loop makes in many pauses of the housekeeper.
+const DECISIONS_MAX: usize = 8192;
 /// Buffers that go back and forth.
 const BUFFERS: usize = 2;
 /// How often the housekeeper looks for work.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// Orders on their way to a loop.
-pub type Orders = ArrayQueue<Control>;
+/// Samples on their way to a loop and from it.
+#[derive(Debug)]
+pub struct Queues {
+    /// Orders to the loop.
+    pub orders: ArrayQueue<Control>,
+    /// Decisions of the loop, to be published; `None` if nobody asks for them.
+    pub decisions: Option<ArrayQueue<Decision>>,
+}
 
-/// An empty queue of orders.
-pub fn orders() -> Arc<Orders> {
-    Arc::new(ArrayQueue::new(ORDERS_MAX))
+impl Queues {
+    /// Empty queues, with one of decisions if they are asked for.
+    pub fn new(decisions: bool) -> Arc<Self> {
+        Arc::new(Self {
+            orders: ArrayQueue::new(ORDERS_MAX),
+            decisions: decisions.then(|| ArrayQueue::new(DECISIONS_MAX)),
+        })
+    }
 }
 
 /// The loop's side of a housekeeper.
@@ -62,7 +76,7 @@ pub struct Housekeeper {
 struct Desk {
     spare: ArrayQueue<Vec<HealthEntry>>,
     said: ArrayQueue<Said>,
-    orders: Arc<Orders>,
+    queues: Arc<Queues>,
     closing: AtomicBool,
     /// What health messages shall say is wrong.
     note: OnceLock<String>,
@@ -78,7 +92,7 @@ struct Said {
 
 impl Housekeeper {
     /// Starts the housekeeper of `process`, whose loop will run on `core`, if it has one of its own. Messages have up
-    /// to `entries_max` entries. `orders` is where it puts what it is told.
+    /// to `entries_max` entries. `queues` is where it puts what it is told, and finds what it is to publish.
     ///
     /// # Errors
     /// If its topics cannot be opened.
@@ -86,7 +100,7 @@ impl Housekeeper {
         process: &Process<impl Deployment>,
         core: Option<usize>,
         entries_max: usize,
-        orders: Arc<Orders>,
+        queues: Arc<Queues>,
     ) -> anyhow::Result<Self> {
         let house = House {
             root: process.bus.root().clone(),
@@ -94,14 +108,14 @@ impl Housekeeper {
             incarnation: process.incarnation,
             blank: process.blank_health(),
         };
-        Self::start_in(house, core, entries_max, orders)
+        Self::start_in(house, core, entries_max, queues)
     }
 
-    fn start_in(house: House, core: Option<usize>, entries_max: usize, orders: Arc<Orders>) -> anyhow::Result<Self> {
+    fn start_in(house: House, core: Option<usize>, entries_max: usize, queues: Arc<Queues>) -> anyhow::Result<Self> {
         let desk = Arc::new(Desk {
             spare: ArrayQueue::new(BUFFERS),
             said: ArrayQueue::new(BUFFERS),
-            orders,
+            queues,
             closing: AtomicBool::new(false),
             note: OnceLock::new(),
         });
@@ -193,9 +207,11 @@ impl House {
         let bus: Bus<SharedMemory> = Bus::open(&self.root, &self.name)?;
         let reporter = Reporter::new(&bus, self.incarnation, self.blank)?;
         let control = bus.subscriber(&messages::control(), || mono_ns() as u64)?;
+        let publish = |_: &_| bus.publisher(&messages::decisions(), self.incarnation);
+        let decisions = desk.queues.decisions.as_ref().map(publish).transpose()?;
         // Whoever started this waits for it.
         let _ = ready.send(());
-        keep_house(desk, reporter, control)
+        keep_house(desk, reporter, control, decisions)
     }
 }
 
@@ -203,6 +219,7 @@ fn keep_house(
     desk: &Desk,
     mut reporter: Reporter,
     mut control: Subscriber<SharedMemory, Control>,
+    mut decisions: Option<Publisher<SharedMemory, Decision>>,
 ) -> anyhow::Result<()> {
     loop {
         // Read before the queue is emptied: what was said before closing is published.
@@ -217,11 +234,15 @@ fn keep_house(
             // There are as many places as buffers; the one of the last words was made for them.
             let _ = desk.spare.push(said.entries);
         }
-        let room = desk.orders.capacity() - desk.orders.len();
-        control.take(room, |_, orders| {
-            for order in orders {
+        if let (Some(queue), Some(publisher)) = (&desk.queues.decisions, &mut decisions) {
+            publish_decisions(queue, publisher)?;
+        }
+        let orders = &desk.queues.orders;
+        let room = orders.capacity() - orders.len();
+        control.take(room, |_, slice| {
+            for order in slice {
                 // A slice of orders is one order.
-                let _ = desk.orders.push(*order);
+                let _ = orders.push(*order);
             }
         })?;
         if closing {
@@ -229,4 +250,29 @@ fn keep_house(
         }
         std::thread::sleep(PAUSE);
     }
+}
+
+/// Publishes the decisions that wait, at most as many as there is room for: the loop makes new ones meanwhile.
+fn publish_decisions(
+    queue: &ArrayQueue<Decision>,
+    publisher: &mut Publisher<SharedMemory, Decision>,
+) -> anyhow::Result<()> {
+    let mut waiting = queue.len();
+    while waiting > 0 {
+        let count = waiting.min(publisher.slice_len());
+        waiting -= count;
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: mono_ns(),
+            end: false,
+        };
+        let epoch = publisher.incarnation();
+        publisher.send(mark, count, |_, sequence| Decision {
+            sequence,
+            epoch,
+            // Nobody else takes any.
+            ..queue.pop().unwrap_or_default()
+        })?;
+    }
+    Ok(())
 }

@@ -148,11 +148,11 @@ pub trait Deployment {
     /// Midnight of the recordings' first day, UTC, nanoseconds since 1970; `None` without recordings.
     fn first_day_ns(&self) -> Option<i64>;
 
-    /// Visits each topic of the sources and wide-area sensors, every one with so many `publishers`.
+    /// Visits the topic of each stream of data, every one with so many `publishers`.
     ///
     /// # Errors
     /// The first one of `visit`.
-    fn each_input_topic(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError>;
+    fn each_stream(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError>;
 }
 
 /// An action that is done with every topic of a deployment.
@@ -166,9 +166,7 @@ pub trait Visit {
 
 /// Every topic of a deployment, with the number of publishers that it can have at a time.
 fn each_topic(deployment: &impl Deployment, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
-    deployment.each_input_topic(ONE_AND_ITS_SUCCESSOR, visit)?;
-    visit.visit(&messages::system_tracks(), ONE_AND_ITS_SUCCESSOR)?;
-    visit.visit(&messages::alarms(), ONE_AND_ITS_SUCCESSOR)?;
+    deployment.each_stream(ONE_AND_ITS_SUCCESSOR, visit)?;
     visit.visit(&messages::frame_origin(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;

@@ -11,14 +11,13 @@
 //! Divide what it collected by the number of reports that the bench prints.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
 use bus::{Bus, InProcess, Mark, Publisher, Root, Subscriber};
 use configuration::Config;
 use fusion_service::FusionAgent;
 use messages::{Covariance, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
-use runtime::housekeeping;
+use runtime::housekeeping::Queues;
 use runtime::{Agent, Now};
 use test_support::S;
 
@@ -62,14 +61,7 @@ fn drive(reading: usize, stopped: usize) -> std::time::Duration {
         bus.hold(&messages::system_tracks()).expect("a topic"),
         bus.hold(&messages::progress()).expect("a topic"),
     ];
-    let mut agent = FusionAgent::new(
-        &config(),
-        runtime::Speed::Max,
-        &bus,
-        1,
-        Arc::clone(&housekeeping::orders()),
-    )
-    .expect("an agent");
+    let mut agent = FusionAgent::new(&config(), runtime::Speed::Max, &bus, 1, Queues::new(false)).expect("an agent");
     let mut source: Publisher<InProcess, SensorTrack> = bus.publisher(&topic, 2).expect("a publisher");
     let subscriber = |_| bus.subscriber(&messages::system_tracks(), || 1).expect("a subscriber");
     let mut readers: Vec<Subscriber<InProcess, SystemTrack>> = (0..reading).map(subscriber).collect();

@@ -6,12 +6,10 @@ use std::time::Duration;
 use bus::{Bus, Transport, Waiter};
 use configuration::{Config, Order, Source};
 use fusion::{Engine, Merger, Pushed};
-use messages::{
-    BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Stream, StreamId, SystemTrack, TrackState,
-};
+use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Stream, StreamId, TrackState};
 use runtime::clock::mono_ns;
 use runtime::flow::Reached;
-use runtime::housekeeping::Orders;
+use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
 use crate::inputs::{Input, Taken};
@@ -33,7 +31,7 @@ pub struct FusionAgent<S: Transport> {
     engine: Engine,
     inputs: Vec<Input<S>>,
     output: Output<S>,
-    orders: Arc<Orders>,
+    queues: Arc<Queues>,
     waiter: Waiter<S>,
     /// Order `arrival`: the sources whose turn comes in the round at hand.
     round: Vec<usize>,
@@ -49,7 +47,8 @@ pub struct FusionAgent<S: Transport> {
 
 impl<S: Transport> FusionAgent<S> {
     /// Fusion of `config`, whose recordings are replayed at `speed`, connected to `bus`; `incarnation` is the process's
-    /// monotonic start time. It obeys `orders`.
+    /// monotonic start time. It obeys the orders in `queues`, and puts its
+    /// decisions there.
     ///
     /// # Errors
     /// If a setting cannot work or a topic cannot be opened.
@@ -58,7 +57,7 @@ impl<S: Transport> FusionAgent<S> {
         speed: Speed,
         bus: &Bus<S>,
         incarnation: u64,
-        orders: Arc<Orders>,
+        queues: Arc<Queues>,
     ) -> anyhow::Result<Self> {
         let mut waiter = bus.waiter(config.fusion.wait);
         if config.fusion.placement.core.is_some() {
@@ -80,8 +79,8 @@ impl<S: Transport> FusionAgent<S> {
         let reached = || Reached::new(bus, incarnation, ProcessKind::Fusion, &streams);
         Ok(Self {
             engine: Engine::new(config.fusion.settings.clone())?,
-            output: Output::new(config, bus, incarnation)?,
-            orders,
+            output: Output::new(config, bus, incarnation, Arc::clone(&queues))?,
+            queues,
             waiter,
             round: Vec::with_capacity(inputs.len()),
             look_at: 0,
@@ -94,7 +93,7 @@ impl<S: Transport> FusionAgent<S> {
     }
 
     fn obey(&mut self) {
-        while let Some(order) = self.orders.pop() {
+        while let Some(order) = self.queues.orders.pop() {
             let obeyed = order.kind == Control::CONDITION && self.engine.set_condition(order.name());
             let counter = if obeyed {
                 Counter::OrdersObeyed
@@ -185,8 +184,7 @@ impl<S: Transport> FusionAgent<S> {
         };
         let passed_ns = self.passed_ns(now);
         let (input, output) = (&self.inputs[index], &mut self.output);
-        self.engine
-            .take_at(&report, passed_ns, &mut |track: &SystemTrack| output.push(track));
+        self.engine.take_at(&report, passed_ns, output);
         self.progress_ns = self.progress_ns.max(input.progress_ns);
         if last || self.output.waiting() >= SENT_TOGETHER {
             self.output.send(self.progress_ns, false)?;
@@ -217,8 +215,7 @@ impl<S: Transport> FusionAgent<S> {
             };
             worked = true;
             self.progress_ns = report.time_of_measurement_ns;
-            let output = &mut self.output;
-            self.engine.take(&report, &mut |track: &SystemTrack| output.push(track));
+            self.engine.take(&report, &mut self.output);
         }
         self.output.send(self.progress_ns, false)?;
         if merger.finished() && !self.end_sent && self.output.has_room()? {
@@ -230,9 +227,7 @@ impl<S: Transport> FusionAgent<S> {
     }
 
     fn let_time_pass(&mut self, until_ns: i64) {
-        let output = &mut self.output;
-        self.engine
-            .advance(until_ns, &mut |track: &SystemTrack| output.push(track));
+        self.engine.advance(until_ns, &mut self.output);
     }
 
     /// Takes slices of one source while its queue has room for a whole one; what it has no room for stays in shared

@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use bus::WaitMode;
 use configuration::Process;
-use runtime::housekeeping::{self, Housekeeper};
+use runtime::housekeeping::{Housekeeper, Queues};
 use runtime::{Rest, cores};
 
 /// How a loop rests that would otherwise never sleep: six hundredths of the time, more than the kernel would take by
@@ -40,12 +40,12 @@ const REST: Rest = Rest {
 pub fn run(process: &Process) -> anyhow::Result<()> {
     let config = &process.config;
     let fusion = &config.fusion;
-    let orders = housekeeping::orders();
+    let queues = Queues::new(fusion.decisions);
     // The process as a whole, and each source.
     let entries_max = 1 + config.sources.len();
     // Before this thread takes its place: threads inherit core and priority.
-    let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&orders))?;
-    let mut agent = FusionAgent::new(config, process.options.speed, &process.bus, process.incarnation, orders)?;
+    let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&queues))?;
+    let mut agent = FusionAgent::new(config, process.options.speed, &process.bus, process.incarnation, queues)?;
     let refused = cores::take_place(fusion.placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");

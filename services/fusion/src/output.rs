@@ -1,10 +1,14 @@
-//! The system tracks on their way out.
+//! The system tracks and decisions on their way out.
+
+use std::sync::Arc;
 
 use bus::{Bus, Mark, Publisher, Transport};
 use configuration::{Config, Order};
-use messages::{Counter, ProcessKind, StreamId, SystemTrack};
+use fusion::Sink;
+use messages::{Counter, Decision, ProcessKind, StreamId, SystemTrack};
 use runtime::clock::mono_ns;
 use runtime::flow::Flow;
+use runtime::housekeeping::Queues;
 
 /// System-track states that wait to be sent as one slice.
 #[derive(Debug)]
@@ -17,10 +21,25 @@ pub(crate) struct Output<S: Transport> {
     origin: u32,
     deadline_ns: i64,
     deadline_misses: u64,
+    /// Queue of decisions, which another thread publishes.
+    queues: Arc<Queues>,
+    decisions_dropped: u64,
+}
+
+impl<S: Transport> Sink for Output<S> {
+    fn track(&mut self, track: &SystemTrack) {
+        self.waiting.push(*track);
+    }
+
+    fn decision(&mut self, decision: &Decision) {
+        if let Some(queue) = &self.queues.decisions {
+            self.decisions_dropped += u64::from(queue.push(*decision).is_err());
+        }
+    }
 }
 
 impl<S: Transport> Output<S> {
-    pub(crate) fn new(config: &Config, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
+    pub(crate) fn new(config: &Config, bus: &Bus<S>, incarnation: u64, queues: Arc<Queues>) -> anyhow::Result<Self> {
         let topic = messages::system_tracks();
         let follow = config.is_recorded() && config.recorder;
         let flow = || {
@@ -44,6 +63,8 @@ impl<S: Transport> Output<S> {
                 Order::Time => i64::MAX,
             },
             deadline_misses: 0,
+            queues,
+            decisions_dropped: 0,
         })
     }
 
@@ -53,10 +74,6 @@ impl<S: Transport> Output<S> {
         let Some(flow) = &mut self.flow else { return Ok(true) };
         flow.update(sent)?;
         Ok(flow.may_send(sent))
-    }
-
-    pub(crate) fn push(&mut self, track: &SystemTrack) {
-        self.waiting.push(*track);
     }
 
     /// Whether enough waits to fill a slice.
@@ -109,5 +126,6 @@ impl<S: Transport> Output<S> {
     pub(crate) fn count(&self, counters: &mut messages::Counters) {
         counters[Counter::Published] = self.publisher.counts().samples;
         counters[Counter::DeadlineMisses] = self.deadline_misses;
+        counters[Counter::DecisionsDropped] = self.decisions_dropped;
     }
 }

@@ -61,11 +61,7 @@ impl<S: Transport> RecorderAgent<S> {
             frame: config.frame,
             replays: config.is_recorded(),
         };
-        let streams: Vec<_> = config
-            .input_streams()
-            .chain([(StreamId::SYSTEM_TRACKS, ""), (StreamId::ALARMS, "")])
-            .filter(|_| csv)
-            .collect();
+        let streams: Vec<_> = config.streams().filter(|_| csv).collect();
         let open = |(id, name): &(StreamId, &str)| recorded::open(&mut place, *id, name);
         let files = streams.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let begins: Vec<_> = files.iter().map(|file| (file.id(), file.next_sequence())).collect();
@@ -149,7 +145,10 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                     ..HealthEntry::default()
                 });
             }
-            let is_of_process = matches!(id.stream, Stream::SystemTracks | Stream::WideArea | Stream::Alarms);
+            let is_of_process = matches!(
+                id.stream,
+                Stream::SystemTracks | Stream::WideArea | Stream::Alarms | Stream::Decisions
+            );
             let place = if is_of_process { first } else { entries.len() - 1 };
             let entry = &mut entries[place];
             let lost = match id.stream {

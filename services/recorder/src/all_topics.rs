@@ -6,7 +6,7 @@ use std::path::Path;
 use bus::{Bus, Payload, Subscriber, Transport, Waiter};
 use configuration::{Config, Segments as Settings};
 use messages::layout::Layout;
-use messages::{Stream, StreamId, Streamed as _, Topic};
+use messages::{Stream, Streamed as _, Topic};
 use recording::Facts;
 use runtime::Now;
 
@@ -75,6 +75,7 @@ impl<S: Transport> Opening<'_, S> {
             Stream::WideArea => self.open(&messages::WideArea::topic(name)),
             Stream::SystemTracks => self.open(&messages::SystemTrack::topic(name)),
             Stream::Alarms => self.open(&messages::Alarm::topic(name)),
+            Stream::Decisions => self.open(&messages::Decision::topic(name)),
         }
     }
 }
@@ -101,10 +102,7 @@ impl<S: Transport> AllTopics<S> {
             topics: Vec::new(),
             names: Vec::new(),
         };
-        for (id, name) in config
-            .input_streams()
-            .chain([(StreamId::SYSTEM_TRACKS, ""), (StreamId::ALARMS, "")])
-        {
+        for (id, name) in config.streams() {
             opening.open_stream(id.stream, name)?;
         }
         // Talk between processes can wait for the next look.

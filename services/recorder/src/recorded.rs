@@ -13,8 +13,8 @@ use formats::rows::Row;
 use formats::tracks_csv::PlacedTrack;
 use frames::SystemFrame;
 use messages::{
-    Alarm, AlarmEvent, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream, StreamId, Streamed,
-    SystemTrack, WideArea,
+    Alarm, AlarmEvent, Cue, Decision, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream, StreamId,
+    Streamed, SystemTrack, WideArea,
 };
 use observations::{Bearing, Detection, Sampled as _, WideAreaReport, sensor_id};
 
@@ -44,6 +44,7 @@ pub(crate) fn open<S: Transport>(
         Stream::WideArea => TopicFile::<S, WideArea>::open(place, id, name, "wide_area")?,
         Stream::SystemTracks => TopicFile::<S, SystemTrack>::open(place, id, name, "system_tracks")?,
         Stream::Alarms => TopicFile::<S, Alarm>::open(place, id, name, "alarms")?,
+        Stream::Decisions => TopicFile::<S, Decision>::open(place, id, name, "decisions")?,
     })
 }
 
@@ -95,6 +96,14 @@ impl Recorded for WideArea {
 
     fn row(&self, _: u16, _: &SystemFrame) -> Option<WideAreaReport> {
         WideAreaReport::of_sample(self)
+    }
+}
+
+impl Recorded for Decision {
+    type Row = Self;
+
+    fn row(&self, _: u16, _: &SystemFrame) -> Option<Self> {
+        self.kind().map(|_| *self)
     }
 }
 

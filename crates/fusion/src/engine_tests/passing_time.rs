@@ -1,12 +1,12 @@
 //! How often time is said to have passed changes nothing: reports and their times alone decide.
 
-use messages::{Counters, FusionRule, SensorTrack, SystemTrack, TrackState};
+use messages::{Counters, Decision, FusionRule, SensorTrack, SystemTrack, TrackState};
 use proptest::prelude::*;
 use settings::Seconds;
 
 use super::{S, random, report, with_address};
 use crate::testing::test_settings;
-use crate::{Decision, Engine, Settings, Sink};
+use crate::{Engine, Settings, Sink};
 
 const SOURCES: u16 = 3;
 const TARGETS: u32 = 6;

@@ -7,10 +7,10 @@ use bus::{Bus, Held, InProcess, Mark, Publisher, Root, Subscriber};
 use configuration::Config;
 use fusion_service::FusionAgent;
 use messages::{
-    BatchHeader, Control, Counter, Covariance, FusionRule, NO_SOURCE, SensorTrack, SystemTrack, TrackState,
-    sensor_track_bits,
+    BatchHeader, Control, Counter, Covariance, Decision, DecisionKind, FusionRule, NO_SOURCE, SensorTrack, SystemTrack,
+    TrackState, sensor_track_bits,
 };
-use runtime::housekeeping::{self, Orders};
+use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 use test_support::S;
 
@@ -45,7 +45,7 @@ struct Bench {
     _held: Vec<Held>,
     agent: FusionAgent<InProcess>,
     sources: [Publisher<InProcess, SensorTrack>; 2],
-    orders: Arc<Orders>,
+    queues: Arc<Queues>,
     now: Now,
     system: Subscriber<InProcess, SystemTrack>,
     received: Vec<SystemTrack>,
@@ -67,15 +67,15 @@ impl Bench {
         held.push(bus.hold(&messages::system_tracks()).unwrap());
         held.push(bus.hold(&messages::progress()).unwrap());
         let system = bus.subscriber(&messages::system_tracks(), || 1).unwrap();
-        let orders = housekeeping::orders();
-        let agent = FusionAgent::new(config, speed, &bus, 1, Arc::clone(&orders)).unwrap();
+        let queues = Queues::new(config.fusion.decisions);
+        let agent = FusionAgent::new(config, speed, &bus, 1, Arc::clone(&queues)).unwrap();
         let sources = topics.map(|topic| bus.publisher(&topic, 2).unwrap());
         Self {
             _folder: folder,
             _held: held,
             agent,
             sources,
-            orders,
+            queues,
             now: Now {
                 mono_ns: 1,
                 utc_ns: DAY,
@@ -116,6 +116,11 @@ impl Bench {
         let passed_ns = (seconds * S as f64) as i64;
         self.now.mono_ns += passed_ns;
         self.now.utc_ns += passed_ns;
+    }
+
+    /// Time since the day began.
+    fn seconds(&self) -> f64 {
+        (self.now.utc_ns - DAY) as f64 / S as f64
     }
 
     fn settle(&mut self) {
@@ -306,12 +311,62 @@ fn what_overflows_is_counted_exactly() {
 }
 
 #[test]
+fn decisions_wait_for_whoever_publishes_them() {
+    let mut bench = Bench::new(&config("arrival", &format!("[fusion]\ndecisions = true\n{AT_ONCE}")));
+    for step in 0..20 {
+        for source in 0..2 {
+            bench.send(source, &[report(1, step, step as f64, 0.0)], i64::MIN, false);
+        }
+        bench.settle();
+        bench.pass(1.0);
+    }
+    bench.pass(100.0);
+    bench.settle();
+    let queue = bench.queues.decisions.as_ref().unwrap();
+    let decided: Vec<Decision> = std::iter::from_fn(|| queue.pop()).collect();
+    let kinds: Vec<DecisionKind> = decided.iter().map(|decision| decision.kind().unwrap()).collect();
+    let place = |kind| kinds.iter().position(|one| *one == kind);
+    let expected = [
+        DecisionKind::Started,
+        DecisionKind::Joined,
+        DecisionKind::Confirmed,
+        DecisionKind::Coasted,
+        DecisionKind::Ended,
+    ];
+    let places = expected.map(place);
+    assert!(places.is_sorted() && places[0].is_some(), "{kinds:?}");
+    let number = bench.received[0].track_number;
+    assert!(
+        decided.iter().all(|decision| decision.system_track == number),
+        "{decided:?}"
+    );
+    assert_eq!(bench.counter(Counter::DecisionsDropped), 0);
+}
+
+#[test]
+fn decisions_that_nobody_takes_are_counted() {
+    let mut bench = Bench::new(&config("arrival", &format!("[fusion]\ndecisions = true\n{AT_ONCE}")));
+    let room = bench.queues.decisions.as_ref().unwrap().capacity() as u64;
+    let starts = room + 30;
+    for first in (0..starts).step_by(50) {
+        let reports: Vec<_> = (first..starts.min(first + 50))
+            .map(|number| report(number as u32, number, bench.seconds(), 3000.0 * (number % 50) as f64))
+            .collect();
+        bench.send(0, &reports, i64::MIN, false);
+        bench.settle();
+        bench.pass(100.0);
+    }
+    assert!(bench.counter(Counter::DecisionsDropped) >= 30);
+    assert!(bench.queues.decisions.as_ref().unwrap().is_full());
+}
+
+#[test]
 fn a_condition_ordered_while_running_changes_the_accuracy_values() {
     let value = |ordered: Option<&str>| {
         let mut bench = Bench::new(&config("arrival", "[fusion.rule]\nname = \"best-source\"\n"));
         if let Some(name) = ordered {
             let order = Control::condition(name).unwrap();
-            bench.orders.push(order).unwrap();
+            bench.queues.orders.push(order).unwrap();
         }
         for step in 0..3 {
             bench.send(

@@ -16,7 +16,7 @@ use configuration::Config;
 use fusion_service::FusionAgent;
 use heap::{Counting, SMALL_BYTES, heap_use};
 use messages::{Control, Counter, Covariance, SensorTrack, TrackState, sensor_track_bits};
-use runtime::housekeeping;
+use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Speed};
 use test_support::S;
 
@@ -32,7 +32,7 @@ fn config(wait: &str) -> Config {
     let source = |name: &str| format!("[[source]]\nname = \"{name}\"\n[source.external]\n");
     let text = format!(
         "name = \"t\"\n[frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n[time]\norder = \"arrival\"\ndate = \"2016-05-10\"\n\
-         {}{}{}[recorder]\nenabled = false\n[fusion]\nwait = \"{wait}\"\n[fusion.capacity]\nsystem_tracks = 250\n",
+         {}{}{}[recorder]\nenabled = false\n[fusion]\nwait = \"{wait}\"\ndecisions = true\n[fusion.capacity]\nsystem_tracks = 250\n",
         source("a"),
         source("b"),
         source("c")
@@ -66,8 +66,8 @@ fn the_loop_allocates_nothing() {
         let mut held: Vec<Held> = topics.iter().map(|topic| bus.hold(topic).unwrap()).collect();
         held.push(bus.hold(&messages::system_tracks()).unwrap());
         held.push(bus.hold(&messages::progress()).unwrap());
-        let orders = housekeeping::orders();
-        let mut agent = FusionAgent::new(&config(wait), Speed::Max, &bus, 1, Arc::clone(&orders)).unwrap();
+        let queues = Queues::new(true);
+        let mut agent = FusionAgent::new(&config(wait), Speed::Max, &bus, 1, Arc::clone(&queues)).unwrap();
         let mut sources: Vec<Publisher<InProcess, SensorTrack>> =
             topics.iter().map(|topic| bus.publisher(topic, 2).unwrap()).collect();
         let mut reader = bus.subscriber(&messages::system_tracks(), || 1).unwrap();
@@ -91,7 +91,7 @@ fn the_loop_allocates_nothing() {
                     .unwrap();
             }
             if step.is_multiple_of(100) {
-                orders.push(Control::condition("rain").unwrap()).unwrap();
+                queues.orders.push(Control::condition("rain").unwrap()).unwrap();
             }
             let now = Now {
                 mono_ns: step as i64,

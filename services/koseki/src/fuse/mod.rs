@@ -3,7 +3,6 @@
 //! The engine is the one of the live process, driven as that one is in order of time (PL-12): the same reports give the
 //! same bytes. Files are read twice, first to learn what the engine needs to know of the sensors ([`crate::offline`]).
 
-mod decisions;
 mod picture;
 mod rows;
 mod summary;
@@ -12,13 +11,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use fusion::{Decision, Engine};
-use messages::SystemTrack;
+use formats::decisions_csv::DecisionWriter;
+use fusion::Engine;
+use messages::{Decision, SystemTrack};
 
 use crate::args::Fuse;
 use crate::files::{OutputFile, check_outputs};
 use crate::offline::{Setup, drive, rule};
-use decisions::Decisions;
 use picture::Picture;
 use rows::Rows;
 use settings::Seconds;
@@ -48,7 +47,11 @@ pub(crate) fn run(fuse: &Fuse) -> anyhow::Result<()> {
     let out = OutputFile::begin(&fuse.out)?;
     let unwritten = || format!("{} cannot be made", fuse.out.display());
     let mut rows = Rows::begin(out, setup.sensor_ids.clone(), setup.settings.refresh_ns()).with_context(unwritten)?;
-    let begin = |path: &PathBuf| Decisions::begin(path, &setup.sensor_ids);
+    let begin = |path: &PathBuf| {
+        let table = DecisionWriter::begin(OutputFile::begin(path)?, 0)
+            .with_context(|| format!("{} cannot be written", path.display()))?;
+        anyhow::Ok(table.with_sensor_ids(setup.sensor_ids.clone()))
+    };
     let mut decisions = fuse.explain.as_ref().map(begin).transpose()?;
     let explain = |decision: &Decision| decisions.as_mut().map_or(Ok(()), |table| table.write(decision));
     let mut picture = fuse.picture.as_ref().map(|_| Picture::new(fuse.track));
@@ -62,7 +65,7 @@ pub(crate) fn run(fuse: &Fuse) -> anyhow::Result<()> {
     let (out, written) = rows.finish().with_context(unwritten)?;
     out.finish()?;
     if let Some(decisions) = decisions {
-        decisions.finish()?;
+        decisions.into_inner().finish()?;
     }
     if let (Some(mut picture), Some(file)) = (picture, &fuse.picture) {
         let mut again = setup.reports()?;

@@ -2,8 +2,8 @@
 
 use std::io;
 
-use fusion::{Decision, Engine, Sink};
-use messages::SystemTrack;
+use fusion::{Engine, Sink};
+use messages::{Decision, SystemTrack};
 
 use super::merged::Merged;
 use super::progress::Progress;

@@ -1,0 +1,77 @@
+//! Decisions of fusion: how the picture came about (BF-4).
+//!
+//! The state of a system track says which sources contribute with which weight and accuracy value. Which gate distance
+//! let a sensor track in, what made it leave, and why a track is shown or not, is said by one record per decision.
+
+use crate::codes;
+use crate::health::NO_SOURCE;
+use crate::layout::sample;
+
+codes! {
+    /// Kind of a decision of fusion.
+    pub enum DecisionKind: u8 {
+        /// A system track was started for a sensor track that fits none.
+        Started = 1, "started";
+        /// A sensor track joined a system track it fits: value d², limit the gate.
+        Joined = 2, "joined";
+        /// A sensor track joined the system track of its address.
+        JoinedByAddress = 3, "joined_by_address";
+        /// A sensor track was recognised as another part of a target that its source already follows: value metres.
+        Duplicate = 4, "duplicate";
+        /// A sensor track left because its address contradicts the system track's.
+        IdentityConflict = 5, "identity_conflict";
+        /// A sensor track left because it kept missing the others: value d², limit the gate.
+        Split = 6, "split";
+        /// A system track was found to be the same target as another, and merged into it: value d², limit the gate.
+        Merged = 7, "merged";
+        /// A system track was confirmed: value the number of sources, or what a single source's claim is worth.
+        Confirmed = 8, "confirmed";
+        /// A system track is no longer shown: its sources say that they do not see it. Value the sum of the misses.
+        Withheld = 9, "withheld";
+        /// Nothing fresh contributes any more.
+        Coasted = 10, "coasted";
+        /// A system track has ended.
+        Ended = 11, "ended";
+        /// The selected source has changed: value the new one's accuracy value, limit the old one's.
+        HandOver = 12, "hand_over";
+        /// The target's reference point is now that of this source.
+        ReferencePoint = 13, "reference_point";
+    }
+}
+
+sample! {
+    /// One decision of fusion.
+    Decision, size 64 {
+        /// Time of the data, UTC, nanoseconds since 1970.
+        time_ns: i64,
+        /// The sample's sequence number at its publisher.
+        sequence: u64,
+        /// Start of the process that decided, monotonic, nanoseconds: system tracks of the same `epoch` are meant.
+        epoch: u64,
+        /// Value that was compared; NaN if nothing was.
+        value: f64 = f64::NAN,
+        /// Limit that the value was compared with; NaN if there was none.
+        limit: f64 = f64::NAN,
+        /// System track that it is about.
+        system_track: u32,
+        /// The other system track, where there is one; else 0.
+        other_system_track: u32,
+        /// Sensor track that it is about, at its source; 0 if none.
+        sensor_track: u32,
+        /// Source that it is about: its number in the configuration; 65535 for none.
+        source: u16 = NO_SOURCE,
+        /// The other source, where there is one (the one handed over from); 65535 for none.
+        other_source: u16 = NO_SOURCE,
+        /// A `DecisionKind` code.
+        kind: u8,
+        /// Reserved, 0.
+        reserved: [u8; 7],
+    }
+}
+
+impl Decision {
+    /// Kind; `None` for a code of another schema.
+    pub fn kind(&self) -> Option<DecisionKind> {
+        DecisionKind::from_code(self.kind)
+    }
+}
