@@ -33,7 +33,7 @@ pub fn online() -> Vec<usize> {
 }
 
 /// The kernel's list of numbers, as in `0-3,8`; `None` if `text` is none.
-fn parse_list(text: &str) -> Option<Vec<usize>> {
+pub fn parse_list(text: &str) -> Option<Vec<usize>> {
     let mut numbers = Vec::new();
     for range in text.trim().split(',') {
         let (first, last) = range.split_once('-').unwrap_or((range, range));

@@ -2,9 +2,9 @@
 //!
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
-//! that answer questions ([`check`], [`status`], [`top`]), measure ([`mod@bench`]), give orders ([`condition`]) or work
-//! on files ([`mod@recording_info`], [`decode`], [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`],
-//! [`locate`], [`compare`], [`score`]).
+//! that answer questions ([`check`], [`mod@doctor`], [`status`], [`top`]), measure ([`mod@bench`]), give orders
+//! ([`condition`]) or work on files ([`mod@recording_info`], [`decode`], [`encode`], [`simulate`], [`fuse`], [`track`],
+//! [`bearings`], [`locate`], [`compare`], [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).
@@ -18,6 +18,7 @@ mod check;
 mod compare;
 mod condition;
 mod decode;
+mod doctor;
 mod encode;
 mod files;
 mod fuse;
@@ -109,6 +110,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             launch(&config, options, up.seconds)
         }
         Command::Check(check) => check::run(&check),
+        Command::Doctor(doctor) => doctor::run(&doctor),
         Command::Status(status) => status::run(&status),
         Command::Top(top) => top::run(&top),
         Command::Recording(args::Recording::Info(info)) => recording_info::run(&info),

@@ -80,6 +80,9 @@ pub(crate) enum Command {
     /// Validate a configuration and its recordings, and say what it would run
     #[command(after_help = CHECK_EXAMPLES)]
     Check(Check),
+    /// Say whether this machine is fit for what is to run on it, and what would mend it
+    #[command(after_help = DOCTOR_EXAMPLES)]
+    Doctor(Doctor),
     /// Show what runs on this machine
     #[command(after_help = STATUS_EXAMPLES)]
     Status(Status),
@@ -221,6 +224,29 @@ pub(crate) struct Check {
     /// Folder with recordings [default: $KOSEKI_DATA, else ../shared/data]
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
+    /// Replace a value of the configuration (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+const DOCTOR_EXAMPLES: &str = "\
+Examples:
+  koseki doctor                       for a deployment that waits by event, as the demonstration does
+  koseki doctor /etc/koseki/site.toml
+  koseki doctor site.toml --json | jq '.[] | select(.verdict != \"good\")'
+
+One line for each question: what was found, what is wanted, and the command that mends it. Run it as the user, and with
+the limits, that the deployment will have. Exit code 1 if something that the configuration asks for cannot be had.";
+
+/// `koseki doctor`.
+#[derive(Debug, Args)]
+pub(crate) struct Doctor {
+    /// Configuration of what is to run [default: the demonstration's]
+    #[arg(value_name = "CONFIG")]
+    pub(crate) config: Option<PathBuf>,
+    /// Print the findings as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Replace a value of the configuration (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
