@@ -23,6 +23,11 @@ impl Accuracies {
         }
     }
 
+    /// Mean square of the residuals of the source with this number, m²; `None` before the first.
+    pub(crate) fn mean_square_mut(&mut self, source: usize) -> &mut Option<f64> {
+        &mut self.mean_squares[source]
+    }
+
     /// From now on condition `name` holds; sources that do not name it have factor 1. `false` if no source names it and
     /// it is not [`NORMAL`]: then nothing changes.
     pub(crate) fn set_condition(&mut self, settings: &Settings, name: &str) -> bool {

@@ -25,6 +25,8 @@ use crate::tracks::Tracks;
 const SEARCH_CELLS_MAX: i32 = 16;
 /// Variance added to a difference of velocities, m²/s²: smoothing lags in turns, whatever a source claims.
 const VELOCITY_FLOOR_M2PS2: f64 = 4.0;
+/// Gate for coming back after a start, relative to that for staying.
+const RESUMPTION: f64 = 4.0;
 /// Variance added to a difference of heights, m²: pressure altitude comes in steps of 100 ft, and drifts with the
 /// weather.
 const HEIGHT_FLOOR_M2: f64 = 900.0;
@@ -147,6 +149,26 @@ impl Search<'_> {
     }
 
     /// d² between a report and a system track; `None` if the report may not join it.
+    /// d² in the plane between a sensor track and the system track that it was a member of before the start, if it may
+    /// still be.
+    pub(crate) fn resumption_distance(&self, own: SensorSlot, system: SystemSlot) -> Option<f64> {
+        let report = &self.tracks.sensors.get(own).latest;
+        let entry = self.tracks.systems.get(system);
+        let mut expected = entry.filter.at(report.time_of_measurement_ns, &self.sources.motion);
+        for axis in 0..2 {
+            expected.covariance.upper[Covariance::index(axis, axis)] +=
+                self.sources.spread_m2(self.settings, Some(report.source));
+        }
+        let d2 = statistical_distance(&gaussian_of(report), &expected, ComparedComponents::HorizontalPosition);
+        (self.is_compatible(report, system) && d2 <= self.resumption_gate()).then_some(d2)
+    }
+
+    /// Gate on that d²: wider than for staying, since nobody has looked for a while. It keeps away sensor tracks whose
+    /// source has begun to number anew.
+    pub(crate) fn resumption_gate(&self) -> f64 {
+        RESUMPTION * self.settings.association.keep_gate
+    }
+
     fn distance(&self, report: &SensorTrack, state: &Gaussian, system: SystemSlot) -> Option<f64> {
         if !self.is_compatible(report, system) {
             return None;

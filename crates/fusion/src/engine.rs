@@ -39,15 +39,15 @@ const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 /// Fusion of sensor tracks into system tracks.
 #[derive(Debug)]
 pub struct Engine {
-    settings: Settings,
-    tracks: Tracks,
-    sources: Sources,
+    pub(crate) settings: Settings,
+    pub(crate) tracks: Tracks,
+    pub(crate) sources: Sources,
     points: ReferencePoints,
     scans: Scans,
-    life: Life,
-    publisher: Publisher,
-    schedule: Schedule,
-    outbox: Outbox,
+    pub(crate) life: Life,
+    pub(crate) publisher: Publisher,
+    pub(crate) schedule: Schedule,
+    pub(crate) outbox: Outbox,
 }
 
 impl Engine {

@@ -14,6 +14,7 @@
 //! Two sources that agree are enough by themselves. A track that was confirmed stays so until its sources *say* that
 //! they no longer see it: each miss since the last report of any of them adds ln(1 − its probability of detection).
 
+use crate::checkpoint::kept::{Get, Kept as _, Put, kept};
 use crate::settings::CoverageArea;
 
 /// L above which a single source's claim is believed.
@@ -43,7 +44,7 @@ const PROBES: usize = 8;
 
 /// Hits and tries.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tally {
+pub(crate) struct Tally {
     hits: f32,
     tries: f32,
 }
@@ -62,6 +63,8 @@ impl Tally {
         (f64::from(self.hits) + weight * prior) / (f64::from(self.tries) + weight)
     }
 }
+
+kept!(Tally { hits: f32, tries: f32 });
 
 /// Where each source follows targets: learned per cell, or configured.
 #[derive(Clone, Debug)]
@@ -87,6 +90,39 @@ impl Coverage {
             general: vec![Tally::default(); sources],
             areas,
         }
+    }
+
+    /// Words that a checkpoint keeps of a cell.
+    pub(crate) fn cell_words(&self) -> usize {
+        <(i32, i32)>::WORDS + self.sources * Tally::WORDS
+    }
+
+    /// Number of cells that the table has room for.
+    pub(crate) fn places(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Keeps the cell at a place of the table; whether there is one.
+    pub(crate) fn cell_at(&self, place: usize) -> Option<impl FnOnce(&mut Put<'_>)> {
+        let cell = self.cells[place]?;
+        let tallies = &self.tallies[place * self.sources..(place + 1) * self.sources];
+        Some(move |to: &mut Put<'_>| {
+            cell.put(to);
+            tallies.iter().for_each(|tally| tally.put(to));
+        })
+    }
+
+    /// Takes in a cell that was kept.
+    pub(crate) fn resume_cell(&mut self, place: usize, from: &mut Get<'_>) {
+        self.cells[place] = <(i32, i32)>::get(from);
+        for tally in &mut self.tallies[place * self.sources..(place + 1) * self.sources] {
+            *tally = Tally::get(from).unwrap_or_default();
+        }
+    }
+
+    /// What is known of a source in general.
+    pub(crate) fn general_mut(&mut self, source: usize) -> &mut Tally {
+        &mut self.general[source]
     }
 
     /// Learns from a confirmed track at (x, y): `follows(source)` says whether the source contributes.

@@ -21,6 +21,7 @@
 use estimation::{AxisNoise, Gaussian, NearlyConstantVelocity, Symmetric3};
 use messages::{AXES, NS_PER_S, STATE_LEN, SensorTrack, sensor_track_bits};
 
+use crate::checkpoint::kept::kept;
 use crate::measurement::{Measurement, gaussian_of};
 use crate::state::State;
 
@@ -48,6 +49,22 @@ pub(crate) struct Filter {
     probability: [f64; MODES],
 }
 
+/// A filter as a checkpoint keeps it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KeptFilter {
+    time_ns: i64,
+    estimate: Gaussian,
+    has_height: bool,
+    probability: [f64; MODES],
+}
+
+kept!(KeptFilter {
+    time_ns: i64,
+    estimate: Gaussian,
+    has_height: bool,
+    probability: [f64; MODES]
+});
+
 /// How a measurement differed from what the filter expected.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Innovation {
@@ -67,6 +84,25 @@ impl Filter {
             has_height,
             modes: [estimate; MODES],
             probability: PRIOR,
+        }
+    }
+
+    /// A filter as it was kept: its models have the estimate in common, and differ from now on.
+    pub(crate) fn resumed(kept: &KeptFilter) -> Self {
+        Self {
+            probability: kept.probability,
+            ..Self::new(kept.time_ns, kept.estimate, kept.has_height)
+        }
+    }
+
+    /// What a checkpoint keeps of it.
+    #[inline]
+    pub(crate) fn kept(&self) -> KeptFilter {
+        KeptFilter {
+            time_ns: self.time_ns,
+            estimate: self.estimate,
+            has_height: self.has_height,
+            probability: self.probability,
         }
     }
 

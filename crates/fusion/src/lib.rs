@@ -17,6 +17,7 @@
 
 mod accuracy;
 mod association_step;
+pub mod checkpoint;
 mod description;
 mod engine;
 mod engine_counters;
@@ -39,6 +40,7 @@ pub mod quality;
 mod quota;
 mod reference_point;
 pub mod registration;
+mod restore;
 pub mod rules;
 mod scan;
 mod schedule;

@@ -26,7 +26,7 @@ const FOLLOWS_SELDOM: f64 = 0.1;
 #[derive(Debug)]
 pub(crate) struct Life {
     /// Where each source follows targets.
-    coverage: Coverage,
+    pub(crate) coverage: Coverage,
     /// No system track is left unlooked-at for longer than this, so that its deadline can be put off but never missed,
     /// nanoseconds.
     shortest_fresh_ns: i64,

@@ -83,10 +83,21 @@ impl Linking<'_> {
             self.tracks.join(sensor, system);
             let kind = DecisionKind::JoinedByAddress;
             out.decision(&self.tracks.decision(sensor, kind, f64::NAN, f64::NAN));
+        } else if let Some((system, d2)) = self.recall(sensor) {
+            self.tracks.join(sensor, system);
+            let gate = self.search().resumption_gate();
+            out.decision(&self.tracks.decision(sensor, DecisionKind::Joined, d2, gate));
         } else if self.tracks.is_established(sensor) {
             return Next::Wait;
         }
         Next::Done
+    }
+
+    /// The system track of which the sensor track was a member before the start, if it may still be, with its d².
+    fn recall(&mut self, sensor: SensorSlot) -> Option<(SystemSlot, f64)> {
+        let system = self.tracks.recall(sensor)?;
+        let d2 = self.search().resumption_distance(sensor, system)?;
+        Some((system, d2))
     }
 
     /// Starts a system track from a sensor track, to be looked at first at `deadline_ns`; `false` if the table is full.
@@ -98,6 +109,7 @@ impl Linking<'_> {
             return false;
         };
         out.count(source, Counter::TracksStarted);
+        self.tracks.reserve_numbers();
         self.tracks.join(sensor, system);
         self.tracks.sensors.get_mut(sensor).share = 1.0;
         out.decision(&self.tracks.decision(sensor, DecisionKind::Started, f64::NAN, f64::NAN));

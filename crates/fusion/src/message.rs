@@ -37,6 +37,7 @@ pub(crate) fn publish_extrapolated<S: Sink>(
         .at(now_ns.max(entry.state.time_ns), settings.process_noise_m2ps3);
     // A state that was finite when it was formed stays so on its way.
     out.track(|message| write(message, settings, tracks, slot, None, None));
+    tracks.keep(slot);
 }
 
 /// Writes into `message` what there is to say of a system track that `cause` changed, to which the contributions

@@ -139,6 +139,7 @@ impl Publisher {
         if !out.track(|message| write(message, settings, tracks, system, cause, weighed)) {
             restart(tracks, system);
         }
+        tracks.keep(system);
     }
 
     /// Notes what the contributions say that the target is.

@@ -27,6 +27,7 @@
 //!
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
+use crate::checkpoint::kept::kept;
 use messages::AXES;
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
@@ -109,7 +110,7 @@ fn sensitivity(position: [f64; AXES], velocity: [f64; AXES], place: Option<[f64;
 
 /// Sums over one ordered pair of sources, seen from the first.
 #[derive(Clone, Copy, Debug)]
-struct Pair {
+pub(crate) struct Pair {
     /// Σ HⱼᵀWHⱼ.
     own: Block,
     /// Σ HⱼᵀWHₖ.
@@ -117,6 +118,12 @@ struct Pair {
     /// Σ HⱼᵀWΔ.
     right: Errors,
 }
+
+kept!(Pair {
+    own: Block,
+    cross: Block,
+    right: Errors
+});
 
 const EMPTY: Pair = Pair {
     own: Block::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
@@ -157,6 +164,27 @@ impl SourceErrors {
             .all(|(error, limit)| error.abs() <= limit)
     }
 }
+
+kept!(SourceErrors {
+    errors: Errors,
+    variances: Errors,
+    samples: f64,
+    removed: [bool; ERRORS]
+});
+
+/// What a checkpoint keeps of one source's errors, beside the [`Pair`]s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KeptErrors {
+    known: SourceErrors,
+    partners: u64,
+    contradicted: f64,
+}
+
+kept!(KeptErrors {
+    known: SourceErrors,
+    partners: u64,
+    contradicted: f64
+});
 
 /// Registration of all sources with each other.
 #[derive(Clone, Debug)]
@@ -201,6 +229,32 @@ impl Registration {
             },
             sources: vec![unknown; sources],
         }
+    }
+
+    /// What a checkpoint keeps of the source with this number.
+    pub(crate) fn kept(&self, source: usize) -> KeptErrors {
+        KeptErrors {
+            known: self.sources[source],
+            partners: self.partners[source],
+            contradicted: self.contradicted[source],
+        }
+    }
+
+    /// Goes on with what was kept of a source.
+    pub(crate) fn resume(&mut self, source: usize, kept: &KeptErrors) {
+        self.sources[source] = kept.known;
+        self.partners[source] = kept.partners;
+        self.contradicted[source] = kept.contradicted;
+    }
+
+    /// The sums over each ordered pair of sources.
+    pub(crate) fn pairs(&self) -> &[Pair] {
+        &self.pairs
+    }
+
+    /// Goes on with the sums that were kept of the pair at this place.
+    pub(crate) fn resume_pair(&mut self, place: usize, kept: Pair) {
+        self.pairs[place] = kept;
     }
 
     /// Errors of `source`, as far as they are known.

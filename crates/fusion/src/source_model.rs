@@ -16,6 +16,8 @@
 use estimation::{NearlyConstantVelocity, implied_noise};
 use messages::Covariance;
 
+use crate::checkpoint::kept::kept;
+
 /// Median of chi-square with two degrees of freedom.
 const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
 /// Weight of a new innovation in the mean over one sensor track.
@@ -89,6 +91,25 @@ pub(crate) struct SourceModel {
     /// Probability that a scan sees a target that the source tracks.
     pub(crate) detection: f64,
 }
+
+kept!(Median {
+    logarithm: f64,
+    samples: u32
+});
+kept!(SourceModel {
+    horizontal_noise: Median,
+    vertical_noise: Median,
+    filtered_share: f64,
+    looked_at: u32,
+    process_noise: Option<NearlyConstantVelocity>,
+    log_inflation: f64,
+    inflation_trend: f64,
+    spread_ratio: Median,
+    spread_noise_m2: Median,
+    measured_m2: Median,
+    spread_m2: f64,
+    detection: f64,
+});
 
 impl Default for SourceModel {
     fn default() -> Self {

@@ -5,10 +5,11 @@ use std::collections::{BinaryHeap, HashMap};
 
 use association::Grid;
 use estimation::Gaussian;
-use messages::{Covariance, Identity, NO_SOURCE, TrackState};
+use messages::{Covariance, Identity, NO_SOURCE, TargetType, TrackKind, TrackState};
 
+use crate::checkpoint::kept::kept;
 use crate::description::Description;
-use crate::filter::Filter;
+use crate::filter::{Filter, KeptFilter};
 use crate::number_hasher::NumberHasher;
 use crate::quota::Quota;
 use crate::rules::Memory;
@@ -64,7 +65,117 @@ pub(crate) struct SystemEntry {
     pub(crate) merged_into: u32,
 }
 
+/// One system track as a checkpoint keeps it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KeptTrack {
+    pub(crate) number: u32,
+    pub(crate) merged_into: u32,
+    owner: u16,
+    life: u8,
+    kind: u8,
+    members: u16,
+    alerts: u8,
+    on_ground: bool,
+    was_shown: bool,
+    reports: u32,
+    state_ns: i64,
+    last_report_ns: i64,
+    fresh_until_ns: i64,
+    first_seen: (i64, u16),
+    absence: f64,
+    course: [f64; 2],
+    identity: Identity,
+    target_type: TargetType,
+    filter: KeptFilter,
+}
+
+kept!(KeptTrack {
+    number: u32,
+    merged_into: u32,
+    owner: u16,
+    life: u8,
+    kind: u8,
+    members: u16,
+    alerts: u8,
+    on_ground: bool,
+    was_shown: bool,
+    reports: u32,
+    state_ns: i64,
+    last_report_ns: i64,
+    fresh_until_ns: i64,
+    first_seen: (i64, u16),
+    absence: f64,
+    course: [f64; 2],
+    identity: Identity,
+    target_type: TargetType,
+    filter: KeptFilter,
+});
+
+impl KeptTrack {
+    /// Where it was in its life.
+    pub(crate) fn life(&self) -> Option<TrackState> {
+        TrackState::from_code(self.life)
+    }
+
+    /// Whether it can be of a deployment with so many sources.
+    pub(crate) fn is_of(&self, sources: usize) -> bool {
+        usize::from(self.owner) < sources && self.number != 0
+    }
+
+    /// Time of the state that subscribers were told last, nanoseconds.
+    pub(crate) fn state_ns(&self) -> i64 {
+        self.state_ns
+    }
+}
+
 impl SystemEntry {
+    #[inline]
+    pub(crate) fn kept(&self) -> KeptTrack {
+        KeptTrack {
+            number: self.number,
+            merged_into: self.merged_into,
+            owner: self.owner,
+            life: self.life as u8,
+            kind: self.description.kind as u8,
+            members: self.description.members,
+            alerts: self.alerts,
+            on_ground: self.on_ground,
+            was_shown: self.was_shown,
+            reports: self.reports,
+            state_ns: self.state.time_ns,
+            last_report_ns: self.last_report_ns,
+            fresh_until_ns: self.fresh_until_ns,
+            first_seen: self.first_seen,
+            absence: self.absence,
+            course: self.course,
+            identity: self.identity,
+            target_type: self.description.target_type,
+            filter: self.filter.kept(),
+        }
+    }
+
+    /// A track as it was kept; without its members, which come back with their reports.
+    fn resumed(kept: &KeptTrack, life: TrackState) -> Self {
+        let filter = Filter::resumed(&kept.filter);
+        Self {
+            identity: kept.identity,
+            course: kept.course,
+            absence: kept.absence,
+            first_seen: kept.first_seen,
+            was_shown: kept.was_shown,
+            reports: kept.reports,
+            last_report_ns: kept.last_report_ns,
+            alerts: kept.alerts,
+            on_ground: kept.on_ground,
+            description: Description {
+                kind: TrackKind::from_code(kept.kind).unwrap_or_default(),
+                members: kept.members,
+                target_type: kept.target_type,
+            },
+            ..Self::new((kept.number, kept.owner), life, filter, kept.fresh_until_ns)
+        }
+    }
+
     fn new((number, owner): (u32, u16), life: TrackState, filter: Filter, fresh_until_ns: i64) -> Self {
         Self {
             number,
@@ -136,16 +247,44 @@ impl SystemTracks {
 
     /// A new tentative system track with `filter` that `owner` starts; `None` if the table is full for it.
     pub(crate) fn insert(&mut self, owner: u16, filter: Filter, deadline_ns: i64) -> Option<SystemSlot> {
-        let slot = self.quota.take(owner).then(|| self.free.pop())??;
         let number = self.next_number;
+        let entry = SystemEntry::new((number, owner), TrackState::Tentative, filter, deadline_ns);
+        let slot = self.take_in(entry, deadline_ns)?;
         self.next_number = self.next_number.checked_add(1).unwrap_or(1);
-        self.entries[slot as usize] = SystemEntry::new((number, owner), TrackState::Tentative, filter, deadline_ns);
+        Some(slot)
+    }
+
+    fn take_in(&mut self, entry: SystemEntry, deadline_ns: i64) -> Option<SystemSlot> {
+        let slot = self.quota.take(entry.owner).then(|| self.free.pop())??;
         if let Some(memory) = self.memories.get_mut(slot as usize) {
             *memory = Memory::default();
         }
-        self.in_state[TrackState::Tentative as usize] += 1;
-        self.deadlines.push(Reverse((deadline_ns, number, slot)));
+        self.in_state[entry.life as usize] += 1;
+        self.deadlines.push(Reverse((deadline_ns, entry.number, slot)));
+        self.entries[slot as usize] = entry;
         Some(slot)
+    }
+
+    /// Takes in a track that was kept, which lives from now on as `life` says; `None` if the table has no place for it.
+    pub(crate) fn resume(&mut self, kept: &KeptTrack, life: TrackState) -> Option<SystemSlot> {
+        let slot = self.take_in(SystemEntry::resumed(kept, life), kept.last_report_ns)?;
+        let entry = &self.entries[slot as usize];
+        let [x, y, _] = entry.filter.estimate.position_m();
+        self.grid.place(slot, x, y);
+        if let Some(address) = entry.identity.unique_number() {
+            self.by_address.entry(address).or_insert(slot);
+        }
+        Some(slot)
+    }
+
+    /// Number of the next system track.
+    pub(crate) fn next_number(&self) -> u32 {
+        self.next_number
+    }
+
+    /// Goes on with this number.
+    pub(crate) fn set_next_number(&mut self, number: u32) {
+        self.next_number = number.max(1);
     }
 
     pub(crate) fn get(&self, slot: SystemSlot) -> &SystemEntry {

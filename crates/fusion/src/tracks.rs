@@ -1,8 +1,13 @@
 //! The sensor tracks and the system tracks, and which sensor track belongs to which system track.
 
+use std::collections::HashMap;
+
 use messages::{Decision, DecisionKind, TrackState};
 
+use crate::checkpoint::kept::kept;
+use crate::checkpoint::{Checkpoint, Kind};
 use crate::filter::Filter;
+use crate::number_hasher::NumberHasher;
 use crate::sensor_tracks::{Link, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
 
@@ -13,7 +18,33 @@ pub(crate) struct Tracks {
     pub(crate) systems: SystemTracks,
     /// Age up to which a report counts, per source, nanoseconds.
     fresh_ns: Vec<i64>,
+    /// Where what must outlive the process is written.
+    pub(crate) checkpoint: Option<Checkpoint>,
+    /// Members from before the start.
+    remembered: Remembered,
 }
+
+/// Numbers of system tracks that are reserved at a time.
+const NUMBERS: u32 = 256;
+
+/// A sensor track's membership, as a checkpoint keeps it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Member {
+    pub(crate) source: u16,
+    pub(crate) track_number: u32,
+    /// Number of its system track; 0: none.
+    pub(crate) system_track: u32,
+}
+
+kept!(Member {
+    source: u16,
+    track_number: u32,
+    system_track: u32
+});
+
+/// Sensor tracks that were members of system tracks when the process before this one died, and have not reported since:
+/// the system track of each, its number, and the place of the record in the checkpoint.
+type Remembered = HashMap<(u16, u32), (SystemSlot, u32, usize), NumberHasher>;
 
 impl Tracks {
     pub(crate) fn new(sensors: SensorTracks, systems: SystemTracks, fresh_ns: Vec<i64>) -> Self {
@@ -21,6 +52,86 @@ impl Tracks {
             sensors,
             systems,
             fresh_ns,
+            checkpoint: None,
+            remembered: HashMap::with_hasher(NumberHasher::new(0)),
+        }
+    }
+
+    /// Remembers members of system tracks that have just been taken in again.
+    pub(crate) fn remember(&mut self, members: Vec<(Member, SystemSlot)>) {
+        let capacity = 2 * members.len();
+        self.remembered = HashMap::with_capacity_and_hasher(capacity, NumberHasher::new(capacity));
+        for (place, (member, system)) in members.into_iter().enumerate() {
+            let value = (system, member.system_track, place);
+            self.remembered.insert((member.source, member.track_number), value);
+        }
+    }
+
+    /// The system track that a sensor track, which has just reported for the first time since the start, belonged to
+    /// before, if that lives. It is asked once.
+    pub(crate) fn recall(&mut self, sensor: SensorSlot) -> Option<SystemSlot> {
+        if self.remembered.is_empty() {
+            return None;
+        }
+        let entry = self.sensors.get(sensor);
+        let key = (entry.source, entry.track_number);
+        let (system, number, place) = self.remembered.remove(&key)?;
+        if let Some(checkpoint) = &mut self.checkpoint {
+            checkpoint.write(Kind::Remembered, place, &Member::default());
+        }
+        let entry = self.systems.get(system);
+        (entry.number == number && entry.life != TrackState::Terminated).then_some(system)
+    }
+
+    /// Writes what there is to be kept of a system track into the checkpoint.
+    #[inline]
+    pub(crate) fn keep(&mut self, system: SystemSlot) {
+        if let Some(checkpoint) = &mut self.checkpoint {
+            checkpoint.write(Kind::Systems, system as usize, &self.systems.get(system).kept());
+        }
+    }
+
+    fn keep_member(&mut self, sensor: SensorSlot) {
+        if let Some(checkpoint) = &mut self.checkpoint {
+            let entry = self.sensors.get(sensor);
+            let member = match entry.system {
+                NO_SYSTEM => Member::default(),
+                system => Member {
+                    source: entry.source,
+                    track_number: entry.track_number,
+                    system_track: self.systems.get(system).number,
+                },
+            };
+            checkpoint.write(Kind::Members, sensor as usize, &member);
+        }
+    }
+
+    /// Reserves numbers before the next system track uses the first of them.
+    pub(crate) fn reserve_numbers(&mut self) {
+        let next = self.systems.next_number();
+        if let Some(checkpoint) = &mut self.checkpoint
+            && next.is_multiple_of(NUMBERS)
+        {
+            checkpoint.write(Kind::Numbers, 0, &reserved(next));
+        }
+    }
+
+    /// Begins to keep what there is in `checkpoint`.
+    pub(crate) fn keep_in(&mut self, mut checkpoint: Checkpoint) {
+        checkpoint.write(Kind::Numbers, 0, &reserved(self.systems.next_number()));
+        for ((source, track_number), (_, system_track, place)) in &self.remembered {
+            let member = Member {
+                source: *source,
+                track_number: *track_number,
+                system_track: *system_track,
+            };
+            checkpoint.write(Kind::Remembered, *place, &member);
+        }
+        self.checkpoint = Some(checkpoint);
+        for system in self.systems.slots() {
+            if self.systems.get(system).number != 0 {
+                self.keep(system);
+            }
         }
     }
 
@@ -106,6 +217,7 @@ impl Tracks {
         self.systems.identify(system, &identity);
         let first_seen = &mut self.systems.get_mut(system).first_seen;
         *first_seen = seen.min(*first_seen);
+        self.keep_member(sensor);
     }
 
     /// Takes a sensor track out of its system track.
@@ -115,17 +227,18 @@ impl Tracks {
         let first = &mut self.systems.get_mut(system).members;
         if *first == Some(sensor) {
             *first = next.get();
-            return;
-        }
-        let mut at = *first;
-        while let Some(slot) = at {
-            let entry = self.sensors.get_mut(slot);
-            if entry.next == Link::to(Some(sensor)) {
-                entry.next = next;
-                return;
+        } else {
+            let mut at = *first;
+            while let Some(slot) = at {
+                let entry = self.sensors.get_mut(slot);
+                if entry.next == Link::to(Some(sensor)) {
+                    entry.next = next;
+                    break;
+                }
+                at = entry.next.get();
             }
-            at = entry.next.get();
         }
+        self.keep_member(sensor);
     }
 
     /// Makes a sensor track the primary one of its source, if there is no other one that is fresh: one speaks for a
@@ -198,4 +311,9 @@ impl Tracks {
             ..Decision::default()
         }
     }
+}
+
+/// The first number that is not reserved when `next` comes next: the end of the block after its own.
+fn reserved(next: u32) -> u32 {
+    (next / NUMBERS + 2).wrapping_mul(NUMBERS)
 }

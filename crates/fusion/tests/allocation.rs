@@ -1,5 +1,7 @@
 //! After its construction the engine allocates nothing, whatever it is given (PL-4).
 
+use std::sync::atomic::AtomicU64;
+
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use fusion::rules;
 use fusion::settings::{
@@ -97,6 +99,9 @@ fn report(step: u64) -> SensorTrack {
 #[test]
 fn the_engine_and_the_merger_allocate_nothing_once_built() {
     let mut engine = Engine::new(settings()).unwrap();
+    let words = engine.checkpoint_layout().len();
+    let memory: Vec<AtomicU64> = (0..words).map(|_| AtomicU64::new(0)).collect();
+    engine.keep_checkpoint(Box::new(memory));
     let mut merger = Merger::new(3, 256);
     let mut published = 0u64;
     let mut sequences = [0u64; 3];
@@ -112,6 +117,7 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
             }
             while let Some(report) = merger.pop() {
                 engine.take(&report, &mut |_: &SystemTrack| published += 1);
+                engine.keep_learned(2);
             }
         }
         engine.advance(i64::MAX, &mut |_: &SystemTrack| published += 1);

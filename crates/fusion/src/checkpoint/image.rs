@@ -1,0 +1,211 @@
+//! The memory that a checkpoint lies in: areas of records, each of which is in two copies.
+//!
+//! A process can be killed between any two stores. So a record is never written over: it has two copies, the older one
+//! is filled with what is new, and each states how often the record was written and a checksum of all its words. A
+//! reader takes the newest copy that agrees with its checksum. Of a record that was being written there is the one
+//! before; every other one is whole.
+
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
+
+/// Words of a copy before its contents: how often the record was written, and the checksum.
+const FRONT: usize = 2;
+/// Most words of a record's contents.
+pub(crate) const RECORD_MAX: usize = 128;
+/// Words that outlive their process, or stand in for such words.
+pub trait Memory: std::fmt::Debug + Send {
+    /// The words; their number never changes.
+    fn words(&self) -> &[AtomicU64];
+}
+
+impl Memory for Vec<AtomicU64> {
+    fn words(&self) -> &[AtomicU64] {
+        self
+    }
+}
+
+/// One kind of records in the memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Area {
+    /// Word with which it begins.
+    pub(crate) first: usize,
+    /// Number of records.
+    pub(crate) places: usize,
+    /// Words of a record's contents.
+    pub(crate) words: usize,
+}
+
+/// A record, as a reader finds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// It was never written.
+    Nothing,
+    /// Its newest copy is whole, and the other one, too.
+    Whole,
+    /// One copy is not whole: its writer was killed, or the memory was damaged. The other one is, or is blank.
+    Torn { has_other: bool },
+    /// Neither copy is whole.
+    Damaged,
+}
+
+/// One copy of a record.
+enum Copy {
+    Blank,
+    Whole(u64),
+    Broken,
+}
+
+impl Area {
+    const fn copy(&self) -> usize {
+        FRONT + self.words
+    }
+
+    /// Words that it takes in all.
+    pub(crate) const fn len(&self) -> usize {
+        2 * self.copy() * self.places
+    }
+
+    fn copy_at(&self, place: usize, copy: usize) -> usize {
+        self.first + (2 * place + copy) * self.copy()
+    }
+
+    /// Writes `contents` as the record of `place` for the `times`-th time, counted from 1.
+    #[inline]
+    pub(crate) fn write(&self, memory: &[AtomicU64], place: usize, times: u64, contents: &[u64]) {
+        let start = self.copy_at(place, (times & 1) as usize);
+        let Some(copy) = memory.get(start..start + FRONT + contents.len()) else {
+            return;
+        };
+        copy[0].store(times, Relaxed);
+        copy[1].store(checksum(start, times, contents), Relaxed);
+        for (word, content) in copy[FRONT..].iter().zip(contents) {
+            word.store(*content, Relaxed);
+        }
+    }
+
+    /// Reads the newest whole copy of the record of `place` into `contents`.
+    pub(crate) fn read(&self, memory: &[AtomicU64], place: usize, contents: &mut Vec<u64>) -> Found {
+        let mut other = Vec::with_capacity(self.words);
+        let first = self.read_copy(memory, place, 0, contents);
+        let second = self.read_copy(memory, place, 1, &mut other);
+        let is_second_newer = match (&first, &second) {
+            (Copy::Whole(first), Copy::Whole(second)) => second > first,
+            (_, second) => matches!(second, Copy::Whole(_)),
+        };
+        if is_second_newer {
+            *contents = other;
+        }
+        match (first, second) {
+            (Copy::Blank, Copy::Blank) => Found::Nothing,
+            (Copy::Broken, Copy::Broken) => Found::Damaged,
+            (Copy::Broken, Copy::Blank) | (Copy::Blank, Copy::Broken) => Found::Torn { has_other: false },
+            (Copy::Broken, _) | (_, Copy::Broken) => Found::Torn { has_other: true },
+            _ => Found::Whole,
+        }
+    }
+
+    fn read_copy(&self, memory: &[AtomicU64], place: usize, copy: usize, contents: &mut Vec<u64>) -> Copy {
+        let start = self.copy_at(place, copy);
+        let words = &memory[start..start + self.copy()];
+        let (times, check) = (words[0].load(Relaxed), words[1].load(Relaxed));
+        contents.clear();
+        contents.extend(words[FRONT..].iter().map(|word| word.load(Relaxed)));
+        if times == 0 && check == 0 {
+            Copy::Blank
+        } else if times & 1 == copy as u64 && check == checksum(start, times, contents) {
+            Copy::Whole(times)
+        } else {
+            Copy::Broken
+        }
+    }
+}
+
+/// Agrees with a copy's words and place. A change of a single word always changes it.
+#[inline]
+fn checksum(start: usize, times: u64, contents: &[u64]) -> u64 {
+    const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
+    // Four at a time, since each product must wait for the one before it.
+    let mut lanes = [start as u64, times, 1, 2];
+    let (fours, rest) = contents.as_chunks::<4>();
+    for four in fours {
+        for (lane, word) in lanes.iter_mut().zip(four) {
+            *lane = (*lane ^ word).wrapping_mul(FACTOR).rotate_left(29);
+        }
+    }
+    for (lane, word) in lanes.iter_mut().zip(rest) {
+        *lane = (*lane ^ word).wrapping_mul(FACTOR).rotate_left(29);
+    }
+    lanes
+        .iter()
+        .fold(0, |sum: u64, lane| (sum ^ lane).wrapping_mul(FACTOR).rotate_left(31))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const AREA: Area = Area {
+        first: 3,
+        places: 2,
+        words: 5,
+    };
+
+    fn blank() -> Vec<AtomicU64> {
+        (0..AREA.first + AREA.len()).map(|_| AtomicU64::new(0)).collect()
+    }
+
+    fn copied(memory: &[AtomicU64]) -> Vec<u64> {
+        memory.iter().map(|word| word.load(Relaxed)).collect()
+    }
+
+    proptest! {
+        /// Killed between any two stores, in whatever order they are made, a writer leaves the old or the new record.
+        #[test]
+        fn a_record_is_never_half_new(
+            writes in prop::collection::vec(prop::array::uniform5(any::<u64>()), 1..6),
+            stored in prop::array::uniform7(any::<bool>()),
+        ) {
+            let memory = blank();
+            let (last, before) = writes.split_last().unwrap();
+            for (times, contents) in before.iter().enumerate() {
+                AREA.write(&memory, 1, times as u64 + 1, contents);
+            }
+            let old = copied(&memory);
+            AREA.write(&memory, 1, writes.len() as u64, last);
+            let new = copied(&memory);
+            let start = AREA.copy_at(1, writes.len() % 2);
+            for (word, _) in stored.iter().enumerate().filter(|(_, stored)| !**stored) {
+                memory[start + word].store(old[start + word], Relaxed);
+            }
+            let mut contents = Vec::new();
+            match AREA.read(&memory, 1, &mut contents) {
+                Found::Nothing | Found::Torn { has_other: false } => prop_assert!(before.is_empty()),
+                Found::Damaged => prop_assert!(false, "the older copy was not touched"),
+                Found::Whole if copied(&memory) == new => prop_assert_eq!(&contents[..], &last[..]),
+                Found::Whole | Found::Torn { has_other: true } => {
+                    prop_assert_eq!(&contents[..], &before.last().unwrap()[..]);
+                }
+            }
+            prop_assert_eq!(AREA.read(&memory, 0, &mut contents), Found::Nothing);
+        }
+
+        /// A change of any bit is noticed.
+        #[test]
+        fn no_bit_can_change_unseen(
+            first in prop::array::uniform5(any::<u64>()),
+            second in prop::array::uniform5(any::<u64>()),
+            word in 0..2 * (FRONT + 5),
+            bit in 0..64u32,
+        ) {
+            let memory = blank();
+            AREA.write(&memory, 0, 1, &first);
+            AREA.write(&memory, 0, 2, &second);
+            memory[AREA.first + word].fetch_xor(1 << bit, Relaxed);
+            let mut contents = Vec::new();
+            prop_assert_eq!(AREA.read(&memory, 0, &mut contents), Found::Torn { has_other: true });
+            prop_assert!(contents == first || contents == second);
+        }
+    }
+}

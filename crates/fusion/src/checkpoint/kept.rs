@@ -1,0 +1,199 @@
+//! Values as words of eight octets, and back.
+
+use estimation::{Gaussian, NearlyConstantVelocity};
+use messages::layout::Sample as _;
+use messages::{Covariance, Identity, TargetType};
+use nalgebra::SMatrix;
+
+/// A value that a record holds.
+pub(crate) trait Kept: Sized {
+    /// Number of words that it takes.
+    const WORDS: usize;
+
+    /// Writes it.
+    fn put(&self, to: &mut Put<'_>);
+
+    /// Reads it; `None` if the words are no such value.
+    fn get(from: &mut Get<'_>) -> Option<Self>;
+}
+
+/// Words that are being written, and the place of the next one.
+pub(crate) struct Put<'a> {
+    pub(crate) words: &'a mut [u64],
+    pub(crate) at: usize,
+}
+
+impl Put<'_> {
+    #[inline]
+    pub(crate) fn word(&mut self, word: u64) {
+        self.words[self.at] = word;
+        self.at += 1;
+    }
+}
+
+/// Words that have not been read yet.
+pub(crate) struct Get<'a>(pub(crate) &'a [u64]);
+
+impl Get<'_> {
+    pub(crate) fn word(&mut self) -> Option<u64> {
+        let (first, rest) = self.0.split_first()?;
+        self.0 = rest;
+        Some(*first)
+    }
+}
+
+/// Keeps a struct: all its fields, in the order in which they are named here. A field that is not named is an error.
+macro_rules! kept {
+    ($name:ty { $($field:ident: $kind:ty),* $(,)? }) => {
+        impl $crate::checkpoint::kept::Kept for $name {
+            const WORDS: usize = 0 $(+ <$kind as $crate::checkpoint::kept::Kept>::WORDS)*;
+
+            #[inline]
+            fn put(&self, to: &mut $crate::checkpoint::kept::Put<'_>) {
+                let Self { $($field),* } = self;
+                $( <$kind as $crate::checkpoint::kept::Kept>::put($field, to); )*
+            }
+
+            fn get(from: &mut $crate::checkpoint::kept::Get<'_>) -> Option<Self> {
+                Some(Self { $($field: <$kind as $crate::checkpoint::kept::Kept>::get(from)?),* })
+            }
+        }
+    };
+}
+pub(crate) use kept;
+
+/// Keeps a number in one word.
+macro_rules! number {
+    ($($kind:ty, $value:ident => $put:expr, $word:ident => $get:expr;)*) => {
+        $(impl Kept for $kind {
+            const WORDS: usize = 1;
+
+            #[inline]
+            fn put(&self, to: &mut Put<'_>) {
+                let $value = *self;
+                to.word($put);
+            }
+
+            fn get(from: &mut Get<'_>) -> Option<Self> {
+                let $word = from.word()?;
+                $get
+            }
+        })*
+    };
+}
+
+number! {
+    u64, value => value, word => Some(word);
+    i64, value => value.cast_unsigned(), word => Some(word.cast_signed());
+    u32, value => u64::from(value), word => word.try_into().ok();
+    u16, value => u64::from(value), word => word.try_into().ok();
+    u8, value => u64::from(value), word => word.try_into().ok();
+    bool, value => u64::from(value), word => (word < 2).then_some(word == 1);
+    i32, value => u64::from(value.cast_unsigned()), word => Some(u32::try_from(word).ok()?.cast_signed());
+    f64, value => value.to_bits(), word => Some(f64::from_bits(word));
+    f32, value => u64::from(value.to_bits()), word => Some(f32::from_bits(u32::try_from(word).ok()?));
+}
+
+impl<T: Kept, const N: usize> Kept for [T; N] {
+    const WORDS: usize = N * T::WORDS;
+
+    #[inline]
+    fn put(&self, to: &mut Put<'_>) {
+        for each in self {
+            each.put(to);
+        }
+    }
+
+    fn get(from: &mut Get<'_>) -> Option<Self> {
+        let each: Option<Vec<T>> = (0..N).map(|_| T::get(from)).collect();
+        each?.try_into().ok()
+    }
+}
+
+impl<A: Kept, B: Kept> Kept for (A, B) {
+    const WORDS: usize = A::WORDS + B::WORDS;
+
+    #[inline]
+    fn put(&self, to: &mut Put<'_>) {
+        self.0.put(to);
+        self.1.put(to);
+    }
+
+    fn get(from: &mut Get<'_>) -> Option<Self> {
+        Some((A::get(from)?, B::get(from)?))
+    }
+}
+
+impl<T: Kept> Kept for Option<T> {
+    const WORDS: usize = 1 + T::WORDS;
+
+    #[inline]
+    fn put(&self, to: &mut Put<'_>) {
+        self.is_some().put(to);
+        match self {
+            Some(value) => value.put(to),
+            None => (0..T::WORDS).for_each(|_| to.word(0)),
+        }
+    }
+
+    fn get(from: &mut Get<'_>) -> Option<Self> {
+        if bool::get(from)? {
+            return T::get(from).map(Some);
+        }
+        from.0 = from.0.get(T::WORDS..)?;
+        Some(None)
+    }
+}
+
+impl<const R: usize, const C: usize> Kept for SMatrix<f64, R, C> {
+    const WORDS: usize = R * C;
+
+    fn put(&self, to: &mut Put<'_>) {
+        for value in self {
+            value.put(to);
+        }
+    }
+
+    fn get(from: &mut Get<'_>) -> Option<Self> {
+        let mut matrix = Self::zeros();
+        for value in &mut matrix {
+            *value = f64::get(from)?;
+        }
+        Some(matrix)
+    }
+}
+
+kept!(Covariance { upper: [f64; 21] });
+kept!(Gaussian {
+    mean: [f64; 6],
+    covariance: Covariance
+});
+kept!(NearlyConstantVelocity {
+    density_m2ps3: [f64; 3]
+});
+
+/// Keeps a sample by its octets.
+macro_rules! sample {
+    ($($kind:ty),*) => {
+        $(impl Kept for $kind {
+            const WORDS: usize = size_of::<$kind>().div_ceil(8);
+
+            #[inline]
+            fn put(&self, to: &mut Put<'_>) {
+                for octets in Self::octets(std::slice::from_ref(self)).as_chunks::<8>().0 {
+                    to.word(u64::from_le_bytes(*octets));
+                }
+            }
+
+            fn get(from: &mut Get<'_>) -> Option<Self> {
+                let mut octets = [0; size_of::<$kind>()];
+                for each in octets.as_chunks_mut::<8>().0 {
+                    *each = from.word()?.to_le_bytes();
+                }
+                Self::of_octets(&octets)
+            }
+        }
+        const _: () = assert!(size_of::<$kind>() % 8 == 0);)*
+    };
+}
+sample!(Identity, TargetType);

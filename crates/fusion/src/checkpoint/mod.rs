@@ -1,0 +1,404 @@
+//! The checkpoint: what must survive the death of fusion's process.
+//!
+//! Whoever follows a picture follows its track numbers. A fusion that starts after another one was killed must go on
+//! with the same targets under the same numbers, and must give no number to another target. So the engine writes what
+//! that takes into memory that outlives it ([`Memory`]), when it changes:
+//!
+//! | area | a record for | written |
+//! |---|---|---|
+//! | numbers | the numbers that are reserved | before the first of a block is used |
+//! | clock | the time that has passed, the process, and the state of its clocks | by the caller, in each turn |
+//! | positions | each source: how far its reports have been worked off | with each report |
+//! | systems | each system track: number, state, covariance, life, identity | whenever subscribers are told of it |
+//! | members | each sensor track that belongs to a system track | when it joins or leaves |
+//! | remembered | each member from before the last start that has not reported since | at the start |
+//! | sources | what was learned of each source | in turn |
+//! | pairs | the sums of registration of each pair of sources | in turn |
+//! | cells | where on the ground each source follows targets | in turn |
+//!
+//! How a record is written so that a kill costs one at most, [`image`] tells. Its writing takes no system call, no lock
+//! and no allocation; the size is fixed at the start ([`Layout::len`]).
+//!
+//! What is not kept is learned again within seconds: sensor tracks' own reports and histories. The first report of a
+//! sensor track that was a member brings it back to its system track.
+//!
+//! A [`Snapshot`] is what was found: the engine's start is a function of it alone, so that a recording that has it can
+//! be replayed from there.
+
+mod image;
+pub(crate) mod kept;
+
+use std::fmt;
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::{Relaxed, Release};
+
+pub use image::Memory;
+
+use crate::settings::Settings;
+use image::{Area, Found, RECORD_MAX};
+use kept::{Get, Kept, Put, kept};
+
+/// Must be raised with each change of what a record holds.
+const FORMAT: u64 = 1;
+/// "KOSEKI" and the kind of file.
+const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKICP");
+/// Words before the first area: the magic number, and the [fingerprint](Layout::fingerprint).
+const HEAD: usize = 2;
+/// Records that a kill can leave torn.
+const TORN_MAX: usize = 1;
+
+/// Kinds of records, in the order in which they lie in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Numbers,
+    Clock,
+    Positions,
+    Systems,
+    Members,
+    Remembered,
+    Sources,
+    Pairs,
+    Cells,
+}
+
+const KINDS: [Kind; 9] = [
+    Kind::Numbers,
+    Kind::Clock,
+    Kind::Positions,
+    Kind::Systems,
+    Kind::Members,
+    Kind::Remembered,
+    Kind::Sources,
+    Kind::Pairs,
+    Kind::Cells,
+];
+
+/// State of the process that writes a checkpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Clock {
+    /// Start-up number of the fusion that wrote it.
+    pub epoch: u64,
+    /// Number of its process.
+    pub process_id: u32,
+    /// Monotonic time of its latest turn, nanoseconds.
+    pub turn_ns: i64,
+    /// UTC of its latest turn, nanoseconds since 1970.
+    pub utc_ns: i64,
+    /// UTC up to which time had passed in the engine, nanoseconds; `i64::MIN` before the first report.
+    pub passed_ns: i64,
+}
+
+kept!(Clock {
+    epoch: u64,
+    process_id: u32,
+    turn_ns: i64,
+    utc_ns: i64,
+    passed_ns: i64
+});
+
+/// How far a source's reports have been worked off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Position {
+    /// Incarnation of the source's publisher.
+    pub incarnation: u64,
+    /// Sequence number of the first report that has not been.
+    pub next_sequence: u64,
+}
+
+kept!(Position {
+    incarnation: u64,
+    next_sequence: u64
+});
+
+/// Where each record lies, for an engine with certain settings.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layout {
+    areas: [Area; KINDS.len()],
+    names: u64,
+}
+
+/// Words of the records whose contents the engine's parts define.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sizes {
+    pub(crate) systems: usize,
+    pub(crate) members: usize,
+    pub(crate) sources: usize,
+    pub(crate) pairs: usize,
+    pub(crate) cells: (usize, usize),
+}
+
+impl Layout {
+    pub(crate) fn new(settings: &Settings, sizes: Sizes) -> Self {
+        let sources = settings.sources.len();
+        let (systems, sensors) = (settings.capacity.system_tracks(), settings.capacity.sensor_tracks());
+        let mut first = HEAD;
+        let areas = KINDS.map(|kind| {
+            let (places, words) = match kind {
+                Kind::Numbers => (1, u32::WORDS),
+                Kind::Clock => (1, Clock::WORDS),
+                Kind::Positions => (sources, Position::WORDS),
+                Kind::Systems => (systems, sizes.systems),
+                Kind::Members | Kind::Remembered => (sensors, sizes.members),
+                Kind::Sources => (sources, sizes.sources),
+                Kind::Pairs => (sources * sources, sizes.pairs),
+                Kind::Cells => sizes.cells,
+            };
+            debug_assert!(words <= RECORD_MAX);
+            let area = Area { first, places, words };
+            first += area.len();
+            area
+        });
+        let names = settings
+            .sources
+            .iter()
+            .flat_map(|source| source.name.bytes().chain([0]));
+        Self {
+            areas,
+            names: names.fold(FORMAT, |hash, octet| mixed(hash ^ u64::from(octet))),
+        }
+    }
+
+    fn area(&self, kind: Kind) -> &Area {
+        &self.areas[kind as usize]
+    }
+
+    /// Words of memory that a checkpoint takes.
+    #[expect(clippy::len_without_is_empty, reason = "it never is")]
+    pub fn len(&self) -> usize {
+        HEAD + self.areas.iter().map(Area::len).sum::<usize>()
+    }
+
+    /// Differs where records are laid out otherwise, or sources have other numbers.
+    fn fingerprint(&self) -> u64 {
+        let sizes = self.areas.iter().flat_map(|area| [area.places, area.words]);
+        sizes.fold(self.names, |hash, size| mixed(hash ^ size as u64))
+    }
+}
+
+fn mixed(word: u64) -> u64 {
+    word.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+}
+
+/// Writes a checkpoint.
+#[derive(Debug)]
+pub(crate) struct Checkpoint {
+    memory: Box<dyn Memory>,
+    layout: Layout,
+    /// How often each record has been written, all areas one after another.
+    times: Vec<u32>,
+    /// Where each area begins there.
+    begins: [usize; KINDS.len()],
+    /// What is written in turn: which of the kinds, and which place of it, comes next.
+    turn: (usize, usize),
+}
+
+impl Checkpoint {
+    /// In `memory`, which is blank.
+    pub(crate) fn begin(memory: Box<dyn Memory>, layout: Layout) -> Self {
+        let mut places = 0;
+        let begins = layout.areas.map(|area| {
+            places += area.places;
+            places - area.places
+        });
+        let head = memory.words();
+        head[1].store(layout.fingerprint(), Relaxed);
+        head[0].store(MAGIC, Release);
+        Self {
+            memory,
+            layout,
+            times: vec![0; places],
+            begins,
+            turn: (0, 0),
+        }
+    }
+
+    /// Writes the record of `kind` at `place`.
+    #[inline]
+    pub(crate) fn write(&mut self, kind: Kind, place: usize, record: &impl Kept) {
+        self.write_with(kind, place, |to| record.put(to));
+    }
+
+    /// Writes the record of `kind` at `place` as `put` gives its words; what it leaves is 0.
+    #[inline]
+    pub(crate) fn write_with(&mut self, kind: Kind, place: usize, put: impl FnOnce(&mut Put<'_>)) {
+        let area = self.layout.area(kind);
+        let mut words = [0; RECORD_MAX];
+        put(&mut Put {
+            words: &mut words,
+            at: 0,
+        });
+        let times = &mut self.times[self.begins[kind as usize] + place];
+        *times = times.wrapping_add(1).max(1);
+        area.write(self.memory.words(), place, u64::from(*times), &words[..area.words]);
+    }
+
+    /// The next record of these kinds, round and round.
+    pub(crate) fn next_in_turn(&mut self, kinds: &[Kind]) -> Option<(Kind, usize)> {
+        let (turn, place) = self.turn;
+        let kind = *kinds.get(turn)?;
+        let is_last = place + 1 >= self.places(kind);
+        self.turn = match is_last {
+            true => ((turn + 1) % kinds.len(), 0),
+            false => (turn, place + 1),
+        };
+        (place < self.places(kind)).then_some((kind, place))
+    }
+
+    /// Number of records of `kind`.
+    pub(crate) fn places(&self, kind: Kind) -> usize {
+        self.layout.area(kind).places
+    }
+}
+
+/// A checkpoint that cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// It is none, or one of other settings, sources or another build.
+    Foreign,
+    /// It was damaged: so many records are not whole.
+    Damaged(usize),
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Foreign => f.write_str("it is no checkpoint of this build with these sources and table sizes"),
+            Self::Damaged(records) => write!(f, "it is damaged: {records} of its records are not whole"),
+        }
+    }
+}
+
+impl std::error::Error for Refused {}
+
+/// What a fusion starts from: all that was found in a checkpoint.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Snapshot {
+    layout: Layout,
+    /// The fingerprint of its layout; then for each record its kind and place in one word, and its contents.
+    words: Vec<u64>,
+}
+
+impl Snapshot {
+    /// Reads what a process with the same `layout` has written, while it writes no more.
+    ///
+    /// # Errors
+    /// If it is not whole, but for one record that was being written.
+    pub fn read(memory: &[AtomicU64], layout: &Layout) -> Result<Self, Refused> {
+        let is_ours = memory.len() == layout.len()
+            && memory[0].load(Relaxed) == MAGIC
+            && memory[1].load(Relaxed) == layout.fingerprint();
+        if !is_ours {
+            return Err(Refused::Foreign);
+        }
+        let (mut words, mut contents) = (vec![layout.fingerprint()], Vec::new());
+        let (mut torn, mut damaged) = (0, 0);
+        for kind in KINDS {
+            let area = layout.area(kind);
+            for place in 0..area.places {
+                let is_there = match area.read(memory, place, &mut contents) {
+                    Found::Nothing => false,
+                    Found::Whole => true,
+                    Found::Torn { has_other } => {
+                        torn += 1;
+                        has_other
+                    }
+                    Found::Damaged => {
+                        damaged += 1;
+                        false
+                    }
+                };
+                if is_there {
+                    words.push((kind as u64) << 32 | place as u64);
+                    words.extend_from_slice(&contents);
+                }
+            }
+        }
+        if damaged > 0 || torn > TORN_MAX {
+            return Err(Refused::Damaged(damaged + torn));
+        }
+        Ok(Self {
+            layout: layout.clone(),
+            words,
+        })
+    }
+
+    /// Its words, for whoever keeps it.
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// The snapshot that has these words.
+    ///
+    /// # Errors
+    /// If it is one of another layout.
+    pub fn of_words(words: Vec<u64>, layout: &Layout) -> Result<Self, Refused> {
+        if words.first() != Some(&layout.fingerprint()) {
+            return Err(Refused::Foreign);
+        }
+        let snapshot = Self {
+            layout: layout.clone(),
+            words,
+        };
+        let is_whole = snapshot.records().all(|record| record.is_some());
+        is_whole.then_some(snapshot).ok_or(Refused::Damaged(1))
+    }
+
+    /// Each record with its kind and place; `None` for what is none, which is the last one then.
+    fn records(&self) -> impl Iterator<Item = Option<(Kind, usize, &[u64])>> {
+        let mut rest = &self.words[1..];
+        std::iter::from_fn(move || {
+            let (tag, after) = rest.split_first()?;
+            rest = &[];
+            let record = KINDS.get((tag >> 32) as usize).and_then(|kind| {
+                let area = self.layout.area(*kind);
+                let place = (tag & u64::from(u32::MAX)) as usize;
+                let (contents, following) = after.split_at_checked(area.words)?;
+                rest = following;
+                (place < area.places).then_some((*kind, place, contents))
+            });
+            Some(record)
+        })
+    }
+
+    /// The records of `kind` with their places, as words.
+    pub(crate) fn of_kind(&self, kind: Kind) -> impl Iterator<Item = (usize, &[u64])> {
+        let records = self.records().flatten();
+        records
+            .filter(move |(found, ..)| *found == kind)
+            .map(|(_, place, words)| (place, words))
+    }
+
+    /// The records of `kind` with their places.
+    pub(crate) fn all<T: Kept>(&self, kind: Kind) -> impl Iterator<Item = (usize, T)> {
+        self.of_kind(kind)
+            .filter_map(|(place, words)| Some((place, T::get(&mut Get(words))?)))
+    }
+
+    /// The state of the process that wrote it; `None` if it was killed before its first turn.
+    pub fn clock(&self) -> Option<Clock> {
+        self.all(Kind::Clock).map(|(_, clock)| clock).next()
+    }
+
+    /// How far each source's reports had been worked off, by source number.
+    pub fn positions(&self) -> impl Iterator<Item = (u16, Position)> {
+        self.all(Kind::Positions)
+            .map(|(place, position)| (place as u16, position))
+    }
+}
+
+/// The state of the process that writes the checkpoint in `memory`, which may live; `None` if it has written none yet.
+pub fn clock_of(memory: &[AtomicU64], layout: &Layout) -> Option<Clock> {
+    let mut words = Vec::new();
+    let area = layout.area(Kind::Clock);
+    (memory.len() == layout.len()).then(|| area.read(memory, 0, &mut words))?;
+    Clock::get(&mut Get(&words)).filter(|clock| clock.epoch != 0)
+}
+
+/// How far `source`'s reports have been worked off by the process that writes the checkpoint in `memory`, which may
+/// live.
+pub fn position_of(memory: &[AtomicU64], layout: &Layout, source: u16) -> Option<Position> {
+    let mut words = Vec::new();
+    let area = layout.area(Kind::Positions);
+    (memory.len() == layout.len()).then(|| area.read(memory, usize::from(source), &mut words))?;
+    Position::get(&mut Get(&words))
+}

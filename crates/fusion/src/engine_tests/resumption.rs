@@ -1,0 +1,234 @@
+//! Starts from checkpoints.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
+
+use messages::layout::Sample as _;
+
+use super::*;
+use crate::checkpoint::{Clock, Memory, Refused, Snapshot};
+
+/// Memory that outlives the engine.
+#[derive(Clone, Debug)]
+struct Shared(Arc<Vec<AtomicU64>>);
+
+impl Memory for Shared {
+    fn words(&self) -> &[AtomicU64] {
+        &self.0
+    }
+}
+
+impl Shared {
+    fn for_engine(engine: &Engine) -> Self {
+        let words = engine.checkpoint_layout().len();
+        Self(Arc::new((0..words).map(|_| AtomicU64::new(0)).collect()))
+    }
+}
+
+const TARGETS: u32 = 12;
+const SOURCES: u16 = 3;
+
+/// Report of a target by a source, in one of the scans, one a second; the sources one after another.
+fn traffic(scan: u32, source: u16, target: u32) -> SensorTrack {
+    let angle = f64::from(target);
+    let time_s = f64::from(scan) + 0.3 * f64::from(source) + 0.01 * f64::from(target);
+    let place = [3000.0 * angle, 1000.0 * f64::from(source % 2) * 0.02];
+    let number = 100 * u32::from(source) + target;
+    report(
+        source,
+        number,
+        time_s,
+        place,
+        [100.0 * angle.cos(), 100.0 * angle.sin()],
+    )
+}
+
+/// An engine that keeps itself in `memory` from now on.
+fn kept(mut harness: Harness) -> (Harness, Shared) {
+    let memory = Shared::for_engine(&harness.engine);
+    harness.engine.keep_checkpoint(Box::new(memory.clone()));
+    (harness, memory)
+}
+
+fn died(harness: &mut Harness, memory: &Shared) -> Snapshot {
+    harness.engine.keep_clock(Clock {
+        epoch: 1,
+        ..Clock::default()
+    });
+    Snapshot::read(memory.words(), &harness.engine.checkpoint_layout()).unwrap()
+}
+
+/// A successor of the engine that kept itself in `memory`.
+fn successor(mut dead: Harness, memory: &Shared, ends: bool) -> (Harness, Shared) {
+    let snapshot = died(&mut dead, memory);
+    let mut next = Harness::new(dead.engine.settings().clone());
+    let published = &mut next.published;
+    next.engine
+        .resume(&snapshot, ends, &mut |track: &SystemTrack| published.push(*track));
+    kept(next)
+}
+
+/// Numbers under which each target was shown when confirmed: by its place across the ground.
+fn shown(tracks: &[SystemTrack], into: &mut BTreeMap<u32, Vec<u32>>) {
+    for track in tracks.iter().filter(|track| track.state == TrackState::Confirmed as u8) {
+        let time_s = track.reference_time_ns as f64 / S as f64;
+        let near = |target: &u32| {
+            let truth = traffic(0, 0, *target);
+            let at = |axis: usize| truth.position_m[axis] + truth.velocity_mps[axis] * time_s;
+            (track.position_m[0] - at(0)).hypot(track.position_m[1] - at(1))
+        };
+        let target = (0..TARGETS).min_by(|a, b| near(a).total_cmp(&near(b))).unwrap();
+        let numbers = into.entry(target).or_default();
+        if !numbers.contains(&track.track_number) {
+            numbers.push(track.track_number);
+        }
+    }
+}
+
+#[test]
+fn numbers_survive_kills_after_any_report() {
+    for rule in [messages::FusionRule::BestSource, messages::FusionRule::SystemFilter] {
+        let mut settings = test_settings(usize::from(SOURCES));
+        settings.rule.name = crate::settings::RuleName(rule);
+        let (mut harness, mut memory) = kept(Harness::new(settings));
+        let mut numbers = BTreeMap::new();
+        let (mut step, mut kills) = (0u32, 0);
+        for scan in 0..30 {
+            for source in 0..SOURCES {
+                for target in 0..TARGETS {
+                    harness.take(&traffic(scan, source, target));
+                    step += 1;
+                    if scan > 4 && step % 37 == 0 {
+                        shown(&harness.published, &mut numbers);
+                        (harness, memory) = successor(harness, &memory, false);
+                        kills += 1;
+                    }
+                }
+            }
+        }
+        shown(&harness.published, &mut numbers);
+        assert!(kills > 20 && numbers.len() == TARGETS as usize, "{kills} {numbers:?}");
+        assert!(numbers.values().all(|numbers| numbers.len() == 1), "{numbers:?}");
+        assert_eq!(harness.live(), TARGETS as usize);
+        // A new target has a number that none has had.
+        let new = report(0, 999, 30.0, [-50_000.0, 0.0], [0.0, 100.0]);
+        let first = harness.take(&new).unwrap();
+        assert!(numbers.values().flatten().all(|number| *number < first.track_number));
+    }
+}
+
+#[test]
+fn a_checkpoint_that_is_too_old_ends_each_track_once() {
+    let (mut harness, memory) = kept(Harness::new(test_settings(usize::from(SOURCES))));
+    for scan in 0..8 {
+        for target in 0..TARGETS {
+            harness.take(&traffic(scan, 0, target));
+            harness.take(&traffic(scan, 1, target));
+        }
+    }
+    let (next, memory) = successor(harness, &memory, true);
+    let mut ended: Vec<u32> = next.published.iter().map(|track| track.track_number).collect();
+    assert!(
+        next.published
+            .iter()
+            .all(|track| track.state == TrackState::Terminated as u8)
+    );
+    ended.sort_unstable();
+    ended.dedup();
+    assert_eq!(
+        (ended.len(), next.published.len()),
+        (TARGETS as usize, TARGETS as usize)
+    );
+    assert_eq!(next.live(), 0);
+    // Killed again at once, its successor says so again: it may not have been sent.
+    let (next, _) = successor(next, &memory, false);
+    assert_eq!(next.published.len(), TARGETS as usize);
+    assert_eq!(next.live(), 0);
+}
+
+#[test]
+fn a_start_is_a_function_of_the_snapshot_alone() {
+    let (mut harness, memory) = kept(Harness::new(test_settings(usize::from(SOURCES))));
+    for scan in 0..10 {
+        for target in 0..TARGETS {
+            harness.take(&traffic(scan, (scan % 3) as u16, target));
+        }
+    }
+    let snapshot = died(&mut harness, &memory);
+    let layout = harness.engine.checkpoint_layout();
+    let again = Snapshot::of_words(snapshot.words().to_vec(), &layout).unwrap();
+    let run = |snapshot: &Snapshot, keeps: bool| {
+        let mut next = Harness::new(harness.engine.settings().clone());
+        next.engine.resume(snapshot, false, &mut |_: &SystemTrack| {});
+        if keeps {
+            next = kept(next).0;
+        }
+        for target in 0..TARGETS {
+            next.take(&traffic(11, 2, target));
+        }
+        SystemTrack::octets(&next.published).to_vec()
+    };
+    assert!(run(&snapshot, false) == run(&again, true));
+    assert_eq!(Snapshot::of_words(Vec::new(), &layout), Err(Refused::Foreign));
+    let cut = snapshot.words()[..snapshot.words().len() - 1].to_vec();
+    assert_eq!(Snapshot::of_words(cut, &layout), Err(Refused::Damaged(1)));
+}
+
+#[test]
+fn what_was_learned_goes_on() {
+    let (mut harness, memory) = kept(Harness::new(test_settings(2)));
+    // The second source sees everything 20 m too far to the east.
+    for scan in 0..200 {
+        for target in 0..TARGETS {
+            harness.take(&traffic(scan, 0, target));
+            let mut shifted = traffic(scan, 1, target);
+            shifted.position_m[0] += 20.0;
+            harness.take(&shifted);
+        }
+    }
+    harness.engine.keep_learned(harness.engine.learned_records());
+    let before = *harness.engine.source_errors(1).unwrap();
+    assert!(before.samples > 20.0, "{before:?}");
+    let (next, _) = successor(harness, &memory, false);
+    let after = next.engine.source_errors(1).unwrap();
+    assert_eq!(
+        (before.errors, before.samples, before.removed),
+        (after.errors, after.samples, after.removed)
+    );
+}
+
+proptest! {
+    /// Whatever happens to the memory, it is refused or every track is one that was kept.
+    #[test]
+    fn damaged_memory_is_never_half_used(
+        damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u64>()), 1..4),
+    ) {
+        let (mut harness, memory) = kept(Harness::new(test_settings(2)));
+        for scan in 0..4 {
+            for target in 0..TARGETS {
+                harness.take(&traffic(scan, (scan % 2) as u16, target));
+            }
+        }
+        let whole = died(&mut harness, &memory);
+        for (place, word) in &damage {
+            memory.0[place.index(memory.0.len())].store(*word, Relaxed);
+        }
+        let layout = harness.engine.checkpoint_layout();
+        let Ok(snapshot) = Snapshot::read(memory.words(), &layout) else {
+            return Ok(());
+        };
+        let resumed = |snapshot: &Snapshot| {
+            let mut next = Harness::new(harness.engine.settings().clone());
+            next.engine.resume(snapshot, true, &mut |track: &SystemTrack| next.published.push(*track));
+            let numbers: Vec<u32> = next.published.iter().map(|track| track.track_number).collect();
+            numbers
+        };
+        let (all, found) = (resumed(&whole), resumed(&snapshot));
+        prop_assert!(found.iter().all(|number| all.contains(number)));
+        prop_assert!(found.len() + 1 >= all.len());
+        let refused = Snapshot::read(&memory.words()[1..], &layout);
+        prop_assert_eq!(refused, Err(Refused::Foreign));
+    }
+}

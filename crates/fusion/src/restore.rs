@@ -1,0 +1,176 @@
+//! What the engine keeps in its checkpoint, and how it starts from one.
+//!
+//! Tracks write themselves when they change ([`Tracks::keep`](crate::tracks::Tracks)); what was learned of the sources
+//! is written in turn, whenever the caller has time ([`Engine::keep_learned`]), and changes nothing else.
+
+use messages::{NS_PER_S, TrackState};
+
+use crate::checkpoint::kept::{Get, Kept, kept};
+use crate::checkpoint::{Checkpoint, Clock, Kind, Layout, Memory, Position, Sizes, Snapshot};
+use crate::engine::Engine;
+use crate::existence::Tally;
+use crate::explanation::Sink;
+use crate::life;
+use crate::registration::{KeptErrors, Pair};
+use crate::source_model::SourceModel;
+use crate::system_tracks::{KeptTrack, SystemSlot};
+use crate::tracks::Member;
+
+/// A track that ended so shortly before the process was killed may never have been told ended, nanoseconds.
+const TOLD_AGAIN_NS: i64 = 5 * NS_PER_S as i64;
+/// Kinds that are written in turn.
+const IN_TURN: [Kind; 3] = [Kind::Sources, Kind::Pairs, Kind::Cells];
+
+/// All that was learned of one source.
+struct Learned {
+    model: SourceModel,
+    errors: KeptErrors,
+    follows: Tally,
+    mean_square: Option<f64>,
+}
+
+kept!(Learned { model: SourceModel, errors: KeptErrors, follows: Tally, mean_square: Option<f64> });
+
+impl Engine {
+    /// How a checkpoint of this engine is laid out.
+    pub fn checkpoint_layout(&self) -> Layout {
+        let coverage = &self.life.coverage;
+        let sizes = Sizes {
+            systems: KeptTrack::WORDS,
+            members: Member::WORDS,
+            sources: Learned::WORDS,
+            pairs: Pair::WORDS,
+            cells: (coverage.places(), coverage.cell_words()),
+        };
+        Layout::new(&self.settings, sizes)
+    }
+
+    /// From now on what must outlive the process is kept in `memory`, which is blank.
+    pub fn keep_checkpoint(&mut self, memory: Box<dyn Memory>) {
+        let checkpoint = Checkpoint::begin(memory, self.checkpoint_layout());
+        self.tracks.keep_in(checkpoint);
+        self.keep_learned(self.learned_records());
+    }
+
+    /// Starts from what another engine had kept. Its system tracks go on under their numbers; where `ends`, as the
+    /// checkpoint is too old for that, `sink` is told that each has ended. So it is of those that had ended shortly
+    /// before, since nobody may have been told.
+    pub fn resume(&mut self, snapshot: &Snapshot, ends: bool, sink: &mut impl Sink) {
+        let passed_ns = snapshot.clock().map_or(i64::MIN, |clock| clock.passed_ns);
+        self.schedule.pass(passed_ns);
+        self.resume_learned(snapshot);
+        let mut numbers: Vec<(u32, SystemSlot)> = Vec::new();
+        for (_, kept) in snapshot.all::<KeptTrack>(Kind::Systems) {
+            let Some(was) = kept.life().filter(|_| kept.is_of(self.settings.sources.len())) else {
+                continue;
+            };
+            let had_ended = was == TrackState::Terminated;
+            if had_ended && passed_ns.saturating_sub(kept.state_ns()) > TOLD_AGAIN_NS {
+                continue;
+            }
+            let lives_as = if had_ended { TrackState::Tentative } else { was };
+            let Some(slot) = self.tracks.systems.resume(&kept, lives_as) else {
+                continue;
+            };
+            if had_ended || ends {
+                let out = &mut self.outbox.to(sink);
+                let end_ns = passed_ns.max(kept.state_ns());
+                life::end(&self.settings, &mut self.tracks, slot, end_ns, kept.merged_into, out);
+            } else {
+                numbers.push((kept.number, slot));
+            }
+        }
+        numbers.sort_unstable();
+        let slot_of = |number: u32| {
+            let found = numbers.binary_search_by_key(&number, |(number, _)| *number).ok()?;
+            Some(numbers[found].1)
+        };
+        let kinds = [Kind::Remembered, Kind::Members];
+        let members: Vec<(Member, SystemSlot)> = kinds
+            .into_iter()
+            .flat_map(|kind| snapshot.all::<Member>(kind))
+            .filter_map(|(_, member)| Some((member, slot_of(member.system_track)?)))
+            .collect();
+        self.tracks.remember(members);
+        let reserved = snapshot.all::<u32>(Kind::Numbers).map(|(_, number)| number).next();
+        let least = numbers.last().map_or(1, |(number, _)| number + 1);
+        self.start_numbers_at(reserved.unwrap_or(least));
+    }
+
+    /// The next system track that starts has this number.
+    pub fn start_numbers_at(&mut self, number: u32) {
+        self.tracks.systems.set_next_number(number);
+    }
+
+    fn resume_learned(&mut self, snapshot: &Snapshot) {
+        for (source, learned) in snapshot.all::<Learned>(Kind::Sources) {
+            self.sources.models[source] = learned.model;
+            self.sources.registration.resume(source, &learned.errors);
+            *self.life.coverage.general_mut(source) = learned.follows;
+            *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
+        }
+        for (place, pair) in snapshot.all::<Pair>(Kind::Pairs) {
+            self.sources.registration.resume_pair(place, pair);
+        }
+        for (place, words) in snapshot.of_kind(Kind::Cells) {
+            self.life.coverage.resume_cell(place, &mut Get(words));
+        }
+    }
+
+    /// Notes how far the reports of `source` have been worked off.
+    #[inline]
+    pub fn keep_position(&mut self, source: u16, position: Position) {
+        if let Some(checkpoint) = &mut self.tracks.checkpoint {
+            checkpoint.write(Kind::Positions, usize::from(source), &position);
+        }
+    }
+
+    /// Notes that the process lives; how far time has passed is filled in.
+    pub fn keep_clock(&mut self, clock: Clock) {
+        let passed_ns = self.schedule.now_ns();
+        if let Some(checkpoint) = &mut self.tracks.checkpoint {
+            checkpoint.write(Kind::Clock, 0, &Clock { passed_ns, ..clock });
+        }
+    }
+
+    /// Number of the records that [`Self::keep_learned`] goes through.
+    pub fn learned_records(&self) -> usize {
+        let checkpoint = self.tracks.checkpoint.as_ref();
+        checkpoint.map_or(0, |checkpoint| {
+            IN_TURN.iter().map(|kind| checkpoint.places(*kind)).sum()
+        })
+    }
+
+    /// Writes the next `count` records of what was learned of the sources.
+    pub fn keep_learned(&mut self, count: usize) {
+        for _ in 0..count {
+            self.keep_next_learned();
+        }
+    }
+
+    fn keep_next_learned(&mut self) {
+        let Some(checkpoint) = &mut self.tracks.checkpoint else {
+            return;
+        };
+        let Some((kind, place)) = checkpoint.next_in_turn(&IN_TURN) else {
+            return;
+        };
+        match kind {
+            Kind::Sources => {
+                let learned = Learned {
+                    model: self.sources.models[place],
+                    errors: self.sources.registration.kept(place),
+                    follows: *self.life.coverage.general_mut(place),
+                    mean_square: *self.publisher.accuracies.mean_square_mut(place),
+                };
+                checkpoint.write(kind, place, &learned);
+            }
+            Kind::Pairs => checkpoint.write(kind, place, &self.sources.registration.pairs()[place]),
+            _ => {
+                if let Some(cell) = self.life.coverage.cell_at(place) {
+                    checkpoint.write_with(kind, place, cell);
+                }
+            }
+        }
+    }
+}
