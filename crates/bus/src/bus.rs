@@ -12,6 +12,7 @@ use messages::Topic;
 
 use crate::error::BusError;
 use crate::line::{self, Ends, Identity, Lines, OwnLine, PublisherLine};
+use crate::log::{self, LogReader, LogWriter};
 use crate::membership::Membership;
 use crate::ports::{Kept, Transport};
 use crate::publisher::Publisher;
@@ -110,6 +111,34 @@ impl<S: Transport> Bus<S> {
             Lines::create(&self.prefix, &topic.name, topic.capacity.publishers)?;
         }
         S::hold(&self.node, &self.service(topic))
+    }
+
+    /// Makes the log of `topic`, at `created_ns` (monotonic, nanoseconds); it exists as long as the instance does.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn hold_log<T: Payload>(&self, topic: &Topic<T>, created_ns: u64) -> Result<(), BusError> {
+        if S::CROSSES_PROCESSES {
+            log::create(&self.prefix, topic, created_ns)?;
+        }
+        Ok(())
+    }
+
+    /// The writer of the log of `topic`: there must be one at a time. [In process](crate::InProcess) nobody reads what
+    /// it writes.
+    ///
+    /// # Errors
+    /// If nobody holds the log.
+    pub fn log_writer<T: Payload>(&self, topic: &Topic<T>) -> Result<LogWriter<T>, BusError> {
+        LogWriter::open(S::CROSSES_PROCESSES.then_some(&self.prefix), topic)
+    }
+
+    /// A reader of the log of `topic`, from the oldest sample on.
+    ///
+    /// # Errors
+    /// If nobody holds the log.
+    pub fn log_reader<T: Payload>(&self, topic: &Topic<T>) -> Result<LogReader<T>, BusError> {
+        LogReader::open(S::CROSSES_PROCESSES.then_some(&self.prefix), topic)
     }
 
     fn service<'a, T: Payload>(&self, topic: &'a Topic<T>) -> Service<'a> {

@@ -2,7 +2,7 @@
 //!
 //! Processes of one deployment exchange slices of fixed-layout samples (see the `messages` crate) without copying
 //! them: a publisher writes them where its subscribers read them. This crate turns iceoryx2's building blocks into
-//! the five things that the rest of Koseki needs:
+//! the six things that the rest of Koseki needs:
 //!
 //! | type | what it is |
 //! |---|---|
@@ -10,6 +10,7 @@
 //! | [`Bus`], [`Held`] | one process's connection; the keeper holds every topic, the others only open them |
 //! | [`Publisher`] | writes slices in place, with sequence numbers and progress; never waits for anybody |
 //! | [`Subscriber`] | takes slices and counts, per publisher, what it missed |
+//! | [`LogWriter`], [`LogReader`] | write down, at the cost of a few stores, what readers follow at their own pace |
 //! | [`Waiter`] | waits for work on several topics: spinning, blocked, or first one, then the other |
 //!
 //! All of them are generic over a [`Transport`]. [`SharedMemory`] connects processes; [`InProcess`] is its twin that
@@ -63,6 +64,8 @@ pub mod base;
 mod bus;
 mod error;
 mod line;
+mod log;
+mod mapping;
 mod membership;
 mod ports;
 mod process;
@@ -80,13 +83,14 @@ pub use bare::{BareReceiver, BareSender, BareSettings};
 pub use bus::Bus;
 pub use error::{BusError, Role};
 pub use line::{Life, PublisherLine};
+pub use log::{LogReader, LogWriter};
 pub use ports::Transport;
 pub use process::Process;
 pub use publisher::{Mark, Publisher, PublisherCounts};
 pub use quality::BORROWED_MAX;
 pub use root::{Claim, INSTANCE_NAME_MAX, Instance, Root, Wiped};
 pub use service::{DeadProcesses, Held};
-pub use space::{check_space, free_space, needed_bytes};
+pub use space::{check_space, free_space, needed_bytes, needed_log_bytes};
 pub use subscriber::{Heard, Received, Slice, Subscriber, SubscriberCounts};
 pub use transport::{InProcess, Payload, SharedMemory};
 pub use waiter::{BACKSTOP, WATCHED_MAX, WaitMode, Waiter, Woken};

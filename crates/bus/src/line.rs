@@ -17,19 +17,15 @@
 //! nothing of it as a place or a length. A line whose place was filled again before a subscriber looked is not missed
 //! by it.
 
-use std::fs::{File, OpenOptions};
 use std::io;
-use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
-use std::ptr::NonNull;
 use std::sync::atomic::Ordering::{AcqRel, Acquire, Relaxed, Release};
 use std::sync::atomic::{AtomicU64, fence};
 
 use messages::TopicName;
-use rustix::fs::{FallocateFlags, OFlags, fallocate};
-use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
 
 use crate::error::BusError;
+use crate::mapping::Mapping;
 use crate::seal::SHARED_MEMORY_DIR;
 
 /// Most lines of a topic.
@@ -110,12 +106,9 @@ pub(crate) struct Identity {
 /// All lines of a topic, mapped.
 #[derive(Debug)]
 pub(crate) struct Lines {
-    start: NonNull<Head>,
+    mapping: Mapping,
     count: usize,
 }
-
-// SAFETY: the mapping belongs to the process, not to a thread, and holds atomic words only.
-unsafe impl Send for Lines {}
 
 impl Lines {
     /// Creates the lines of `topic`, which so many `publishers` can have at a time, or opens them if they exist.
@@ -125,13 +118,9 @@ impl Lines {
     pub(crate) fn create(prefix: &str, topic: &TopicName, publishers: usize) -> Result<Self, BusError> {
         let path = path_of(prefix, topic);
         let count = (2 * publishers.max(1)).min(LINES_MAX);
-        let file = open_options().create(true).mode(0o600).open(&path);
-        file.and_then(|file| {
-            // Reserved now: a write into a page for which there is no memory left would end the process.
-            fallocate(&file, FallocateFlags::empty(), 0, ((1 + count) * LINE_BYTES) as u64)?;
-            Self::map(&file)
-        })
-        .map_err(|source| io_error("create", path, source))
+        Mapping::create(&path, (1 + count) * LINE_BYTES)
+            .and_then(Self::of)
+            .map_err(|source| io_error("create", path, source))
     }
 
     /// Opens the lines of `topic`.
@@ -140,35 +129,28 @@ impl Lines {
     /// If nobody holds the topic, or they are another user's.
     pub(crate) fn open(prefix: &str, topic: &TopicName) -> Result<Self, BusError> {
         let path = path_of(prefix, topic);
-        let file = open_options().open(&path);
-        file.and_then(|file| Self::map(&file))
+        Mapping::open(&path)
+            .and_then(Self::of)
             .map_err(|source| io_error("open", path, source))
     }
 
-    fn map(file: &File) -> io::Result<Self> {
-        let found = file.metadata()?;
-        let count = (found.len() as usize / LINE_BYTES).saturating_sub(1).min(LINES_MAX);
-        if found.uid() != rustix::process::geteuid().as_raw() || count == 0 {
+    fn of(mapping: Mapping) -> io::Result<Self> {
+        let count = (mapping.bytes() / LINE_BYTES).saturating_sub(1).min(LINES_MAX);
+        if count == 0 {
             return Err(io::Error::other("not a topic's lines"));
         }
-        let access = ProtFlags::READ | ProtFlags::WRITE;
-        // Populated: no page is to be fetched in the loop.
-        let flags = MapFlags::SHARED | MapFlags::POPULATE;
-        // SAFETY: a new mapping, at a place that the system chooses, overlaps nothing.
-        let start = unsafe { mmap(std::ptr::null_mut(), mapped_bytes(count), access, flags, file, 0) }?;
-        let start = NonNull::new(start.cast()).ok_or_else(|| io::Error::other("mapped at zero"))?;
-        Ok(Self { start, count })
+        Ok(Self { mapping, count })
     }
 
     fn head(&self) -> &Head {
         // SAFETY: the mapping begins with a head, is aligned to a page, lives as long as `self`, and any bits are
         // atomic words.
-        unsafe { self.start.as_ref() }
+        unsafe { self.mapping.start().cast().as_ref() }
     }
 
     fn list(&self) -> &[Line] {
         // SAFETY: as in `head`; behind it the mapping has `count` lines.
-        unsafe { std::slice::from_raw_parts(self.start.add(1).cast().as_ptr(), self.count) }
+        unsafe { std::slice::from_raw_parts(self.mapping.start().cast::<Line>().add(1).as_ptr(), self.count) }
     }
 
     /// Every line that a publisher has or had.
@@ -211,13 +193,6 @@ impl Lines {
         owners
             .filter(|(_, owner)| matches!(owner & STATE, CLAIMED | LIVES))
             .collect()
-    }
-}
-
-impl Drop for Lines {
-    fn drop(&mut self) {
-        // SAFETY: the mapping was made with this length, and nothing borrows from it any more.
-        let _ = unsafe { munmap(self.start.as_ptr().cast(), mapped_bytes(self.count)) };
     }
 }
 
@@ -405,10 +380,6 @@ fn scramble(word: u64) -> u64 {
     word ^ (word >> 31)
 }
 
-fn mapped_bytes(count: usize) -> usize {
-    (1 + count) * LINE_BYTES
-}
-
 /// What the name of each file of lines begins with.
 fn name_start(prefix: &str) -> String {
     format!("{prefix}lines.")
@@ -417,15 +388,6 @@ fn name_start(prefix: &str) -> String {
 fn path_of(prefix: &str, topic: &TopicName) -> PathBuf {
     let topic = topic.as_str().replace('/', ".");
     Path::new(SHARED_MEMORY_DIR).join(name_start(prefix) + &topic)
-}
-
-fn open_options() -> OpenOptions {
-    let mut options = OpenOptions::new();
-    options
-        .read(true)
-        .write(true)
-        .custom_flags(OFlags::NOFOLLOW.bits().cast_signed());
-    options
 }
 
 fn io_error(action: &'static str, path: PathBuf, source: io::Error) -> BusError {
@@ -444,7 +406,7 @@ pub(crate) fn mark_dead<E>(prefix: &str, nodes: impl FnOnce() -> Result<Vec<u128
         .flatten()
         .filter(|entry| entry.file_name().to_str().is_some_and(|name| name.starts_with(&start)))
         .filter_map(|entry| {
-            let lines = Lines::map(&open_options().open(entry.path()).ok()?).ok()?;
+            let lines = Lines::of(Mapping::open(&entry.path()).ok()?).ok()?;
             let owners = lines.owners();
             Some((lines, owners))
         })

@@ -9,8 +9,10 @@ use std::path::Path;
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
+use crate::log::log_bytes;
 use crate::quality::{NODES_MAX, reserved_slices};
 use crate::seal::SHARED_MEMORY_DIR;
+use crate::transport::Payload;
 
 /// iceoryx2's own header of a slice, with its padding (rounded up).
 const SLICE_HEADER_BYTES: usize = 64;
@@ -32,6 +34,11 @@ pub fn needed_bytes<T>(topic: &Topic<T>, publishers: usize) -> u64 {
     let lists = 2 * (NODES_MAX + capacity.publishers + capacity.subscribers) * PLACE_BYTES;
     let listeners = capacity.subscribers * FILE_BYTES;
     (publishers * (publisher + capacity.subscribers * connection) + lists + listeners + 3 * FILE_BYTES) as u64
+}
+
+/// Bytes that the log of `topic` takes in shared memory.
+pub fn needed_log_bytes<T: Payload>(topic: &Topic<T>) -> u64 {
+    (FILE_BYTES + log_bytes(topic)) as u64
 }
 
 /// Bytes that are free in shared memory.

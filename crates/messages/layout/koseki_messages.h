@@ -20,6 +20,7 @@
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0xd685ec79c1f207d) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTROL_SCHEMA UINT64_C(0xb124b2ef9c9a3290) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x655d541113faae18) /* BatchHeader.schema of its slices. */
+#define KOSEKI_WORK_STEP_SCHEMA UINT64_C(0x3121f747a9fcf9a4) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
 #define KOSEKI_CONTRIBUTORS_MAX UINT64_C(0x40) /* Length of ContributorSet.sensor_uids. */
 #define KOSEKI_COUNTERS_MAX UINT64_C(0x60) /* Length of Counters.values. */
@@ -66,6 +67,7 @@
 #define KOSEKI_REGISTRATION_TIME UINT64_C(0x8) /* The time offset is. */
 #define KOSEKI_REGISTRATION_RANGE UINT64_C(0x10) /* The range bias is. */
 #define KOSEKI_REGISTRATION_AZIMUTH UINT64_C(0x20) /* The azimuth bias is. */
+#define KOSEKI_WORK_STEP_WILD_CLOCK UINT64_C(0x1) /* Fusion did not believe the time of the report. */
 #define KOSEKI_STATE_TENTATIVE UINT64_C(0x0) /* Seen, not yet believed. */
 #define KOSEKI_STATE_CONFIRMED UINT64_C(0x1) /* Believed, and supported by recent reports. */
 #define KOSEKI_STATE_COASTED UINT64_C(0x2) /* Believed, but carried on by extrapolation for want of reports. */
@@ -111,6 +113,11 @@
 #define KOSEKI_STREAM_SYSTEM_TRACKS UINT64_C(0x7) /* System tracks. */
 #define KOSEKI_STREAM_ALARMS UINT64_C(0x8) /* Alarms. */
 #define KOSEKI_STREAM_DECISIONS UINT64_C(0x9) /* Decisions of fusion. */
+#define KOSEKI_STEP_BEGIN UINT64_C(0x1) /* Fusion begins, from its configuration: `time_ns` is its start-up number (`epoch`). */
+#define KOSEKI_STEP_REPORT UINT64_C(0x2) /* The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`. */
+#define KOSEKI_STEP_PUBLISHER UINT64_C(0x3) /* The next reports of `source` are those of the publisher whose incarnation is `time_ns`. */
+#define KOSEKI_STEP_TIME UINT64_C(0x4) /* Time has passed up to `time_ns` without a report. */
+#define KOSEKI_STEP_CONDITION UINT64_C(0x5) /* Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. */
 #define KOSEKI_PROCESS_ADAPTER UINT64_C(0x0) /* Turns one sensor's data into sensor tracks. */
 #define KOSEKI_PROCESS_FUSION UINT64_C(0x1) /* Fuses sensor tracks into system tracks. */
 #define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */
@@ -700,5 +707,19 @@ static_assert(sizeof(KosekiFrameOrigin) == 24, "size");
 static_assert(offsetof(KosekiFrameOrigin, latitude_deg) == 0, "offset");
 static_assert(offsetof(KosekiFrameOrigin, longitude_deg) == 8, "offset");
 static_assert(offsetof(KosekiFrameOrigin, height_m) == 16, "offset");
+
+typedef struct KosekiWorkStep {
+    int64_t time_ns; /* Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other kinds: see */
+    uint32_t sequence; /* Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own */
+    uint16_t source; /* Number of the source; 65535 if the step is of none. */
+    uint8_t kind; /* Kind of step: a `StepKind` code. */
+    uint8_t flags; /* Flags: see `work_step_bits`. */
+} KosekiWorkStep;
+static_assert(sizeof(KosekiWorkStep) == 16, "size");
+static_assert(offsetof(KosekiWorkStep, time_ns) == 0, "offset");
+static_assert(offsetof(KosekiWorkStep, sequence) == 8, "offset");
+static_assert(offsetof(KosekiWorkStep, source) == 12, "offset");
+static_assert(offsetof(KosekiWorkStep, kind) == 14, "offset");
+static_assert(offsetof(KosekiWorkStep, flags) == 15, "offset");
 
 #endif

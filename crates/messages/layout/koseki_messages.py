@@ -22,6 +22,7 @@ HEALTH_SCHEMA = 0x2ee1a77c420b678  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0xd685ec79c1f207d  # BatchHeader.schema of its slices.
 CONTROL_SCHEMA = 0xb124b2ef9c9a3290  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x655d541113faae18  # BatchHeader.schema of its slices.
+WORK_STEP_SCHEMA = 0x3121f747a9fcf9a4  # BatchHeader.schema of its slices.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
 CONTRIBUTORS_MAX = 0x40  # Length of ContributorSet.sensor_uids.
 COUNTERS_MAX = 0x60  # Length of Counters.values.
@@ -68,6 +69,7 @@ REGISTRATION_UP = 0x4  # The offset up is.
 REGISTRATION_TIME = 0x8  # The time offset is.
 REGISTRATION_RANGE = 0x10  # The range bias is.
 REGISTRATION_AZIMUTH = 0x20  # The azimuth bias is.
+WORK_STEP_WILD_CLOCK = 0x1  # Fusion did not believe the time of the report.
 STATE_TENTATIVE = 0x0  # Seen, not yet believed.
 STATE_CONFIRMED = 0x1  # Believed, and supported by recent reports.
 STATE_COASTED = 0x2  # Believed, but carried on by extrapolation for want of reports.
@@ -113,6 +115,11 @@ STREAM_WIDE_AREA = 0x6  # Reports of a wide-area sensor.
 STREAM_SYSTEM_TRACKS = 0x7  # System tracks.
 STREAM_ALARMS = 0x8  # Alarms.
 STREAM_DECISIONS = 0x9  # Decisions of fusion.
+STEP_BEGIN = 0x1  # Fusion begins, from its configuration: `time_ns` is its start-up number (`epoch`).
+STEP_REPORT = 0x2  # The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`.
+STEP_PUBLISHER = 0x3  # The next reports of `source` are those of the publisher whose incarnation is `time_ns`.
+STEP_TIME = 0x4  # Time has passed up to `time_ns` without a report.
+STEP_CONDITION = 0x5  # Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`.
 PROCESS_ADAPTER = 0x0  # Turns one sensor's data into sensor tracks.
 PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
 PROCESS_MONITOR = 0x2  # Records latencies and counters.
@@ -894,3 +901,25 @@ assert ctypes.sizeof(FrameOrigin) == 24
 assert FrameOrigin.latitude_deg.offset == 0
 assert FrameOrigin.longitude_deg.offset == 8
 assert FrameOrigin.height_m.offset == 16
+
+
+class WorkStep(ctypes.Structure):
+    _fields_ = [
+        ("time_ns", ctypes.c_int64),  # Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other kinds: see
+        ("sequence", ctypes.c_uint32),  # Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own
+        ("source", ctypes.c_uint16),  # Number of the source; 65535 if the step is of none.
+        ("kind", ctypes.c_uint8),  # Kind of step: a `StepKind` code.
+        ("flags", ctypes.c_uint8),  # Flags: see `work_step_bits`.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "WorkStep"
+
+
+assert ctypes.sizeof(WorkStep) == 16
+assert WorkStep.time_ns.offset == 0
+assert WorkStep.sequence.offset == 8
+assert WorkStep.source.offset == 12
+assert WorkStep.kind.offset == 14
+assert WorkStep.flags.offset == 15

@@ -158,6 +158,7 @@ pub const ALL: &[Layout] = &[
     crate::Progress::LAYOUT,
     crate::Control::LAYOUT,
     crate::FrameOrigin::LAYOUT,
+    crate::WorkStep::LAYOUT,
 ];
 
 impl Layout {
@@ -312,7 +313,7 @@ fn constants() -> Vec<(String, u64, &'static str)> {
         ),
         ("COUNTERS_MAX", crate::COUNTERS_MAX, "Length of Counters.values."),
     ];
-    let bits: [(&str, &[Constant]); 11] = [
+    let bits: [(&str, &[Constant]); 12] = [
         ("IDENTITY", crate::identity_bits::CONSTANTS),
         ("MOVEMENT", crate::movement_bits::CONSTANTS),
         ("SENSOR_TRACK", crate::sensor_track_bits::CONSTANTS),
@@ -324,6 +325,7 @@ fn constants() -> Vec<(String, u64, &'static str)> {
         ("CONTRIBUTOR_SET", crate::contributor_set_bits::CONSTANTS),
         ("ALERT", crate::alert_bits::CONSTANTS),
         ("REGISTRATION", crate::registration_bits::CONSTANTS),
+        ("WORK_STEP", crate::work_step_bits::CONSTANTS),
     ];
     let codes = [
         ("STATE", crate::TrackState::constants()),
@@ -335,6 +337,7 @@ fn constants() -> Vec<(String, u64, &'static str)> {
         ("LONGITUDINAL", crate::LongitudinalMovement::constants()),
         ("DETECTION_KIND", crate::DetectionKind::constants()),
         ("STREAM", crate::Stream::constants()),
+        ("STEP", crate::StepKind::constants()),
         ("PROCESS", crate::ProcessKind::constants()),
         ("LIFE", crate::LifeState::constants()),
         ("ALARM_SEVERITY", crate::AlarmSeverity::constants()),

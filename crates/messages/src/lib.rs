@@ -39,6 +39,7 @@ mod system_track;
 mod target_type;
 mod topics;
 mod wide_area;
+mod work_step;
 
 pub use alarm::{ALARM_TEXT_MAX, Alarm, AlarmEvent, AlarmSeverity};
 pub use batch::BatchHeader;
@@ -67,10 +68,11 @@ pub use system_track::{
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
     Capacity, Stream, StreamId, Streamed, Topic, TopicName, alarms, contributors, control, cues, decisions,
-    frame_origin, health, platform_states, progress, sensor_bearings, sensor_detections, sensor_tracks, system_tracks,
-    wide_area,
+    frame_origin, health, order, platform_states, progress, sensor_bearings, sensor_detections, sensor_tracks,
+    system_tracks, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
+pub use work_step::{StepKind, WorkStep, work_step_bits};
 
 /// Version of the meaning of the samples' fields. It is part of every sample's fingerprint, which every slice carries
 /// and every subscriber checks; a changed layout changes that of its own type by itself.

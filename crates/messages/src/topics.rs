@@ -9,7 +9,7 @@ use crate::codes;
 use crate::layout::Sample;
 use crate::{
     Alarm, ContributorSet, Control, Cue, Decision, FrameOrigin, Health, PlatformState, Progress, SensorBearing,
-    SensorDetection, SensorTrack, SystemTrack, WideArea,
+    SensorDetection, SensorTrack, SystemTrack, WideArea, WorkStep,
 };
 
 /// Name of a topic in shared memory.
@@ -235,4 +235,8 @@ topics! {
 
     /// Orders to fusion.
     control() -> Control: "control", 16 slices of 1, 8 to 8;
+
+    /// Order of fusion's work: a [log](crate::WorkStep) that outlives fusion, thirteen seconds of it at 20,000 reports a
+    /// second.
+    order() -> WorkStep: "system/order", 262144 slices of 1, 1 to 16;
 }

@@ -129,12 +129,13 @@ pub fn hold_topics(deployment: &impl Deployment, bus: &Bus<SharedMemory>) -> Res
     let mut hold = Hold { bus, held: Vec::new() };
     // The number of processes matters for the space only.
     each_topic(deployment, 0, &mut hold)?;
+    bus.hold_log(&messages::order(), clock::mono_ns() as u64)?;
     Ok(hold.held)
 }
 
 /// Most bytes that a deployment of so many `processes` takes in shared memory.
 pub fn needed_bytes(deployment: &impl Deployment, processes: usize) -> u64 {
-    let mut need = Need(0);
+    let mut need = Need(bus::needed_log_bytes(&messages::order()));
     // Adding up cannot fail.
     let _ = each_topic(deployment, processes, &mut need);
     need.0

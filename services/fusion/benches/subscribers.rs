@@ -71,7 +71,7 @@ fn drive(reading: usize, stopped: usize) -> std::time::Duration {
         let (round, number) = (sent / TARGETS, sent % TARGETS);
         let time_ns = START_NS + round as i64 * S + number as i64 * (S / TARGETS as i64);
         let mark = Mark {
-            progress_ns: i64::MIN,
+            progress_ns: time_ns,
             sent_ns: sent as i64,
             end: false,
         };

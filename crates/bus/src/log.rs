@@ -1,0 +1,269 @@
+//! A log in shared memory: what one process writes down, sample by sample, for others to follow at their own pace.
+//!
+//! A topic costs its publisher some thousand instructions a slice. Where each sample must be out before what comes of
+//! it, that is dear. A log costs some ten: the writer puts the sample into the next place of a ring of memory, and then
+//! counts. No reader is known to it, none can slow it, and what it wrote stays when it is killed, in the middle of
+//! whatever. Its successor goes on with the next place; there must be one writer at a time.
+//!
+//! The ring is one file in shared memory, made by whoever holds it: a head with when it was made and how many samples
+//! were ever written, then as many places as the topic has depth, a power of two. A reader copies places, then looks at
+//! the count again: what the writer may have come round to in the meantime is lost to that reader.
+
+use std::marker::PhantomData;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
+use std::sync::atomic::{AtomicU64, fence};
+
+use messages::Topic;
+
+use crate::error::BusError;
+use crate::mapping::Mapping;
+use crate::seal::SHARED_MEMORY_DIR;
+use crate::transport::Payload;
+
+const WORD: usize = size_of::<u64>();
+/// Words of the head: a cache line.
+const HEAD: usize = 8;
+const CREATED: usize = 0;
+const NEXT: usize = 1;
+/// Samples that a reader copies at a time.
+const AT_A_TIME: usize = 256;
+
+/// The ring, mapped.
+#[derive(Debug)]
+struct Ring<T> {
+    mapping: Mapping,
+    places: u64,
+    samples: PhantomData<fn() -> T>,
+}
+
+/// Octets of the file of a log.
+pub(crate) fn log_bytes<T: Payload>(topic: &Topic<T>) -> usize {
+    HEAD * WORD + topic.capacity.depth * size_of::<T>()
+}
+
+impl<T: Payload> Ring<T> {
+    const WORDS: usize = {
+        assert!(size_of::<T>().is_multiple_of(WORD) && align_of::<T>() == WORD);
+        size_of::<T>() / WORD
+    };
+
+    fn of(topic: &Topic<T>, mapping: Mapping) -> std::io::Result<Self> {
+        let places = topic.capacity.depth as u64;
+        if !places.is_power_of_two() || mapping.bytes() != log_bytes(topic) {
+            return Err(std::io::Error::other("not this log"));
+        }
+        Ok(Self {
+            mapping,
+            places,
+            samples: PhantomData,
+        })
+    }
+
+    fn words(&self) -> &[AtomicU64] {
+        let count = self.mapping.bytes() / WORD;
+        // SAFETY: the mapping is aligned to a page, has so many words, lives as long as `self`, and any bits are atomic
+        // words.
+        unsafe { std::slice::from_raw_parts(self.mapping.start().cast().as_ptr(), count) }
+    }
+
+    fn place(&self, number: u64) -> &[AtomicU64] {
+        let first = HEAD + (number & (self.places - 1)) as usize * Self::WORDS;
+        &self.words()[first..first + Self::WORDS]
+    }
+}
+
+/// Makes the log of `topic`, at `created_ns` (monotonic, nanoseconds), or finds it.
+pub(crate) fn create<T: Payload>(prefix: &str, topic: &Topic<T>, created_ns: u64) -> Result<(), BusError> {
+    let path = path_of(prefix, topic);
+    let ring = Mapping::create(&path, log_bytes(topic)).and_then(|mapping| Ring::of(topic, mapping));
+    let ring = ring.map_err(|source| BusError::Io {
+        action: "create",
+        path,
+        source,
+    })?;
+    // Whoever made it first has said so.
+    let _ = ring.words()[CREATED].compare_exchange(0, created_ns, Relaxed, Relaxed);
+    Ok(())
+}
+
+/// Maps the log of `topic`; without a `prefix`, one of its own that nobody else sees.
+fn open<T: Payload>(prefix: Option<&str>, topic: &Topic<T>) -> Result<Ring<T>, BusError> {
+    let path = path_of(prefix.unwrap_or_default(), topic);
+    let mapping = match prefix {
+        Some(_) => Mapping::open(&path),
+        None => Mapping::anonymous(log_bytes(topic)),
+    };
+    let ring = mapping.and_then(|mapping| Ring::of(topic, mapping));
+    ring.map_err(|source| BusError::Io {
+        action: "open",
+        path,
+        source,
+    })
+}
+
+fn path_of<T>(prefix: &str, topic: &Topic<T>) -> PathBuf {
+    let topic = topic.name.as_str().replace('/', ".");
+    Path::new(SHARED_MEMORY_DIR).join(format!("{prefix}log.{topic}"))
+}
+
+/// Writes a log.
+#[derive(Debug)]
+pub struct LogWriter<T> {
+    ring: Ring<T>,
+    next: u64,
+}
+
+impl<T: Payload> LogWriter<T> {
+    pub(crate) fn open(prefix: Option<&str>, topic: &Topic<T>) -> Result<Self, BusError> {
+        let ring = open(prefix, topic)?;
+        let next = ring.words()[NEXT].load(Acquire);
+        Ok(Self { ring, next })
+    }
+
+    /// Writes a sample down: when this returns it is there, even if this process dies.
+    #[inline]
+    pub fn write(&mut self, sample: &T) {
+        let octets = T::octets(std::slice::from_ref(sample)).chunks_exact(WORD);
+        for (word, octets) in self.ring.place(self.next).iter().zip(octets) {
+            word.store(u64::from_ne_bytes(octets.try_into().expect("a word")), Relaxed);
+        }
+        self.next += 1;
+        self.ring.words()[NEXT].store(self.next, Release);
+        // Whoever sees a word of the next sample sees this count.
+        fence(Release);
+    }
+}
+
+/// Follows a log.
+#[derive(Debug)]
+pub struct LogReader<T> {
+    ring: Ring<T>,
+    next: u64,
+    copied: Vec<T>,
+}
+
+impl<T: Payload> LogReader<T> {
+    pub(crate) fn open(prefix: Option<&str>, topic: &Topic<T>) -> Result<Self, BusError> {
+        Ok(Self {
+            ring: open(prefix, topic)?,
+            next: 0,
+            copied: Vec::with_capacity(AT_A_TIME),
+        })
+    }
+
+    /// When the log was made, monotonic, nanoseconds: tells it from another one.
+    pub fn created_ns(&self) -> u64 {
+        self.ring.words()[CREATED].load(Relaxed)
+    }
+
+    /// Goes on with the sample of this number, or the oldest that there is.
+    pub fn go_to(&mut self, next: u64) {
+        self.next = next;
+    }
+
+    /// Whether something was written that this reader has not had.
+    pub fn has_samples(&self) -> bool {
+        self.ring.words()[NEXT].load(Acquire) > self.next
+    }
+
+    /// The samples that come next, a few hundred at most, and the number of the first: how many were ever written before
+    /// it. `None` if there are none. A number that is not the one expected says how many were lost.
+    pub fn read(&mut self) -> Option<(u64, &[T])> {
+        let first = loop {
+            let written = self.ring.words()[NEXT].load(Acquire);
+            // One place may be being written.
+            let oldest = (written + 1).saturating_sub(self.ring.places);
+            let first = self.next.max(oldest);
+            let count = written.checked_sub(first).filter(|count| *count > 0)?;
+            self.copied.clear();
+            for number in first..first + count.min(AT_A_TIME as u64) {
+                self.copied.extend(self.copy(number));
+            }
+            fence(Acquire);
+            self.next = first;
+            let written = self.ring.words()[NEXT].load(Relaxed);
+            if first + self.ring.places > written {
+                break first;
+            }
+        };
+        self.next += self.copied.len() as u64;
+        Some((first, &self.copied))
+    }
+
+    fn copy(&self, number: u64) -> Option<T> {
+        const WORDS_MAX: usize = 32;
+        let mut octets = [0; WORDS_MAX * WORD];
+        for (word, octets) in self.ring.place(number).iter().zip(octets.chunks_exact_mut(WORD)) {
+            octets.copy_from_slice(&word.load(Relaxed).to_ne_bytes());
+        }
+        T::of_octets(&octets[..size_of::<T>()])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::WorkStep;
+
+    use super::*;
+
+    fn step(number: u64) -> WorkStep {
+        WorkStep {
+            time_ns: number as i64,
+            sequence: number as u32,
+            ..WorkStep::default()
+        }
+    }
+
+    /// Writer and reader of one ring of so many places.
+    fn pair(places: usize) -> (LogWriter<WorkStep>, LogReader<WorkStep>, tempfile::TempDir) {
+        let folder = tempfile::tempdir().unwrap();
+        let mut topic = messages::order();
+        topic.capacity.depth = places;
+        let mapping = || Mapping::create(&folder.path().join("log"), log_bytes(&topic)).unwrap();
+        let ring = || Ring::of(&topic, mapping()).unwrap();
+        let writer = LogWriter { ring: ring(), next: 0 };
+        let reader = LogReader {
+            ring: ring(),
+            next: 0,
+            copied: Vec::new(),
+        };
+        (writer, reader, folder)
+    }
+
+    #[test]
+    fn samples_come_in_order_and_those_overwritten_are_passed_over() {
+        let (mut writer, mut reader, _folder) = pair(8);
+        assert!(reader.read().is_none());
+        (0..3).for_each(|number| writer.write(&step(number)));
+        assert_eq!(reader.read(), Some((0, &[0, 1, 2].map(step)[..])));
+        assert!(reader.read().is_none() && !reader.has_samples());
+        (3..30).for_each(|number| writer.write(&step(number)));
+        let last: Vec<_> = (23..30).map(step).collect();
+        assert_eq!(reader.read(), Some((23, &last[..])));
+        reader.go_to(28);
+        assert_eq!(reader.read(), Some((28, &last[5..])));
+    }
+
+    #[test]
+    fn a_reader_beside_a_writer_reads_nothing_torn() {
+        const COUNT: u64 = 200_000;
+        let (mut writer, mut reader, _folder) = pair(64);
+        let writing = std::thread::spawn(move || (0..COUNT).for_each(|number| writer.write(&step(number))));
+        let (mut next, mut taken) = (0, 0);
+        while next < COUNT {
+            let Some((first, samples)) = reader.read() else {
+                std::thread::yield_now();
+                continue;
+            };
+            assert!(first >= next);
+            for (number, sample) in (first..).zip(samples) {
+                assert_eq!(*sample, step(number));
+            }
+            next = first + samples.len() as u64;
+            taken += samples.len();
+        }
+        writing.join().unwrap();
+        assert!(taken > 0 && reader.read().is_none());
+    }
+}

@@ -1,0 +1,95 @@
+//! Files in shared memory that are mapped as they are: words that outlive whoever wrote them.
+
+use std::fs::OpenOptions;
+use std::io;
+use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
+use std::path::Path;
+use std::ptr::NonNull;
+
+use rustix::fs::{FallocateFlags, OFlags, fallocate};
+use rustix::mm::{MapFlags, ProtFlags, mmap, mmap_anonymous, munmap};
+
+const ACCESS: ProtFlags = ProtFlags::READ.union(ProtFlags::WRITE);
+/// Populated: no page is to be fetched in the loop.
+const FLAGS: MapFlags = MapFlags::SHARED.union(MapFlags::POPULATE);
+
+/// A file, mapped whole. Begins at a page, with zeros where nobody wrote.
+#[derive(Debug)]
+pub(crate) struct Mapping {
+    start: NonNull<u8>,
+    bytes: usize,
+}
+
+// SAFETY: the mapping belongs to the process, not to a thread; its users hold atomic words in it only.
+unsafe impl Send for Mapping {}
+
+impl Mapping {
+    /// Creates the file with so many `bytes`, or opens it if it exists.
+    ///
+    /// # Errors
+    /// If it cannot be made, or is another user's.
+    pub(crate) fn create(path: &Path, bytes: usize) -> io::Result<Self> {
+        let file = options().create(true).mode(0o600).open(path)?;
+        // Reserved now: a write into a page for which there is no memory left would end the process.
+        fallocate(&file, FallocateFlags::empty(), 0, bytes as u64)?;
+        drop(file);
+        Self::open(path)
+    }
+
+    /// Opens the file.
+    ///
+    /// # Errors
+    /// If there is none, or it is empty or another user's.
+    pub(crate) fn open(path: &Path) -> io::Result<Self> {
+        let file = options().open(path)?;
+        let found = file.metadata()?;
+        let bytes = found.len() as usize;
+        if found.uid() != rustix::process::geteuid().as_raw() || bytes == 0 {
+            return Err(io::Error::other("not a file of this user's shared memory"));
+        }
+        // SAFETY: a new mapping, at a place that the system chooses, overlaps nothing.
+        let start = unsafe { mmap(std::ptr::null_mut(), bytes, ACCESS, FLAGS, &file, 0) }?;
+        Self::at(start.cast(), bytes)
+    }
+
+    /// Memory without a file, of so many `bytes`.
+    ///
+    /// # Errors
+    /// If there is none left.
+    pub(crate) fn anonymous(bytes: usize) -> io::Result<Self> {
+        // SAFETY: as in `open`.
+        let start = unsafe { mmap_anonymous(std::ptr::null_mut(), bytes, ACCESS, FLAGS) }?;
+        Self::at(start.cast(), bytes)
+    }
+
+    fn at(start: *mut u8, bytes: usize) -> io::Result<Self> {
+        let start = NonNull::new(start).ok_or_else(|| io::Error::other("mapped at zero"))?;
+        Ok(Self { start, bytes })
+    }
+
+    /// First octet.
+    pub(crate) fn start(&self) -> NonNull<u8> {
+        self.start
+    }
+
+    /// Length in octets.
+    pub(crate) fn bytes(&self) -> usize {
+        self.bytes
+    }
+}
+
+impl Drop for Mapping {
+    fn drop(&mut self) {
+        // SAFETY: the mapping was made with this length, and nothing borrows from it any more.
+        let _ = unsafe { munmap(self.start.as_ptr().cast(), self.bytes) };
+    }
+}
+
+fn options() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options
+        .read(true)
+        .write(true)
+        .custom_flags(OFlags::NOFOLLOW.bits().cast_signed());
+    options
+}

@@ -1,0 +1,47 @@
+//! The order in which fusion did its work.
+
+use crate::codes;
+use crate::codes::bits;
+use crate::layout::sample;
+
+codes! {
+    /// Kind of a step of fusion's work.
+    pub enum StepKind: u8 {
+        /// Fusion begins, from its configuration: `time_ns` is its start-up number (`epoch`).
+        Begin = 1, "begin";
+        /// The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`.
+        Report = 2, "report";
+        /// The next reports of `source` are those of the publisher whose incarnation is `time_ns`.
+        Publisher = 3, "publisher";
+        /// Time has passed up to `time_ns` without a report.
+        Time = 4, "time";
+        /// Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`.
+        Condition = 5, "condition";
+    }
+}
+
+bits! {
+    /// Bits of [`WorkStep::flags`].
+    work_step_bits: u8 {
+        /// Fusion did not believe the time of the report.
+        WILD_CLOCK = 1;
+    }
+}
+
+sample! {
+    /// Step of fusion's work: with the reports, all steps since a beginning give the same system tracks again.
+    WorkStep, size 16 {
+        /// Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other kinds: see
+        /// `StepKind`.
+        time_ns: i64,
+        /// Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own
+        /// `sequence`.
+        sequence: u32,
+        /// Number of the source; 65535 if the step is of none.
+        source: u16,
+        /// Kind of step: a `StepKind` code.
+        kind: u8,
+        /// Flags: see `work_step_bits`.
+        flags: u8,
+    }
+}
