@@ -1,10 +1,7 @@
 //! Sensor accuracy s and observation error coefficient alpha = k·s (TI-7, TI-8).
 
-use crate::settings::{AccuracyBase, Settings, SourceSettings};
+use crate::settings::{AccuracyBase, Settings};
 use crate::state::State;
-
-/// The condition that holds at the start.
-const NORMAL: &str = "normal";
 
 /// The sensor accuracies of all sources under the present condition.
 #[derive(Debug)]
@@ -28,17 +25,10 @@ impl Accuracies {
         &mut self.mean_squares[source]
     }
 
-    /// From now on condition `name` holds; sources that do not name it have factor 1. `false` if no source names it and
-    /// it is not [`NORMAL`]: then nothing changes.
+    /// From now on condition `name` holds; sources that do not name it have factor 1. `false` if it is not one of
+    /// [`Settings::conditions`]: then nothing changes.
     pub(crate) fn set_condition(&mut self, settings: &Settings, name: &str) -> bool {
-        let names = |source: &SourceSettings| {
-            source
-                .accuracy
-                .conditions
-                .iter()
-                .any(|(condition, _)| condition == name)
-        };
-        if name != NORMAL && !settings.sources.iter().any(names) {
+        if !settings.conditions().any(|condition| condition == name) {
             return false;
         }
         for (factor, source) in self.factors.iter_mut().zip(&settings.sources) {

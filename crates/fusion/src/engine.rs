@@ -103,6 +103,11 @@ impl Engine {
         &mut self.outbox.counts
     }
 
+    /// Time up to which time has passed, UTC, nanoseconds; `i64::MIN` at the start.
+    pub fn now_ns(&self) -> i64 {
+        self.schedule.now_ns()
+    }
+
     /// The settings it runs with.
     pub fn settings(&self) -> &Settings {
         &self.settings

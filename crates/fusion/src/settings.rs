@@ -689,6 +689,13 @@ impl MosaicSettings {
 }
 
 impl Settings {
+    /// Names of the conditions (weather) that can hold, each in its place: first the one that does at the start. A name
+    /// may come again.
+    pub fn conditions(&self) -> impl Iterator<Item = &str> {
+        let of_sources = self.sources.iter().flat_map(|source| &source.accuracy.conditions);
+        std::iter::once("normal").chain(of_sources.map(|(name, _)| name.as_str()))
+    }
+
     /// The settings for these sources, with the numbers of those that keys name.
     ///
     /// # Errors

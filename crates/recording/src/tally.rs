@@ -70,6 +70,11 @@ impl Tally {
         *next = first.saturating_add(count as u64).max(*next);
     }
 
+    /// Sequence number that must come next of a publisher, by its incarnation; 0 if it was not heard.
+    pub fn next_of(&self, incarnation: u64) -> u64 {
+        self.next.get(&incarnation).copied().unwrap_or(0)
+    }
+
     /// Publishers that were heard.
     pub fn publishers(&self) -> usize {
         self.next.len()

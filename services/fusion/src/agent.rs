@@ -13,6 +13,7 @@ use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
 use crate::inputs::{Input, Taken};
+use crate::order::OrderOfWork;
 use crate::output::Output;
 use crate::source_time::SourceTime;
 
@@ -31,6 +32,7 @@ pub struct FusionAgent<S: Transport> {
     engine: Engine,
     inputs: Vec<Input<S>>,
     output: Output<S>,
+    order: OrderOfWork,
     queues: Arc<Queues>,
     waiter: Waiter<S>,
     /// Order `arrival`: the sources whose turn comes in the round at hand.
@@ -80,6 +82,7 @@ impl<S: Transport> FusionAgent<S> {
         Ok(Self {
             engine: Engine::new(config.fusion.settings.clone())?,
             output: Output::new(config, bus, incarnation, Arc::clone(&queues))?,
+            order: OrderOfWork::begin(bus, incarnation, inputs.len())?,
             queues,
             waiter,
             round: Vec::with_capacity(inputs.len()),
@@ -94,11 +97,15 @@ impl<S: Transport> FusionAgent<S> {
 
     fn obey(&mut self) {
         while let Some(order) = self.queues.orders.pop() {
-            let obeyed = order.kind == Control::CONDITION && self.engine.set_condition(order.name());
-            let counter = if obeyed {
-                Counter::OrdersObeyed
-            } else {
-                Counter::OrdersRejected
+            let named = |name: &str| name == order.name();
+            let number = self.engine.settings().conditions().position(named);
+            let counter = match number.filter(|_| order.kind == Control::CONDITION) {
+                Some(number) => {
+                    self.order.condition(number as u32, self.engine.now_ns());
+                    self.engine.set_condition(order.name());
+                    Counter::OrdersObeyed
+                }
+                None => Counter::OrdersRejected,
             };
             self.engine.counts_mut().add(NO_SOURCE, counter);
         }
@@ -179,12 +186,13 @@ impl<S: Transport> FusionAgent<S> {
 
     /// Works off the next report of one source.
     fn work_off_one(&mut self, index: usize, now: Now) -> anyhow::Result<()> {
-        let Some(Taken { report, last }) = self.inputs[index].next_report(now) else {
+        let Some(Taken { report, number, last }) = self.inputs[index].next_report(now) else {
             return Ok(());
         };
         let passed_ns = self.passed_ns(now);
         let (input, output) = (&self.inputs[index], &mut self.output);
         self.engine.take_at(&report, passed_ns, output);
+        self.order.report(input.source, number, self.engine.now_ns());
         self.progress_ns = self.progress_ns.max(input.progress_ns);
         if last || self.output.waiting() >= SENT_TOGETHER {
             self.output.send(self.progress_ns, false)?;
@@ -216,6 +224,8 @@ impl<S: Transport> FusionAgent<S> {
             worked = true;
             self.progress_ns = report.time_of_measurement_ns;
             self.engine.take(&report, &mut self.output);
+            let number = self.inputs[usize::from(report.source)].number_of(&report);
+            self.order.report(report.source, number, self.engine.now_ns());
         }
         self.output.send(self.progress_ns, false)?;
         if merger.finished() && !self.end_sent && self.output.has_room()? {
@@ -227,7 +237,11 @@ impl<S: Transport> FusionAgent<S> {
     }
 
     fn let_time_pass(&mut self, until_ns: i64) {
+        let waited = self.output.waiting();
         self.engine.advance(until_ns, &mut self.output);
+        if self.output.waiting() > waited {
+            self.order.time(self.engine.now_ns());
+        }
     }
 
     /// Takes slices of one source while its queue has room for a whole one; what it has no room for stays in shared
@@ -239,7 +253,7 @@ impl<S: Transport> FusionAgent<S> {
             if self.reached.is_some() && merger.room(index) < input.slice_len {
                 break;
             }
-            let (counts, source) = (self.engine.counts_mut(), input.source);
+            let (counts, source, first) = (self.engine.counts_mut(), input.source, merger.next_sequence(index));
             let mut taken_header = None;
             let took = input.take_slice(
                 mono_ns,
@@ -255,6 +269,7 @@ impl<S: Transport> FusionAgent<S> {
             }
             worked = true;
             if let Some(header) = taken_header {
+                input.came_from(header.incarnation, first);
                 merger.set_watermark(index, header.progress_ns);
                 if header.flags & BatchHeader::END != 0 {
                     merger.end(index);

@@ -1,10 +1,13 @@
 //! The sources' topics, as fusion reads them.
 
+use std::collections::VecDeque;
+
 use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
 use configuration::Config;
 use messages::{BatchHeader, Counter, Counters, SensorTrack, sensor_track_bits};
 use runtime::{Now, Speed};
 
+use crate::order::Numbered;
 use crate::source_time::SourceTime;
 
 /// Slices without a report, or of another layout, that are passed over in a row before other sources have their turn.
@@ -25,6 +28,10 @@ pub(crate) struct Input<S: Transport> {
     pub(crate) time: SourceTime,
     /// Whether it has said that nothing follows.
     pub(crate) has_ended: bool,
+    /// Order `time`: publishers of reports that were taken, and the number of the first report of each.
+    publishers: VecDeque<(u64, u64)>,
+    /// Order `time`: the publisher whose slice was taken last.
+    publisher: Option<u64>,
 }
 
 /// A slice that stays in shared memory while its reports are worked off one at a time, in turn with other sources'.
@@ -40,6 +47,7 @@ struct InHand<S: Transport> {
 #[derive(Debug)]
 pub(crate) struct Taken {
     pub(crate) report: SensorTrack,
+    pub(crate) number: Numbered,
     /// Whether it was the slice's last one.
     pub(crate) last: bool,
 }
@@ -67,6 +75,8 @@ impl<S: Transport> Input<S> {
                 in_hand: None,
                 time: SourceTime::of(source, speed),
                 has_ended: false,
+                publishers: VecDeque::with_capacity(topic.capacity.publishers),
+                publisher: None,
             });
         }
         Ok(inputs)
@@ -116,12 +126,15 @@ impl<S: Transport> Input<S> {
     /// slice is given back, and its mark holds.
     pub(crate) fn next_report(&mut self, now: Now) -> Option<Taken> {
         let hand = self.in_hand.as_mut()?;
-        let (sent_ns, reports) = (hand.slice.header().sent_ns, hand.slice.samples());
+        let (header, reports) = (hand.slice.header(), hand.slice.samples());
+        let (sent_ns, publisher) = (header.sent_ns, header.incarnation);
+        let sequence = header.first_sequence.wrapping_add(hand.next as u64);
         let mut report = stamped(reports.get(hand.next)?, self.source, hand.taken_ns);
         hand.next += 1;
         let last = hand.next == reports.len();
         self.time.begin(report.time_of_measurement_ns, sent_ns);
-        if !self.time.believes(report.time_of_measurement_ns, sent_ns, now) {
+        let is_wild = !self.time.believes(report.time_of_measurement_ns, sent_ns, now);
+        if is_wild {
             report.valid |= sensor_track_bits::WILD_CLOCK;
         }
         if last {
@@ -129,7 +142,32 @@ impl<S: Transport> Input<S> {
             self.in_hand = None;
             self.pass(&header);
         }
-        Some(Taken { report, last })
+        let number = Numbered {
+            publisher,
+            sequence,
+            is_wild,
+        };
+        Some(Taken { report, number, last })
+    }
+
+    /// Order `time`: a slice of `publisher` was taken, whose reports are new from number `first` on.
+    pub(crate) fn came_from(&mut self, publisher: u64, first: u64) {
+        if self.publisher != Some(publisher) {
+            self.publisher = Some(publisher);
+            self.publishers.push_back((first, publisher));
+        }
+    }
+
+    /// Order `time`: the number of a report whose turn has come.
+    pub(crate) fn number_of(&mut self, report: &SensorTrack) -> Numbered {
+        while self.publishers.get(1).is_some_and(|next| next.0 <= report.sequence) {
+            self.publishers.pop_front();
+        }
+        Numbered {
+            publisher: self.publishers.front().map_or(0, |(_, publisher)| *publisher),
+            sequence: report.sequence,
+            is_wild: false,
+        }
     }
 
     /// Takes one slice, if there is one. Each report is stamped with the time by `clock` and its source, and handed to

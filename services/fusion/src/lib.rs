@@ -14,6 +14,7 @@
 
 mod agent;
 mod inputs;
+mod order;
 mod output;
 mod source_time;
 

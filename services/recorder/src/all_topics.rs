@@ -3,10 +3,10 @@
 use std::fmt::Debug;
 use std::path::Path;
 
-use bus::{Bus, Payload, Subscriber, Transport, Waiter};
+use bus::{Bus, LogReader, Payload, Subscriber, Transport, Waiter};
 use configuration::{Config, Segments as Settings};
 use messages::layout::Layout;
-use messages::{Stream, Streamed as _, Topic};
+use messages::{BatchHeader, Stream, Streamed as _, Topic};
 use recording::Facts;
 use runtime::Now;
 
@@ -44,6 +44,36 @@ impl<S: Transport, T: Payload> Taken<S> for Subscriber<S, T> {
     }
 }
 
+impl<S: Transport, T: Payload> Taken<S> for LogReader<T> {
+    fn take(&mut self, place: usize, segments: &mut Segments, now: Now) -> anyhow::Result<bool> {
+        let incarnation = self.created_ns();
+        // After a restart from where the one before had come.
+        self.go_on(segments.next_sequence(place, incarnation));
+        let mut read = false;
+        for _ in 0..SLICES_PER_TOPIC {
+            let Some((first_sequence, samples)) = self.read() else {
+                break;
+            };
+            let header = BatchHeader {
+                schema: T::SCHEMA,
+                incarnation,
+                first_sequence,
+                progress_ns: i64::MIN,
+                sent_ns: now.mono_ns,
+                ..BatchHeader::default()
+            };
+            segments.slice(place, &header, T::octets(samples), now);
+            read = true;
+        }
+        Ok(read)
+    }
+
+    /// A log can wait: what comes of it wakes the recorder.
+    fn has_slices(&self) -> bool {
+        false
+    }
+}
+
 /// Collects subscribers of topics.
 struct Opening<'a, S: Transport> {
     bus: &'a Bus<S>,
@@ -61,6 +91,12 @@ impl<S: Transport> Opening<'_, S> {
         }
         self.topics
             .push(Box::new(self.bus.subscriber(topic, || self.incarnation)?));
+        self.names.push((topic.name.as_str().to_owned(), T::LAYOUT));
+        Ok(())
+    }
+
+    fn open_log<T: Payload>(&mut self, topic: &Topic<T>) -> anyhow::Result<()> {
+        self.topics.push(Box::new(self.bus.log_reader(topic)?));
         self.names.push((topic.name.as_str().to_owned(), T::LAYOUT));
         Ok(())
     }
@@ -110,6 +146,8 @@ impl<S: Transport> AllTopics<S> {
         opening.open(&messages::health())?;
         opening.open(&messages::control())?;
         opening.open(&messages::frame_origin())?;
+        // Last: of what was taken of the system tracks in a turn, the order of work is there.
+        opening.open_log(&messages::order())?;
         let facts = Facts::from([
             ("run".to_owned(), run.trim().to_owned()),
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),

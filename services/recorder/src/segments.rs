@@ -107,6 +107,12 @@ impl Segments {
         })
     }
 
+    /// Number of the sample that must come next of a publisher of the topic at this place of the list; 0 if it was not
+    /// heard.
+    pub(crate) fn next_sequence(&self, topic: usize, incarnation: u64) -> u64 {
+        self.topics[topic].tally.next_of(incarnation)
+    }
+
     pub(crate) fn counts(&self) -> SegmentCounts {
         self.counts
     }

@@ -1,0 +1,75 @@
+//! The order of work, written down step by step, each before anything that came of it is published: whoever has the
+//! reports and these steps can make the same system tracks.
+
+use bus::{Bus, BusError, LogWriter, Transport};
+use messages::{NO_SOURCE, StepKind, WorkStep, work_step_bits};
+
+/// Writes the order of work down.
+#[derive(Debug)]
+pub(crate) struct OrderOfWork {
+    log: LogWriter<WorkStep>,
+    /// Whose reports were worked off last, for each source.
+    publishers: Vec<Option<u64>>,
+}
+
+/// Report as its publisher numbered it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Numbered {
+    /// Incarnation of the publisher.
+    pub(crate) publisher: u64,
+    pub(crate) sequence: u64,
+    /// Whether its time is not believed here.
+    pub(crate) is_wild: bool,
+}
+
+impl OrderOfWork {
+    /// Order of work of the fusion that starts now as `epoch`, with so many sources.
+    ///
+    /// # Errors
+    /// If there is no log.
+    pub(crate) fn begin<S: Transport>(bus: &Bus<S>, epoch: u64, sources: usize) -> Result<Self, BusError> {
+        let mut order = Self {
+            log: bus.log_writer(&messages::order())?,
+            publishers: vec![None; sources],
+        };
+        order.write(StepKind::Begin, NO_SOURCE, 0, epoch.cast_signed());
+        Ok(order)
+    }
+
+    /// A report was worked off, and time has passed up to `passed_ns`.
+    #[inline]
+    pub(crate) fn report(&mut self, source: u16, report: Numbered, passed_ns: i64) {
+        let last = &mut self.publishers[usize::from(source)];
+        if *last != Some(report.publisher) {
+            *last = Some(report.publisher);
+            self.write(StepKind::Publisher, source, 0, report.publisher.cast_signed());
+        }
+        self.log.write(&WorkStep {
+            time_ns: passed_ns,
+            sequence: report.sequence as u32,
+            source,
+            kind: StepKind::Report as u8,
+            flags: u8::from(report.is_wild) * work_step_bits::WILD_CLOCK,
+        });
+    }
+
+    /// Time has passed up to `passed_ns`, and changed something.
+    pub(crate) fn time(&mut self, passed_ns: i64) {
+        self.write(StepKind::Time, NO_SOURCE, 0, passed_ns);
+    }
+
+    /// The condition of this number holds, from `passed_ns` on.
+    pub(crate) fn condition(&mut self, number: u32, passed_ns: i64) {
+        self.write(StepKind::Condition, NO_SOURCE, number, passed_ns);
+    }
+
+    fn write(&mut self, kind: StepKind, source: u16, sequence: u32, time_ns: i64) {
+        self.log.write(&WorkStep {
+            time_ns,
+            sequence,
+            source,
+            kind: kind as u8,
+            flags: 0,
+        });
+    }
+}
