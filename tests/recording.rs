@@ -55,6 +55,8 @@ fn all_topics_are_in_the_recording_as_many_as_rows() {
     }
     assert!(all_rows > 100, "{all_rows}");
     assert!(survey.topics["health"].samples > 50);
+    let order = &survey.topics["system/order"];
+    assert!(order.samples > 100 && order.tally.lost == 0, "{order:?}");
     let decisions = std::fs::read_to_string(folder.join("decisions.csv")).unwrap();
     assert!(
         decisions.contains(",started,") && decisions.contains(",confirmed,"),

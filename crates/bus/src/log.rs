@@ -162,8 +162,8 @@ impl<T: Payload> LogReader<T> {
         self.next = self.next.max(next);
     }
 
-    /// The samples that come next, a few hundred at most, and the number of the first: how many were ever written before
-    /// it. `None` if there are none. A number that is not the one expected says how many were lost.
+    /// The samples that come next, a few hundred at most, and the number of the first: how many were ever written
+    /// before it. `None` if there are none. A number that is not the one expected says how many were lost.
     pub fn read(&mut self) -> Option<(u64, &[T])> {
         let first = loop {
             let written = self.ring.words()[NEXT].load(Acquire);
