@@ -236,7 +236,7 @@ topics! {
     /// Orders to fusion.
     control() -> Control: "control", 16 slices of 1, 8 to 8;
 
-    /// Order of fusion's work, as a log that outlives fusion: so many places in all, which is thirteen seconds at 20,000
+    /// Order of fusion's work, as a log that outlives fusion: so many places, which is thirteen seconds at 20,000
     /// reports a second.
     order() -> WorkStep: "system/order", 262144 slices of 1, 1 to 16;
 }
