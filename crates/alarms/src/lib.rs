@@ -11,12 +11,13 @@
 //!    ([`Present`] reads it); on standard error, no faster than a person reads ([`RateLimit`]).
 //!
 //! Which alarms there are, how bad each is, how long its delays are, what it says and what to do is one line each in
-//! the table of [`AlarmKind`]; docs/alarms.md is written from it.
+//! the table of [`AlarmKind`]; docs/alarms.md and rules for Prometheus are written from it.
 //!
 //! Nothing here reads a clock or a topic: times and messages are arguments.
 
 #![forbid(unsafe_code)]
 
+mod alert_rules;
 mod board;
 mod companions;
 mod growth;
@@ -29,6 +30,7 @@ mod silence;
 mod subject;
 mod usual;
 
+pub use alert_rules::alert_rules;
 pub use board::{Board, Finding, History, Round};
 pub use companions::{Apart, Companions};
 pub use growth::Growth;

@@ -3,7 +3,7 @@
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
 //! that answer questions ([`check`], [`mod@doctor`], [`status`], [`top`]), measure ([`mod@bench`]), give orders
-//! ([`condition`]) or work on files ([`mod@recording_info`], [`decode`], [`encode`], [`simulate`], [`fuse`], [`track`],
+//! ([`condition`]), make files for the machine ([`mod@generate`]) or work on files ([`mod@recording_info`], [`decode`], [`encode`], [`simulate`], [`fuse`], [`track`],
 //! [`bearings`], [`locate`], [`compare`], [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
@@ -22,6 +22,7 @@ mod doctor;
 mod encode;
 mod files;
 mod fuse;
+mod generate;
 mod locate;
 mod offline;
 mod picture;
@@ -111,6 +112,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         }
         Command::Check(check) => check::run(&check),
         Command::Doctor(doctor) => doctor::run(&doctor),
+        Command::Generate(generate) => generate::run(&generate),
         Command::Status(status) => status::run(&status),
         Command::Top(top) => top::run(&top),
         Command::Recording(args::Recording::Info(info)) => recording_info::run(&info),

@@ -83,6 +83,9 @@ pub(crate) enum Command {
     /// Say whether this machine is fit for what is to run on it, and what would mend it
     #[command(after_help = DOCTOR_EXAMPLES)]
     Doctor(Doctor),
+    /// Write completions for shells, man pages, and rules for Prometheus
+    #[command(after_help = GENERATE_EXAMPLES, subcommand)]
+    Generate(Generate),
     /// Show what runs on this machine
     #[command(after_help = STATUS_EXAMPLES)]
     Status(Status),
@@ -250,6 +253,31 @@ pub(crate) struct Doctor {
     /// Replace a value of the configuration (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
+}
+
+const GENERATE_EXAMPLES: &str = "\
+Examples:
+  koseki generate completions bash > /usr/share/bash-completion/completions/koseki
+  koseki generate man --out /usr/local/share/man/man1
+  koseki generate alerts > /etc/prometheus/rules/koseki.yml";
+
+/// `koseki generate`.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Generate {
+    /// Print completions of commands and options for a shell
+    Completions {
+        /// Shell that will read them
+        #[arg(value_name = "SHELL")]
+        shell: clap_complete::Shell,
+    },
+    /// Write a man page for each command
+    Man {
+        /// Folder for the pages, made if it is not there
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Print rules by which Prometheus passes Koseki's alarms on
+    Alerts,
 }
 
 const STATUS_EXAMPLES: &str = "\

@@ -1,0 +1,63 @@
+//! `koseki generate`: files that belong beside the executable, made of what it knows itself.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::Context as _;
+use clap::CommandFactory as _;
+
+use crate::args::{Cli, Generate};
+
+/// Writes what is asked for.
+///
+/// # Errors
+/// If it cannot be written.
+pub(crate) fn run(generate: &Generate) -> anyhow::Result<()> {
+    match generate {
+        Generate::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "koseki", &mut text);
+            crate::print(&String::from_utf8(text)?)
+        }
+        Generate::Man { out } => man_pages(out),
+        Generate::Alerts => crate::print(&alarms::alert_rules()),
+    }
+}
+
+/// Writes a page for `koseki`, and one for each of its commands.
+fn man_pages(folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
+    clap_mangen::generate_to(Cli::command(), folder).with_context(|| format!("writing to {}", folder.display()))?;
+    let pages = std::fs::read_dir(folder)?.count();
+    // With standard error closed, the pages are written all the same.
+    let _ = writeln!(std::io::stderr(), "{pages} pages are in {}", folder.display());
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_a_page_for_each_command_that_is_shown() {
+        let folder = tempfile::tempdir().unwrap();
+        man_pages(folder.path()).unwrap();
+        let commands = Cli::command();
+        let shown = commands.get_subcommands().filter(|command| !command.is_hide_set());
+        for name in shown.map(clap::Command::get_name) {
+            let page = std::fs::read_to_string(folder.path().join(format!("koseki-{name}.1"))).unwrap();
+            assert!(page.contains(".SH SYNOPSIS"), "{name}");
+        }
+    }
+
+    #[test]
+    fn completions_know_every_command() {
+        let mut text = Vec::new();
+        clap_complete::generate(clap_complete::Shell::Bash, &mut Cli::command(), "koseki", &mut text);
+        let text = String::from_utf8(text).unwrap();
+        let commands = Cli::command();
+        for command in commands.get_subcommands().filter(|command| !command.is_hide_set()) {
+            assert!(text.contains(&format!("koseki,{})", command.get_name())), "{command}");
+        }
+    }
+}
