@@ -3,8 +3,8 @@
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
 //! that answer questions ([`check`], [`mod@doctor`], [`status`], [`top`]), measure ([`mod@bench`]), give orders
-//! ([`condition`]), make files for the machine ([`mod@generate`]) or work on files ([`mod@recording_info`], [`decode`], [`encode`], [`simulate`], [`fuse`], [`track`],
-//! [`bearings`], [`locate`], [`compare`], [`score`]).
+//! ([`condition`]), make files for the machine ([`mod@generate`]) or work on files ([`mod@recording_info`], [`decode`],
+//! [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`], [`locate`], [`compare`], [`score`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).
