@@ -18,6 +18,7 @@ fn settings(targets: usize) -> Settings {
         name: format!("source{number}"),
         sensor_uid: 0,
         period_ns: S,
+        learns_period: false,
         fresh_ns: 5 * S / 2,
         accuracy: Accuracy {
             base: AccuracyBase::Constant { sigma_m: 10.0 },

@@ -175,22 +175,11 @@ impl Offline {
         for (place, sensor) in seen.iter().enumerate() {
             sources.push(self.source(place, sensor)?);
         }
-        let longest_ns = sources.iter().map(|source| source.fresh_ns).max().unwrap_or_default();
         let engine = self.raw.fusion.engine.clone();
         let mut engine = engine.with_sources(sources).map_err(|error| error.under("fusion"))?;
         let room = room_for(seen.iter().map(|sensor| sensor.tracks_max).sum());
         engine.capacity.sensor_tracks.get_or_insert(room);
         engine.capacity.system_tracks.get_or_insert(room);
-        // A track must live until its slowest sensor can have reported it again.
-        let (tentative_ns, terminate_ns) = (engine.life.tentative_ns(), engine.life.terminate_ns());
-        engine
-            .life
-            .tentative_s
-            .get_or_insert(Seconds::of_ns(tentative_ns.max(longest_ns)));
-        engine
-            .life
-            .terminate_s
-            .get_or_insert(Seconds::of_ns(terminate_ns.max(longest_ns + 1)));
         Ok(OfflineSettings {
             sensor_ids: seen.iter().map(|sensor| sensor.id).collect(),
             engine,
@@ -212,6 +201,7 @@ impl Offline {
         let place_m = table.position_m.unwrap_or_default();
         let source = SourceSettings::new(&name, &table.weighing, (period_s, place as u32), place_m, &stated);
         let mut source = source.map_err(|error| error.under(&format!("sensor[{}]", configured.unwrap_or_default())))?;
+        source.learns_period = false;
         let limits = limits(&table.limits, place_m);
         source.limits.speed_mps = limits.speed_mps;
         if table.position_m.is_some() {

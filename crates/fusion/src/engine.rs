@@ -14,6 +14,7 @@ use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
 use crate::inlet;
 use crate::life::{self, Life};
+use crate::lifetimes::Lifetimes;
 use crate::linking::{Linking, Next};
 use crate::measurement::{Measurement, whole_report};
 use crate::outlet::Outbox;
@@ -75,7 +76,7 @@ impl Engine {
                     settings.association.cell_m,
                     looks_back,
                 ),
-                settings.sources.iter().map(|source| source.fresh_ns).collect(),
+                Lifetimes::new(&settings),
             ),
             sources: Sources::new(&settings),
             points: ReferencePoints::default(),
@@ -278,20 +279,23 @@ impl Engine {
     /// The entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there is no
     /// entry yet; `None` if the report is older.
     fn earlier(&mut self, report: &SensorTrack, known: Option<SensorSlot>) -> Option<Option<(SensorSlot, f64)>> {
+        let time_ns = report.time_of_measurement_ns;
         let Some(sensor) = known else {
+            self.tracks.lifetimes.learn(report.source, time_ns, None);
             return Some(None);
         };
-        let age_ns = report.time_of_measurement_ns - self.tracks.sensors.get(sensor).time_ns;
+        let age_ns = time_ns - self.tracks.sensors.get(sensor).time_ns;
         let ends = report.state == TrackState::Terminated as u8;
         if age_ns < 0 || (age_ns == 0 && !ends) {
             self.outbox.counts.add(report.source, Counter::RejectedOutOfOrder);
             return None;
         }
-        if age_ns > self.settings.life.terminate_ns() {
+        if age_ns > self.tracks.lifetimes.terminate_ns {
             // The source has used the number again for something else.
             self.tracks.drop_sensor_track(sensor);
             return Some(None);
         }
+        self.tracks.lifetimes.learn(report.source, time_ns, Some(age_ns));
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
 
@@ -589,8 +593,15 @@ impl Engine {
             self.points.look(&self.sources, self.publisher.rule().keeps_points);
             self.publisher.set_point_spread(self.points.spread_m2());
             self.sources.look_at_motion();
+            let now_ns = self.schedule.now_ns();
+            if self.tracks.lifetimes.follow(&mut self.settings, now_ns) {
+                self.scans.follow_periods(&self.settings);
+            }
         }
-        let silent_ns = self.schedule.now_ns().saturating_sub(self.settings.life.terminate_ns());
+        let silent_ns = self
+            .schedule
+            .now_ns()
+            .saturating_sub(self.tracks.lifetimes.terminate_ns);
         self.tracks.drop_silent(silent_ns);
     }
 }

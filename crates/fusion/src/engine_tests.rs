@@ -4,6 +4,7 @@ mod bad_input;
 mod hostile_sources;
 mod passing_time;
 mod resumption;
+mod slow_sources;
 
 use messages::{
     Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, alert_bits,

@@ -29,6 +29,7 @@ mod filter;
 mod history;
 mod inlet;
 mod life;
+mod lifetimes;
 mod linking;
 mod measurement;
 mod merger;

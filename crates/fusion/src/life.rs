@@ -165,14 +165,14 @@ fn run_timer<S: Sink>(
     deadline_ns: i64,
     out: &mut Outlet<'_, S>,
 ) -> Option<i64> {
-    let life = settings.life;
+    let (tentative_ns, terminate_ns) = (tracks.lifetimes.tentative_ns, tracks.lifetimes.terminate_ns);
     let entry = tracks.systems.get(slot);
     let (coast_ns, last_ns) = (entry.fresh_until_ns, entry.last_report_ns);
-    let end_ns = last_ns.saturating_add(life.terminate_ns());
+    let end_ns = last_ns.saturating_add(terminate_ns);
     let due_ns = match entry.life {
         TrackState::Terminated => return None,
         TrackState::Tentative if entry.was_shown => end_ns,
-        TrackState::Tentative => last_ns.saturating_add(life.tentative_ns()),
+        TrackState::Tentative => last_ns.saturating_add(tentative_ns),
         TrackState::Confirmed => coast_ns,
         TrackState::Coasted => end_ns,
     };

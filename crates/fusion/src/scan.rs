@@ -59,19 +59,27 @@ pub(crate) struct Assigned {
 
 impl Scans {
     pub(crate) fn new(settings: &Settings) -> Self {
-        let scan_wait = settings.association.scan_wait;
-        let scans = settings.sources.iter().map(|source| Scan {
+        let scans = settings.sources.iter().map(|_| Scan {
             waiting: Vec::with_capacity(WAITING_MAX),
             first_ns: i64::MAX,
-            duration_ns: (source.period_ns as f64 * scan_wait) as i64,
+            duration_ns: 0,
         });
-        Self {
+        let mut new = Self {
             scans: scans.collect(),
             due_ns: i64::MAX,
             pairs: Vec::with_capacity(PAIRS_MAX),
             columns: Vec::with_capacity(PAIRS_MAX),
             assignment: Assignment::new(WAITING_MAX, PAIRS_MAX, PAIRS_MAX),
             assigned: Vec::with_capacity(WAITING_MAX),
+        };
+        new.follow_periods(settings);
+        new
+    }
+
+    /// Lets scans last as long as the sources' periods say.
+    pub(crate) fn follow_periods(&mut self, settings: &Settings) {
+        for (scan, source) in self.scans.iter_mut().zip(&settings.sources) {
+            scan.duration_ns = (source.period_ns as f64 * settings.association.scan_wait) as i64;
         }
     }
 

@@ -14,7 +14,7 @@ pub const RAMP_MAX: usize = 256;
 /// Most sources.
 pub const SOURCES_MAX: usize = 64;
 /// A report is fresh for so many periods where nobody says more: two may be missed.
-const FRESH_PERIODS: f64 = 2.5;
+pub(crate) const FRESH_PERIODS: f64 = 2.5;
 
 settings::settings! {
     /// Fusion.
@@ -95,9 +95,9 @@ settings::settings! {
         /// Reports until a tentative track is confirmed.
         confirm_reports: u32 = 3, in [1, 1e6];
         /// Time without a report after which a confirmed track ends.
-        terminate_s: Option<Seconds> = None, in [1e-3, 1e5], usually "20; offline at least what a sensor needs";
+        terminate_s: Option<Seconds> = None, in [1e-3, 1e5], usually "20, and more than the slowest source's `fresh_s`";
         /// Time without a report after which a tentative track ends.
-        tentative_s: Option<Seconds> = None, in [1e-3, 1e5], usually "6; offline at least what a sensor needs";
+        tentative_s: Option<Seconds> = None, in [1e-3, 1e5], usually "6, at least the slowest source's `fresh_s`";
     }
 
     /// Systematic errors of the sources (BF-3).
@@ -196,7 +196,7 @@ settings::settings! {
     /// Weighing of one source (TI-2).
     pub struct Weighing {
         /// Time between two reports of one target.
-        period_s: Option<f64> = None, in [1e-3, 3600], usually "1; offline as seen";
+        period_s: Option<f64> = None, in [1e-3, 3600], usually "1, or longer as learned; offline as seen";
         /// Age beyond which a report no longer contributes, at least a period.
         fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
         /// Priority for ties: of equally good sources the one with the smallest number is taken (TI-11).
@@ -382,6 +382,8 @@ pub struct SourceSettings {
     pub sensor_uid: u32,
     /// Time between two reports of one target, nanoseconds.
     pub period_ns: i64,
+    /// Whether that is only the least, since nobody has stated it: a longer one is learned, and the next follows it.
+    pub learns_period: bool,
     /// Age beyond which a report no longer contributes, nanoseconds.
     pub fresh_ns: i64,
     /// Sensor accuracy s (TI-7).
@@ -440,6 +442,7 @@ impl SourceSettings {
             name: name.to_owned(),
             sensor_uid: 0,
             period_ns: Seconds::of(period_s).ns(),
+            learns_period: weighing.period_s.is_none() && weighing.fresh_s.is_none(),
             fresh_ns: Seconds::of(fresh_s).ns(),
             accuracy: accuracy.at(place_m),
             adjustment: accuracy.adjustment,
@@ -598,14 +601,14 @@ impl Capacity {
 }
 
 impl LifeSettings {
-    /// Time without a report after which a confirmed track ends, nanoseconds.
-    pub fn terminate_ns(&self) -> i64 {
-        self.terminate_s.map_or(20_000_000_000, Seconds::ns)
+    /// Time without a report after which a confirmed track ends, nanoseconds, where reports count for up to `fresh_ns`.
+    pub fn terminate_ns(&self, fresh_ns: i64) -> i64 {
+        self.terminate_s.map_or(20_000_000_000.max(fresh_ns + 1), Seconds::ns)
     }
 
-    /// Time without a report after which a tentative track ends, nanoseconds.
-    pub fn tentative_ns(&self) -> i64 {
-        self.tentative_s.map_or(6_000_000_000, Seconds::ns)
+    /// Time without a report after which a tentative track ends, nanoseconds, where reports count for up to `fresh_ns`.
+    pub fn tentative_ns(&self, fresh_ns: i64) -> i64 {
+        self.tentative_s.map_or(6_000_000_000.max(fresh_ns), Seconds::ns)
     }
 }
 

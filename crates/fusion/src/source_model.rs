@@ -63,6 +63,11 @@ impl Median {
             .copysign(logarithm - self.logarithm);
     }
 
+    /// Whether there was no sample yet.
+    pub(crate) fn is_unknown(&self) -> bool {
+        self.samples == 0
+    }
+
     pub(crate) fn value(&self) -> f64 {
         self.logarithm.exp()
     }

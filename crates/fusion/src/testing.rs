@@ -11,6 +11,7 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         name: format!("source{index}"),
         sensor_uid: 0,
         period_ns: 1_000_000_000,
+        learns_period: false,
         fresh_ns: 2_500_000_000,
         accuracy: Accuracy {
             base: AccuracyBase::Constant { sigma_m: 10.0 },

@@ -7,6 +7,7 @@ use messages::{Decision, DecisionKind, TrackState};
 use crate::checkpoint::kept::kept;
 use crate::checkpoint::{Checkpoint, Kind};
 use crate::filter::Filter;
+use crate::lifetimes::Lifetimes;
 use crate::number_hasher::NumberHasher;
 use crate::sensor_tracks::{Link, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
@@ -16,8 +17,7 @@ use crate::system_tracks::{SystemSlot, SystemTracks};
 pub(crate) struct Tracks {
     pub(crate) sensors: SensorTracks,
     pub(crate) systems: SystemTracks,
-    /// Age up to which a report counts, per source, nanoseconds.
-    fresh_ns: Vec<i64>,
+    pub(crate) lifetimes: Lifetimes,
     /// Where what must outlive the process is written.
     pub(crate) checkpoint: Option<Checkpoint>,
     /// Members from before the start.
@@ -47,11 +47,11 @@ kept!(Member {
 type Remembered = HashMap<(u16, u32), (SystemSlot, u32, usize), NumberHasher>;
 
 impl Tracks {
-    pub(crate) fn new(sensors: SensorTracks, systems: SystemTracks, fresh_ns: Vec<i64>) -> Self {
+    pub(crate) fn new(sensors: SensorTracks, systems: SystemTracks, lifetimes: Lifetimes) -> Self {
         Self {
             sensors,
             systems,
-            fresh_ns,
+            lifetimes,
             checkpoint: None,
             remembered: HashMap::with_hasher(NumberHasher::new(0)),
         }
@@ -155,7 +155,7 @@ impl Tracks {
     pub(crate) fn contributing(&self, system: SystemSlot, now_ns: i64) -> impl Iterator<Item = SensorSlot> {
         self.members(system).filter(move |member| {
             let entry = self.sensors.get(*member);
-            entry.role == Role::Primary && now_ns - entry.time_ns <= self.fresh_ns[usize::from(entry.source)]
+            entry.role == Role::Primary && now_ns - entry.time_ns <= self.lifetimes.fresh_ns(entry.source)
         })
     }
 
@@ -199,7 +199,7 @@ impl Tracks {
         self.members(system)
             .map(|member| {
                 let entry = self.sensors.get(member);
-                entry.time_ns + self.fresh_ns[usize::from(entry.source)]
+                entry.time_ns + self.lifetimes.fresh_ns(entry.source)
             })
             .max()
             .unwrap_or(i64::MIN)

@@ -20,6 +20,7 @@ fn settings() -> Settings {
         name: name.to_owned(),
         sensor_uid: 0,
         period_ns: S,
+        learns_period: name == "c",
         fresh_ns: 5 * S / 2,
         accuracy: Accuracy {
             base: AccuracyBase::Constant { sigma_m: 10.0 },

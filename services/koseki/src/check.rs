@@ -66,8 +66,10 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
         let deadline_ns = config.monitor.deadlines.get(stage)?;
         Some((stage.key(), deadline_ns as f64 / 1e3))
     };
+    let warnings = settings.doubtful_lifetimes().into_iter().map(|doubt| doubt.to_string());
     json!({
         "sound": true,
+        "warnings": warnings.collect::<Vec<_>>(),
         "configuration": path,
         "deployment": config.name,
         "rule": settings.rule.name.0.word(),
@@ -144,6 +146,9 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
     }
     let recorder = if config.recorder { "on" } else { "off" };
     row("recorder", recorder.to_owned());
+    for doubt in settings.doubtful_lifetimes() {
+        row("warning", doubt.to_string());
+    }
     let free = free_bytes.map_or_else(String::new, |free| format!("; {} are free", size(free)));
     let needed = size(launcher::needed_bytes(config));
     row("memory", format!("at most {needed} of shared memory{free}"));
@@ -333,6 +338,18 @@ mod tests {
             text.contains("2000 system tracks") && text.contains("3.0 GB are free"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn life_times_that_make_no_sense_are_warned_of() {
+        let path = Path::new(BUILT_IN_DEMO);
+        let overrides = ["fusion.life.tentative_s=0.5", "source[0].period_s=12"].map(str::to_owned);
+        let config = Config::read(path, &overrides).unwrap();
+        let text = summary(path, &config, &[], None);
+        let warning = "warning      fusion.life.tentative_s: 0.5 s: a new track has ended before";
+        assert!(text.contains(warning), "{text}");
+        assert_eq!(json(path, &config, &[], None)["warnings"].as_array().unwrap().len(), 1);
+        assert!(!summary(path, &Config::read(path, &[]).unwrap(), &[], None).contains("warning"));
     }
 
     #[test]

@@ -1,0 +1,227 @@
+//! How long reports and tracks live: in multiples of the time that their sources take from one report to the next.
+//!
+//! A track must live until its slowest source can have reported it again: a radar that turns once in twelve seconds
+//! would start each of its targets anew with every turn if tracks ended after six. So the times that nobody has stated
+//! follow from the sources' periods, and a period that nobody has stated is learned: it is the median time between two
+//! reports of one sensor track. While a source has reported nothing twice, it may be a slow one, and tracks are
+//! given the time that shows it.
+
+use messages::NS_PER_S;
+use settings::{Seconds, SettingsError};
+
+use crate::settings::{FRESH_PERIODS, Settings};
+use crate::source_model::Median;
+
+/// Time that a source is given to report a track a second time, nanoseconds: slower ones are rare.
+const PATIENCE_NS: i64 = 60_000_000_000;
+
+/// Periods within which a source that sees a target has surely reported it again: no antenna turns quite evenly.
+const SURELY_AGAIN: f64 = 1.1;
+
+/// How long reports and tracks live.
+#[derive(Debug)]
+pub(crate) struct Lifetimes {
+    learned: Vec<Learned>,
+    /// Age up to which a report counts, per source, nanoseconds.
+    fresh_ns: Vec<i64>,
+    /// Time without a report after which a tentative track ends, nanoseconds.
+    pub(crate) tentative_ns: i64,
+    /// Time without a report after which a confirmed track ends, nanoseconds.
+    pub(crate) terminate_ns: i64,
+}
+
+/// Period of a source of which nobody has stated it.
+#[derive(Clone, Copy, Debug)]
+struct Learned {
+    /// The shortest that is believed, nanoseconds; `None` if the source's period is stated.
+    least_ns: Option<i64>,
+    interval_s: Median,
+    /// Time of its first report, nanoseconds.
+    first_ns: Option<i64>,
+}
+
+impl Learned {
+    /// Whether the source may be one of which a second report is still to come at `now_ns`.
+    fn is_awaited(&self, now_ns: i64) -> bool {
+        let has_begun = |first_ns: i64| now_ns.saturating_sub(first_ns) <= PATIENCE_NS;
+        self.least_ns.is_some() && self.interval_s.is_unknown() && self.first_ns.is_some_and(has_begun)
+    }
+}
+
+impl Lifetimes {
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let learned = settings.sources.iter().map(|source| Learned {
+            least_ns: source.learns_period.then_some(source.period_ns),
+            interval_s: Median::default(),
+            first_ns: None,
+        });
+        let mut new = Self {
+            learned: learned.collect(),
+            fresh_ns: settings.sources.iter().map(|source| source.fresh_ns).collect(),
+            tentative_ns: 0,
+            terminate_ns: 0,
+        };
+        new.derive(settings, i64::MIN);
+        new
+    }
+
+    /// Age up to which a report of `source` counts, nanoseconds.
+    pub(crate) fn fresh_ns(&self, source: u16) -> i64 {
+        self.fresh_ns[usize::from(source)]
+    }
+
+    /// Learns from a report of `source`, `since_ns` after the one before of its sensor track if there was one.
+    pub(crate) fn learn(&mut self, source: u16, time_ns: i64, since_ns: Option<i64>) {
+        let learned = &mut self.learned[usize::from(source)];
+        if learned.least_ns.is_none() {
+            return;
+        }
+        if learned.first_ns.is_none() {
+            learned.first_ns = Some(time_ns);
+        }
+        if let Some(since_ns) = since_ns.filter(|since_ns| *since_ns > 0) {
+            learned.interval_s.add(since_ns as f64 / NS_PER_S);
+        }
+    }
+
+    /// Lets the periods of the settings be those that were learned, and all times follow from them; whether a period is
+    /// another one now.
+    pub(crate) fn follow(&mut self, settings: &mut Settings, now_ns: i64) -> bool {
+        let mut has_changed = false;
+        for ((learned, fresh_ns), source) in self.learned.iter().zip(&mut self.fresh_ns).zip(&mut settings.sources) {
+            let Some(least_ns) = learned.least_ns.filter(|_| !learned.interval_s.is_unknown()) else {
+                continue;
+            };
+            let period_ns = least_ns.max((learned.interval_s.value() * NS_PER_S) as i64);
+            has_changed |= period_ns != source.period_ns;
+            source.period_ns = period_ns;
+            source.fresh_ns = (FRESH_PERIODS * period_ns as f64) as i64;
+            *fresh_ns = source.fresh_ns;
+        }
+        self.derive(settings, now_ns);
+        has_changed
+    }
+
+    fn derive(&mut self, settings: &Settings, now_ns: i64) {
+        let longest_ns = self.fresh_ns.iter().copied().max().unwrap_or_default();
+        let awaited = self.learned.iter().any(|learned| learned.is_awaited(now_ns));
+        let least_ns = longest_ns.max(if awaited { PATIENCE_NS } else { 0 });
+        self.tentative_ns = settings.life.tentative_ns(least_ns);
+        self.terminate_ns = settings.life.terminate_ns(least_ns);
+    }
+}
+
+impl Settings {
+    /// The stated life times that make no sense beside the sources' periods, each with key, value and remedy. They hold
+    /// all the same.
+    pub fn doubtful_lifetimes(&self) -> Vec<SettingsError> {
+        let stated_s = |time: Option<Seconds>| time.map_or(f64::INFINITY, Seconds::s);
+        let (tentative_s, terminate_s) = (stated_s(self.life.tentative_s), stated_s(self.life.terminate_s));
+        let mut doubts = Vec::new();
+        let mut doubt = |key: &str, what: String| doubts.push(SettingsError::new(format!("fusion.life.{key}"), what));
+        if let Some(slowest) = self.sources.iter().max_by_key(|source| source.fresh_ns) {
+            let [period_s, fresh_s] = [slowest.period_ns, slowest.fresh_ns].map(|ns| Seconds::of_ns(ns).s());
+            let name = &slowest.name;
+            if tentative_s < SURELY_AGAIN * period_s {
+                doubt(
+                    "tentative_s",
+                    format!(
+                        "{tentative_s} s: a new track has ended before {name}, every {period_s} s, reports it again, \
+                         and is started anew each time; leave it out, or make it {fresh_s} or more"
+                    ),
+                );
+            }
+            if terminate_s < fresh_s {
+                doubt(
+                    "terminate_s",
+                    format!(
+                        "{terminate_s} s: a track ends while the latest report of {name} still counts, {fresh_s} s; \
+                         leave it out, or make it more than that"
+                    ),
+                );
+            }
+        }
+        if tentative_s.is_finite() && tentative_s > terminate_s {
+            doubt(
+                "tentative_s",
+                format!(
+                    "{tentative_s} s: a track that nobody believes in outlives a confirmed one, which ends after \
+                     {terminate_s} s; make it less than that"
+                ),
+            );
+        }
+        doubts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::test_settings;
+    use test_support::S;
+
+    #[test]
+    fn unstated_times_follow_from_the_slowest_source() {
+        let mut settings = test_settings(2);
+        let lifetimes = Lifetimes::new(&settings);
+        assert_eq!((lifetimes.tentative_ns, lifetimes.terminate_ns), (6 * S, 20 * S));
+        (settings.sources[1].period_ns, settings.sources[1].fresh_ns) = (12 * S, 30 * S);
+        let lifetimes = Lifetimes::new(&settings);
+        assert_eq!((lifetimes.tentative_ns, lifetimes.terminate_ns), (30 * S, 30 * S + 1));
+        settings.life.tentative_s = Some(Seconds::of_ns(40 * S));
+        settings.life.terminate_s = Some(Seconds::of_ns(5 * S));
+        let lifetimes = Lifetimes::new(&settings);
+        assert_eq!((lifetimes.tentative_ns, lifetimes.terminate_ns), (40 * S, 5 * S));
+    }
+
+    #[test]
+    fn stated_times_that_cannot_work_are_told() {
+        let keys = |tentative_s: Option<i64>, terminate_s: Option<i64>| {
+            let mut settings = test_settings(2);
+            (settings.sources[1].period_ns, settings.sources[1].fresh_ns) = (12 * S, 30 * S);
+            settings.life.tentative_s = tentative_s.map(|seconds| Seconds::of_ns(seconds * S));
+            settings.life.terminate_s = terminate_s.map(|seconds| Seconds::of_ns(seconds * S));
+            let doubts = settings.doubtful_lifetimes();
+            doubts.iter().map(|doubt| doubt.to_string()).collect::<Vec<_>>()
+        };
+        assert_eq!(keys(None, None), Vec::<String>::new());
+        assert_eq!(keys(Some(30), Some(60)), Vec::<String>::new());
+        let told = keys(Some(6), Some(20));
+        assert_eq!(told.len(), 2);
+        assert!(
+            told[0].contains("tentative_s") && told[0].contains("source1, every 12 s"),
+            "{told:?}"
+        );
+        assert!(
+            told[1].contains("terminate_s") && told[1].contains("still counts, 30 s"),
+            "{told:?}"
+        );
+        assert!(keys(Some(50), Some(40))[0].contains("outlives"));
+    }
+
+    #[test]
+    fn an_unstated_period_is_learned_and_awaited_for_a_while() {
+        let mut settings = test_settings(2);
+        settings.sources[1].learns_period = true;
+        let mut lifetimes = Lifetimes::new(&settings);
+        assert_eq!(lifetimes.tentative_ns, 6 * S);
+        lifetimes.learn(1, 100 * S, None);
+        assert!(!lifetimes.follow(&mut settings, 100 * S));
+        assert_eq!(lifetimes.tentative_ns, PATIENCE_NS);
+        // Who reports nothing twice holds up the others no longer.
+        assert!(!lifetimes.follow(&mut settings, 161 * S));
+        assert_eq!(lifetimes.tentative_ns, 6 * S);
+        for report in 1..20 {
+            // A miss now and then does not matter.
+            let periods = if report % 5 == 0 { 2 } else { 1 };
+            lifetimes.learn(1, (100 + 12 * report) * S, Some(12 * periods * S));
+            lifetimes.learn(0, (100 + 12 * report) * S, Some(3 * S));
+        }
+        assert!(lifetimes.follow(&mut settings, 340 * S));
+        let (period_ns, fresh_ns) = (settings.sources[1].period_ns, lifetimes.fresh_ns(1));
+        assert!((period_ns - 12 * S).abs() < S / 2, "{period_ns}");
+        assert_eq!(fresh_ns, (2.5 * period_ns as f64) as i64);
+        assert_eq!(lifetimes.tentative_ns, fresh_ns);
+        assert_eq!(settings.sources[0].period_ns, S, "a stated period stays");
+    }
+}
