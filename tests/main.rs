@@ -28,6 +28,7 @@ mod worth_of_counts;
 // Deployments: real processes.
 mod alarms;
 mod bench;
+mod continuity;
 mod deployment;
 mod kills;
 mod live_asterix;

@@ -188,6 +188,10 @@ impl Home {
         assert!(!root.path().exists(), "{} is left", root.path().display());
         let lock = root.base().join(format!("{instance}.lock"));
         assert!(!lock.exists(), "{} is left", lock.display());
+        assert!(
+            root.outlasting("checkpoint").unwrap().is_none(),
+            "the checkpoint is left"
+        );
     }
 }
 

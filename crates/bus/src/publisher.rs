@@ -87,6 +87,11 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self
     }
 
+    /// The start-up number of fusion that this publisher states; 0 if it is none.
+    pub fn epoch(&self) -> u64 {
+        self.header.epoch
+    }
+
     /// This publisher, stating in every slice the identity of the sensor that its samples come from.
     #[must_use]
     pub fn of_sensor(mut self, sensor_uid: u32) -> Self {

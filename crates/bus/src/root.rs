@@ -6,7 +6,8 @@
 //! - `<base>/<instance>/`: iceoryx2's files (which services and processes exist, and sockets for wake-ups), and the
 //!   instance's [seal](crate::seal), which says with what the names of its memory begin;
 //! - `/dev/shm/<prefix>…`: the memory itself;
-//! - `<base>/<instance>.lock`: locked by the process that runs the instance, and holding its number.
+//! - `<base>/<instance>.lock`: locked by the process that runs the instance, and holding its number;
+//! - `<base>/<instance>.checkpoint` and what it leads to: see [`outlasting`](crate::outlasting).
 //!
 //! The [base folder](crate::base) is private, and only a folder that bears the seal is ever removed.
 //!

@@ -15,12 +15,16 @@ use settings::SettingsError;
 use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
 use super::tables::{
-    DeploymentTable, FusionTable, PlaceTable, RecordWord, RecordedTable, RecorderTable, SourceTable, WaitWord,
+    CheckpointTable, DeploymentTable, FusionTable, PlaceTable, RecordWord, RecordedTable, RecorderTable, SourceTable,
+    WaitWord,
 };
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
-use super::{Config, Fusion, Input, Instrument, Links, Order, Recorded, RecordedFormat, Recording, Segments, Source};
+use super::{
+    Checkpoint, Config, Fusion, Input, Instrument, Links, Order, Recorded, RecordedFormat, Recording, Segments, Source,
+    Standby,
+};
 use runtime::cores::Placement;
 use sources::{Processing, TrackerSettings};
 
@@ -89,7 +93,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
             "\"time\" is for recorded inputs; simulated, external and received sources are live: use \"arrival\"",
         ));
     }
-    let fusion = fusion(raw.fusion, weighing)?;
+    let fusion = fusion(raw.fusion, raw.checkpoint, weighing)?;
     Ok(Config {
         monitor: check_monitor(&raw.monitor, &fusion)?,
         fusion,
@@ -346,8 +350,12 @@ fn check_scenario(
 }
 
 /// The fusion process, which fuses these sources.
-fn fusion(raw: FusionTable, sources: Vec<SourceSettings>) -> Checked<Fusion> {
+fn fusion(raw: FusionTable, checkpoint: CheckpointTable, sources: Vec<SourceSettings>) -> Checked<Fusion> {
     let queue = raw.engine.capacity.queue;
+    if raw.standby && !checkpoint.enabled {
+        let what = "needs the checkpoint, from which it goes on: leave [checkpoint] enabled";
+        return Err(SettingsError::new("fusion.standby", what));
+    }
     Ok(Fusion {
         settings: raw
             .engine
@@ -367,6 +375,14 @@ fn fusion(raw: FusionTable, sources: Vec<SourceSettings>) -> Checked<Fusion> {
         },
         required: raw.required,
         rests: raw.rests,
+        checkpoint: checkpoint.enabled.then_some(Checkpoint {
+            max_age_ns: checkpoint.max_age_s.ns(),
+            durable: checkpoint.durable,
+        }),
+        standby: raw.standby.then_some(Standby {
+            core: raw.standby_core,
+            takeover_ns: (raw.takeover_ms * 1e6) as i64,
+        }),
         decisions: raw.decisions,
         queue,
         deadline_ns: (raw.deadline_us * 1e3) as i64,

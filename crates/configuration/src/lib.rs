@@ -263,12 +263,34 @@ pub struct Fusion {
     pub required: bool,
     /// Whether a thread that spins with `SCHED_FIFO` pauses often enough that the kernel does not make it.
     pub rests: bool,
+    /// Memory that outlasts the process; `None` if there is none.
+    pub checkpoint: Option<Checkpoint>,
+    /// The process that stands by; `None` if none does.
+    pub standby: Option<Standby>,
     /// Whether decisions are published.
     pub decisions: bool,
     /// Reports that wait per source in order `time`.
     pub queue: usize,
     /// A report that takes longer through fusion has missed its deadline, nanoseconds.
     pub deadline_ns: i64,
+}
+
+/// Memory of fusion that outlasts its process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Checkpoint {
+    /// Age beyond which its tracks are not gone on with, nanoseconds.
+    pub max_age_ns: i64,
+    /// Whether a copy is written to disk.
+    pub durable: bool,
+}
+
+/// A fusion that stands by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Standby {
+    /// Core to run on.
+    pub core: Option<usize>,
+    /// Time for which the other one may stand still, nanoseconds.
+    pub takeover_ns: i64,
 }
 
 /// The monitor process.

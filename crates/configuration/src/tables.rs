@@ -40,6 +40,8 @@ settings::settings! {
         monitor: MonitorTable = MonitorTable::default();
         /// Recorder process.
         recorder: RecorderTable = RecorderTable::default();
+        /// Memory of fusion that outlasts its process.
+        checkpoint: CheckpointTable = CheckpointTable::default();
         /// The launcher, which starts and watches the others.
         launcher: LauncherTable = LauncherTable::default();
     }
@@ -313,6 +315,12 @@ settings::settings! {
         required: bool = false;
         /// A thread that spins with `SCHED_FIFO` pauses often enough that the kernel does not make it.
         rests: bool = true;
+        /// A second fusion process stands by, and takes over where the first one dies or stands still.
+        standby: bool = false;
+        /// Core for the fusion that stands by.
+        standby_core: Option<usize> = None, usually "any";
+        /// Time for which a fusion may stand still before the one that stands by takes over.
+        takeover_ms: f64 = 100.0, in [10, 60_000];
         /// Decisions of fusion, and why, are on the topic `system/decisions` and in the recordings.
         decisions: bool = false;
         /// Time through fusion beyond which a report has missed its deadline.
@@ -376,6 +384,17 @@ settings::settings! {
         segment_s: Seconds = Seconds::of(3_600.0), in [1, 604_800];
         /// Size of all containers of a start beyond which the oldest are deleted, gigabytes.
         keep_gb: Option<f64> = None, in [0.001, 1e6];
+    }
+
+    /// Memory of fusion that outlasts its process, so that its successor goes on with the same tracks under the same
+    /// numbers. Recordings are replayed without: they come again.
+    pub struct CheckpointTable {
+        /// Whether there is one.
+        enabled: bool = true;
+        /// Age beyond which its tracks are not gone on with: each is told ended.
+        max_age_s: Seconds = Seconds::of(10.0), in [0.1, 3600];
+        /// A copy of it is written to the folder for recordings every second, for a start after the machine has failed.
+        durable: bool = false;
     }
 
     /// The launcher, which starts and watches the others.
@@ -468,13 +487,13 @@ impl SourceTable {
 impl FusionTable {
     fn check(&self) -> Result<(), SettingsError> {
         let cores = runtime::cores::online();
-        match self.core {
-            Some(core) if !cores.contains(&core) => {
+        for (key, core) in [("core", self.core), ("standby_core", self.standby_core)] {
+            if let Some(core) = core.filter(|core| !cores.contains(core)) {
                 let what = format!("{core} does not exist or is switched off; this machine offers cores {cores:?}");
-                Err(SettingsError::new("core", what))
+                return Err(SettingsError::new(key, what));
             }
-            _ => Ok(()),
         }
+        Ok(())
     }
 }
 

@@ -25,6 +25,11 @@ impl Accuracies {
         &mut self.mean_squares[source]
     }
 
+    /// Factor of the present condition for the source with this number.
+    pub(crate) fn factor_mut(&mut self, source: usize) -> &mut f64 {
+        &mut self.factors[source]
+    }
+
     /// From now on condition `name` holds; sources that do not name it have factor 1. `false` if it is not one of
     /// [`Settings::conditions`]: then nothing changes.
     pub(crate) fn set_condition(&mut self, settings: &Settings, name: &str) -> bool {

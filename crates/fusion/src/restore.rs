@@ -27,9 +27,17 @@ struct Learned {
     errors: KeptErrors,
     follows: Tally,
     mean_square: Option<f64>,
+    /// Factor of the present condition (weather).
+    factor: f64,
 }
 
-kept!(Learned { model: SourceModel, errors: KeptErrors, follows: Tally, mean_square: Option<f64> });
+kept!(Learned {
+    model: SourceModel,
+    errors: KeptErrors,
+    follows: Tally,
+    mean_square: Option<f64>,
+    factor: f64,
+});
 
 impl Engine {
     /// How a checkpoint of this engine is laid out.
@@ -108,6 +116,7 @@ impl Engine {
             self.sources.registration.resume(source, &learned.errors);
             *self.life.coverage.general_mut(source) = learned.follows;
             *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
+            *self.publisher.accuracies.factor_mut(source) = learned.factor;
         }
         for (place, pair) in snapshot.all::<Pair>(Kind::Pairs) {
             self.sources.registration.resume_pair(place, pair);
@@ -162,6 +171,7 @@ impl Engine {
                     errors: self.sources.registration.kept(place),
                     follows: *self.life.coverage.general_mut(place),
                     mean_square: *self.publisher.accuracies.mean_square_mut(place),
+                    factor: *self.publisher.accuracies.factor_mut(place),
                 };
                 checkpoint.write(kind, place, &learned);
             }

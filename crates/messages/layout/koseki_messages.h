@@ -21,6 +21,7 @@
 #define KOSEKI_CONTROL_SCHEMA UINT64_C(0xb124b2ef9c9a3290) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x655d541113faae18) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WORK_STEP_SCHEMA UINT64_C(0x3121f747a9fcf9a4) /* BatchHeader.schema of its slices. */
+#define KOSEKI_RESTORED_SCHEMA UINT64_C(0xe3fd053b3fd27971) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
 #define KOSEKI_CONTRIBUTORS_MAX UINT64_C(0x40) /* Length of ContributorSet.sensor_uids. */
 #define KOSEKI_COUNTERS_MAX UINT64_C(0x60) /* Length of Counters.values. */
@@ -721,5 +722,25 @@ static_assert(offsetof(KosekiWorkStep, sequence) == 8, "offset");
 static_assert(offsetof(KosekiWorkStep, source) == 12, "offset");
 static_assert(offsetof(KosekiWorkStep, kind) == 14, "offset");
 static_assert(offsetof(KosekiWorkStep, flags) == 15, "offset");
+
+typedef struct KosekiRestored {
+    uint64_t epoch; /* Start-up number of the fusion that starts. */
+    int64_t time_ns; /* UTC at the start, nanoseconds since 1970. */
+    uint32_t part; /* Place of this part among all, from 0. */
+    uint32_t parts; /* Number of parts. */
+    uint32_t count; /* How many of `words` hold something. */
+    uint32_t ends; /* 1 if the tracks in it were too old to go on: each is told ended. */
+    uint64_t sequence; /* Sequence number at its publisher. */
+    uint64_t words[120]; /* Words of a `fusion::checkpoint::Snapshot`, after those of the parts before. */
+} KosekiRestored;
+static_assert(sizeof(KosekiRestored) == 1000, "size");
+static_assert(offsetof(KosekiRestored, epoch) == 0, "offset");
+static_assert(offsetof(KosekiRestored, time_ns) == 8, "offset");
+static_assert(offsetof(KosekiRestored, part) == 16, "offset");
+static_assert(offsetof(KosekiRestored, parts) == 20, "offset");
+static_assert(offsetof(KosekiRestored, count) == 24, "offset");
+static_assert(offsetof(KosekiRestored, ends) == 28, "offset");
+static_assert(offsetof(KosekiRestored, sequence) == 32, "offset");
+static_assert(offsetof(KosekiRestored, words) == 40, "offset");
 
 #endif

@@ -23,6 +23,7 @@ PROGRESS_SCHEMA = 0xd685ec79c1f207d  # BatchHeader.schema of its slices.
 CONTROL_SCHEMA = 0xb124b2ef9c9a3290  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x655d541113faae18  # BatchHeader.schema of its slices.
 WORK_STEP_SCHEMA = 0x3121f747a9fcf9a4  # BatchHeader.schema of its slices.
+RESTORED_SCHEMA = 0xe3fd053b3fd27971  # BatchHeader.schema of its slices.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
 CONTRIBUTORS_MAX = 0x40  # Length of ContributorSet.sensor_uids.
 COUNTERS_MAX = 0x60  # Length of Counters.values.
@@ -923,3 +924,31 @@ assert WorkStep.sequence.offset == 8
 assert WorkStep.source.offset == 12
 assert WorkStep.kind.offset == 14
 assert WorkStep.flags.offset == 15
+
+
+class Restored(ctypes.Structure):
+    _fields_ = [
+        ("epoch", ctypes.c_uint64),  # Start-up number of the fusion that starts.
+        ("time_ns", ctypes.c_int64),  # UTC at the start, nanoseconds since 1970.
+        ("part", ctypes.c_uint32),  # Place of this part among all, from 0.
+        ("parts", ctypes.c_uint32),  # Number of parts.
+        ("count", ctypes.c_uint32),  # How many of `words` hold something.
+        ("ends", ctypes.c_uint32),  # 1 if the tracks in it were too old to go on: each is told ended.
+        ("sequence", ctypes.c_uint64),  # Sequence number at its publisher.
+        ("words", ctypes.c_uint64 * 120),  # Words of a `fusion::checkpoint::Snapshot`, after those of the parts before.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Restored"
+
+
+assert ctypes.sizeof(Restored) == 1000
+assert Restored.epoch.offset == 0
+assert Restored.time_ns.offset == 8
+assert Restored.part.offset == 16
+assert Restored.parts.offset == 20
+assert Restored.count.offset == 24
+assert Restored.ends.offset == 28
+assert Restored.sequence.offset == 32
+assert Restored.words.offset == 40

@@ -159,6 +159,7 @@ pub const ALL: &[Layout] = &[
     crate::Control::LAYOUT,
     crate::FrameOrigin::LAYOUT,
     crate::WorkStep::LAYOUT,
+    crate::Restored::LAYOUT,
 ];
 
 impl Layout {

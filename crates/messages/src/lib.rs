@@ -30,6 +30,7 @@ mod movement;
 mod platform_state;
 mod process_kind;
 mod registration;
+mod restored;
 mod sensor_bearing;
 mod sensor_detection;
 mod sensor_track;
@@ -56,6 +57,7 @@ pub use movement::{HorizontalMovement, LongitudinalMovement, Movement, VerticalM
 pub use platform_state::{PlatformState, platform_state_bits};
 pub use process_kind::ProcessKind;
 pub use registration::{Registration, registration_bits};
+pub use restored::{RESTORED_WORDS, Restored};
 pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
 pub use sensor_detection::{DetectionKind, Quantity, SensorDetection, sensor_detection_bits};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
@@ -68,8 +70,8 @@ pub use system_track::{
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
     Capacity, Stream, StreamId, Streamed, Topic, TopicName, alarms, contributors, control, cues, decisions,
-    frame_origin, health, order, platform_states, progress, sensor_bearings, sensor_detections, sensor_tracks,
-    system_tracks, wide_area,
+    frame_origin, health, order, platform_states, progress, restored, sensor_bearings, sensor_detections,
+    sensor_tracks, system_tracks, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};

@@ -8,8 +8,8 @@ use std::marker::PhantomData;
 use crate::codes;
 use crate::layout::Sample;
 use crate::{
-    Alarm, ContributorSet, Control, Cue, Decision, FrameOrigin, Health, PlatformState, Progress, SensorBearing,
-    SensorDetection, SensorTrack, SystemTrack, WideArea, WorkStep,
+    Alarm, ContributorSet, Control, Cue, Decision, FrameOrigin, Health, PlatformState, Progress, Restored,
+    SensorBearing, SensorDetection, SensorTrack, SystemTrack, WideArea, WorkStep,
 };
 
 /// Name of a topic in shared memory.
@@ -232,6 +232,9 @@ topics! {
     /// Progress of each consumer of recorded data.
     // Published by fusion and recorder, read by every adapter of a recording.
     progress() -> Progress: "progress", 16 slices of 80, 8 to 96;
+
+    /// State that a fusion starts from, where there was one before it: ahead of its first track.
+    restored() -> Restored: "system/restored", 64 slices of 32, 4 to 4;
 
     /// Orders to fusion.
     control() -> Control: "control", 16 slices of 1, 8 to 8;

@@ -30,6 +30,10 @@ const FURTHER_HEALTH: usize = 5;
 /// Fusion and the recorder publish their progress.
 const PROGRESS_PUBLISHERS: usize = 4;
 
+/// Name of the memory in which fusion keeps what its successor goes on from. It outlasts every process, the launcher
+/// too, but for an orderly end.
+pub const CHECKPOINT: &str = "checkpoint";
+
 /// A claimed instance.
 #[derive(Debug)]
 pub struct Instance {
@@ -102,6 +106,7 @@ impl Instance {
         while start.elapsed() < LEAVE_PATIENCE && !root.processes()?.is_empty() {
             std::thread::sleep(PAUSE);
         }
+        root.remove_outlasting(CHECKPOINT);
         match claim.remove() {
             Ok(_) => Ok(()),
             Err(BusError::StillUsed { processes, .. }) => {
@@ -171,6 +176,7 @@ fn each_topic(deployment: &impl Deployment, processes: usize, visit: &mut impl V
     visit.visit(&messages::frame_origin(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;
+    visit.visit(&messages::restored(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::control(), ONE_AND_ITS_SUCCESSOR)
 }
 

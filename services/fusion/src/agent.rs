@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use bus::{Bus, Transport, Waiter};
 use configuration::{Config, Order, Source};
+use fusion::checkpoint::Position;
 use fusion::{Engine, Merger, Pushed};
 use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Stream, StreamId, TrackState};
 use runtime::clock::mono_ns;
@@ -12,6 +13,7 @@ use runtime::flow::Reached;
 use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
+use crate::continuity::{Keeping, Start};
 use crate::inputs::{Input, Taken};
 use crate::order::OrderOfWork;
 use crate::output::Output;
@@ -45,12 +47,43 @@ pub struct FusionAgent<S: Transport> {
     reached: Option<Reached<S>>,
     end_sent: bool,
     progress_ns: i64,
+    /// Keeps what must outlast the process.
+    keeping: Option<Keeping>,
+}
+
+/// Fusion that has everything to begin, and publishes nothing yet.
+#[derive(Debug)]
+pub(crate) struct Ready<S: Transport> {
+    pub(crate) engine: Engine,
+    pub(crate) inputs: Vec<Input<S>>,
+    waiter: Waiter<S>,
+}
+
+impl<S: Transport> Ready<S> {
+    /// Allocates all tables of fusion of `config`, and opens the topics that it reads.
+    ///
+    /// # Errors
+    /// If a setting cannot work or a topic cannot be opened.
+    pub(crate) fn new(config: &Config, speed: Speed, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
+        let mut waiter = bus.waiter(config.fusion.wait);
+        if config.fusion.placement.core.is_some() {
+            waiter = waiter.without_yielding();
+        }
+        let inputs = Input::open_all(config, speed, bus, incarnation, &mut waiter)?;
+        if config.is_recorded() {
+            waiter.watch(bus, &messages::progress())?;
+        }
+        Ok(Self {
+            engine: Engine::new(config.fusion.settings.clone())?,
+            inputs,
+            waiter,
+        })
+    }
 }
 
 impl<S: Transport> FusionAgent<S> {
     /// Fusion of `config`, whose recordings are replayed at `speed`, connected to `bus`; `incarnation` is the process's
-    /// monotonic start time. It obeys the orders in `queues`, and puts its
-    /// decisions there.
+    /// monotonic start time. It obeys the orders in `queues`, and puts its decisions there.
     ///
     /// # Errors
     /// If a setting cannot work or a topic cannot be opened.
@@ -61,15 +94,23 @@ impl<S: Transport> FusionAgent<S> {
         incarnation: u64,
         queues: Arc<Queues>,
     ) -> anyhow::Result<Self> {
-        let mut waiter = bus.waiter(config.fusion.wait);
-        if config.fusion.placement.core.is_some() {
-            waiter = waiter.without_yielding();
-        }
-        let inputs = Input::open_all(config, speed, bus, incarnation, &mut waiter)?;
+        let ready = Ready::new(config, speed, bus, incarnation)?;
+        Self::begin(ready, config, bus, (incarnation, incarnation), queues)
+    }
+
+    /// Begins to fuse, with the start-up number `epoch`.
+    ///
+    /// # Errors
+    /// If a topic cannot be opened.
+    pub(crate) fn begin(
+        ready: Ready<S>,
+        config: &Config,
+        bus: &Bus<S>,
+        (incarnation, epoch): (u64, u64),
+        queues: Arc<Queues>,
+    ) -> anyhow::Result<Self> {
+        let Ready { engine, inputs, waiter } = ready;
         let recorded = config.is_recorded();
-        if recorded {
-            waiter.watch(bus, &messages::progress())?;
-        }
         let stream = |source: &Source| {
             let id = StreamId {
                 stream: Stream::SensorTracks,
@@ -80,9 +121,10 @@ impl<S: Transport> FusionAgent<S> {
         let streams: Vec<_> = config.sources.iter().map(stream).collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Fusion, &streams);
         Ok(Self {
-            engine: Engine::new(config.fusion.settings.clone())?,
-            output: Output::new(config, bus, incarnation, Arc::clone(&queues))?,
-            order: OrderOfWork::begin(bus, incarnation, inputs.len())?,
+            engine,
+            output: Output::new(config, bus, (incarnation, epoch), Arc::clone(&queues))?,
+            order: OrderOfWork::begin(bus, epoch, inputs.len())?,
+            keeping: None,
             queues,
             waiter,
             round: Vec::with_capacity(inputs.len()),
@@ -93,6 +135,16 @@ impl<S: Transport> FusionAgent<S> {
             end_sent: false,
             progress_ns: i64::MIN,
         })
+    }
+
+    /// Goes on from where the fusion before this one was killed, if there was one, and keeps what its own successor
+    /// needs. What is told ended, is published.
+    ///
+    /// # Errors
+    /// If it cannot be published.
+    pub(crate) fn resume(&mut self, start: Start, now: Now) -> anyhow::Result<()> {
+        self.keeping = start.resume(&mut self.engine, &mut self.inputs, &mut self.output, now);
+        self.output.send(self.progress_ns, false)
     }
 
     fn obey(&mut self) {
@@ -191,6 +243,12 @@ impl<S: Transport> FusionAgent<S> {
         };
         let passed_ns = self.passed_ns(now);
         let (input, output) = (&self.inputs[index], &mut self.output);
+        // Before: no report is worked off twice.
+        let position = Position {
+            incarnation: number.publisher,
+            next_sequence: number.sequence.wrapping_add(1),
+        };
+        self.engine.keep_position(input.source, position);
         self.engine.take_at(&report, passed_ns, output);
         self.order.report(input.source, number, self.engine.now_ns());
         self.progress_ns = self.progress_ns.max(input.progress_ns);
@@ -286,6 +344,9 @@ impl<S: Transport> FusionAgent<S> {
 impl<S: Transport> Agent for FusionAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         self.obey();
+        if let Some(keeping) = &mut self.keeping {
+            keeping.tend(&mut self.engine, now);
+        }
         let worked = match self.merger.take() {
             Some(mut merger) => {
                 let worked = self.work_by_time(&mut merger);

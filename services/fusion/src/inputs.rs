@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
 use configuration::Config;
+use fusion::checkpoint::Position;
 use messages::{BatchHeader, Counter, Counters, SensorTrack, sensor_track_bits};
 use runtime::{Now, Speed};
 
@@ -28,6 +29,8 @@ pub(crate) struct Input<S: Transport> {
     pub(crate) time: SourceTime,
     /// Whether it has said that nothing follows.
     pub(crate) has_ended: bool,
+    /// Order `arrival`: how far a fusion before this one had worked its reports off.
+    done: Option<Position>,
     /// Order `time`: publishers of reports that were taken, and the number of the first report of each.
     publishers: VecDeque<(u64, u64)>,
     /// Order `time`: the publisher whose slice was taken last.
@@ -75,6 +78,7 @@ impl<S: Transport> Input<S> {
                 in_hand: None,
                 time: SourceTime::of(source, speed),
                 has_ended: false,
+                done: None,
                 publishers: VecDeque::with_capacity(topic.capacity.publishers),
                 publisher: None,
             });
@@ -94,18 +98,36 @@ impl<S: Transport> Input<S> {
                 Received::Rejected => {}
                 Received::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header()),
                 Received::Slice(slice) => {
+                    let next = self.count_done(slice.header(), slice.samples().len());
+                    if next == slice.samples().len() {
+                        self.pass(slice.header());
+                        continue;
+                    }
                     // Read here, not before: until the slice is in hand it may not have been published.
                     let taken_ns = clock();
-                    self.in_hand = Some(InHand {
-                        slice,
-                        next: 0,
-                        taken_ns,
-                    });
+                    self.in_hand = Some(InHand { slice, next, taken_ns });
                     return Ok(true);
                 }
             }
         }
         Ok(true)
+    }
+
+    /// How many reports of a slice the fusion before this one had worked off.
+    fn count_done(&self, header: &BatchHeader, reports: usize) -> usize {
+        match self.done {
+            Some(done) if header.incarnation < done.incarnation => reports,
+            Some(done) if header.incarnation == done.incarnation => {
+                let past = done.next_sequence.saturating_sub(header.first_sequence);
+                past.min(reports as u64) as usize
+            }
+            _ => 0,
+        }
+    }
+
+    /// The fusion before this one had got as far as `done`.
+    pub(crate) fn pass_over(&mut self, done: Position) {
+        self.done = Some(done);
     }
 
     /// Everything up to a slice's mark has been worked off.

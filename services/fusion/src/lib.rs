@@ -13,6 +13,7 @@
 //! no system call, takes no lock and allocates nothing (tests/allocation.rs; docs/real-time.md has the trace).
 
 mod agent;
+mod continuity;
 mod inputs;
 mod order;
 mod output;
@@ -25,7 +26,10 @@ use std::sync::Arc;
 use bus::WaitMode;
 use configuration::Process;
 use runtime::housekeeping::{Housekeeper, Queues};
-use runtime::{Rest, cores};
+use runtime::{Now, Rest, cores};
+
+use crate::agent::Ready;
+use crate::continuity::Start;
 
 /// How a loop rests that would otherwise never sleep: six hundredths of the time, more than the kernel would take by
 /// force.
@@ -46,7 +50,19 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let entries_max = 1 + config.sources.len();
     // Before this thread takes its place: threads inherit core and priority.
     let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&queues))?;
-    let mut agent = FusionAgent::new(config, process.options.speed, &process.bus, process.incarnation, queues)?;
+    let ready = Ready::new(config, process.options.speed, &process.bus, process.incarnation)?;
+    let now = Now::read();
+    // Recordings come again.
+    let kept = fusion.checkpoint.filter(|_| !config.is_recorded());
+    let start = kept.map(|settings| Start::look(process, settings, &ready.engine, now));
+    let epoch = start.as_ref().map_or(process.incarnation, |start| start.epoch);
+    if let Some(start) = &start {
+        start.publish(&process.bus, process.incarnation, now)?;
+    }
+    let mut agent = FusionAgent::begin(ready, config, &process.bus, (process.incarnation, epoch), queues)?;
+    if let Some(start) = start {
+        agent.resume(start, now)?;
+    }
     let refused = cores::take_place(fusion.placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");

@@ -39,7 +39,13 @@ impl<S: Transport> Sink for Output<S> {
 }
 
 impl<S: Transport> Output<S> {
-    pub(crate) fn new(config: &Config, bus: &Bus<S>, incarnation: u64, queues: Arc<Queues>) -> anyhow::Result<Self> {
+    /// States say that they are of `epoch`.
+    pub(crate) fn new(
+        config: &Config,
+        bus: &Bus<S>,
+        (incarnation, epoch): (u64, u64),
+        queues: Arc<Queues>,
+    ) -> anyhow::Result<Self> {
         let topic = messages::system_tracks();
         let follow = config.is_recorded() && config.recorder;
         let flow = || {
@@ -52,7 +58,7 @@ impl<S: Transport> Output<S> {
             )
         };
         Ok(Self {
-            publisher: bus.publisher(&topic, incarnation)?.with_epoch(incarnation),
+            publisher: bus.publisher(&topic, incarnation)?.with_epoch(epoch),
             // The ends of all tracks at once fit too.
             waiting: Vec::with_capacity(topic.capacity.slice_len + config.fusion.settings.capacity.system_tracks()),
             flow: follow.then(flow).transpose()?,
@@ -92,7 +98,7 @@ impl<S: Transport> Output<S> {
             return Ok(());
         }
         let (waiting, sent_ns, deadline_ns) = (&mut self.waiting, mono_ns(), self.deadline_ns);
-        let (epoch, origin) = (self.publisher.incarnation(), self.origin);
+        let (epoch, origin) = (self.publisher.epoch(), self.origin);
         let count = waiting.len();
         let mut missed = 0;
         self.publisher.send(

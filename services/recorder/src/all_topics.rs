@@ -146,6 +146,7 @@ impl<S: Transport> AllTopics<S> {
         opening.open(&messages::health())?;
         opening.open(&messages::control())?;
         opening.open(&messages::frame_origin())?;
+        opening.open(&messages::restored())?;
         // Last: of what was taken of the system tracks in a turn, the order of work is there.
         opening.open_log(&messages::order())?;
         let facts = Facts::from([

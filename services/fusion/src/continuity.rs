@@ -1,0 +1,230 @@
+//! Going on where another fusion was killed.
+//!
+//! The engine keeps what its successor needs in memory that outlasts the process and the launcher
+//! ([`fusion::checkpoint`], [`bus::Outlasting`]). A fusion that starts looks there first. What it finds it says on the
+//! topic `system/restored`, for recordings; then it goes on with the same tracks, under the same numbers, as another
+//! epoch; and it keeps all that in memory of its own before anybody can find it.
+//!
+//! What cannot be used is put aside, said, and not used. Then nobody knows which numbers were given: numbering begins
+//! at a place that depends on the time of day, so that no number comes again within a day.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+use bus::{Bus, Mark, Outlasting, Root, Transport};
+use configuration::{Checkpoint, Process};
+use fusion::checkpoint::{Clock, Layout, Memory, Snapshot};
+use fusion::{Engine, Sink};
+use messages::{RESTORED_WORDS, Restored};
+use runtime::Now;
+use runtime::instance::CHECKPOINT;
+
+use crate::inputs::Input;
+
+/// Time between two notes that the process lives, nanoseconds.
+const NOTE_NS: i64 = 1_000_000;
+/// Time within which everything that was learned is written once, nanoseconds: half of what is promised.
+const ROUND_NS: i64 = 5_000_000_000;
+/// Most records of what was learned that are written in a turn.
+const RECORDS_PER_TURN: usize = 64;
+/// Numbers a second, and seconds, over which numbering begins anew where nobody knows which were given.
+const NUMBERS_PER_S: u32 = 49_710;
+const DAY_S: i64 = 86_400;
+
+/// What a fusion starts from.
+#[derive(Debug)]
+pub(crate) struct Start {
+    pub(crate) epoch: u64,
+    root: Root,
+    layout: Layout,
+    found: Found,
+}
+
+#[derive(Debug)]
+enum Found {
+    /// There was no fusion before.
+    Nothing,
+    /// Tracks to go on with, or to be told ended.
+    Tracks { snapshot: Box<Snapshot>, ends: bool },
+    /// There was one, and nothing is known of it.
+    Refused,
+}
+
+impl Start {
+    /// Looks for what the fusion before this one has left, while it writes no more.
+    pub(crate) fn look(process: &Process, settings: Checkpoint, engine: &Engine, now: Now) -> Self {
+        let root = process.bus.root();
+        let layout = engine.checkpoint_layout();
+        let found = find(root, settings, &layout, now);
+        let last = match &found {
+            Found::Tracks { snapshot, .. } => snapshot.clock().map_or(0, |clock| clock.epoch),
+            _ => 0,
+        };
+        Self {
+            epoch: process.incarnation.max(last.saturating_add(1)),
+            root: root.clone(),
+            layout,
+            found,
+        }
+    }
+
+    /// Says what is started from on the topic `system/restored`, in as many parts as it takes.
+    ///
+    /// # Errors
+    /// If it cannot be sent.
+    pub(crate) fn publish<S: Transport>(&self, bus: &Bus<S>, incarnation: u64, now: Now) -> anyhow::Result<()> {
+        let Found::Tracks { snapshot, ends } = &self.found else {
+            return Ok(());
+        };
+        let mut publisher = bus
+            .publisher(&messages::restored(), incarnation)?
+            .with_epoch(self.epoch);
+        let parts: Vec<&[u64]> = snapshot.words().chunks(RESTORED_WORDS).collect();
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: now.mono_ns,
+            end: false,
+        };
+        publisher.send(mark, parts.len(), |part, sequence| {
+            let mut restored = Restored {
+                epoch: self.epoch,
+                time_ns: now.utc_ns,
+                part: part as u32,
+                parts: parts.len() as u32,
+                count: parts[part].len() as u32,
+                ends: u32::from(*ends),
+                sequence,
+                ..Restored::default()
+            };
+            restored.words[..parts[part].len()].copy_from_slice(parts[part]);
+            restored
+        })?;
+        Ok(())
+    }
+
+    /// Has the engine go on, tells `sink` what has ended, and keeps it all anew. `None` if there is no memory for that.
+    pub(crate) fn resume<S: Transport>(
+        self,
+        engine: &mut Engine,
+        inputs: &mut [Input<S>],
+        sink: &mut impl Sink,
+        now: Now,
+    ) -> Option<Keeping> {
+        match &self.found {
+            Found::Nothing => {}
+            Found::Tracks { snapshot, ends } => {
+                engine.resume(snapshot, *ends, sink);
+                for (source, position) in snapshot.positions() {
+                    if let Some(input) = inputs.get_mut(usize::from(source)) {
+                        input.pass_over(position);
+                    }
+                }
+            }
+            Found::Refused => {
+                let second = now.utc_ns.div_euclid(1_000_000_000).rem_euclid(DAY_S) as u32;
+                engine.start_numbers_at(second * NUMBERS_PER_S + 1);
+            }
+        }
+        let mut keeping = Keeping::new(self.epoch, now);
+        let kept = self
+            .root
+            .make_outlasting(CHECKPOINT, self.layout.len())
+            .and_then(|memory| {
+                let memory = Arc::new(memory);
+                engine.keep_checkpoint(Box::new(Shared(Arc::clone(&memory))));
+                keeping.note(engine, now);
+                memory.publish()
+            });
+        match kept {
+            Ok(()) => Some(keeping),
+            Err(error) => {
+                eprintln!("warning: going on without a checkpoint: {error}");
+                None
+            }
+        }
+    }
+}
+
+fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Found {
+    let refused = |reason: String| {
+        let aside = root.put_outlasting_aside(CHECKPOINT);
+        let aside = aside.map_or_else(String::new, |path| format!(" (put aside: {})", path.display()));
+        eprintln!("warning: the checkpoint is not used: {reason}{aside}");
+        Found::Refused
+    };
+    match root.outlasting(CHECKPOINT) {
+        Ok(None) => Found::Nothing,
+        Ok(Some(memory)) => match Snapshot::read(memory.words(), layout) {
+            Ok(snapshot) => {
+                let age_ns = snapshot.clock().map(|clock| now.utc_ns.saturating_sub(clock.utc_ns));
+                let ends = age_ns.is_none_or(|age_ns| age_ns > settings.max_age_ns);
+                let snapshot = Box::new(snapshot);
+                Found::Tracks { snapshot, ends }
+            }
+            Err(error) => refused(error.to_string()),
+        },
+        Err(error) => refused(error.to_string()),
+    }
+}
+
+/// Memory that the engine writes and that is published beside.
+#[derive(Debug)]
+struct Shared(Arc<Outlasting>);
+
+impl Memory for Shared {
+    fn words(&self) -> &[AtomicU64] {
+        self.0.words()
+    }
+}
+
+/// Keeps what changes without a report.
+#[derive(Debug)]
+pub(crate) struct Keeping {
+    clock: Clock,
+    noted_ns: i64,
+    /// When the present round over what was learned began, and how many of its records are written.
+    round_ns: i64,
+    written: usize,
+}
+
+impl Keeping {
+    fn new(epoch: u64, now: Now) -> Self {
+        Self {
+            clock: Clock {
+                epoch,
+                process_id: std::process::id(),
+                ..Clock::default()
+            },
+            noted_ns: i64::MIN,
+            round_ns: now.mono_ns,
+            written: 0,
+        }
+    }
+
+    /// Does what is due.
+    #[inline]
+    pub(crate) fn tend(&mut self, engine: &mut Engine, now: Now) {
+        if now.mono_ns.saturating_sub(self.noted_ns) >= NOTE_NS {
+            self.note(engine, now);
+            self.go_round(engine, now);
+        }
+    }
+
+    fn note(&mut self, engine: &mut Engine, now: Now) {
+        self.noted_ns = now.mono_ns;
+        (self.clock.turn_ns, self.clock.utc_ns) = (now.mono_ns, now.utc_ns);
+        engine.keep_clock(self.clock);
+    }
+
+    fn go_round(&mut self, engine: &mut Engine, now: Now) {
+        let all = engine.learned_records();
+        let passed_ns = (now.mono_ns - self.round_ns).min(ROUND_NS);
+        let due = (all as i64 * passed_ns / ROUND_NS) as usize;
+        let count = due.saturating_sub(self.written).min(RECORDS_PER_TURN);
+        engine.keep_learned(count);
+        self.written += count;
+        if self.written >= all {
+            (self.round_ns, self.written) = (now.mono_ns, 0);
+        }
+    }
+}
