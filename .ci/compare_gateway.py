@@ -50,6 +50,10 @@ class Frame:
         return [sum(earth[k] * axis[k] for k in range(3)) for axis in there[:2]]
 
     def geodetic_deg(self, east, north, up):
+        return self.geodetic(east, north, up)[:2]
+
+    def geodetic(self, east, north, up):
+        """Latitude and longitude in degrees, height above the ellipsoid in metres."""
         axes = self.axes(self.latitude, self.longitude)
         x, y, z = (self.origin[k] + east * axes[0][k] + north * axes[1][k] + up * axes[2][k] for k in range(3))
         p = math.hypot(x, y)
@@ -57,7 +61,9 @@ class Frame:
         for _ in range(5):
             n = A / math.sqrt(1 - E2 * math.sin(latitude) ** 2)
             latitude = math.atan2(z + E2 * n * math.sin(latitude), p)
-        return math.degrees(latitude), math.degrees(math.atan2(y, x))
+        n = A / math.sqrt(1 - E2 * math.sin(latitude) ** 2)
+        height = p * math.cos(latitude) + z * math.sin(latitude) - n * (1 - E2 * math.sin(latitude) ** 2)
+        return math.degrees(latitude), math.degrees(math.atan2(y, x)), height
 
 
 def ticks_of(seconds):
@@ -137,4 +143,5 @@ def main():
     sys.exit(1 if wrong or not counts.get(62) else 0)
 
 
-main()
+if __name__ == '__main__':
+    main()
