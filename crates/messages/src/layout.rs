@@ -193,6 +193,21 @@ impl Layout {
         out
     }
 
+    /// Name of the field at this offset, as in `contributions[2].weight`.
+    pub fn name_at(&self, offset: usize) -> String {
+        let holds = |field: &&Field| (field.offset..field.offset + field.size).contains(&offset);
+        let Some(field) = self.fields.iter().find(holds) else {
+            return String::new();
+        };
+        let (element, count) = element(field.kind, self, field);
+        let size = field.size / count.unwrap_or(1).max(1);
+        let within = offset - field.offset;
+        let place = count.map(|_| format!("[{}]", within / size)).unwrap_or_default();
+        let part = ALL.iter().find(|layout| layout.name == element);
+        let part = part.map(|layout| format!(".{}", layout.name_at(within % size)));
+        format!("{}{place}{}", field.name, part.unwrap_or_default())
+    }
+
     fn ros2_fields(&self, out: &mut String) {
         for field in self.fields {
             let (element, count) = element(field.kind, self, field);

@@ -17,11 +17,13 @@
 
 #![forbid(unsafe_code)]
 
+mod reader;
 mod survey;
 mod tally;
 mod whole;
 mod writer;
 
+pub use reader::{Item, read};
 pub use survey::{Survey, TopicSurvey};
 pub use tally::Tally;
 pub use whole::{Whole, closing, whole};

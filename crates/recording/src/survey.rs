@@ -3,14 +3,11 @@
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 
-use mcap::records::Record;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use messages::BatchHeader;
-use messages::layout::Sample as _;
 
+use crate::reader::{Item, read};
 use crate::tally::Tally;
-use crate::whole::{Whole, whole};
-use crate::{CDR, FACTS, Facts, RecordingError, SLICES};
+use crate::{Facts, RecordingError};
 
 /// Contents of one file, or of several of one recording, in their order.
 #[derive(Clone, Debug, Default)]
@@ -42,69 +39,28 @@ pub struct TopicSurvey {
     slice: Option<(BatchHeader, usize)>,
 }
 
-/// Channels and schemas of one file.
-#[derive(Debug, Default)]
-struct Channels {
-    schemas: BTreeMap<u16, String>,
-    topics: BTreeMap<u16, String>,
-}
-
 impl Survey {
     /// Adds what a file holds; of one that has no end, what can be read.
     ///
     /// # Errors
     /// If it cannot be read, or holds what no recorder writes.
     pub fn add<R: Read + Seek>(&mut self, file: &mut R) -> Result<(), RecordingError> {
-        let Whole { bytes, is_ended } = whole(file)?;
-        self.torn += u64::from(!is_ended);
-        file.rewind()?;
-        let mut file = file.take(bytes);
-        let options = LinearReaderOptions::default()
-            .with_skip_end_magic(true)
-            .with_validate_chunk_crcs(true);
-        let mut reader = LinearReader::new_with_options(options);
-        let mut channels = Channels::default();
-        while let Some(event) = reader.next_event() {
-            match event? {
-                LinearReadEvent::ReadRequest(wanted) => {
-                    let read = file.read(reader.insert(wanted))?;
-                    reader.notify_read(read);
-                }
-                LinearReadEvent::Record { opcode, data } => {
-                    self.record(&mut channels, mcap::parse_record(opcode, data)?);
-                }
+        let is_ended = read::<_, RecordingError>(file, |item| {
+            match item {
+                Item::Facts(facts) => self.begin(facts),
+                Item::Topic { name, schema } => self.topic(name).schema = schema.to_owned(),
+                Item::Slice {
+                    topic,
+                    header,
+                    taken_ns,
+                } => self.topic(topic).begin_slice(header, taken_ns),
+                Item::Sample { topic, .. } => self.topic(topic).add_sample(),
             }
-        }
+            Ok(())
+        })?;
+        self.torn += u64::from(!is_ended);
         self.topics.values_mut().for_each(TopicSurvey::end_slice);
         Ok(())
-    }
-
-    fn record(&mut self, channels: &mut Channels, record: Record<'_>) {
-        match record {
-            Record::Metadata(metadata) if metadata.name == FACTS => self.begin(metadata.metadata),
-            Record::Schema { header, .. } => {
-                channels.schemas.insert(header.id, header.name);
-            }
-            Record::Channel(channel) => {
-                if !channel.topic.ends_with(SLICES) {
-                    self.topic(&channel.topic).schema =
-                        channels.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-                }
-                channels.topics.insert(channel.id, channel.topic);
-            }
-            Record::Message { header, data } => {
-                let Some(name) = channels.topics.get(&header.channel_id) else {
-                    return;
-                };
-                let octets = data.strip_prefix(&CDR);
-                match (name.strip_suffix(SLICES), octets.and_then(BatchHeader::of_octets)) {
-                    (Some(name), Some(slice)) => self.topic(name).begin_slice(slice, header.log_time),
-                    (Some(_), None) => {}
-                    (None, _) => self.topic(name).add_sample(),
-                }
-            }
-            _ => {}
-        }
     }
 
     fn begin(&mut self, facts: Facts) {

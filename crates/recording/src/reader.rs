@@ -1,0 +1,120 @@
+//! Reading one file, message by message.
+
+use std::collections::BTreeMap;
+use std::io::{Read, Seek};
+
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use messages::BatchHeader;
+use messages::layout::Sample as _;
+
+use crate::whole::{Whole, whole};
+use crate::{CDR, FACTS, Facts, RecordingError, SLICES};
+
+/// Contents of a file, in its order.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Item<'a> {
+    /// Facts at its beginning.
+    Facts(Facts),
+    /// A topic is in it.
+    Topic {
+        /// Name.
+        name: &'a str,
+        /// Schema of its samples.
+        schema: &'a str,
+    },
+    /// A slice begins; its samples follow.
+    Slice {
+        /// Name of the topic.
+        topic: &'a str,
+        /// Header of the slice.
+        header: BatchHeader,
+        /// Time when the recorder took it, UTC, nanoseconds.
+        taken_ns: u64,
+    },
+    /// A sample of the topic's latest slice.
+    Sample {
+        /// Name of the topic.
+        topic: &'a str,
+        /// The sample as it lay in memory.
+        octets: &'a [u8],
+    },
+}
+
+/// Shows all that a file holds to `visit`; of one that has no end, what can be read. Whether it had one.
+///
+/// # Errors
+/// If it cannot be read, or holds what no recorder writes; or the first one of `visit`.
+pub fn read<R: Read + Seek, E: From<RecordingError>>(
+    file: &mut R,
+    mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
+) -> Result<bool, E> {
+    let Whole { bytes, is_ended } = whole(file).map_err(RecordingError::from)?;
+    file.rewind().map_err(RecordingError::from)?;
+    let mut file = file.take(bytes);
+    let options = LinearReaderOptions::default()
+        .with_skip_end_magic(true)
+        .with_validate_chunk_crcs(true);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut names = Names::default();
+    while let Some(event) = reader.next_event() {
+        match event.map_err(RecordingError::from)? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let read = file.read(reader.insert(wanted)).map_err(RecordingError::from)?;
+                reader.notify_read(read);
+            }
+            LinearReadEvent::Record { opcode, data } => {
+                let record = mcap::parse_record(opcode, data).map_err(RecordingError::from)?;
+                names.show(record, &mut visit)?;
+            }
+        }
+    }
+    Ok(is_ended)
+}
+
+/// Channels and schemas of one file.
+#[derive(Debug, Default)]
+struct Names {
+    schemas: BTreeMap<u16, String>,
+    topics: BTreeMap<u16, String>,
+}
+
+impl Names {
+    fn show<E>(&mut self, record: Record<'_>, visit: &mut impl FnMut(Item<'_>) -> Result<(), E>) -> Result<(), E> {
+        match record {
+            Record::Metadata(metadata) if metadata.name == FACTS => visit(Item::Facts(metadata.metadata)),
+            Record::Schema { header, .. } => {
+                self.schemas.insert(header.id, header.name);
+                Ok(())
+            }
+            Record::Channel(channel) => {
+                let name = &channel.topic;
+                let schema = self.schemas.get(&channel.schema_id).map_or("", String::as_str);
+                let shown = match name.ends_with(SLICES) {
+                    true => Ok(()),
+                    false => visit(Item::Topic { name, schema }),
+                };
+                self.topics.insert(channel.id, channel.topic);
+                shown
+            }
+            Record::Message { header, data } => {
+                let Some(name) = self.topics.get(&header.channel_id) else {
+                    return Ok(());
+                };
+                let octets = data.strip_prefix(&CDR).unwrap_or_default();
+                match name.strip_suffix(SLICES) {
+                    None => visit(Item::Sample { topic: name, octets }),
+                    Some(topic) => match BatchHeader::of_octets(octets) {
+                        Some(slice) => visit(Item::Slice {
+                            topic,
+                            header: slice,
+                            taken_ns: header.log_time,
+                        }),
+                        None => Ok(()),
+                    },
+                }
+            }
+            _ => Ok(()),
+        }
+    }
+}
