@@ -7,6 +7,7 @@
 use std::fmt;
 use std::io::{self, Read, Write};
 use std::marker::PhantomData;
+use std::str::FromStr;
 
 use csv_table::{Cells, CsvError, Table};
 use jiff::Timestamp;
@@ -60,6 +61,15 @@ pub struct Utc(pub i64);
 impl fmt::Display for Utc {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Timestamp::from_nanosecond(self.0.into()).map_or(Ok(()), |time| write!(f, "{time}"))
+    }
+}
+
+impl FromStr for Utc {
+    type Err = jiff::Error;
+
+    fn from_str(text: &str) -> Result<Self, jiff::Error> {
+        let time_ns = text.parse::<Timestamp>()?.as_nanosecond();
+        Ok(Self(i64::try_from(time_ns).unwrap_or(i64::MAX)))
     }
 }
 

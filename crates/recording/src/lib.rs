@@ -23,7 +23,7 @@ mod tally;
 mod whole;
 mod writer;
 
-pub use reader::{Item, read};
+pub use reader::{Item, facts, read};
 pub use survey::{Survey, TopicSurvey};
 pub use tally::Tally;
 pub use whole::{Whole, closing, whole};

@@ -72,6 +72,31 @@ pub fn read<R: Read + Seek, E: From<RecordingError>>(
     Ok(is_ended)
 }
 
+/// Facts at the beginning of a file; `None` without any.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn facts<R: Read + Seek>(file: &mut R) -> Result<Option<Facts>, RecordingError> {
+    enum Stop {
+        Found(Facts),
+        Failed(RecordingError),
+    }
+    impl From<RecordingError> for Stop {
+        fn from(error: RecordingError) -> Self {
+            Self::Failed(error)
+        }
+    }
+    let found = read(file, |item| match item {
+        Item::Facts(facts) => Err(Stop::Found(facts)),
+        _ => Ok(()),
+    });
+    match found {
+        Ok(_) => Ok(None),
+        Err(Stop::Found(facts)) => Ok(Some(facts)),
+        Err(Stop::Failed(error)) => Err(error),
+    }
+}
+
 /// Channels and schemas of one file.
 #[derive(Debug, Default)]
 struct Names {

@@ -28,6 +28,7 @@ mod offline;
 mod picture;
 mod recording_info;
 mod recordings;
+mod replay;
 mod score;
 mod simulate;
 mod status;
@@ -116,6 +117,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Status(status) => status::run(&status),
         Command::Top(top) => top::run(&top),
         Command::Recording(args::Recording::Info(info)) => recording_info::run(&info),
+        Command::Replay(replay) => replay::run(&replay),
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),
         Command::Encode(encode) => encode::run(&encode),

@@ -26,7 +26,7 @@ pub(crate) fn run(info: &RecordingInfo) -> anyhow::Result<()> {
 }
 
 /// The files of a recording, in their order.
-fn files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
+pub(crate) fn files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
     if path.is_file() {
         return Ok(vec![path.to_owned()]);
     }

@@ -4,6 +4,7 @@ mod bearings;
 mod bench;
 mod encode;
 mod files;
+mod replay;
 mod values;
 
 use std::path::PathBuf;
@@ -28,6 +29,8 @@ pub(crate) use files::{
     ChosenEdition, Compare, Decode, Fuse, Locate, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
     Track,
 };
+use replay::REPLAY_EXAMPLES;
+pub(crate) use replay::Replay;
 use values::{interval, seconds, speed};
 
 /// Where recordings are looked for if nobody says otherwise.
@@ -98,6 +101,9 @@ pub(crate) enum Command {
     /// Say what a recording of all topics holds
     #[command(after_help = RECORDING_EXAMPLES, subcommand)]
     Recording(Recording),
+    /// Fuse a recording of all topics again: as it was, bit for bit, or otherwise
+    #[command(after_help = REPLAY_EXAMPLES)]
+    Replay(Replay),
     /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
     #[command(after_help = DECODE_EXAMPLES)]
     Decode(Decode),

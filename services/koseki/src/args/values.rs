@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use asterix::table::EditionError;
 use asterix::{Edition, registry};
+use formats::rows::Utc;
 use runtime::Speed;
 
 use super::ChosenEdition;
@@ -53,6 +54,14 @@ fn expansions_of(category: u8) -> String {
     let expansions = registry::EXPANSIONS.iter().filter(|rules| rules.number == category);
     let editions = expansions.map(|rules| rules.edition.to_string());
     editions.collect::<Vec<_>>().join(", ")
+}
+
+/// Nanoseconds since 1970 of a time as files write it.
+pub(super) fn utc(text: &str) -> Result<i64, String> {
+    let Utc(time_ns) = text
+        .parse()
+        .map_err(|error| format!("{error}; write it as in 2026-05-01T10:00:00Z"))?;
+    Ok(time_ns)
 }
 
 pub(super) fn editions_help() -> String {

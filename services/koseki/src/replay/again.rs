@@ -1,0 +1,272 @@
+//! Fusion's work done again, step by step in its recorded order.
+//!
+//! The steps say which report was worked off when, by the number that its publisher had given it; the reports are on the
+//! sources' topics of the same recording, some before and some after their step. A fusion that began within the
+//! recording begins again here. Where a report or a step is missing, what the engine would know from there on is not
+//! known: until fusion begins again its work is left out.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use configuration::Order;
+use fusion::{Engine, Settings};
+use messages::{SensorTrack, StepKind, SystemTrack, WorkStep, sensor_track_bits, work_step_bits};
+
+/// A report that is not in the recording so long after its step is missing, nanoseconds.
+const PATIENCE_NS: u64 = 10_000_000_000;
+
+/// What comes of the work.
+#[derive(Debug)]
+pub(crate) enum Outcome<'a> {
+    /// Fusion begins, with this start-up number.
+    Began(u64),
+    /// A state of a system track.
+    State(&'a SystemTrack),
+    /// Something is missing: nothing follows until fusion begins again.
+    Broke,
+}
+
+/// How work is done again.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    /// Settings of the engine.
+    pub(crate) settings: Settings,
+    /// Order in which fusion had worked.
+    pub(crate) order: Order,
+    /// Number of the deployment.
+    pub(crate) origin: u32,
+    /// Number in `settings` of each recorded source; `None` where its reports are left out.
+    pub(crate) sources: Vec<Option<u16>>,
+    /// Names of the conditions, by their numbers in the recording.
+    pub(crate) conditions: Vec<String>,
+    /// Whether work goes on although reports are missing.
+    pub(crate) tolerates: bool,
+}
+
+/// Time that the recorded work spans, nanoseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Spans {
+    pub(crate) done_ns: i64,
+    pub(crate) left_out_ns: i64,
+    last_ns: Option<i64>,
+}
+
+/// Work of one recording.
+#[derive(Debug)]
+pub(crate) struct Again {
+    plan: Plan,
+    /// By source and incarnation of their publisher, reports with their numbers.
+    reports: BTreeMap<(u16, u64), VecDeque<(u32, SensorTrack)>>,
+    work: VecDeque<Work>,
+    /// The log that the latest step is of, and the number of the next one.
+    next_step: Option<(u64, u64)>,
+    /// The publisher of each source's next report.
+    publishers: Vec<u64>,
+    run: Option<Run>,
+    pub(crate) spans: Spans,
+    /// Reports worked off.
+    pub(crate) worked: u64,
+    pub(crate) missing: u64,
+}
+
+#[derive(Debug)]
+enum Work {
+    /// A step, and when it was taken by the recorder.
+    Step(WorkStep, u64),
+    /// Steps are missing.
+    Gap,
+}
+
+/// A fusion since its beginning.
+#[derive(Debug)]
+struct Run {
+    engine: Box<Engine>,
+    epoch: u64,
+    sequence: u64,
+}
+
+impl Again {
+    pub(crate) fn new(plan: Plan) -> Self {
+        Self {
+            publishers: vec![0; plan.sources.len()],
+            plan,
+            reports: BTreeMap::new(),
+            work: VecDeque::new(),
+            next_step: None,
+            run: None,
+            spans: Spans::default(),
+            worked: 0,
+            missing: 0,
+        }
+    }
+
+    /// Takes a report of `source`: the sample with this number of the publisher of this incarnation.
+    pub(crate) fn report(&mut self, source: u16, publisher: u64, number: u64, report: &SensorTrack) {
+        let number = match self.plan.order {
+            Order::Arrival => number,
+            Order::Time => report.sequence,
+        };
+        let waiting = self.reports.entry((source, publisher)).or_default();
+        waiting.push_back((number as u32, *report));
+    }
+
+    /// Takes a step: the sample with this number of the log of this incarnation, taken by the recorder at `taken_ns`.
+    pub(crate) fn step(&mut self, log: u64, number: u64, step: WorkStep, taken_ns: u64) {
+        let expected = self.next_step.filter(|(of, _)| *of == log).map_or(0, |(_, next)| next);
+        if number != expected {
+            self.work.push_back(Work::Gap);
+        }
+        self.next_step = Some((log, number + 1));
+        self.work.push_back(Work::Step(step, taken_ns));
+    }
+
+    /// Works off what can be; the recording has been read up to `read_ns`, when the recorder took it.
+    ///
+    /// # Errors
+    /// If the settings cannot work.
+    pub(crate) fn work(&mut self, read_ns: u64, out: &mut impl FnMut(Outcome<'_>)) -> anyhow::Result<()> {
+        while let Some(work) = self.work.front() {
+            let Work::Step(step, taken_ns) = *work else {
+                self.break_off(out);
+                self.work.pop_front();
+                continue;
+            };
+            let can_wait = self.run.is_some() && read_ns < taken_ns.saturating_add(PATIENCE_NS);
+            match StepKind::from_code(step.kind) {
+                Some(StepKind::Begin) => {
+                    let epoch = step.time_ns.cast_unsigned();
+                    self.spans.last_ns = None;
+                    self.run = Some(Run {
+                        engine: Box::new(Engine::new(self.plan.settings.clone())?),
+                        epoch,
+                        sequence: 0,
+                    });
+                    out(Outcome::Began(epoch));
+                }
+                Some(StepKind::Report) => match self.find(step.source, step.sequence) {
+                    Found::NotYet if can_wait => return Ok(()),
+                    Found::Report(report) => self.take(&step, &report, out),
+                    Found::NotYet | Found::Missing => {
+                        self.missing += 1;
+                        if !self.plan.tolerates {
+                            self.break_off(out);
+                        }
+                    }
+                },
+                Some(StepKind::Publisher) => {
+                    if let Some(publisher) = self.publishers.get_mut(usize::from(step.source)) {
+                        *publisher = step.time_ns.cast_unsigned();
+                    }
+                }
+                Some(StepKind::Time) => self.advance(step.time_ns, out),
+                Some(StepKind::Condition) => {
+                    self.advance(step.time_ns, out);
+                    let name = self.plan.conditions.get(step.sequence as usize);
+                    if let (Some(run), Some(name)) = (&mut self.run, name) {
+                        run.engine.set_condition(name);
+                    }
+                }
+                // A step of a later version.
+                None => self.break_off(out),
+            }
+            if step.kind != StepKind::Begin as u8 && step.kind != StepKind::Publisher as u8 {
+                self.spans.pass(step.time_ns, self.run.is_some());
+            }
+            self.work.pop_front();
+        }
+        Ok(())
+    }
+
+    fn break_off(&mut self, out: &mut impl FnMut(Outcome<'_>)) {
+        if self.run.take().is_some() {
+            out(Outcome::Broke);
+        }
+    }
+
+    /// The report of `source` with this number, of the publisher whose turn it is. What came before it fusion never took.
+    fn find(&mut self, source: u16, number: u32) -> Found {
+        let publisher = self.publishers.get(usize::from(source)).copied().unwrap_or(0);
+        let Some(waiting) = self.reports.get_mut(&(source, publisher)) else {
+            return Found::NotYet;
+        };
+        while let Some((next, report)) = waiting.front() {
+            let ahead = next.wrapping_sub(number).cast_signed();
+            let report = *report;
+            if ahead > 0 {
+                return Found::Missing;
+            }
+            waiting.pop_front();
+            if ahead == 0 {
+                return Found::Report(Box::new(report));
+            }
+        }
+        Found::NotYet
+    }
+
+    fn take(&mut self, step: &WorkStep, report: &SensorTrack, out: &mut impl FnMut(Outcome<'_>)) {
+        let number = self.plan.sources.get(usize::from(step.source)).copied().flatten();
+        let (Some(run), Some(source)) = (&mut self.run, number) else {
+            return;
+        };
+        self.worked += 1;
+        let wild = step.flags & work_step_bits::WILD_CLOCK != 0;
+        let mut report = SensorTrack { source, ..*report };
+        report.valid |= if wild { sensor_track_bits::WILD_CLOCK } else { 0 };
+        let origin = self.plan.origin;
+        run.drive(origin, out, |engine, mut sink| {
+            engine.take_at(&report, step.time_ns, &mut sink)
+        });
+    }
+
+    fn advance(&mut self, time_ns: i64, out: &mut impl FnMut(Outcome<'_>)) {
+        let origin = self.plan.origin;
+        if let Some(run) = &mut self.run {
+            run.drive(origin, out, |engine, mut sink| engine.advance(time_ns, &mut sink));
+        }
+    }
+}
+
+enum Found {
+    Report(Box<SensorTrack>),
+    NotYet,
+    Missing,
+}
+
+impl Run {
+    /// Lets the engine do something; each state has what fusion's output gives it.
+    fn drive<O: FnMut(Outcome<'_>)>(
+        &mut self,
+        origin: u32,
+        out: &mut O,
+        act: impl FnOnce(&mut Engine, &mut dyn FnMut(&SystemTrack)),
+    ) {
+        let Self {
+            engine,
+            epoch,
+            sequence,
+        } = self;
+        act(engine, &mut |state: &SystemTrack| {
+            let state = SystemTrack {
+                sequence: *sequence,
+                epoch: *epoch,
+                origin,
+                ..*state
+            };
+            *sequence += 1;
+            out(Outcome::State(&state));
+        });
+    }
+}
+
+impl Spans {
+    fn pass(&mut self, time_ns: i64, done: bool) {
+        if matches!(time_ns, i64::MIN | i64::MAX) {
+            return;
+        }
+        let passed_ns = self.last_ns.map_or(0, |last_ns| time_ns.saturating_sub(last_ns).max(0));
+        self.last_ns = Some(self.last_ns.map_or(time_ns, |last_ns| last_ns.max(time_ns)));
+        match done {
+            true => self.done_ns += passed_ns,
+            false => self.left_out_ns += passed_ns,
+        }
+    }
+}

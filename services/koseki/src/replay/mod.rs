@@ -1,0 +1,321 @@
+//! `koseki replay`: a recording of all topics, fused again as it was, bit for bit, or otherwise.
+
+mod again;
+mod verification;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use anyhow::Context as _;
+use configuration::{Config, Source};
+use formats::rows::RowWriter;
+use formats::tracks_csv::PlacedTrack;
+use frames::time::NS_PER_DAY;
+use messages::layout::Sample as _;
+use messages::{BatchHeader, SensorTrack, SystemTrack, WorkStep};
+use recording::{Facts, Item};
+
+use crate::args::{Replay, Usage};
+use crate::files::{OutputFile, check_outputs};
+use crate::recording_info::files;
+use again::{Again, Outcome, Plan, Spans};
+use verification::Verification;
+
+/// Fact: text of the configuration.
+const CONFIGURATION: &str = "configuration";
+/// Values that replace some of the configuration stand in lines that begin so at its end.
+const OVERRIDE: &str = "# --set ";
+
+/// Replays.
+///
+/// # Errors
+/// If the recording cannot be used or the result not be written, or if it is not what was recorded.
+pub(crate) fn run(replay: &Replay) -> anyhow::Result<()> {
+    let files = files(&replay.recording)?;
+    check_outputs(files.iter().chain(&replay.config), &[("--out", replay.out.as_ref())])?;
+    let recorded = configuration(&facts(&files[0])?, &files[0])?;
+    let used = match &replay.config {
+        Some(path) => Config::read(path, &[])?,
+        None => recorded.clone(),
+    };
+    let plan = plan(replay, &recorded, &used)?;
+    let topics = recorded.sources.iter().map(|source| {
+        let topic = messages::sensor_tracks(&source.name);
+        (topic.name.as_str().to_owned(), Topic::Reports(source.number))
+    });
+    let own = [
+        (messages::order().name, Topic::Steps),
+        (messages::system_tracks().name, Topic::States),
+    ];
+    let own = own.map(|(name, topic)| (name.as_str().to_owned(), topic));
+    let mut reading = Reading {
+        topics: topics.chain(own).collect(),
+        slice: BatchHeader::default(),
+        place: 0,
+        topic: None,
+        taken_ns: 0,
+        again: Again::new(plan),
+        result: Result {
+            span: (replay.from, replay.to),
+            verification: replay.verify.then(Verification::default),
+            out: replay.out.as_deref().map(OutputFile::begin).transpose()?,
+            rows: None,
+            config: used,
+            failed: Ok(()),
+            states: 0,
+        },
+    };
+    for path in &files {
+        let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
+        recording::read::<_, anyhow::Error>(&mut file, |item| reading.item(item))
+            .with_context(|| format!("reading {}", path.display()))?;
+    }
+    reading.finish()
+}
+
+/// A topic that is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Topic {
+    /// Reports of a source.
+    Reports(u16),
+    /// The order of work.
+    Steps,
+    /// States of system tracks.
+    States,
+}
+
+/// The recording, as it is read.
+#[derive(Debug)]
+struct Reading {
+    topics: BTreeMap<String, Topic>,
+    /// Header of the slice at hand, the place of its next sample, its topic, and when it was taken.
+    slice: BatchHeader,
+    place: u64,
+    topic: Option<Topic>,
+    taken_ns: u64,
+    again: Again,
+    result: Result,
+}
+
+/// Where the states go.
+#[derive(Debug)]
+struct Result {
+    /// Reference times between which states count, UTC, nanoseconds.
+    span: (Option<i64>, Option<i64>),
+    verification: Option<Verification>,
+    out: Option<OutputFile>,
+    rows: Option<RowWriter<PlacedTrack, OutputFile>>,
+    config: Config,
+    failed: std::io::Result<()>,
+    states: u64,
+}
+
+impl Reading {
+    fn item(&mut self, item: Item<'_>) -> anyhow::Result<()> {
+        match item {
+            Item::Facts(_) | Item::Topic { .. } => {}
+            Item::Slice {
+                topic,
+                header,
+                taken_ns,
+            } => {
+                self.topic = self.topics.get(topic).copied();
+                self.slice = header;
+                self.place = 0;
+                self.taken_ns = taken_ns;
+                let Self { again, result, .. } = self;
+                again.work(taken_ns, &mut |outcome| result.take(outcome))?;
+                result.failed = match std::mem::replace(&mut result.failed, Ok(())) {
+                    Err(error) => return Err(error.into()),
+                    done => done,
+                };
+            }
+            Item::Sample { octets, .. } => self.sample(octets),
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, octets: &[u8]) {
+        let header = &self.slice;
+        let number = header.first_sequence.wrapping_add(self.place);
+        self.place += 1;
+        match self.topic {
+            Some(Topic::Reports(source)) => {
+                if let Some(report) = SensorTrack::of_octets(octets) {
+                    self.again.report(source, header.incarnation, number, &report);
+                }
+            }
+            Some(Topic::Steps) => {
+                if let Some(step) = WorkStep::of_octets(octets) {
+                    self.again.step(header.incarnation, number, step, self.taken_ns);
+                }
+            }
+            Some(Topic::States) => {
+                if let (Some(verification), Some(state)) =
+                    (&mut self.result.verification, SystemTrack::of_octets(octets))
+                {
+                    verification.record(&state);
+                }
+            }
+            None => {}
+        }
+    }
+
+    fn finish(mut self) -> anyhow::Result<()> {
+        let Self { again, result, .. } = &mut self;
+        again.work(u64::MAX, &mut |outcome| result.take(outcome))?;
+        self.result.finish(&self.again)
+    }
+}
+
+impl Result {
+    fn take(&mut self, outcome: Outcome<'_>) {
+        match outcome {
+            Outcome::Began(epoch) => {
+                if let Some(verification) = &mut self.verification {
+                    verification.begin(epoch);
+                }
+            }
+            Outcome::Broke => {
+                if let Some(verification) = &mut self.verification {
+                    verification.break_off();
+                }
+            }
+            Outcome::State(state) => {
+                if let Some(verification) = &mut self.verification {
+                    verification.give(state);
+                }
+                let time_ns = state.reference_time_ns;
+                let (from, to) = self.span;
+                if from.is_none_or(|from| time_ns >= from) && to.is_none_or(|to| time_ns <= to) && self.failed.is_ok() {
+                    self.states += 1;
+                    self.failed = self.write(state);
+                }
+            }
+        }
+    }
+
+    fn write(&mut self, state: &SystemTrack) -> std::io::Result<()> {
+        if let Some(out) = self.out.take() {
+            let of_first = || state.reference_time_ns.div_euclid(NS_PER_DAY) * NS_PER_DAY;
+            let first_day_ns = self.config.first_day_ns.unwrap_or_else(of_first);
+            self.rows = Some(RowWriter::begin(out, first_day_ns)?);
+        }
+        let Some(rows) = &mut self.rows else { return Ok(()) };
+        rows.write(&PlacedTrack::new(state, &self.config.frame))
+    }
+
+    fn finish(self, again: &Again) -> anyhow::Result<()> {
+        self.failed?;
+        if let Some(rows) = self.rows {
+            rows.into_inner().finish()?;
+        }
+        let Spans {
+            done_ns, left_out_ns, ..
+        } = again.spans;
+        let seconds = |ns: i64| ns as f64 / 1e9;
+        let mut text = String::new();
+        let Some(mut verification) = self.verification else {
+            let (reports, states) = (again.worked, self.states);
+            writeln!(
+                text,
+                "replayed {:.1} s, {reports} reports, {states} track states",
+                seconds(done_ns)
+            )?;
+            if left_out_ns > 0 || again.missing > 0 {
+                let missing = again.missing;
+                writeln!(
+                    text,
+                    "left out: {:.1} s; missing: {missing} reports",
+                    seconds(left_out_ns)
+                )?;
+            }
+            crate::print(&text)?;
+            anyhow::ensure!(reports > 0, "no report of the recording could be worked off");
+            return Ok(());
+        };
+        verification.finish();
+        let Verification {
+            states,
+            differences,
+            first,
+            not_verified,
+            not_recorded,
+            ..
+        } = verification;
+        writeln!(
+            text,
+            "verified {:.1} s, {states} track states, {differences} differences",
+            seconds(done_ns)
+        )?;
+        if left_out_ns > 0 || not_verified > 0 {
+            writeln!(
+                text,
+                "not verified: {:.1} s, {not_verified} track states",
+                seconds(left_out_ns)
+            )?;
+        }
+        if not_recorded > 0 {
+            writeln!(text, "given, but not recorded: {not_recorded} track states")?;
+        }
+        crate::print(&text)?;
+        if let Some(first) = first {
+            anyhow::bail!("{differences} track states differ from those recorded, the first {first}");
+        }
+        anyhow::ensure!(states > 0, "nothing was verified");
+        Ok(())
+    }
+}
+
+/// Facts at the beginning of a file.
+fn facts(path: &Path) -> anyhow::Result<Facts> {
+    let mut found = Facts::new();
+    recording::facts(&mut BufReader::new(File::open(path)?))
+        .map(|facts| found.extend(facts.unwrap_or_default()))
+        .with_context(|| format!("reading {}", path.display()))?;
+    Ok(found)
+}
+
+/// The configuration that a recording was made with.
+fn configuration(facts: &Facts, path: &Path) -> anyhow::Result<Config> {
+    let Some(text) = facts.get(CONFIGURATION) else {
+        return Err(Usage(format!(
+            "{}: does not say with which configuration it was made",
+            path.display()
+        ))
+        .into());
+    };
+    let overrides = text.lines().rev().map_while(|line| line.strip_prefix(OVERRIDE));
+    let mut overrides: Vec<String> = overrides.map(str::to_owned).collect();
+    overrides.reverse();
+    Ok(Config::parse(path, text, &overrides)?)
+}
+
+/// How the recording is fused again: the sources of `recorded` by the settings of `used`.
+fn plan(replay: &Replay, recorded: &Config, used: &Config) -> std::result::Result<Plan, Usage> {
+    for name in &replay.sources {
+        if !recorded.sources.iter().any(|source| source.name == *name) {
+            let known: Vec<&str> = recorded.sources.iter().map(|source| source.name.as_str()).collect();
+            return Err(Usage(format!(
+                "--sources {name}: the recording has no such source; there are {}",
+                known.join(", ")
+            )));
+        }
+    }
+    let number = |source: &Source| {
+        let is_wanted = replay.sources.is_empty() || replay.sources.contains(&source.name);
+        let used = used.sources.iter().find(|other| other.name == source.name);
+        used.filter(|_| is_wanted).map(|used| used.number)
+    };
+    Ok(Plan {
+        settings: used.fusion.settings.clone(),
+        order: recorded.order,
+        origin: used.origin,
+        sources: recorded.sources.iter().map(number).collect(),
+        conditions: recorded.fusion.settings.conditions().map(str::to_owned).collect(),
+        tolerates: !replay.verify,
+    })
+}

@@ -1,0 +1,199 @@
+//! Comparison of the system tracks that a replay gives with those that were recorded, bit for bit.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt;
+
+use formats::rows::Utc;
+use messages::SystemTrack;
+use messages::layout::Sample as _;
+
+/// Result so far.
+#[derive(Debug, Default)]
+pub(crate) struct Verification {
+    /// By start-up number of fusion.
+    runs: BTreeMap<u64, Run>,
+    /// States compared.
+    pub(crate) states: u64,
+    pub(crate) differences: u64,
+    pub(crate) first: Option<Difference>,
+    /// States recorded that nothing can be said about.
+    pub(crate) not_verified: u64,
+    /// States that the replay gives and the recording lacks: lost by the recorder, or never sent by a killed fusion.
+    pub(crate) not_recorded: u64,
+}
+
+/// States of one run of fusion, by sequence number.
+#[derive(Debug, Default)]
+struct Run {
+    given: VecDeque<SystemTrack>,
+    recorded: VecDeque<SystemTrack>,
+    /// Whether all of it is given.
+    is_whole: bool,
+}
+
+/// Difference of a state that was recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Difference {
+    time_ns: i64,
+    track_number: u32,
+    /// First field that differs; `None` if the replay does not give the state at all.
+    field: Option<String>,
+}
+
+impl Verification {
+    pub(crate) fn begin(&mut self, epoch: u64) {
+        self.runs.entry(epoch).or_default().is_whole = true;
+    }
+
+    /// What follows of the latest run is not given.
+    pub(crate) fn break_off(&mut self) {
+        if let Some(mut latest) = self.runs.last_entry() {
+            latest.get_mut().is_whole = false;
+        }
+    }
+
+    pub(crate) fn give(&mut self, state: &SystemTrack) {
+        let run = self.runs.entry(state.epoch).or_default();
+        run.given.push_back(*state);
+        self.settle(state.epoch);
+    }
+
+    pub(crate) fn record(&mut self, state: &SystemTrack) {
+        let run = self.runs.entry(state.epoch).or_default();
+        run.recorded.push_back(*state);
+        self.settle(state.epoch);
+    }
+
+    /// Compares as far as both sides are there.
+    fn settle(&mut self, epoch: u64) {
+        let Some(run) = self.runs.get_mut(&epoch) else { return };
+        while let (Some(given), Some(recorded)) = (run.given.front(), run.recorded.front()) {
+            let (given, recorded) = (*given, *recorded);
+            if given.sequence <= recorded.sequence {
+                run.given.pop_front();
+            }
+            if given.sequence < recorded.sequence {
+                self.not_recorded += 1;
+                continue;
+            }
+            run.recorded.pop_front();
+            self.states += 1;
+            let field = match given.sequence == recorded.sequence {
+                true => differing_field(&given, &recorded),
+                false => Some(String::new()),
+            };
+            if let Some(field) = field {
+                self.differences += 1;
+                self.first.get_or_insert_with(|| Difference::of(&recorded, Some(field)));
+            }
+        }
+    }
+
+    /// Nothing follows.
+    pub(crate) fn finish(&mut self) {
+        for run in std::mem::take(&mut self.runs).into_values() {
+            self.not_recorded += run.given.len() as u64;
+            if !run.is_whole {
+                self.not_verified += run.recorded.len() as u64;
+                continue;
+            }
+            self.differences += run.recorded.len() as u64;
+            if let Some(recorded) = run.recorded.front() {
+                self.first.get_or_insert_with(|| Difference::of(recorded, None));
+            }
+        }
+    }
+}
+
+impl Difference {
+    fn of(recorded: &SystemTrack, field: Option<String>) -> Self {
+        Self {
+            time_ns: recorded.reference_time_ns,
+            track_number: recorded.track_number,
+            field: field.filter(|field| !field.is_empty()),
+        }
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "at {}, track {}: ", Utc(self.time_ns), self.track_number)?;
+        match &self.field {
+            Some(field) => write!(f, "{field} differs"),
+            None => write!(f, "the replay does not give this state"),
+        }
+    }
+}
+
+/// First field in which two states differ, but for the stamps of processing; `None` if there is none.
+fn differing_field(given: &SystemTrack, recorded: &SystemTrack) -> Option<String> {
+    let [given, recorded] = [given, recorded].map(|state| {
+        let mut state = *state;
+        (state.stages.taken_ns, state.stages.fused_ns) = (0, 0);
+        state
+    });
+    let octets = |state: &SystemTrack| SystemTrack::octets(std::slice::from_ref(state)).to_vec();
+    let (given, recorded) = (octets(&given), octets(&recorded));
+    let offset = given.iter().zip(&recorded).position(|(one, other)| one != other)?;
+    Some(SystemTrack::LAYOUT.name_at(offset))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state(epoch: u64, sequence: u64) -> SystemTrack {
+        SystemTrack {
+            epoch,
+            sequence,
+            track_number: 7,
+            ..SystemTrack::default()
+        }
+    }
+
+    #[test]
+    fn stamps_of_processing_may_differ_and_nothing_else() {
+        let mut verification = Verification::default();
+        verification.begin(3);
+        let mut recorded = state(3, 0);
+        (recorded.stages.taken_ns, recorded.stages.fused_ns) = (5, 6);
+        verification.record(&recorded);
+        verification.give(&state(3, 0));
+        assert_eq!((verification.states, verification.differences), (1, 0));
+        let mut recorded = state(3, 1);
+        recorded.contributions[2].weight = 0.25;
+        verification.give(&state(3, 1));
+        verification.record(&recorded);
+        let first = verification.first.clone().unwrap().to_string();
+        assert_eq!(
+            first,
+            "at 1970-01-01T00:00:00Z, track 7: contributions[2].weight differs"
+        );
+        verification.finish();
+        assert_eq!(
+            (
+                verification.differences,
+                verification.not_verified,
+                verification.not_recorded
+            ),
+            (1, 0, 0)
+        );
+    }
+
+    #[test]
+    fn states_on_one_side_only_are_told_apart() {
+        let mut verification = Verification::default();
+        verification.begin(3);
+        [0, 1, 2].map(|sequence| verification.give(&state(3, sequence)));
+        [1, 2, 3].map(|sequence| verification.record(&state(3, sequence)));
+        verification.break_off();
+        // Of a fusion whose beginning is not in the recording.
+        verification.record(&state(2, 0));
+        verification.begin(4);
+        verification.record(&state(4, 0));
+        verification.finish();
+        assert_eq!((verification.states, verification.not_recorded), (2, 1));
+        assert_eq!((verification.not_verified, verification.differences), (2, 1));
+        assert!(verification.first.unwrap().to_string().contains("does not give"));
+    }
+}
