@@ -36,6 +36,7 @@ mod live_bearings;
 mod live_counts;
 mod live_plots;
 mod recording;
+mod replay;
 mod supervision;
 mod system_calls;
 mod top;

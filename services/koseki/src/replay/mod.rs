@@ -1,4 +1,4 @@
-//! `koseki replay`: a recording of all topics, fused again as it was, bit for bit, or otherwise.
+//! `koseki replay`: a recording of all topics, fused again as it was, bit for bit (FM-10), or otherwise.
 
 mod again;
 mod verification;

@@ -1,0 +1,143 @@
+//! `koseki replay`: recordings of deployments whose processes were killed, fused again to the bit.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Cursor};
+use std::path::Path;
+
+use ::recording::{Channel, Facts, Item, RecordingError, Writer};
+use messages::layout::{ALL, Layout, Sample as _};
+use messages::{BatchHeader, SystemTrack};
+use rustix::process::Signal;
+use test_support::recordings;
+
+use crate::common::home::{Home, kill, until};
+use crate::common::repository;
+
+const ALL_TOPICS: [&str; 4] = [
+    "--set",
+    "recorder.enabled=true",
+    "--set",
+    "recorder.format=[\"csv\", \"mcap\"]",
+];
+
+fn rows(home: &Home) -> usize {
+    let file = home.path("out/latest/system_tracks.csv");
+    fs::read_to_string(file).map_or(0, |text| text.lines().count())
+}
+
+/// Kills the process of this name, and waits until its deployment goes on.
+fn kill_and_wait(home: &Home, name: &str) {
+    let before = home.status_row(name);
+    kill(before.pid, Signal::KILL);
+    until("there is a successor", || home.status_row(name).pid != before.pid);
+    let had = rows(home);
+    until("there are new rows", || rows(home) > had + 100);
+}
+
+/// What verification says, after it has found no difference.
+fn verified(home: &Home) -> String {
+    let output = home.run(&["replay", "out/latest", "--verify"]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && said.contains(", 0 differences\n"), "{said}");
+    assert!(!said.contains("not verified"), "{said}");
+    said
+}
+
+#[test]
+fn a_demonstration_with_kills_and_orders_is_fused_again_to_the_bit_and_a_difference_is_found() {
+    let home = Home::new();
+    let rain = ["--set", "source[0].accuracy.conditions={ rain = 9.0 }", "--out", "out"];
+    let demo = home.demo_with(&[&ALL_TOPICS[..], &rain].concat());
+    until("there are rows", || rows(&home) > 100);
+    assert!(home.run(&["condition", "rain", "--instance", "demo"]).status.success());
+    kill_and_wait(&home, "radar-west");
+    kill_and_wait(&home, "fusion");
+    kill_and_wait(&home, "ads-b");
+    let (status, said) = demo.stop();
+    assert!(status.success(), "{said}");
+    verified(&home);
+
+    let again = home.run(&["replay", "out/latest", "--out", "again.csv"]);
+    assert!(again.status.success(), "{again:?}");
+    let recorded = fs::read(home.path("out/latest/system_tracks.csv")).unwrap();
+    assert!(fs::read(home.path("again.csv")).unwrap() == recorded);
+
+    fs::create_dir(home.path("other")).unwrap();
+    let files = fs::read_dir(home.path("out/latest"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    for path in files.filter(|path| path.extension().is_some_and(|ending| ending == "mcap")) {
+        change(&path, &home.path("other").join(path.file_name().unwrap()));
+    }
+    let output = home.run(&["replay", "other", "--verify"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("1 track states differ") && said.contains("velocity_mps[1] differs"),
+        "{said}"
+    );
+}
+
+/// Copies a recording with one number of one state changed.
+fn change(from: &Path, to: &Path) {
+    let mut writer = None;
+    let mut channels: Vec<(String, Channel)> = Vec::new();
+    let mut slice: Option<(String, BatchHeader, Vec<u8>)> = None;
+    let mut states = 0;
+    let mut file = Cursor::new(fs::read(from).unwrap());
+    let mut show = |item: Item<'_>| -> Result<(), RecordingError> {
+        match item {
+            Item::Facts(facts) => writer = Some(begin(to, &facts)),
+            Item::Topic { name, schema } => {
+                let has_name = |layout: &&Layout| schema.ends_with(&format!("/{}", layout.name));
+                let layout = ALL.iter().find(has_name).unwrap();
+                channels.push((name.to_owned(), writer.as_mut().unwrap().channel(name, layout)?));
+            }
+            Item::Slice { topic, header, .. } => {
+                if let Some((topic, header, octets)) = slice.take() {
+                    let (_, channel) = channels.iter().find(|(name, _)| *name == topic).unwrap();
+                    writer.as_mut().unwrap().slice(*channel, &header, &octets, 0, 0)?;
+                }
+                slice = Some((topic.to_owned(), header, Vec::new()));
+            }
+            Item::Sample { topic, octets } => {
+                let (_, _, gathered) = slice.as_mut().unwrap();
+                gathered.extend_from_slice(octets);
+                if topic == "system/tracks" {
+                    states += 1;
+                }
+                if topic == "system/tracks" && states == 50 {
+                    let mut state = SystemTrack::of_octets(octets).unwrap();
+                    state.velocity_mps[1] += 1e-12;
+                    let first = gathered.len() - octets.len();
+                    gathered[first..].copy_from_slice(SystemTrack::octets(&[state]));
+                }
+            }
+        }
+        Ok(())
+    };
+    ::recording::read(&mut file, &mut show).unwrap();
+    writer.unwrap().finish().unwrap();
+}
+
+fn begin(to: &Path, facts: &Facts) -> Writer<BufWriter<File>> {
+    Writer::begin(BufWriter::new(File::create(to).unwrap()), facts).unwrap()
+}
+
+/// The demonstration works in order `arrival`, recordings in order `time`.
+#[test]
+fn recordings_through_kills_are_fused_again_to_the_bit() {
+    let Some(data) = recordings("lebl2016") else { return };
+    let home = Home::new();
+    let config = repository("config/barcelona.toml");
+    let (config, data) = (config.to_str().unwrap(), data.to_str().unwrap());
+    let up = ["up", config, "--data", data, "--speed", "400", "--out", "out"];
+    let running = home.start(&[&up[..], &ALL_TOPICS].concat());
+    until("there are rows", || rows(&home) > 1000);
+    for name in ["fusion", "ads-b", "fusion"] {
+        kill_and_wait(&home, name);
+    }
+    let (status, said) = running.stop();
+    assert!(status.success(), "{said}");
+    verified(&home);
+}
