@@ -1,7 +1,7 @@
 //! Fusion's work done again, step by step in its recorded order.
 //!
-//! The steps say which report was worked off when, by the number that its publisher had given it; the reports are on the
-//! sources' topics of the same recording, some before and some after their step. A fusion that began within the
+//! The steps say which report was worked off when, by the number that its publisher had given it; the reports are on
+//! the sources' topics of the same recording, some before and some after their step. A fusion that began within the
 //! recording begins again here. Where a report or a step is missing, what the engine would know from there on is not
 //! known: until fusion begins again its work is left out.
 

@@ -184,8 +184,8 @@ mod tests {
     fn states_on_one_side_only_are_told_apart() {
         let mut verification = Verification::default();
         verification.begin(3);
-        [0, 1, 2].map(|sequence| verification.give(&state(3, sequence)));
-        [1, 2, 3].map(|sequence| verification.record(&state(3, sequence)));
+        (0..3).for_each(|sequence| verification.give(&state(3, sequence)));
+        (1..4).for_each(|sequence| verification.record(&state(3, sequence)));
         verification.break_off();
         // Of a fusion whose beginning is not in the recording.
         verification.record(&state(2, 0));
