@@ -182,7 +182,8 @@ impl Again {
         }
     }
 
-    /// The report of `source` with this number, of the publisher whose turn it is. What came before it fusion never took.
+    /// The report of `source` with this number, of the publisher whose turn it is. What came before it fusion never
+    /// took.
     fn find(&mut self, source: u16, number: u32) -> Found {
         let publisher = self.publishers.get(usize::from(source)).copied().unwrap_or(0);
         let Some(waiting) = self.reports.get_mut(&(source, publisher)) else {
