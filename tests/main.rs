@@ -19,6 +19,7 @@ mod fuse;
 mod golden;
 mod locate;
 mod score;
+mod send;
 mod simulate;
 mod track;
 mod track_ferry;

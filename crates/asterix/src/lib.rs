@@ -70,6 +70,7 @@ pub mod record_writer;
 pub mod registry;
 pub mod table;
 pub mod text;
+pub mod times;
 
 mod bits;
 mod encode;

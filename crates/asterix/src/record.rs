@@ -122,7 +122,7 @@ impl<'a> Record<'a> {
     }
 
     /// A named item's octets, and where they begin in the bytes the caller passed.
-    pub(super) fn item_at(&self, name: &str) -> Option<(usize, &'a [u8])> {
+    pub(crate) fn item_at(&self, name: &str) -> Option<(usize, &'a [u8])> {
         let mut offset = self.offset + usize::from(self.starts[0]);
         for (item, bytes) in self.items() {
             if item.name == name {

@@ -9,6 +9,7 @@
 //!   count of those that the kernel had to drop;
 //! - [`UdpSender`]: datagrams to an address or a group;
 //! - [`TcpLines`]: lines of a server, connected to again whenever the connection is lost;
+//! - [`LineServer`]: octets for whoever connects;
 //! - [`PageServer`]: one page of text for whoever asks, which is how metrics are collected.
 //!
 //! What comes from a network is never believed to be small, whole, friendly or punctual. Every call does a bounded
@@ -25,6 +26,7 @@ compile_error!("the crate `net` reads control messages as the kernel of 64-bit L
 mod batch;
 mod error;
 mod interface;
+mod line_server;
 mod lines;
 mod page;
 mod receiver;
@@ -35,6 +37,7 @@ mod wait;
 
 pub use error::NetError;
 pub use interface::Interface;
+pub use line_server::{LineServer, LineServerCounters, READERS_MAX};
 pub use lines::{LinesCounters, LinesSettings, TcpLines};
 pub use page::{PATIENCE as PAGE_PATIENCE, PageServer};
 pub use receiver::{BATCH_MAX, Datagram, ReceiverCounters, ReceiverSettings, UdpReceiver};

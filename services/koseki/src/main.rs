@@ -4,7 +4,8 @@
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
 //! that answer questions ([`check`], [`mod@doctor`], [`status`], [`top`]), measure ([`mod@bench`]), give orders
 //! ([`condition`]), make files for the machine ([`mod@generate`]) or work on files ([`mod@recording_info`], [`decode`],
-//! [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`], [`locate`], [`compare`], [`score`]).
+//! [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`], [`locate`], [`compare`], [`score`],
+//! [`send`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).
@@ -30,6 +31,7 @@ mod recording_info;
 mod recordings;
 mod replay;
 mod score;
+mod send;
 mod simulate;
 mod status;
 mod top;
@@ -128,6 +130,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Locate(locate) => locate::run(&locate),
         Command::Simulate(simulate) => simulate::run(&simulate),
         Command::Score(score) => score::run(&score),
+        Command::Send(send) => send::run(&send),
         Command::Bench(what) => bench::run(what),
         Command::BenchRelay(relay) => bench_service::relay::run(&relay.options()),
         Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, launcher::keeper::run),

@@ -20,6 +20,7 @@ use observations::{Detection, DetectionKind};
 use scenario::{
     Plot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
 };
+use simulator::Feed;
 
 use crate::args::{Simulate, Usage};
 use crate::files::OutputFile;
@@ -64,6 +65,10 @@ pub(crate) fn run(simulate: &Simulate) -> anyhow::Result<()> {
             Instrument::Sensor(settings) => {
                 let mut sensor = SimulatedSensor::new(settings, simulate.seed, source.number, 0)?;
                 observers.sensors.push(sensor.clone());
+                if simulate.asterix {
+                    let feed = Feed::new(source, settings, simulate.seed, 0)?;
+                    write_asterix(out, source.number, feed, &truth, end_s)?;
+                }
                 let (reports, detections) = write_sensor(out, source.number, settings, &mut sensor, &truth, end_s)?;
                 said += &format!("sensor {id} {name}: {reports} reports, {detections} detections\n");
             }
@@ -158,6 +163,22 @@ fn write_sensor(
     tracks.into_inner().finish()?;
     detections.into_inner().finish()?;
     Ok((report_count, u64::from(plot_count)))
+}
+
+/// Writes what one sensor sends up to `end_s`: bare data blocks in the order of sending.
+fn write_asterix(folder: &Path, source: u16, mut feed: Feed, truth: &Truth, end_s: f64) -> anyhow::Result<()> {
+    let path = folder.join(format!("asterix_{}.ast", sensor_id(source)));
+    let mut out = OutputFile::begin(&path)?;
+    let mut written = Ok(());
+    while feed.due_s() <= end_s {
+        feed.deliver(truth, frames::time::ns(feed.due_s()), &mut |datagram| {
+            if written.is_ok() {
+                written = out.write_all(datagram);
+            }
+        });
+    }
+    written.with_context(|| format!("{} cannot be written", path.display()))?;
+    out.finish()
 }
 
 /// Writes what one direction finder hears up to `end_s`; how many bearings that is.

@@ -2,7 +2,7 @@
 //! network as real sensors do.
 //!
 //! Each sensor speaks the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
-//! CAT021 with CAT023 (`sensor`). A direction finder sends tables of bearings (`direction_finder`), a wide-area sensor
+//! CAT021 with CAT023 (`feed`). A direction finder sends tables of bearings (`direction_finder`), a wide-area sensor
 //! tables of counts, as late as they are to arrive (`wide_area`), both as rows in datagrams (`rows`). All go to the
 //! adapter of their source at the deployment's own loopback address. So a demonstration runs through the same sockets,
 //! decoders and checks as a deployment with real sensors, and what a category cannot say (a radar's report has no
@@ -14,9 +14,12 @@
 #![forbid(unsafe_code)]
 
 mod direction_finder;
+mod feed;
 mod rows;
 mod sensor;
 mod wide_area;
+
+pub use feed::Feed;
 
 use std::fmt;
 use std::net::SocketAddr;

@@ -30,8 +30,10 @@
 
 mod line;
 mod merger;
+mod moving;
 
 pub use line::{Date, Line, Message, OtherKind, Rejection, SbsError, Stamp};
 pub use merger::{
     CALLSIGN_AGE_MAX_NS, CODE_AGE_MAX_NS, MOTION_AGE_MAX_NS, Merger, SILENCE_MAX_NS, SbsCounters, SbsSettings,
 };
+pub use moving::{moved_line, stamped_ns};

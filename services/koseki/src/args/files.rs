@@ -75,6 +75,7 @@ DIR/truth.csv            a row per whole second and target that some sensor coul
 DIR/sensor_tracks_K.csv  what sensor K reports, for `koseki fuse`
 DIR/detections_K.csv     what it detected before its own tracker made tracks of it; truth_id -1 is a false target,
                          merged are several that it saw as one
+DIR/asterix_K.ast        with --asterix, what sensor K sends: for `koseki decode` and `koseki send`
 DIR/bearings_K.csv       in place of both, what direction finder K hears, for `koseki locate`; emitter_id is the target's
 DIR/wide_area_NAME.csv   what the wide-area sensor of this name counts, for `koseki track --wide-area`
 Times begin at 0. The same scenario and seed give the same bytes.";
@@ -94,6 +95,9 @@ pub(crate) struct Simulate {
     /// How long a time is simulated, seconds
     #[arg(long = "for", value_name = "SECONDS", default_value = "120", value_parser = seconds)]
     pub(crate) seconds: Duration,
+    /// Write what each sensor sends in ASTERIX, too
+    #[arg(long)]
+    pub(crate) asterix: bool,
     /// Replace a value of the scenario's configuration (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,

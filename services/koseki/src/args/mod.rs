@@ -5,6 +5,7 @@ mod bench;
 mod encode;
 mod files;
 mod replay;
+mod send;
 mod values;
 
 use std::path::PathBuf;
@@ -31,6 +32,8 @@ pub(crate) use files::{
 };
 use replay::REPLAY_EXAMPLES;
 pub(crate) use replay::Replay;
+use send::SEND_EXAMPLES;
+pub(crate) use send::{Retime, Send};
 use values::{interval, seconds, speed};
 
 /// Where recordings are looked for if nobody says otherwise.
@@ -131,6 +134,9 @@ pub(crate) enum Command {
     /// Score tracks or fixes against a known truth
     #[command(after_help = SCORE_EXAMPLES)]
     Score(Score),
+    /// Send a recording onto the network, as its sensors sent it
+    #[command(after_help = SEND_EXAMPLES)]
+    Send(Send),
     /// Measure latency and throughput of the real processes, against a bare relay on the same machine
     #[command(after_help = BENCH_EXAMPLES, subcommand)]
     Bench(Bench),

@@ -1,0 +1,252 @@
+//! A recording in pieces: what went out at once, and when.
+
+use std::borrow::Cow;
+
+use asterix::times::{TICKS_PER_S, first_time_of_day, move_times};
+use asterix::{Category, blocks, registry};
+use formats::containers::{Container, Datagrams, TimeStamp};
+use formats::sbs::{Line, moved_line, stamped_ns};
+use frames::time::{NS_PER_DAY, NS_PER_S};
+
+use crate::args::ChosenEdition;
+
+/// Nanoseconds in a tick of ASTERIX.
+const TICK_NS: i64 = NS_PER_S / TICKS_PER_S as i64;
+
+/// What a recording is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Data blocks.
+    Asterix,
+    /// Lines of a transponder receiver.
+    Lines,
+}
+
+/// Datagram or line of a recording.
+#[derive(Clone, Debug)]
+pub(super) struct Piece<'a> {
+    pub(super) octets: Cow<'a, [u8]>,
+    /// Time of recording, nanoseconds since whatever the recording counts from.
+    recorded_ns: Option<i64>,
+    /// Time that its first record or line states, nanoseconds: of records, since midnight.
+    stated_ns: Option<i64>,
+}
+
+impl Piece<'_> {
+    /// Time by which it is due: of recording, or the one stated; `None` if it has neither.
+    fn time_ns(&self) -> Option<i64> {
+        self.recorded_ns.or(self.stated_ns)
+    }
+}
+
+/// The pieces of a recording.
+#[derive(Debug)]
+pub(super) struct Pieces<'a> {
+    content: &'a [u8],
+    tables: Vec<&'static Category>,
+    kind: Kind,
+    /// Length of the recording.
+    pub(super) octets: usize,
+}
+
+impl<'a> Pieces<'a> {
+    /// The recording `content`, whose categories are of the given editions, else of their defaults.
+    pub(super) fn of(content: &'a [u8], editions: &[ChosenEdition]) -> Self {
+        let table = |chosen: &ChosenEdition| match chosen {
+            ChosenEdition::Category(table) => Some(*table),
+            ChosenEdition::Expansion(_) => None,
+        };
+        let is_line = content
+            .split(|octet| *octet == b'\n')
+            .next()
+            .is_some_and(|line| Line::parse(line).is_ok());
+        Self {
+            content,
+            tables: editions.iter().filter_map(table).collect(),
+            kind: if is_line { Kind::Lines } else { Kind::Asterix },
+            octets: content.len(),
+        }
+    }
+
+    pub(super) fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// All, in the order of the recording.
+    pub(super) fn iter(&self) -> Box<dyn Iterator<Item = Piece<'a>> + '_> {
+        match (self.kind, Container::detect(self.content)) {
+            (Kind::Lines, _) => Box::new(self.lines()),
+            // What came together is lost.
+            (Kind::Asterix, Container::Raw) => Box::new(self.blocks()),
+            (Kind::Asterix, container) => Box::new(self.datagrams(container)),
+        }
+    }
+
+    fn table(&self, category: u8) -> Option<&'static Category> {
+        let chosen = self.tables.iter().find(|table| table.number == category);
+        chosen.copied().or_else(|| registry::default_edition(category))
+    }
+
+    fn stated_ns(&self, octets: &[u8]) -> Option<i64> {
+        let ticks = first_time_of_day(octets, |category| self.table(category))?;
+        Some(i64::from(ticks) * TICK_NS)
+    }
+
+    fn datagrams(&self, container: Container) -> impl Iterator<Item = Piece<'a>> + '_ {
+        let with_blocks = Datagrams::new(container, self.content)
+            .filter_map(Result::ok)
+            .filter(|datagram| blocks(&datagram.bytes).next().is_some_and(|block| block.is_ok()));
+        with_blocks.map(|datagram| Piece {
+            recorded_ns: datagram.time_stamp.map(TimeStamp::ns),
+            stated_ns: self.stated_ns(&datagram.bytes),
+            octets: datagram.bytes,
+        })
+    }
+
+    fn blocks(&self) -> impl Iterator<Item = Piece<'a>> + '_ {
+        blocks(self.content).map_while(Result::ok).map(|block| Piece {
+            octets: Cow::Borrowed(block.bytes),
+            recorded_ns: None,
+            stated_ns: self.stated_ns(block.bytes),
+        })
+    }
+
+    fn lines(&self) -> impl Iterator<Item = Piece<'a>> + '_ {
+        self.content.split_inclusive(|octet| *octet == b'\n').map(|line| {
+            let stamped_ns = match Line::parse(line) {
+                Ok(Line::Message(message)) => stamped_ns(message.received),
+                _ => None,
+            };
+            Piece {
+                octets: Cow::Borrowed(line),
+                recorded_ns: stamped_ns,
+                stated_ns: stamped_ns,
+            }
+        })
+    }
+}
+
+/// The pieces of a recording with the times at which they are due.
+pub(super) struct Timed<'a, 'p> {
+    pieces: Box<dyn Iterator<Item = Piece<'a>> + 'p>,
+    first_ns: Option<i64>,
+    since_first_ns: i64,
+}
+
+impl<'a, 'p> Timed<'a, 'p> {
+    pub(super) fn new(pieces: &'p Pieces<'a>) -> Self {
+        Self {
+            pieces: pieces.iter(),
+            first_ns: None,
+            since_first_ns: 0,
+        }
+    }
+}
+
+impl<'a> Iterator for Timed<'a, '_> {
+    /// A piece and its time since the first, nanoseconds: never less than that of the one before.
+    type Item = (i64, Piece<'a>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let piece = self.pieces.next()?;
+        if let Some(time_ns) = piece.time_ns() {
+            let first_ns = *self.first_ns.get_or_insert(time_ns);
+            let mut since_ns = time_ns - first_ns;
+            if piece.recorded_ns.is_none() {
+                // Times of day, round midnight.
+                let ahead_ns = within_half_a_day(since_ns - self.since_first_ns);
+                since_ns = self.since_first_ns + ahead_ns;
+            }
+            self.since_first_ns = self.since_first_ns.max(since_ns);
+        }
+        Some((self.since_first_ns, piece))
+    }
+}
+
+/// Difference of two times of day, nanoseconds, from minus to plus half a day.
+fn within_half_a_day(difference_ns: i64) -> i64 {
+    (difference_ns + NS_PER_DAY / 2).rem_euclid(NS_PER_DAY) - NS_PER_DAY / 2
+}
+
+/// Time of day at which a recording begins, by what its records state, else by when it was recorded, nanoseconds.
+pub(super) fn begins_ns(pieces: &Pieces<'_>) -> Option<i64> {
+    let stated = Timed::new(pieces).find_map(|(since_ns, piece)| Some(piece.stated_ns? - since_ns));
+    let begins_ns = stated.or_else(|| pieces.iter().find_map(|piece| piece.time_ns()))?;
+    Some(begins_ns)
+}
+
+/// Times at which recordings begin (nanoseconds, some of them times of day only), since the earliest of them.
+pub(super) fn offsets_ns(begins_ns: &[Option<i64>]) -> Vec<i64> {
+    let Some(first_ns) = begins_ns.iter().flatten().next() else {
+        return vec![0; begins_ns.len()];
+    };
+    let behind = |begins_ns: &Option<i64>| begins_ns.map_or(0, |begins_ns| within_half_a_day(begins_ns - first_ns));
+    let behind: Vec<i64> = begins_ns.iter().map(behind).collect();
+    let earliest_ns = behind.iter().copied().min().unwrap_or(0);
+    behind.iter().map(|behind_ns| behind_ns - earliest_ns).collect()
+}
+
+/// Moves the times that pieces state, all by the same.
+#[derive(Debug)]
+pub(super) struct Mover {
+    /// Nanoseconds, whole seconds.
+    by_ns: i64,
+    moved: Vec<u8>,
+    /// Times that were moved so far.
+    pub(super) count: u64,
+}
+
+impl Mover {
+    /// Moves what begins at `begins_ns` to `now_ns` (both nanoseconds): by whole seconds, so that nothing becomes later
+    /// than now.
+    pub(super) fn new(begins_ns: i64, now_ns: i64) -> Self {
+        Self {
+            by_ns: (now_ns - begins_ns).div_euclid(NS_PER_S) * NS_PER_S,
+            moved: Vec::new(),
+            count: 0,
+        }
+    }
+
+    /// Octets of a piece of `pieces` with its times moved.
+    pub(super) fn moved(&mut self, piece: &Piece<'_>, pieces: &Pieces<'_>) -> &[u8] {
+        let moved = &mut self.moved;
+        moved.clear();
+        match pieces.kind() {
+            Kind::Asterix => {
+                moved.extend_from_slice(&piece.octets);
+                let by = self.by_ns.rem_euclid(NS_PER_DAY) / TICK_NS;
+                self.count += move_times(moved, by as u32, |category| pieces.table(category)) as u64;
+            }
+            Kind::Lines => self.count += u64::from(moved_line(&piece.octets, self.by_ns, moved)),
+        }
+        moved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_due_by_times_of_day_round_midnight_and_never_go_back() {
+        let block = |tod_s: u32| {
+            let [_, high, middle, low] = (tod_s * TICKS_PER_S).to_be_bytes();
+            [48, 0, 9, 0xC0, 1, 2, high, middle, low]
+        };
+        let content: Vec<u8> = [86_398, 86_399, 86_397, 1].into_iter().flat_map(block).collect();
+        let pieces = Pieces::of(&content, &[]);
+        let due: Vec<i64> = Timed::new(&pieces).map(|(due_ns, _)| due_ns / NS_PER_S).collect();
+        assert_eq!(due, [0, 1, 1, 3]);
+        assert_eq!(begins_ns(&pieces), Some(86_398 * NS_PER_S));
+    }
+
+    #[test]
+    fn recordings_of_several_sensors_keep_their_distance() {
+        let at = |seconds: i64| Some(seconds * NS_PER_S);
+        let offsets =
+            |begins: &[Option<i64>]| -> Vec<i64> { offsets_ns(begins).iter().map(|ns| ns / NS_PER_S).collect() };
+        assert_eq!(offsets(&[at(10), at(7), None]), [3, 0, 3]);
+        assert_eq!(offsets(&[at(5), at(86_395), at(16_931 * 86_400 + 8)]), [10, 0, 13]);
+        assert_eq!(offsets(&[None, None]), [0, 0]);
+    }
+}

@@ -1,0 +1,110 @@
+//! A simulated sensor's reports in ASTERIX of the category of its kind: what it tracks, or its plots.
+
+use anyhow::Context as _;
+use asterix::{Category, registry};
+use configuration::Source;
+use messages::{NS_PER_S, SensorTrack};
+use outgoing::{HeightReference, SensorReports};
+use scenario::{Plot, SensorKind, SensorSettings, SimulatedSensor, Truth};
+
+use crate::DATAGRAM_OCTETS_MAX;
+
+/// Time between two status messages of a sensor, nanoseconds.
+const STATUS_PERIOD_NS: i64 = 1_000_000_000;
+/// Most reports of one delivery; more need more memory.
+const DELIVERY_MAX: usize = 4096;
+
+/// A simulated sensor and its way of speaking.
+#[derive(Debug)]
+pub struct Feed {
+    simulated: SimulatedSensor,
+    pub(crate) reports: SensorReports,
+    next_status_ns: i64,
+    sends_plots: bool,
+    start_utc_ns: i64,
+    delivery: Vec<SensorTrack>,
+    plots: Vec<Plot>,
+}
+
+impl Feed {
+    /// Sensor of `source` with these settings, in a scenario of this seed that starts at `start_utc_ns` (UTC,
+    /// nanoseconds).
+    ///
+    /// # Errors
+    /// If a setting cannot be used.
+    pub fn new(source: &Source, settings: &SensorSettings, seed: u64, start_utc_ns: i64) -> anyhow::Result<Self> {
+        let model = &source.model;
+        let (sac, sic) = model.sac_sic.context("it has no SAC and SIC")?;
+        let table = table(settings.kind).context("there is no table for it")?;
+        Ok(Self {
+            simulated: SimulatedSensor::new(settings, seed, source.number, start_utc_ns)?,
+            // Sensors report flight levels; the height of the simulated world is pressure altitude.
+            reports: SensorReports::new(table, sac, sic, model.frame, model.system, DATAGRAM_OCTETS_MAX)?
+                .with_height(HeightReference::Barometric),
+            next_status_ns: i64::MIN,
+            sends_plots: settings.plots,
+            start_utc_ns,
+            delivery: Vec::with_capacity(DELIVERY_MAX),
+            plots: Vec::with_capacity(DELIVERY_MAX),
+        })
+    }
+
+    /// Goes on at `time_s` seconds from the scenario's start.
+    pub(crate) fn restart_at(&mut self, time_s: f64) {
+        self.simulated.restart_at(time_s);
+    }
+
+    /// Time at which its next delivery is due, seconds from the scenario's start.
+    pub fn due_s(&self) -> f64 {
+        self.simulated.next_scan_time_s()
+    }
+
+    /// Observes what is due by `now_utc_ns` and hands its datagrams to `send`.
+    pub fn deliver(&mut self, truth: &Truth, now_utc_ns: i64, send: &mut impl FnMut(&[u8])) {
+        self.delivery.clear();
+        self.plots.clear();
+        if self.sends_plots {
+            self.deliver_plots(truth, send);
+        } else {
+            self.deliver_tracks(truth, now_utc_ns, send);
+        }
+    }
+
+    /// Tracks, and when it is time a status message.
+    fn deliver_tracks(&mut self, truth: &Truth, now_utc_ns: i64, send: &mut impl FnMut(&[u8])) {
+        self.simulated.scan(truth, &mut self.delivery);
+        if now_utc_ns >= self.next_status_ns {
+            self.reports.status(now_utc_ns, send);
+            self.next_status_ns = now_utc_ns + STATUS_PERIOD_NS;
+        }
+        for track in &self.delivery {
+            self.reports.report(track, send);
+        }
+        self.reports.flush(send);
+    }
+
+    /// Plots, after a north marker if a turn began.
+    fn deliver_plots(&mut self, truth: &Truth, send: &mut impl FnMut(&[u8])) {
+        let north_s = self.simulated.period_begins_s();
+        self.simulated
+            .scan_with_plots(truth, &mut self.delivery, &mut self.plots);
+        if let Some(north_s) = north_s {
+            self.reports
+                .status(self.start_utc_ns + (north_s * NS_PER_S) as i64, send);
+        }
+        for plot in &self.plots {
+            self.reports
+                .plot(plot.time_of_measurement_ns, plot.position_m, plot.height, send);
+        }
+        self.reports.flush(send);
+    }
+}
+
+/// Category and edition that a sensor of this kind speaks.
+fn table(kind: SensorKind) -> Option<&'static Category> {
+    registry::default_edition(match kind {
+        SensorKind::Radar => 48,
+        SensorKind::Multilateration => 20,
+        SensorKind::AdsB => 21,
+    })
+}
