@@ -363,7 +363,6 @@ fn status_shows_what_runs() {
     home.assert_nothing_is_left("demo");
 }
 
-/// What `examples/subscribe.rs` does, in this process.
 #[test]
 fn a_reader_gets_system_tracks_and_learns_of_the_end() {
     let home = Home::new();

@@ -34,6 +34,7 @@ const ORDER: &[&str] = &[
     "reception",
     "sources",
     "bus",
+    "koseki-client",
     "net",
     "runtime",
     "configuration",
@@ -64,6 +65,7 @@ const SERVICES: &[&str] = &[
 const OUTSIDE: &[&str] = &[
     "test-support",
     "bus",
+    "koseki-client",
     "net",
     "runtime",
     "configuration",
@@ -104,6 +106,11 @@ const MAY_READ_CLOCKS: &[(&str, &str, &str)] = &[
         "bus",
         "waiter.rs",
         "spins and sleeps for the time asked for; `runtime` stands on the bus",
+    ),
+    (
+        "koseki-client",
+        "clock.rs",
+        "stamps what programs of others publish; `runtime` is too large for them",
     ),
     (
         "test-support",

@@ -112,7 +112,7 @@ impl<T: Payload> BareReceiver<T> {
     /// If iceoryx2 refuses.
     pub fn receive(&self, visit: impl FnOnce(&[T])) -> Result<bool, BusError> {
         let received = SharedMemory::receive(&self.port);
-        let slice = received.map_err(|error| failed(&self.service, "receive", error.to_owned()))?;
+        let slice = received.map_err(|error| failed(&self.service, "receive", error.to_string()))?;
         let Some(slice) = slice else { return Ok(false) };
         let octets = slice.payload();
         // SAFETY: the service was opened with the size and alignment of `T`, so the octets are whole samples; any bits

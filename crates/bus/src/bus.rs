@@ -101,6 +101,16 @@ impl<S: Transport> Bus<S> {
         &self.root
     }
 
+    /// Whether the run of the instance that this process has joined goes on: it has neither ended nor been replaced by
+    /// another of the same name. Always [in process](crate::InProcess).
+    ///
+    /// # Errors
+    /// If the instance's files cannot be read.
+    pub fn goes_on(&self) -> Result<bool, BusError> {
+        let is_same = || Ok(self.root.prefix()?.as_ref() == Some(&self.prefix));
+        Ok(!S::CROSSES_PROCESSES || (self.root.holder()?.is_some() && is_same()?))
+    }
+
     /// Creates `topic`, or opens it if it exists, and keeps it in existence as long as the result lives.
     ///
     /// # Errors

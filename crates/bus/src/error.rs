@@ -197,6 +197,17 @@ pub enum BusError {
         reason: &'static str,
     },
 
+    /// The subscriber keeps as many slices as it may.
+    #[error(
+        "topic {topic}: {limit} slices are kept, and that is the limit: give one back, or copy what is needed longer"
+    )]
+    Borrowed {
+        /// The topic.
+        topic: Arc<str>,
+        /// Most slices that a subscriber may keep.
+        limit: usize,
+    },
+
     /// Waiting failed.
     #[error("cannot wait for {watched} topics: {source}")]
     Wait {

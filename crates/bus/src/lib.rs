@@ -94,5 +94,7 @@ pub use root::{Claim, INSTANCE_NAME_MAX, Instance, Root, Wiped};
 pub use service::{DeadProcesses, Held};
 pub use space::{check_space, free_space, needed_bytes, needed_log_bytes};
 pub use subscriber::{Heard, Received, Slice, Subscriber, SubscriberCounts};
+#[cfg(feature = "any-thread")]
+pub use transport::SharedMemoryAnyThread;
 pub use transport::{InProcess, Payload, SharedMemory};
 pub use waiter::{BACKSTOP, WATCHED_MAX, WaitMode, Waiter, Woken};

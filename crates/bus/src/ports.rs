@@ -13,6 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use iceoryx2::node::Node;
+use iceoryx2::port::ReceiveError;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::FileDescriptorBased;
@@ -23,7 +24,7 @@ use crate::root::Root;
 use crate::service::{self, DeadProcesses, Held, Loan, PublisherPort, Service, SubscriberPort, Taken};
 use crate::transport::{InProcess, SharedMemory};
 
-/// The medium of a [`Bus`](crate::Bus). Implemented by [`SharedMemory`] and [`InProcess`], and by nothing else.
+/// The medium of a [`Bus`](crate::Bus). Implemented by the media of this crate, and by nothing else.
 pub trait Transport: Ports {
     /// Whether other processes can see the topics, so that one of them must hold the instance's claim.
     const CROSSES_PROCESSES: bool;
@@ -54,7 +55,7 @@ pub trait Ports: Medium + Sized + 'static {
     #[doc(hidden)]
     unsafe fn send(slice: Kept<Loan<Self>>, notifier: Option<&Notifier<Self>>) -> Result<(), &'static str>;
     #[doc(hidden)]
-    fn receive(port: &SubscriberPort<Self>) -> Result<Option<Kept<Taken<Self>>>, &'static str>;
+    fn receive(port: &SubscriberPort<Self>) -> Result<Option<Kept<Taken<Self>>>, ReceiveError>;
     #[doc(hidden)]
     fn has_slices(port: &SubscriberPort<Self>) -> bool;
 }
@@ -123,7 +124,7 @@ impl<T> Drop for Kept<T> {
 
 /// Both transports' listeners have a descriptor, but only their concrete types say so.
 macro_rules! transport {
-    ($name:ident, $crosses:literal) => {
+    ($name:ty, $crosses:literal) => {
         impl Transport for $name {
             const CROSSES_PROCESSES: bool = $crosses;
         }
@@ -185,7 +186,7 @@ macro_rules! transport {
                 unsafe { service::send(slice.into_inner(), notifier) }
             }
 
-            fn receive(port: &SubscriberPort<Self>) -> Result<Option<Kept<Taken<Self>>>, &'static str> {
+            fn receive(port: &SubscriberPort<Self>) -> Result<Option<Kept<Taken<Self>>>, ReceiveError> {
                 Ok(service::receive(port)?.map(Kept::new))
             }
 
@@ -198,6 +199,8 @@ macro_rules! transport {
 }
 
 transport!(SharedMemory, true);
+#[cfg(feature = "any-thread")]
+transport!(crate::transport::SharedMemoryAnyThread, true);
 transport!(InProcess, false);
 
 #[cfg(test)]

@@ -284,8 +284,8 @@ pub(crate) unsafe fn send<S: Medium>(slice: Loan<S>, notifier: Option<&Notifier<
 }
 
 /// The next slice of the queue.
-pub(crate) fn receive<S: Medium>(port: &SubscriberPort<S>) -> Result<Option<Taken<S>>, &'static str> {
-    port.receive().map_err(receive_reason)
+pub(crate) fn receive<S: Medium>(port: &SubscriberPort<S>) -> Result<Option<Taken<S>>, ReceiveError> {
+    port.receive()
 }
 
 /// Removes all notifications: until two attempts in a row find none (see the head of `waiter`).
@@ -319,13 +319,6 @@ fn send_reason(error: SendError) -> &'static str {
         SendError::ConnectionError(_) => "a connection could not be made",
         SendError::UnableToDeliver => "a subscriber could not be reached",
         SendError::InternalError => "internal failure",
-    }
-}
-
-fn receive_reason(error: ReceiveError) -> &'static str {
-    match error {
-        ReceiveError::ExceedsMaxBorrows => "too many slices are being looked at",
-        ReceiveError::ConnectionFailure(_) => "a publisher's memory cannot be reached",
     }
 }
 

@@ -24,11 +24,13 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use iceoryx2::port::ReceiveError;
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
 use crate::line::{Ends, PublisherLine, fold};
 use crate::ports::{Kept, Receiving, Transport};
+use crate::quality::BORROWED_MAX;
 use crate::service::{SubscriberPort, Taken};
 use crate::transport::Payload;
 
@@ -142,7 +144,8 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     /// to before it is dropped. A subscriber can keep [`BORROWED_MAX`](crate::BORROWED_MAX) at a time.
     ///
     /// # Errors
-    /// [`BusError::Take`] if the memory of a publisher cannot be reached, or too many slices are kept.
+    /// [`BusError::Borrowed`] if too many slices are kept; [`BusError::Take`] if the memory of a publisher cannot be
+    /// reached.
     pub fn receive(&mut self) -> Result<Received<S, T>, BusError> {
         let Some(sample) = self.receive_any()? else {
             return Ok(Received::Nothing);
@@ -168,9 +171,16 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
 
     /// The next slice. If there is none, and publishers have ended, what they have not left in the queue is lost.
     fn receive_any(&mut self) -> Result<Option<Kept<Taken<S>>>, BusError> {
-        let failed = |reason| BusError::Take {
-            topic: self.topic.clone(),
-            reason,
+        let topic = &self.topic;
+        let failed = |error| match error {
+            ReceiveError::ExceedsMaxBorrows => BusError::Borrowed {
+                topic: topic.clone(),
+                limit: BORROWED_MAX,
+            },
+            ReceiveError::ConnectionFailure(_) => BusError::Take {
+                topic: topic.clone(),
+                reason: "a publisher's memory cannot be reached",
+            },
         };
         if let Some(slice) = S::receive(&self.port).map_err(failed)? {
             return Ok(Some(slice));

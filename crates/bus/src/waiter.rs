@@ -26,7 +26,7 @@
 
 use std::hint;
 use std::io;
-use std::os::fd::BorrowedFd;
+use std::os::fd::{AsFd, BorrowedFd};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -136,6 +136,21 @@ impl<S: Transport> Waiter<S> {
     /// Wake-ups that did not arrive: times a sleep lasted until the [`BACKSTOP`], and work was there.
     pub fn missed_wake_ups(&self) -> u64 {
         self.missed
+    }
+
+    /// Descriptors that become readable when a topic that is watched has work, for a program that waits for other
+    /// things, too. They stay readable until they are [drained](Self::drain).
+    pub fn descriptors(&self) -> impl Iterator<Item = BorrowedFd<'_>> {
+        self.descriptors.iter().map(AsFd::as_fd)
+    }
+
+    /// Makes the descriptors unreadable again. Ask for work afterwards, and wait no longer than [`BACKSTOP`] before it
+    /// is asked for once more.
+    ///
+    /// # Errors
+    /// [`BusError::Wait`] if the system refuses to read.
+    pub fn drain(&mut self) -> Result<(), BusError> {
+        self.sleep(Duration::ZERO).map(|_| ())
     }
 
     /// Waits until `has_work` says yes, `timeout` has passed, or a signal came. `has_work` is asked first, so work

@@ -5,6 +5,8 @@
 use std::fmt;
 use std::marker::PhantomData;
 
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+
 use crate::codes;
 use crate::layout::Sample;
 use crate::{
@@ -167,6 +169,59 @@ streamed! {
     Decision: Decisions, |_| decisions(), time_ns;
 }
 
+/// An operation on a topic of whatever samples: see [`visit`].
+pub trait Visitor {
+    /// What it leads to.
+    type Output;
+
+    /// Does it.
+    fn visit<T: Sample + ZeroCopySend + fmt::Debug + 'static>(self, topic: Topic<T>) -> Self::Output;
+}
+
+/// Name between the words before and after the braces of `pattern`, if `name` is of that form; nothing where the
+/// pattern has no braces, and is the name.
+fn matched<'a>(pattern: &str, name: &'a str) -> Option<&'a str> {
+    let Some((before, rest)) = pattern.split_once('{') else {
+        return (pattern == name).then_some("");
+    };
+    let (_, after) = rest.split_once('}')?;
+    let of = name.strip_prefix(before)?.strip_suffix(after)?;
+    (!of.is_empty() && !of.contains('/')).then_some(of)
+}
+
+/// A sample that sources and sensors publish.
+pub trait Outgoing: Streamed + ZeroCopySend + fmt::Debug + Default + 'static {
+    /// Says in the sample which one of its publisher it is, and when it was published (monotonic, nanoseconds).
+    fn leave(&mut self, sequence: u64, sent_ns: i64);
+
+    /// Says in the sample when what it was made of came in (monotonic, nanoseconds).
+    fn came_in(&mut self, ingested_ns: i64);
+}
+
+macro_rules! outgoing {
+    ($($sample:ty),*) => {
+        $(impl Outgoing for $sample {
+            fn leave(&mut self, sequence: u64, sent_ns: i64) {
+                self.sequence = sequence;
+                self.stages.published_ns = sent_ns;
+            }
+
+            fn came_in(&mut self, ingested_ns: i64) {
+                self.stages.ingested_ns = ingested_ns;
+            }
+        })*
+    };
+}
+
+outgoing!(
+    Cue,
+    PlatformState,
+    SensorBearing,
+    SensorDetection,
+    SensorTrack,
+    WideArea
+);
+
 /// Declares topics: sample, name, slices that wait and samples in each, most publishers and subscribers.
 macro_rules! topics {
     ($(
@@ -184,7 +239,18 @@ macro_rules! topics {
             };
             Topic::new(format!($name), capacity)
         }
-    )+ };
+    )+
+
+    /// Shows the topic called `name` to `visitor`, for programs that are told its name; `None` if no topic has such a
+    /// name.
+    pub fn visit<V: Visitor>(name: &str, visitor: V) -> Option<V::Output> {
+        $(
+            if let Some(_of) = matched($name, name) {
+                return Some(visitor.visit($topic($( { let $of = _of; $of } )?)));
+            }
+        )+
+        None
+    } };
 }
 
 topics! {

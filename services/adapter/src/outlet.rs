@@ -2,43 +2,8 @@
 
 use bus::{BusError, Mark, Payload, Publisher, SharedMemory};
 use configuration::Process;
-use messages::{
-    Cue, PlatformState, ProcessKind, SensorBearing, SensorDetection, SensorTrack, StreamId, Topic, WideArea,
-};
+use messages::{Outgoing, ProcessKind, StreamId, Topic};
 use runtime::flow::Flow;
-
-/// A sample that an adapter publishes.
-pub(crate) trait Outgoing: Payload + Default {
-    /// Says in the sample which one of its publisher it is, and when it was published (monotonic, nanoseconds).
-    fn leave(&mut self, sequence: u64, sent_ns: i64);
-
-    /// Says in the sample when what it was made of came in (monotonic, nanoseconds).
-    fn came_in(&mut self, ingested_ns: i64);
-}
-
-macro_rules! outgoing {
-    ($($sample:ty),* $(,)?) => {
-        $(impl Outgoing for $sample {
-            fn leave(&mut self, sequence: u64, sent_ns: i64) {
-                self.sequence = sequence;
-                self.stages.published_ns = sent_ns;
-            }
-
-            fn came_in(&mut self, ingested_ns: i64) {
-                self.stages.ingested_ns = ingested_ns;
-            }
-        })*
-    };
-}
-
-outgoing!(
-    Cue,
-    PlatformState,
-    SensorBearing,
-    SensorDetection,
-    SensorTrack,
-    WideArea
-);
 
 /// Publisher of a topic that not every source has.
 #[derive(Debug)]

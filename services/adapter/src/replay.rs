@@ -10,11 +10,11 @@ use std::time::Duration;
 
 use bus::{Mark, SharedMemory, WaitMode, Waiter};
 use configuration::Process;
-use messages::{Counter, Counters, ProcessKind, SensorDetection, StreamId, Topic};
+use messages::{Counter, Counters, Outgoing, ProcessKind, SensorDetection, StreamId, Topic};
 use runtime::clock::mono_ns;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
-use crate::outlet::{Outgoing, PacedOutlet};
+use crate::outlet::PacedOutlet;
 
 /// Time to wait for consumers before looking again.
 const PATIENCE: Duration = Duration::from_millis(20);

@@ -1,0 +1,172 @@
+//! Topics by name, and their samples as octets: for programs that learn only when they run what they are to read.
+
+use std::any::Any;
+use std::fmt::Debug;
+use std::os::fd::AsFd;
+use std::time::Duration;
+
+use bus::{Payload, Root};
+use messages::layout::Layout;
+use messages::{BatchHeader, Outgoing, PlatformState, SensorTrack, Topic, Visitor, WideArea};
+
+use crate::error::Error;
+use crate::publisher::Publisher;
+use crate::subscription::{Counts, Slice, Subscription};
+
+/// A [`Subscription`] to samples of any type.
+pub trait AnySubscription: AsFd + Debug + Send {
+    /// As [`Subscription::next`].
+    ///
+    /// # Errors
+    /// The same.
+    fn next(&mut self, timeout: Duration) -> Result<Option<Box<dyn AnySlice>>, Error>;
+
+    /// As [`Subscription::counts`].
+    fn counts(&self) -> Counts;
+
+    /// Memory map of the samples.
+    fn layout(&self) -> &'static Layout;
+}
+
+/// A [`Slice`] of samples of any type.
+pub trait AnySlice: Debug + Send {
+    /// As [`Slice::header`].
+    fn header(&self) -> &BatchHeader;
+
+    /// Samples, as they lie in memory.
+    fn octets(&self) -> &[u8];
+
+    /// As [`Slice::lost`].
+    fn lost(&self) -> u64;
+
+    /// As [`Slice::starts_epoch`].
+    fn starts_epoch(&self) -> bool;
+}
+
+/// A [`Publisher`] of samples of any type.
+pub trait AnyPublisher: Debug + Send {
+    /// As [`Publisher::publish`], of the samples that `octets` are.
+    ///
+    /// # Errors
+    /// The same; also if they are no whole number of samples.
+    fn publish(&mut self, octets: &[u8]) -> Result<(), Error>;
+
+    /// As [`Publisher::sent`].
+    fn sent(&self) -> u64;
+
+    /// Memory map of the samples.
+    fn layout(&self) -> &'static Layout;
+}
+
+/// Reads the topic called `topic`, such as `system/tracks`, of the deployment at `root`.
+///
+/// # Errors
+/// As [`Subscription::at`]; also if no topic has such a name.
+pub fn subscribe(root: &Root, topic: &str) -> Result<Box<dyn AnySubscription>, Error> {
+    messages::visit(topic, Subscribe(root)).unwrap_or_else(|| Err(Error::TopicName { name: topic.to_owned() }))
+}
+
+/// Writes the topic called `topic`, such as `sensor/NAME/tracks`, of the deployment at `root`.
+///
+/// # Errors
+/// As [`Publisher::open`]; also if the topic is none that is fed from outside.
+pub fn publisher(root: &Root, topic: &str) -> Result<Box<dyn AnyPublisher>, Error> {
+    let unknown = || Error::TopicName { name: topic.to_owned() };
+    messages::visit(topic, Publish { root, topic }).ok_or_else(unknown)?
+}
+
+struct Subscribe<'a>(&'a Root);
+
+impl Visitor for Subscribe<'_> {
+    type Output = Result<Box<dyn AnySubscription>, Error>;
+
+    fn visit<T: Payload>(self, topic: Topic<T>) -> Self::Output {
+        Ok(Box::new(Subscription::at(self.0, &topic)?))
+    }
+}
+
+struct Publish<'a> {
+    root: &'a Root,
+    topic: &'a str,
+}
+
+impl Visitor for Publish<'_> {
+    type Output = Result<Box<dyn AnyPublisher>, Error>;
+
+    fn visit<T: Payload>(self, topic: Topic<T>) -> Self::Output {
+        let topic: &dyn Any = &topic;
+        if topic.is::<Topic<SensorTrack>>() {
+            self.open::<SensorTrack>()
+        } else if topic.is::<Topic<WideArea>>() {
+            self.open::<WideArea>()
+        } else if topic.is::<Topic<PlatformState>>() {
+            self.open::<PlatformState>()
+        } else {
+            Err(Error::NotFed {
+                topic: self.topic.to_owned(),
+            })
+        }
+    }
+}
+
+impl Publish<'_> {
+    fn open<T: Outgoing>(&self) -> Result<Box<dyn AnyPublisher>, Error> {
+        let name = self.topic.split('/').nth(1).unwrap_or_default();
+        debug_assert_eq!(T::topic(name).name.as_str(), self.topic);
+        Ok(Box::new(Publisher::<T>::at(self.root, name)?))
+    }
+}
+
+impl<T: Payload> AnySubscription for Subscription<T> {
+    fn next(&mut self, timeout: Duration) -> Result<Option<Box<dyn AnySlice>>, Error> {
+        let slice = self.next(timeout)?;
+        Ok(slice.map(|slice| Box::new(slice) as Box<dyn AnySlice>))
+    }
+
+    fn counts(&self) -> Counts {
+        self.counts()
+    }
+
+    fn layout(&self) -> &'static Layout {
+        &T::LAYOUT
+    }
+}
+
+impl<T: Payload> AnySlice for Slice<T> {
+    fn header(&self) -> &BatchHeader {
+        self.header()
+    }
+
+    fn octets(&self) -> &[u8] {
+        T::octets(self)
+    }
+
+    fn lost(&self) -> u64 {
+        self.lost()
+    }
+
+    fn starts_epoch(&self) -> bool {
+        self.starts_epoch()
+    }
+}
+
+impl<T: Outgoing> AnyPublisher for Publisher<T> {
+    fn publish(&mut self, octets: &[u8]) -> Result<(), Error> {
+        let size = T::LAYOUT.size;
+        let samples: Option<Vec<T>> = octets.chunks(size).map(T::of_octets).collect();
+        let samples = samples.ok_or_else(|| Error::Octets {
+            topic: T::LAYOUT.name.to_owned(),
+            octets: octets.len(),
+            size,
+        })?;
+        self.publish(&samples)
+    }
+
+    fn sent(&self) -> u64 {
+        self.sent()
+    }
+
+    fn layout(&self) -> &'static Layout {
+        &T::LAYOUT
+    }
+}

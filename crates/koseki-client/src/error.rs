@@ -1,0 +1,100 @@
+//! Errors, each of a kind that a program can act on and with a text that says what to do.
+
+use bus::BusError;
+use thiserror::Error;
+
+/// An operation on a deployment failed.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The deployment has ended, or another run has taken its place.
+    #[error("instance {instance} has ended, or was started anew: close what was opened, and open it again")]
+    Ended {
+        /// The instance.
+        instance: String,
+    },
+
+    /// A slice came from a publisher that was built with another layout of its samples.
+    #[error(
+        "topic {topic}: a publisher uses another layout of its samples (schema): build this program and the deployment \
+         from one version"
+    )]
+    Schema {
+        /// The topic.
+        topic: String,
+    },
+
+    /// No topic has such a name.
+    #[error(
+        "\"{name}\" is no topic: the system's are system/tracks, system/alarms and system/decisions, a source's \
+         sensor/NAME/tracks, …/detections, …/bearings and …/cues; also platform/NAME/state, wide-area/NAME/reports \
+         and health"
+    )]
+    TopicName {
+        /// The name as given.
+        name: String,
+    },
+
+    /// The topic is none that programs of one's own feed.
+    #[error(
+        "topic {topic} is not fed from outside: sensor/NAME/tracks, wide-area/NAME/reports and platform/NAME/state are"
+    )]
+    NotFed {
+        /// The topic.
+        topic: String,
+    },
+
+    /// Octets are no whole number of samples.
+    #[error("topic {topic}: {octets} octets are no whole number of samples of {size}")]
+    Octets {
+        /// The topic.
+        topic: String,
+        /// How many there are.
+        octets: usize,
+        /// Octets of a sample.
+        size: usize,
+    },
+
+    /// Shared memory has refused.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+}
+
+/// What a program can do about an error. The numbers are those of the C interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum ErrorKind {
+    /// No such deployment runs: start it, or wait for it.
+    NotRunning = 1,
+    /// The deployment has ended or was replaced: open anew.
+    Ended = 2,
+    /// The other side was built from another version.
+    Schema = 3,
+    /// The deployment has no such topic.
+    NoSuchTopic = 4,
+    /// The topic has no place left.
+    Full = 5,
+    /// As many slices are kept as may be: give one back.
+    Borrowed = 6,
+    /// An argument makes no sense.
+    Argument = 7,
+    /// The system has refused something.
+    System = 8,
+}
+
+impl Error {
+    /// Kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Ended { .. } => ErrorKind::Ended,
+            Self::Schema { .. } | Self::Bus(BusError::Incompatible { .. }) => ErrorKind::Schema,
+            Self::TopicName { .. } | Self::NotFed { .. } | Self::Octets { .. } => ErrorKind::Argument,
+            Self::Bus(BusError::InstanceName { .. } | BusError::PathTooLong { .. }) => ErrorKind::Argument,
+            Self::Bus(BusError::NotRunning { .. }) => ErrorKind::NotRunning,
+            Self::Bus(BusError::NoSuchTopic { .. }) => ErrorKind::NoSuchTopic,
+            Self::Bus(BusError::Full { .. }) => ErrorKind::Full,
+            Self::Bus(BusError::Borrowed { .. }) => ErrorKind::Borrowed,
+            Self::Bus(_) => ErrorKind::System,
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! Feeds a source, a wide-area sensor or a platform that the configuration calls `external`.
+
+use bus::{Mark, Root};
+use messages::{Outgoing, sensor_uid};
+
+use crate::clock::mono_ns;
+use crate::connection::{Connection, Medium};
+use crate::error::Error;
+
+/// Writer of the topic of one source (`SensorTrack`), wide-area sensor (`WideArea`) or platform (`PlatformState`).
+#[derive(Debug)]
+pub struct Publisher<T: Outgoing> {
+    publisher: bus::Publisher<Medium, T>,
+    // After the port.
+    connection: Connection,
+}
+
+impl<T: Outgoing> Publisher<T> {
+    /// Writes what the source, sensor or platform called `name` says, in the deployment called `instance`.
+    ///
+    /// # Errors
+    /// If the deployment does not run or has no such topic, was built from another version, or has no place left.
+    pub fn open(instance: &str, name: &str) -> Result<Self, Error> {
+        Self::at(&Root::new(instance)?, name)
+    }
+
+    /// The same in the deployment at `root`.
+    ///
+    /// # Errors
+    /// As [`Publisher::open`].
+    pub fn at(root: &Root, name: &str) -> Result<Self, Error> {
+        let connection = Connection::open(root)?;
+        let publisher = connection.bus.publisher(&T::topic(name), mono_ns())?;
+        Ok(Self {
+            publisher: publisher.of_sensor(sensor_uid(name)),
+            connection,
+        })
+    }
+
+    /// Publishes `samples`, in the order in which they are to be worked off. Sequence numbers and the times of arrival
+    /// and of publishing are filled in.
+    ///
+    /// # Errors
+    /// If the deployment has ended, or the samples could not be sent.
+    pub fn publish(&mut self, samples: &[T]) -> Result<(), Error> {
+        if self.connection.has_ended()? {
+            return Err(self.connection.ended());
+        }
+        let sent_ns = mono_ns().cast_signed();
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns,
+            end: false,
+        };
+        self.publisher.send(mark, samples.len(), |index, sequence| {
+            let mut sample = samples[index];
+            sample.came_in(sent_ns);
+            sample.leave(sequence, sent_ns);
+            sample
+        })?;
+        Ok(())
+    }
+
+    /// Samples published so far.
+    pub fn sent(&self) -> u64 {
+        self.publisher.counts().samples
+    }
+}

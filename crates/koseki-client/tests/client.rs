@@ -1,0 +1,204 @@
+//! A program of one's own beside a deployment, of which the test plays the processes.
+
+use std::thread;
+use std::time::Duration;
+
+use bus::{Bus, Held, Mark, Root, SharedMemory};
+use koseki_client::{BORROWED_MAX, ErrorKind, Publisher, Subscription, by_name};
+use messages::layout::Sample as _;
+use messages::{SensorTrack, SystemTrack};
+use tempfile::TempDir;
+
+const PATIENCE: Duration = Duration::from_secs(60);
+const MARK: Mark = Mark {
+    progress_ns: i64::MIN,
+    sent_ns: 1,
+    end: false,
+};
+
+/// A deployment whose keeper is this process.
+struct Deployment {
+    root: Root,
+    bus: Bus<SharedMemory>,
+    _held: Vec<Held>,
+    _claim: bus::Claim,
+    _folder: TempDir,
+}
+
+impl Deployment {
+    fn new() -> Self {
+        let folder = tempfile::Builder::new().prefix("k").tempdir_in("/tmp").unwrap();
+        let root = Root::in_base(folder.path().join("b"), "site").unwrap();
+        let claim = root.claim().unwrap();
+        let bus = Bus::open(&root, "keeper").unwrap();
+        let held = vec![
+            bus.hold(&messages::system_tracks()).unwrap(),
+            bus.hold(&messages::sensor_tracks("own")).unwrap(),
+        ];
+        Self {
+            root,
+            bus,
+            _held: held,
+            _claim: claim,
+            _folder: folder,
+        }
+    }
+
+    /// A publisher of system tracks, which fusion's incarnation number `epoch` would have.
+    fn fusion(&self, epoch: u64) -> bus::Publisher<SharedMemory, SystemTrack> {
+        let publisher = self.bus.publisher(&messages::system_tracks(), epoch).unwrap();
+        publisher.with_epoch(epoch)
+    }
+
+    fn subscription(&self) -> Subscription {
+        Subscription::at(&self.root, &messages::system_tracks()).unwrap()
+    }
+}
+
+fn track(track_number: u32) -> SystemTrack {
+    SystemTrack {
+        track_number,
+        ..SystemTrack::default()
+    }
+}
+
+fn send(publisher: &mut bus::Publisher<SharedMemory, SystemTrack>, numbers: &[u32]) {
+    publisher
+        .send(MARK, numbers.len(), |index, _| track(numbers[index]))
+        .unwrap();
+}
+
+fn numbers(subscription: &mut Subscription) -> Vec<u32> {
+    let slice = subscription.next(PATIENCE).unwrap().expect("a slice was sent");
+    slice.iter().map(|track| track.track_number).collect()
+}
+
+#[test]
+fn slices_arrive_on_another_thread_and_empty_topics_time_out() {
+    let deployment = Deployment::new();
+    let mut subscription = deployment.subscription();
+    assert!(subscription.next(Duration::ZERO).unwrap().is_none());
+    assert!(subscription.next(Duration::from_millis(1)).unwrap().is_none());
+    let mut fusion = deployment.fusion(1);
+    let reader = thread::spawn(move || numbers(&mut subscription));
+    send(&mut fusion, &[7, 8]);
+    assert_eq!(reader.join().unwrap(), [7, 8]);
+}
+
+#[test]
+fn slices_of_older_epochs_are_dropped_and_counted() {
+    let deployment = Deployment::new();
+    let mut subscription = deployment.subscription();
+    let (mut old, mut new) = (deployment.fusion(1), deployment.fusion(2));
+    send(&mut old, &[1]);
+    assert!(subscription.next(PATIENCE).unwrap().unwrap().starts_epoch());
+    send(&mut new, &[10]);
+    assert!(subscription.next(PATIENCE).unwrap().unwrap().starts_epoch());
+    send(&mut old, &[2, 3]);
+    assert!(subscription.next(Duration::ZERO).unwrap().is_none());
+    send(&mut new, &[11]);
+    let slice = subscription.next(PATIENCE).unwrap().unwrap();
+    assert!(!slice.starts_epoch() && slice[0].track_number == 11);
+    let counts = subscription.counts();
+    assert_eq!(
+        (counts.taken, counts.lost, counts.of_older_epochs, counts.epoch),
+        (3, 0, 2, 2)
+    );
+}
+
+#[test]
+fn slow_readers_are_told_with_the_next_slice_how_much_they_lost() {
+    let deployment = Deployment::new();
+    let mut subscription = deployment.subscription();
+    let mut fusion = deployment.fusion(1);
+    send(&mut fusion, &[0]);
+    assert_eq!(subscription.next(PATIENCE).unwrap().unwrap().lost(), 0);
+    let depth = messages::system_tracks().capacity.depth as u32;
+    (1..=depth + 5).for_each(|number| send(&mut fusion, &[number]));
+    let slice = subscription.next(PATIENCE).unwrap().unwrap();
+    assert_eq!((slice.lost(), slice[0].track_number), (5, 6));
+    drop(slice);
+    assert_eq!(subscription.next(PATIENCE).unwrap().unwrap().lost(), 0);
+}
+
+#[test]
+fn one_slice_too_many_is_an_error_that_ends_when_one_is_given_back() {
+    let deployment = Deployment::new();
+    let mut subscription = deployment.subscription();
+    let mut fusion = deployment.fusion(1);
+    (0..3).for_each(|number| send(&mut fusion, &[number]));
+    let mut take = || subscription.next(PATIENCE);
+    let mut kept: Vec<_> = (0..BORROWED_MAX).map(|_| take().unwrap().unwrap()).collect();
+    assert_eq!(take().unwrap_err().kind(), ErrorKind::Borrowed);
+    kept.remove(0);
+    assert_eq!(take().unwrap().unwrap()[0].track_number, 2);
+}
+
+#[test]
+fn what_does_not_run_or_exist_is_told_apart() {
+    let deployment = Deployment::new();
+    let kind = |root: &Root, topic: &str| by_name::subscribe(root, topic).unwrap_err().kind();
+    let nobody = Root::in_base(deployment.root.base(), "nobody").unwrap();
+    assert_eq!(kind(&nobody, "system/tracks"), ErrorKind::NotRunning);
+    assert_eq!(kind(&deployment.root, "system/alarms"), ErrorKind::NoSuchTopic);
+    assert_eq!(kind(&deployment.root, "sensor/a/b/tracks"), ErrorKind::Argument);
+    assert_eq!(
+        by_name::publisher(&deployment.root, "system/tracks")
+            .unwrap_err()
+            .kind(),
+        ErrorKind::Argument
+    );
+    assert_eq!(Subscription::open("a/b").unwrap_err().kind(), ErrorKind::Argument);
+}
+
+#[test]
+fn the_end_of_a_deployment_is_told_after_its_last_slice() {
+    let deployment = Deployment::new();
+    let mut subscription = deployment.subscription();
+    let mut publisher = Publisher::<SensorTrack>::at(&deployment.root, "own").unwrap();
+    let mut fusion = deployment.fusion(1);
+    send(&mut fusion, &[8]);
+    assert_eq!(numbers(&mut subscription), [8]);
+    send(&mut fusion, &[9]);
+    drop(fusion);
+    drop(deployment);
+    assert_eq!(numbers(&mut subscription), [9]);
+    assert_eq!(subscription.next(PATIENCE).unwrap_err().kind(), ErrorKind::Ended);
+    let refused = std::iter::repeat_with(|| publisher.publish(&[SensorTrack::default()])).find_map(Result::err);
+    assert_eq!(refused.unwrap().kind(), ErrorKind::Ended);
+}
+
+#[test]
+fn samples_of_another_layout_are_an_error() {
+    let deployment = Deployment::new();
+    let mut subscription = deployment.subscription();
+    let mut fusion = deployment.fusion(1);
+    fusion.pretend_schema(1);
+    send(&mut fusion, &[1]);
+    assert_eq!(subscription.next(PATIENCE).unwrap_err().kind(), ErrorKind::Schema);
+}
+
+#[test]
+fn what_is_published_by_name_is_read_with_its_numbers_and_stamps() {
+    let deployment = Deployment::new();
+    let topic = "sensor/own/tracks";
+    let mut subscription = by_name::subscribe(&deployment.root, topic).unwrap();
+    let mut publisher = by_name::publisher(&deployment.root, topic).unwrap();
+    let tracks = [1, 2].map(|track_number| SensorTrack {
+        track_number,
+        ..SensorTrack::default()
+    });
+    let octets = SensorTrack::octets(&tracks);
+    publisher.publish(octets).unwrap();
+    publisher.publish(octets).unwrap();
+    let refused = publisher.publish(&octets[1..]).unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::Argument);
+    assert_eq!(publisher.sent(), 4);
+    subscription.next(PATIENCE).unwrap().unwrap();
+    let slice = subscription.next(PATIENCE).unwrap().unwrap();
+    let size = subscription.layout().size;
+    let read = SensorTrack::of_octets(&slice.octets()[size..]).unwrap();
+    assert_eq!((read.track_number, read.sequence), (2, 3));
+    assert!(read.stages.ingested_ns > 0 && read.stages.published_ns >= read.stages.ingested_ns);
+    assert_eq!(slice.header().sensor_uid, messages::sensor_uid("own"));
+}

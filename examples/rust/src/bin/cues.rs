@@ -1,0 +1,47 @@
+//! Where a sensor should look next: what the controller of a steerable sensor needs to read from Koseki (WA-12).
+//!
+//! A source with `[source.tracker] cues = true` says after each scan where its sensor will find each confirmed track at
+//! the next look, and how far around it has to search.
+//!
+//! ```text
+//! koseki demo --set 'source[4].tracker.cues=true'           # in one terminal; the source called radar-south
+//! cd examples/rust; cargo run --bin cues demo radar-south   # in another
+//! ```
+
+use std::time::Duration;
+
+use koseki_client::messages::{self, Cue};
+use koseki_client::{Error, ErrorKind, Root, Subscription};
+
+fn main() -> Result<(), Error> {
+    // Which deployment (`koseki up --instance`, or the name in its configuration), and which of its sources.
+    let mut arguments = std::env::args().skip(1);
+    let instance = arguments.next().unwrap_or_else(|| "demo".to_owned());
+    let source = arguments.next().unwrap_or_else(|| "radar-south".to_owned());
+
+    // The topic is there if the source has `cues = true`.
+    let mut cues = Subscription::at(&Root::new(&instance)?, &messages::cues(&source))?;
+    loop {
+        match cues.next(Duration::from_secs(1)) {
+            // All cues of one scan come together. A controller would sort them by time and direction, and steer.
+            Ok(Some(scan)) => scan.iter().for_each(show),
+            Ok(None) => {}
+            Err(error) if error.kind() == ErrorKind::Ended => return Ok(()),
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// One line per cue: when to look, for which track, where, and in what ellipse around it.
+fn show(cue: &Cue) {
+    let seconds = cue.time_ns as f64 / messages::NS_PER_S;
+    let ([x, y, z], [vx, vy, _]) = (cue.position_m, cue.velocity_mps);
+    let [longer, shorter] = cue.half_axes_m;
+    println!(
+        "{seconds:.3} look for track {} at {x:.0} {y:.0} {z:.0} m, {:.0} m/s, within {longer:.0} by {shorter:.0} m, the longer \
+         axis at {:.0} degrees",
+        cue.track_number,
+        vx.hypot(vy),
+        cue.orientation_rad.to_degrees()
+    );
+}
