@@ -1,8 +1,9 @@
-//! The picture goes on when fusion is killed: tracks keep their numbers, and no number is given twice.
+//! The picture goes on when fusion is killed: tracks keep their numbers, and no number is given twice. With a fusion
+//! that stands by, it goes on at once.
 //!
-//! A short form runs with all tests. The campaign prints what it measured; each kill is ten seconds after the one
-//! before, so that it takes more than half an hour:
-//! `cargo test -p koseki --test integration fusion_is_killed_two_hundred_times -- --ignored --nocapture`.
+//! A short form runs with all tests. The campaigns print what they measured; they take long, since each end comes more
+//! than ten seconds after the one before:
+//! `cargo test -p koseki --test integration hundred_times -- --ignored --nocapture`.
 //!
 //! An independent subscriber keeps the tally: who carries which number, by the addresses of the simulated aircraft.
 
@@ -18,29 +19,61 @@ use rand_chacha::ChaCha8Rng;
 use runtime::clock::mono_ns;
 use rustix::process::Signal;
 
-use crate::common::{Home, Running, kill, until};
+use crate::common::{Home, kill, until};
 
 /// Time after a kill within which every target must be shown again.
 const SHOWN_AGAIN: Duration = Duration::from_secs(8);
 
 #[test]
 fn a_killed_fusion_comes_back_with_the_same_tracks_under_the_same_numbers() {
-    let gaps = killed(3, Duration::from_millis(2500), 1, &[]);
+    let gaps = ended(Signal::KILL, 3, Duration::from_millis(2500), 1, &[]);
     println!("gaps: {gaps:?}");
 }
 
 #[test]
 #[ignore = "takes forty minutes: run it by its name"]
 fn fusion_is_killed_two_hundred_times() {
-    let gaps = killed(200, Duration::from_secs(11), 2, &[]);
+    let gaps = ended(Signal::KILL, 200, WELL, 2, &[]);
     report(&gaps);
     assert!(gaps[gaps.len() / 2] < Duration::from_secs(1), "{gaps:?}");
 }
 
+#[test]
+fn the_fusion_that_stands_by_takes_over_with_the_same_tracks_under_the_same_numbers() {
+    let gaps = ended(Signal::KILL, 3, Duration::from_millis(3500), 3, &STANDBY);
+    println!("gaps: {gaps:?}");
+}
+
+#[test]
+#[ignore = "takes forty minutes: run it by its name"]
+fn the_leader_is_killed_two_hundred_times() {
+    let gaps = ended(Signal::KILL, 200, WELL, 4, &STANDBY);
+    report(&gaps);
+    assert!(gaps[gaps.len() / 2] < Duration::from_millis(150), "{gaps:?}");
+}
+
+#[test]
+fn a_leader_that_is_stopped_is_replaced_and_never_speaks_again() {
+    let gaps = ended(Signal::STOP, 2, Duration::from_millis(3500), 5, &STANDBY);
+    println!("gaps: {gaps:?}");
+}
+
+#[test]
+#[ignore = "takes ten minutes: run it by its name"]
+fn the_leader_is_stopped_fifty_times() {
+    let gaps = ended(Signal::STOP, 50, WELL, 6, &STANDBY);
+    report(&gaps);
+    assert!(gaps[gaps.len() / 2] < Duration::from_millis(150), "{gaps:?}");
+}
+
+/// A process that has run for so long is started again at once when it dies.
+const WELL: Duration = Duration::from_secs(11);
+const STANDBY: [&str; 2] = ["--set", "fusion.standby=true"];
+
 fn report(gaps: &[Duration]) {
     let at = |share: f64| gaps[(share * (gaps.len() - 1) as f64) as usize].as_secs_f64();
     println!(
-        "{} kills: the next state came after {:.3} s in the median, 90 %: {:.3} s, at most {:.3} s",
+        "{} times: the next state came after {:.3} s in the median, 90 %: {:.3} s, at most {:.3} s",
         gaps.len(),
         at(0.5),
         at(0.9),
@@ -48,8 +81,8 @@ fn report(gaps: &[Duration]) {
     );
 }
 
-/// Kills the fusion of a demonstration so often, with such pauses; in rising order, how long no state came.
-fn killed(kills: usize, pause: Duration, seed: u64, arguments: &[&str]) -> Vec<Duration> {
+/// Ends the fusion of a demonstration by `signal` so often, with such pauses; in rising order, how long no state came.
+fn ended(signal: Signal, times: usize, pause: Duration, seed: u64, arguments: &[&str]) -> Vec<Duration> {
     let home = Home::new();
     let demo = home.demo_with(arguments);
     let mut watcher = Watcher::new(&Bus::open(&home.root("demo"), "watcher").unwrap());
@@ -59,12 +92,13 @@ fn killed(kills: usize, pause: Duration, seed: u64, arguments: &[&str]) -> Vec<D
         watcher.carriers.len() > 30
     });
     let mut gaps = Vec::new();
-    for _ in 0..kills {
+    for _ in 0..times {
         let pause = pause + Duration::from_millis(random.random_range(0..500));
         watcher.watch(pause);
         let before = watcher.carriers.clone();
         let (epoch, live) = (watcher.epoch, watcher.live.clone());
-        kill(leader(&home, &demo), Signal::KILL);
+        let leader = home.status_row("fusion").pid;
+        kill(leader, signal);
         let begun = Instant::now();
         until("another fusion speaks", || {
             watcher.look();
@@ -90,6 +124,7 @@ fn killed(kills: usize, pause: Duration, seed: u64, arguments: &[&str]) -> Vec<D
         );
     }
     assert_eq!(watcher.reused, BTreeSet::new(), "{}", demo.said());
+    assert_eq!(watcher.fenced_after, 0, "an older fusion spoke after a newer one");
     drop(watcher);
     let (status, said) = demo.stop();
     assert_eq!(status.code(), Some(0), "{said}");
@@ -98,15 +133,14 @@ fn killed(kills: usize, pause: Duration, seed: u64, arguments: &[&str]) -> Vec<D
     gaps
 }
 
-/// The process of the fusion that publishes.
-fn leader(home: &Home, _: &Running) -> u32 {
-    home.status_row("fusion").pid
-}
-
 /// A subscriber that keeps the tally.
 struct Watcher {
     subscriber: Subscriber<SharedMemory, SystemTrack>,
     epoch: u64,
+    /// When the present epoch first spoke, monotonic, nanoseconds.
+    began_ns: i64,
+    /// States of older epochs that were sent after that.
+    fenced_after: u64,
     /// Number under which each address was shown last, while that track lives.
     carriers: BTreeMap<u32, u32>,
     /// Addresses shown since this was emptied.
@@ -128,6 +162,8 @@ impl Watcher {
         Self {
             subscriber: bus.subscriber(&messages::system_tracks(), || mono_ns() as u64).unwrap(),
             epoch: 0,
+            began_ns: 0,
+            fenced_after: 0,
             carriers: BTreeMap::new(),
             shown: BTreeSet::new(),
             live: BTreeSet::new(),
@@ -160,10 +196,11 @@ impl Watcher {
 
     fn take(&mut self, epoch: u64, track: &SystemTrack) {
         if epoch < self.epoch {
+            self.fenced_after += u64::from(track.stages.fused_ns > self.began_ns);
             return;
         }
         if epoch > self.epoch {
-            self.epoch = epoch;
+            (self.epoch, self.began_ns) = (epoch, track.stages.fused_ns);
             self.heard.clear();
         }
         let number = track.track_number;

@@ -284,6 +284,13 @@ pub struct Checkpoint {
     pub durable: bool,
 }
 
+impl Config {
+    /// The fusion that stands by; none where recordings are replayed.
+    pub fn standby(&self) -> Option<Standby> {
+        self.fusion.standby.filter(|_| !self.is_recorded())
+    }
+}
+
 /// A fusion that stands by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Standby {

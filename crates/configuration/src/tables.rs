@@ -320,7 +320,7 @@ settings::settings! {
         /// Core for the fusion that stands by.
         standby_core: Option<usize> = None, usually "any";
         /// Time for which a fusion may stand still before the one that stands by takes over.
-        takeover_ms: f64 = 100.0, in [10, 60_000];
+        takeover_ms: f64 = 100.0, in [50, 60_000];
         /// Decisions of fusion, and why, are on the topic `system/decisions` and in the recordings.
         decisions: bool = false;
         /// Time through fusion beyond which a report has missed its deadline.

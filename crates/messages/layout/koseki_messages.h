@@ -461,7 +461,7 @@ typedef struct KosekiSystemTrack {
     uint64_t sequence; /* The state's sequence number at its publisher. */
     uint64_t epoch; /* Start-up number of the fusion that made it, rising with each start; 0: unknown. */
     KosekiStageTimes stages; /* Stages of the report that caused this state; all but `fused_ns` are 0 if none did. */
-    uint32_t track_number; /* System-track number, unique while fusion runs. */
+    uint32_t track_number; /* System-track number: another target has none like it for a day, whatever restarts. */
     uint32_t origin; /* Deployment that made it: `origin` of its configuration; 0: not stated. */
     uint32_t owner_track_number; /* Number of the track at the deployment that owns the target, where another does; else 0. */
     uint32_t merged_into; /* Number of the system track into which this one was merged, where it ended by a merge; else 0. */

@@ -577,7 +577,7 @@ class SystemTrack(ctypes.Structure):
         ("sequence", ctypes.c_uint64),  # The state's sequence number at its publisher.
         ("epoch", ctypes.c_uint64),  # Start-up number of the fusion that made it, rising with each start; 0: unknown.
         ("stages", StageTimes),  # Stages of the report that caused this state; all but `fused_ns` are 0 if none did.
-        ("track_number", ctypes.c_uint32),  # System-track number, unique while fusion runs.
+        ("track_number", ctypes.c_uint32),  # System-track number: another target has none like it for a day, whatever restarts.
         ("origin", ctypes.c_uint32),  # Deployment that made it: `origin` of its configuration; 0: not stated.
         ("owner_track_number", ctypes.c_uint32),  # Number of the track at the deployment that owns the target, where another does; else 0.
         ("merged_into", ctypes.c_uint32),  # Number of the system track into which this one was merged, where it ended by a merge; else 0.

@@ -341,6 +341,10 @@ counters! {
         "Files of the recording of all topics that were deleted to make room for later ones.";
     DecisionsDropped = "decisions_dropped", Process by [Fusion],
         "Decisions of fusion that were not published because they came faster than its second thread took them.";
+    TakeOvers = "take_overs", Process by [Fusion],
+        "Times that the fusion that stood by took over.";
+    TakeOversFromStill = "take_overs_from_still", Process by [Fusion],
+        "Times that it did so because the one before it stood still.";
 }
 
 #[cfg(test)]

@@ -60,7 +60,7 @@ sample! {
         epoch: u64,
         /// Stages of the report that caused this state; all but `fused_ns` are 0 if none did.
         stages: StageTimes,
-        /// System-track number, unique while fusion runs.
+        /// System-track number: another target has none like it for a day, whatever restarts.
         track_number: u32,
         /// Deployment that made it: `origin` of its configuration; 0: not stated.
         origin: u32,

@@ -64,6 +64,11 @@ impl Reporter {
         })
     }
 
+    /// The process goes by this name from now on.
+    pub(crate) fn rename(&mut self, name: &str) {
+        self.blank = self.blank.with_name(name);
+    }
+
     /// Publishes `entries`, as they were at `now`.
     pub(crate) fn publish(&mut self, now: Now, life: LifeState, entries: &[HealthEntry]) -> anyhow::Result<()> {
         let blank = self.blank;

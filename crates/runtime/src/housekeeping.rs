@@ -40,6 +40,8 @@ use crate::process::Process;
 const ORDERS_MAX: usize = 16;
 /// Decisions that wait to be published: more than a loop makes in many pauses of the housekeeper.
 const DECISIONS_MAX: usize = 8192;
+/// Changes of part that wait to be said.
+const NAMES_MAX: usize = 4;
 /// Buffers that go back and forth.
 const BUFFERS: usize = 2;
 /// How often the housekeeper looks for work.
@@ -52,6 +54,8 @@ pub struct Queues {
     pub orders: ArrayQueue<Control>,
     /// Decisions of the loop, to be published; `None` if nobody asks for them.
     pub decisions: Option<ArrayQueue<Decision>>,
+    /// Names by which the process goes from now on: it has changed its part.
+    pub names: ArrayQueue<&'static str>,
 }
 
 impl Queues {
@@ -60,6 +64,7 @@ impl Queues {
         Arc::new(Self {
             orders: ArrayQueue::new(ORDERS_MAX),
             decisions: decisions.then(|| ArrayQueue::new(DECISIONS_MAX)),
+            names: ArrayQueue::new(NAMES_MAX),
         })
     }
 }
@@ -224,6 +229,9 @@ fn keep_house(
     loop {
         // Read before the queue is emptied: what was said before closing is published.
         let closing = desk.closing.load(Ordering::Acquire);
+        while let Some(name) = desk.queues.names.pop() {
+            reporter.rename(name);
+        }
         while let Some(mut said) = desk.said.pop() {
             if let (Some(note), Some(whole)) = (desk.note.get(), said.entries.first_mut()) {
                 whole.note.clone_from(note);

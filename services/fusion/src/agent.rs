@@ -13,7 +13,7 @@ use runtime::flow::Reached;
 use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
-use crate::continuity::{Keeping, Start};
+use crate::continuity::{Keeping, Start, TakeOver};
 use crate::inputs::{Input, Taken};
 use crate::order::OrderOfWork;
 use crate::output::Output;
@@ -49,6 +49,7 @@ pub struct FusionAgent<S: Transport> {
     progress_ns: i64,
     /// Keeps what must outlast the process.
     keeping: Option<Keeping>,
+    take_over: TakeOver,
 }
 
 /// Fusion that has everything to begin, and publishes nothing yet.
@@ -60,13 +61,20 @@ pub(crate) struct Ready<S: Transport> {
 }
 
 impl<S: Transport> Ready<S> {
-    /// Allocates all tables of fusion of `config`, and opens the topics that it reads.
+    /// Allocates all tables of fusion of `config`, whose thread may have a `core` for itself, and opens the topics that
+    /// it reads.
     ///
     /// # Errors
     /// If a setting cannot work or a topic cannot be opened.
-    pub(crate) fn new(config: &Config, speed: Speed, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
+    pub(crate) fn new(
+        config: &Config,
+        speed: Speed,
+        core: Option<usize>,
+        bus: &Bus<S>,
+        incarnation: u64,
+    ) -> anyhow::Result<Self> {
         let mut waiter = bus.waiter(config.fusion.wait);
-        if config.fusion.placement.core.is_some() {
+        if core.is_some() {
             waiter = waiter.without_yielding();
         }
         let inputs = Input::open_all(config, speed, bus, incarnation, &mut waiter)?;
@@ -94,7 +102,7 @@ impl<S: Transport> FusionAgent<S> {
         incarnation: u64,
         queues: Arc<Queues>,
     ) -> anyhow::Result<Self> {
-        let ready = Ready::new(config, speed, bus, incarnation)?;
+        let ready = Ready::new(config, speed, config.fusion.placement.core, bus, incarnation)?;
         Self::begin(ready, config, bus, (incarnation, incarnation), queues)
     }
 
@@ -125,6 +133,7 @@ impl<S: Transport> FusionAgent<S> {
             output: Output::new(config, bus, (incarnation, epoch), Arc::clone(&queues))?,
             order: OrderOfWork::begin(bus, epoch, inputs.len())?,
             keeping: None,
+            take_over: TakeOver::default(),
             queues,
             waiter,
             round: Vec::with_capacity(inputs.len()),
@@ -142,8 +151,9 @@ impl<S: Transport> FusionAgent<S> {
     ///
     /// # Errors
     /// If it cannot be published.
-    pub(crate) fn resume(&mut self, start: Start, now: Now) -> anyhow::Result<()> {
-        self.keeping = start.resume(&mut self.engine, &mut self.inputs, &mut self.output, now);
+    pub(crate) fn resume(&mut self, start: Start, take_over: TakeOver, now: Now) -> anyhow::Result<()> {
+        self.take_over = take_over;
+        self.keeping = start.resume(&mut self.engine, &mut self.inputs, &mut self.output, now)?;
         self.output.send(self.progress_ns, false)
     }
 
@@ -393,6 +403,8 @@ impl<S: Transport> Agent for FusionAgent<S> {
         );
         whole.set(Counter::TentativeTracks, level(TrackState::Tentative));
         whole.set(Counter::CoastedTracks, level(TrackState::Coasted));
+        whole.set(Counter::TakeOvers, u64::from(self.take_over.from_another));
+        whole.set(Counter::TakeOversFromStill, u64::from(self.take_over.stood_still));
         self.output.count(&mut whole.counters);
         for input in &self.inputs {
             input.count(&mut whole.counters);

@@ -17,6 +17,7 @@ use fusion::checkpoint::{Clock, Layout, Memory, Snapshot};
 use fusion::{Engine, Sink};
 use messages::{RESTORED_WORDS, Restored};
 use runtime::Now;
+use runtime::clock::mono_ns;
 use runtime::instance::CHECKPOINT;
 
 use crate::inputs::Input;
@@ -30,6 +31,15 @@ const RECORDS_PER_TURN: usize = 64;
 /// Numbers a second, and seconds, over which numbering begins anew where nobody knows which were given.
 const NUMBERS_PER_S: u32 = 49_710;
 const DAY_S: i64 = 86_400;
+
+/// How the lead was come by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct TakeOver {
+    /// Another fusion had led before.
+    pub(crate) from_another: bool,
+    /// It stood still.
+    pub(crate) stood_still: bool,
+}
 
 /// What a fusion starts from.
 #[derive(Debug)]
@@ -103,20 +113,23 @@ impl Start {
     }
 
     /// Has the engine go on, tells `sink` what has ended, and keeps it all anew. `None` if there is no memory for that.
+    ///
+    /// # Errors
+    /// If a source's topic fails.
     pub(crate) fn resume<S: Transport>(
         self,
         engine: &mut Engine,
         inputs: &mut [Input<S>],
         sink: &mut impl Sink,
         now: Now,
-    ) -> Option<Keeping> {
+    ) -> anyhow::Result<Option<Keeping>> {
         match &self.found {
             Found::Nothing => {}
             Found::Tracks { snapshot, ends } => {
                 engine.resume(snapshot, *ends, sink);
                 for (source, position) in snapshot.positions() {
                     if let Some(input) = inputs.get_mut(usize::from(source)) {
-                        input.pass_over(position);
+                        input.follow(Some(position), mono_ns)?;
                     }
                 }
             }
@@ -136,10 +149,10 @@ impl Start {
                 memory.publish()
             });
         match kept {
-            Ok(()) => Some(keeping),
+            Ok(()) => Ok(Some(keeping)),
             Err(error) => {
                 eprintln!("warning: going on without a checkpoint: {error}");
-                None
+                Ok(None)
             }
         }
     }

@@ -125,9 +125,18 @@ impl<S: Transport> Input<S> {
         }
     }
 
-    /// The fusion before this one had got as far as `done`.
-    pub(crate) fn pass_over(&mut self, done: Position) {
-        self.done = Some(done);
+    /// Another fusion has got as far as `done`: what it has worked off is passed over, and what it has not is kept.
+    pub(crate) fn follow(&mut self, done: Option<Position>, clock: fn() -> i64) -> anyhow::Result<()> {
+        self.done = done.or(self.done);
+        if let Some(hand) = self.in_hand.take() {
+            let next = self.count_done(hand.slice.header(), hand.slice.samples().len());
+            if next == hand.slice.samples().len() {
+                self.pass(hand.slice.header());
+            } else {
+                self.in_hand = Some(InHand { next, ..hand });
+            }
+        }
+        self.reach(clock).map(|_| ())
     }
 
     /// Everything up to a slice's mark has been worked off.

@@ -17,7 +17,9 @@ mod continuity;
 mod inputs;
 mod order;
 mod output;
+mod part;
 mod source_time;
+mod standby;
 
 pub use agent::FusionAgent;
 
@@ -28,8 +30,8 @@ use configuration::Process;
 use runtime::housekeeping::{Housekeeper, Queues};
 use runtime::{Now, Rest, cores};
 
-use crate::agent::Ready;
-use crate::continuity::Start;
+use crate::part::Part;
+use crate::standby::LeadLock;
 
 /// How a loop rests that would otherwise never sleep: six hundredths of the time, more than the kernel would take by
 /// force.
@@ -48,22 +50,16 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let queues = Queues::new(fusion.decisions);
     // The process as a whole, and each source.
     let entries_max = 1 + config.sources.len();
+    let standby = config.standby();
+    let mut lock = standby.map(|_| LeadLock::open(process)).transpose()?;
+    let placement = match standby.zip(lock.as_mut()) {
+        Some((standby, lock)) => lock.placement(process, standby),
+        None => fusion.placement,
+    };
     // Before this thread takes its place: threads inherit core and priority.
-    let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&queues))?;
-    let ready = Ready::new(config, process.options.speed, &process.bus, process.incarnation)?;
-    let now = Now::read();
-    // Recordings come again.
-    let kept = fusion.checkpoint.filter(|_| !config.is_recorded());
-    let start = kept.map(|settings| Start::look(process, settings, &ready.engine, now));
-    let epoch = start.as_ref().map_or(process.incarnation, |start| start.epoch);
-    if let Some(start) = &start {
-        start.publish(&process.bus, process.incarnation, now)?;
-    }
-    let mut agent = FusionAgent::begin(ready, config, &process.bus, (process.incarnation, epoch), queues)?;
-    if let Some(start) = start {
-        agent.resume(start, now)?;
-    }
-    let refused = cores::take_place(fusion.placement).join("; ");
+    let housekeeper = Housekeeper::start(process, placement.core, entries_max, Arc::clone(&queues))?;
+    let mut part = Part::new(process, placement, lock, queues, Now::read())?;
+    let refused = cores::take_place(placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");
         eprintln!("warning: {refused}; going on without");
@@ -71,5 +67,5 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     }
     let hardly_sleeps = fusion.wait != WaitMode::Event && fusion.placement.realtime_priority.is_some();
     let rest = hardly_sleeps.then_some(REST).filter(|_| fusion.rests);
-    runtime::service::run_apart(process, &mut agent, rest, housekeeper)
+    runtime::service::run_apart(process, &mut part, rest, housekeeper)
 }

@@ -91,6 +91,11 @@ impl Child {
         &self.part
     }
 
+    /// Exchanges names with another child of its kind: their processes have exchanged their parts.
+    pub(crate) fn exchange_names(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.part.name, &mut other.part.name);
+    }
+
     /// How often it was started again.
     pub(crate) fn restarts(&self) -> u32 {
         self.restarts

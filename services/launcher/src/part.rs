@@ -21,6 +21,9 @@ pub(crate) struct Part {
     pub(crate) required: bool,
 }
 
+/// Name of the fusion that stands by.
+const STANDBY: &str = "standby";
+
 /// Kinds in the order in which they are started: whoever reads is there before whoever speaks.
 pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
     &[ProcessKind::Keeper],
@@ -48,12 +51,7 @@ pub(crate) const STOP_ORDER: [ProcessKind; 7] = [
 
 /// The parts of a deployment, in the order in which they are started.
 pub(crate) fn parts(config: &Config) -> Vec<Part> {
-    let service = |kind: ProcessKind| Part {
-        kind,
-        name: kind.word().to_owned(),
-        source: NO_SOURCE,
-        required: false,
-    };
+    let service = Part::service;
     let mut parts = vec![service(ProcessKind::Keeper), service(ProcessKind::Monitor)];
     parts.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
     parts.extend(config.gateways.iter().map(|gateway| Part {
@@ -62,7 +60,11 @@ pub(crate) fn parts(config: &Config) -> Vec<Part> {
         source: NO_SOURCE,
         required: false,
     }));
-    parts.push(service(ProcessKind::Fusion));
+    parts.push(Part::leader());
+    parts.extend(config.standby().map(|_| Part {
+        name: STANDBY.to_owned(),
+        ..service(ProcessKind::Fusion)
+    }));
     parts.extend(config.adapters().into_iter().map(|name| adapter(config, name)));
     parts.extend(config.is_simulated().then(|| service(ProcessKind::Simulator)));
     parts
@@ -84,6 +86,21 @@ fn adapter(config: &Config, name: &str) -> Part {
 }
 
 impl Part {
+    /// A service of which there is one.
+    fn service(kind: ProcessKind) -> Self {
+        Self {
+            kind,
+            name: kind.word().to_owned(),
+            source: NO_SOURCE,
+            required: false,
+        }
+    }
+
+    /// The fusion that leads.
+    pub(crate) fn leader() -> Self {
+        Self::service(ProcessKind::Fusion)
+    }
+
     /// What it is called in messages.
     pub(crate) fn title(&self) -> String {
         match self.kind {

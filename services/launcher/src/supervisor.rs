@@ -15,7 +15,7 @@ use crate::backoff::Backoff;
 use crate::child::{Child, Sequel};
 use crate::end::End;
 use crate::link::{Facts, Heard, Link, Said};
-use crate::part::{START_ORDER, STOP_ORDER, parts};
+use crate::part::{Part, START_ORDER, STOP_ORDER, parts};
 use crate::service_manager::{ServiceManager, VARIABLES};
 use crate::suspicion::Suspicion;
 use crate::wake::Wake;
@@ -343,6 +343,7 @@ impl<'a> Supervisor<'a> {
                 let pause = pause.as_secs_f64();
                 say(&format!("{title} {end}; restarting it in {pause:.1} s"));
                 self.suspect(index, now);
+                self.hand_over(index);
                 Ok(())
             }
             Sequel::Refused => Err(ChildRefused { child: title }.into()),
@@ -353,6 +354,17 @@ impl<'a> Supervisor<'a> {
                 };
                 anyhow::bail!("{title} failed {times} at its start; the last time it {end}. What it said is above")
             }
+        }
+    }
+
+    /// Where the fusion that leads has ended, the one that stood by leads from now on, and the successor stands by.
+    fn hand_over(&mut self, index: usize) {
+        let is_leader = self.children[index].part() == &Part::leader();
+        let is_standby = |child: &Child| child.part().kind == ProcessKind::Fusion && child.is_up();
+        if let Some(other) = self.children.iter().position(is_standby).filter(|_| is_leader)
+            && let Ok([ended, leads]) = self.children.get_disjoint_mut([index, other])
+        {
+            ended.exchange_names(leads);
         }
     }
 

@@ -1,0 +1,139 @@
+//! The part that the process plays: it leads, or stands by for the one that does.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bus::SharedMemory;
+use configuration::Process;
+use messages::ProcessKind;
+use runtime::cores::Placement;
+use runtime::housekeeping::Queues;
+use runtime::{Agent, HealthEntry, Now, Turn};
+
+use crate::agent::{FusionAgent, Ready};
+use crate::continuity::{Start, TakeOver};
+use crate::standby::{self, Lead, LeadLock, Standby};
+
+/// The process of fusion.
+#[derive(Debug)]
+pub(crate) struct Part<'a> {
+    process: &'a Process,
+    queues: Arc<Queues>,
+    placement: Placement,
+    state: State,
+}
+
+#[derive(Debug)]
+enum State {
+    /// For as long as it takes to come to lead.
+    Changes,
+    StandsBy(Box<Standby>),
+    Leads {
+        agent: Box<FusionAgent<SharedMemory>>,
+        /// Held as long as this process lives.
+        _lead: Option<Lead>,
+    },
+}
+
+impl<'a> Part<'a> {
+    /// Opens what fusion reads. Where another fusion stands by, or leads, it stands by at first; else it leads.
+    ///
+    /// # Errors
+    /// If a setting cannot work, or a topic cannot be opened.
+    pub(crate) fn new(
+        process: &'a Process,
+        placement: Placement,
+        lock: Option<LeadLock>,
+        queues: Arc<Queues>,
+        now: Now,
+    ) -> anyhow::Result<Self> {
+        let (config, speed) = (&process.config, process.options.speed);
+        let ready = Ready::new(config, speed, placement.core, &process.bus, process.incarnation)?;
+        let mut part = Self {
+            process,
+            queues,
+            placement,
+            state: State::Changes,
+        };
+        match config.standby().zip(lock) {
+            Some((settings, lock)) => {
+                let standby = Standby::new(process, settings, lock, ready, now);
+                part.state = State::StandsBy(Box::new(standby));
+                part.call(standby::NAME);
+            }
+            None => part.lead(ready, None, TakeOver::default(), now)?,
+        }
+        Ok(part)
+    }
+
+    fn call(&self, name: &'static str) {
+        // Where the queue is full, the process goes by an older name for a moment.
+        let _ = self.queues.names.force_push(name);
+    }
+
+    fn lead(
+        &mut self,
+        ready: Ready<SharedMemory>,
+        lead: Option<Lead>,
+        take_over: TakeOver,
+        now: Now,
+    ) -> anyhow::Result<()> {
+        let Process { config, bus, .. } = self.process;
+        let incarnation = self.process.incarnation;
+        // Recordings come again.
+        let kept = config.fusion.checkpoint.filter(|_| !config.is_recorded());
+        let start = kept.map(|settings| Start::look(self.process, settings, &ready.engine, now));
+        let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
+        if let Some(start) = &start {
+            start.publish(bus, incarnation, now)?;
+        }
+        let mut agent = FusionAgent::begin(ready, config, bus, (incarnation, epoch), Arc::clone(&self.queues))?;
+        if let Some(start) = start {
+            agent.resume(start, take_over, now)?;
+        }
+        if let Some(lead) = &lead {
+            lead.say_core(self.placement.core)?;
+            self.call(ProcessKind::Fusion.word());
+        }
+        self.state = State::Leads {
+            agent: Box::new(agent),
+            _lead: lead,
+        };
+        Ok(())
+    }
+}
+
+impl Agent for Part<'_> {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        let standby = match &mut self.state {
+            State::Leads { agent, .. } => return agent.turn(now),
+            State::StandsBy(standby) => standby,
+            State::Changes => anyhow::bail!("could not come to lead"),
+        };
+        let Some((lead, take_over)) = standby.look(self.process, &self.queues, now)? else {
+            return Ok(Turn::Idle(standby::LOOK));
+        };
+        if let State::StandsBy(standby) = std::mem::replace(&mut self.state, State::Changes) {
+            self.lead(standby.into_ready(), Some(lead), take_over, now)?;
+        }
+        Ok(Turn::Worked)
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        match &mut self.state {
+            State::Leads { agent, .. } => agent.wait(at_most),
+            State::StandsBy(standby) => {
+                standby.wait(at_most);
+                Ok(())
+            }
+            State::Changes => Ok(()),
+        }
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        match &self.state {
+            State::Leads { agent, .. } => agent.health(entries),
+            State::StandsBy(_) | State::Changes => entries.push(HealthEntry::default()),
+        }
+    }
+}
