@@ -119,6 +119,8 @@
 #define KOSEKI_STEP_PUBLISHER UINT64_C(0x3) /* The next reports of `source` are those of the publisher whose incarnation is `time_ns`. */
 #define KOSEKI_STEP_TIME UINT64_C(0x4) /* Time has passed up to `time_ns` without a report. */
 #define KOSEKI_STEP_CONDITION UINT64_C(0x5) /* Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. */
+#define KOSEKI_STEP_RESTORED UINT64_C(0x6) /* Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says. */
+#define KOSEKI_STEP_NUMBERS UINT64_C(0x7) /* Numbers of system tracks begin at `sequence`: nobody knows which were given before. */
 #define KOSEKI_PROCESS_ADAPTER UINT64_C(0x0) /* Turns one sensor's data into sensor tracks. */
 #define KOSEKI_PROCESS_FUSION UINT64_C(0x1) /* Fuses sensor tracks into system tracks. */
 #define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */
@@ -710,7 +712,7 @@ static_assert(offsetof(KosekiFrameOrigin, longitude_deg) == 8, "offset");
 static_assert(offsetof(KosekiFrameOrigin, height_m) == 16, "offset");
 
 typedef struct KosekiWorkStep {
-    int64_t time_ns; /* Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other kinds: see */
+    int64_t time_ns; /* Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other meanings: see */
     uint32_t sequence; /* Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own */
     uint16_t source; /* Number of the source; 65535 if the step is of none. */
     uint8_t kind; /* Kind of step: a `StepKind` code. */

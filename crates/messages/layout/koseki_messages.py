@@ -121,6 +121,8 @@ STEP_REPORT = 0x2  # The report of `source` with the number `sequence` is worked
 STEP_PUBLISHER = 0x3  # The next reports of `source` are those of the publisher whose incarnation is `time_ns`.
 STEP_TIME = 0x4  # Time has passed up to `time_ns` without a report.
 STEP_CONDITION = 0x5  # Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`.
+STEP_RESTORED = 0x6  # Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says.
+STEP_NUMBERS = 0x7  # Numbers of system tracks begin at `sequence`: nobody knows which were given before.
 PROCESS_ADAPTER = 0x0  # Turns one sensor's data into sensor tracks.
 PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
 PROCESS_MONITOR = 0x2  # Records latencies and counters.
@@ -906,7 +908,7 @@ assert FrameOrigin.height_m.offset == 16
 
 class WorkStep(ctypes.Structure):
     _fields_ = [
-        ("time_ns", ctypes.c_int64),  # Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other kinds: see
+        ("time_ns", ctypes.c_int64),  # Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other meanings: see
         ("sequence", ctypes.c_uint32),  # Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own
         ("source", ctypes.c_uint16),  # Number of the source; 65535 if the step is of none.
         ("kind", ctypes.c_uint8),  # Kind of step: a `StepKind` code.

@@ -17,6 +17,10 @@ codes! {
         Time = 4, "time";
         /// Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`.
         Condition = 5, "condition";
+        /// Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says.
+        Restored = 6, "restored";
+        /// Numbers of system tracks begin at `sequence`: nobody knows which were given before.
+        Numbers = 7, "numbers";
     }
 }
 
@@ -31,7 +35,7 @@ bits! {
 sample! {
     /// Step of fusion's work: with the reports, all steps since a beginning give the same system tracks again.
     WorkStep, size 16 {
-        /// Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other kinds: see
+        /// Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other meanings: see
         /// `StepKind`.
         time_ns: i64,
         /// Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own

@@ -21,6 +21,7 @@ use runtime::clock::mono_ns;
 use runtime::instance::CHECKPOINT;
 
 use crate::inputs::Input;
+use crate::order::OrderOfWork;
 
 /// Time between two notes that the process lives, nanoseconds.
 const NOTE_NS: i64 = 1_000_000;
@@ -121,11 +122,13 @@ impl Start {
         engine: &mut Engine,
         inputs: &mut [Input<S>],
         sink: &mut impl Sink,
+        order: &mut OrderOfWork,
         now: Now,
     ) -> anyhow::Result<Option<Keeping>> {
         match &self.found {
             Found::Nothing => {}
             Found::Tracks { snapshot, ends } => {
+                order.restored();
                 engine.resume(snapshot, *ends, sink);
                 for (source, position) in snapshot.positions() {
                     if let Some(input) = inputs.get_mut(usize::from(source)) {
@@ -135,7 +138,9 @@ impl Start {
             }
             Found::Refused => {
                 let second = now.utc_ns.div_euclid(1_000_000_000).rem_euclid(DAY_S) as u32;
-                engine.start_numbers_at(second * NUMBERS_PER_S + 1);
+                let number = second * NUMBERS_PER_S + 1;
+                order.numbers(number);
+                engine.start_numbers_at(number);
             }
         }
         let mut keeping = Keeping::new(self.epoch, now);

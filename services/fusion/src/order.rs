@@ -63,6 +63,16 @@ impl OrderOfWork {
         self.write(StepKind::Condition, NO_SOURCE, number, passed_ns);
     }
 
+    /// The engine goes on from what was said to be restored.
+    pub(crate) fn restored(&mut self) {
+        self.write(StepKind::Restored, NO_SOURCE, 0, 0);
+    }
+
+    /// The next system track that starts has this number.
+    pub(crate) fn numbers(&mut self, first: u32) {
+        self.write(StepKind::Numbers, NO_SOURCE, first, 0);
+    }
+
     fn write(&mut self, kind: StepKind, source: u16, sequence: u32, time_ns: i64) {
         self.log.write(&WorkStep {
             time_ns,

@@ -8,8 +8,9 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use configuration::Order;
+use fusion::checkpoint::Snapshot;
 use fusion::{Engine, Settings};
-use messages::{SensorTrack, StepKind, SystemTrack, WorkStep, sensor_track_bits, work_step_bits};
+use messages::{Restored, SensorTrack, StepKind, SystemTrack, WorkStep, sensor_track_bits, work_step_bits};
 
 /// A report that is not in the recording so long after its step is missing, nanoseconds.
 const PATIENCE_NS: u64 = 10_000_000_000;
@@ -38,8 +39,10 @@ pub(crate) struct Plan {
     pub(crate) sources: Vec<Option<u16>>,
     /// Names of the conditions, by their numbers in the recording.
     pub(crate) conditions: Vec<String>,
-    /// Whether work goes on although reports are missing.
+    /// Whether work goes on although something is missing.
     pub(crate) tolerates: bool,
+    /// Whether a fusion goes on from what the recorded one had found, not from what the one before it here has come to.
+    pub(crate) restores: bool,
 }
 
 /// Time that the recorded work spans, nanoseconds.
@@ -62,6 +65,10 @@ pub(crate) struct Again {
     /// The publisher of each source's next report.
     publishers: Vec<u64>,
     run: Option<Run>,
+    /// The fusion before that one.
+    before: Option<Run>,
+    /// Parts of what each fusion has found, by its start-up number.
+    restored: BTreeMap<u64, Vec<Restored>>,
     pub(crate) spans: Spans,
     /// Reports worked off.
     pub(crate) worked: u64,
@@ -93,6 +100,8 @@ impl Again {
             work: VecDeque::new(),
             next_step: None,
             run: None,
+            before: None,
+            restored: BTreeMap::new(),
             spans: Spans::default(),
             worked: 0,
             missing: 0,
@@ -107,6 +116,11 @@ impl Again {
         };
         let waiting = self.reports.entry((source, publisher)).or_default();
         waiting.push_back((number as u32, *report));
+    }
+
+    /// Takes a part of what a fusion has found.
+    pub(crate) fn restored(&mut self, part: &Restored) {
+        self.restored.entry(part.epoch).or_default().push(*part);
     }
 
     /// Takes a step: the sample with this number of the log of this incarnation, taken by the recorder at `taken_ns`.
@@ -135,6 +149,7 @@ impl Again {
                 Some(StepKind::Begin) => {
                     let epoch = step.time_ns.cast_unsigned();
                     self.spans.last_ns = None;
+                    self.before = self.run.take();
                     self.run = Some(Run {
                         engine: Box::new(Engine::new(self.plan.settings.clone())?),
                         epoch,
@@ -165,15 +180,58 @@ impl Again {
                         run.engine.set_condition(name);
                     }
                 }
+                Some(StepKind::Restored) => match self.restore(out) {
+                    false if can_wait => return Ok(()),
+                    false => self.break_off(out),
+                    true => {}
+                },
+                Some(StepKind::Numbers) => {
+                    if let Some(run) = &mut self.run {
+                        run.engine.start_numbers_at(step.sequence);
+                    }
+                }
                 // A step of a later version.
                 None => self.break_off(out),
             }
-            if step.kind != StepKind::Begin as u8 && step.kind != StepKind::Publisher as u8 {
+            let passes = [StepKind::Report, StepKind::Time, StepKind::Condition];
+            if passes.iter().any(|kind| kind.code() == step.kind) {
                 self.spans.pass(step.time_ns, self.run.is_some());
             }
             self.work.pop_front();
         }
         Ok(())
+    }
+
+    /// Lets the present fusion go on from what it had found. `false` if that is not in the recording.
+    fn restore(&mut self, out: &mut impl FnMut(Outcome<'_>)) -> bool {
+        let (plan, Some(run)) = (&self.plan, &mut self.run) else {
+            return true;
+        };
+        let mut parts = self.restored.remove(&run.epoch).unwrap_or_default();
+        parts.sort_by_key(|part| part.part);
+        let is_whole = parts.first().is_some_and(|first| first.parts as usize == parts.len());
+        let words = parts
+            .iter()
+            .flat_map(|part| part.words.iter().take(part.count as usize).copied());
+        let snapshot = || Snapshot::of_words(words.collect(), &run.engine.checkpoint_layout()).ok();
+        let found = (is_whole && plan.restores).then(snapshot).flatten();
+        match (found, &mut self.before) {
+            (Some(snapshot), _) => {
+                let ends = parts[0].ends != 0;
+                run.drive(plan.origin, out, |engine, mut sink| {
+                    engine.resume(&snapshot, ends, &mut sink)
+                });
+                true
+            }
+            (None, Some(before)) if plan.tolerates && (is_whole || !plan.restores) => {
+                std::mem::swap(&mut run.engine, &mut before.engine);
+                true
+            }
+            (None, _) => {
+                self.restored.insert(run.epoch, parts);
+                false
+            }
+        }
     }
 
     fn break_off(&mut self, out: &mut impl FnMut(Outcome<'_>)) {

@@ -15,7 +15,7 @@ use formats::rows::RowWriter;
 use formats::tracks_csv::PlacedTrack;
 use frames::time::NS_PER_DAY;
 use messages::layout::Sample as _;
-use messages::{BatchHeader, SensorTrack, SystemTrack, WorkStep};
+use messages::{BatchHeader, Restored, SensorTrack, SystemTrack, WorkStep};
 use recording::{Facts, Item};
 
 use crate::args::{Replay, Usage};
@@ -49,6 +49,7 @@ pub(crate) fn run(replay: &Replay) -> anyhow::Result<()> {
     let own = [
         (messages::order().name, Topic::Steps),
         (messages::system_tracks().name, Topic::States),
+        (messages::restored().name, Topic::Restored),
     ];
     let own = own.map(|(name, topic)| (name.as_str().to_owned(), topic));
     let mut reading = Reading {
@@ -85,6 +86,8 @@ enum Topic {
     Steps,
     /// States of system tracks.
     States,
+    /// What a fusion starts from.
+    Restored,
 }
 
 /// The recording, as it is read.
@@ -158,6 +161,11 @@ impl Reading {
                     (&mut self.result.verification, SystemTrack::of_octets(octets))
                 {
                     verification.record(&state);
+                }
+            }
+            Some(Topic::Restored) => {
+                if let Some(part) = Restored::of_octets(octets) {
+                    self.again.restored(&part);
                 }
             }
             None => {}
@@ -317,5 +325,6 @@ fn plan(replay: &Replay, recorded: &Config, used: &Config) -> std::result::Resul
         sources: recorded.sources.iter().map(number).collect(),
         conditions: recorded.fusion.settings.conditions().map(str::to_owned).collect(),
         tolerates: !replay.verify,
+        restores: replay.config.is_none() && replay.sources.is_empty(),
     })
 }
