@@ -11,7 +11,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use bus::{Bus, Mark, Outlasting, Root, Transport};
+use bus::{Bus, Mark, Outlasting, Publisher, Root, Transport};
 use configuration::{Checkpoint, Process};
 use fusion::checkpoint::{Clock, Layout, Memory, Snapshot};
 use fusion::{Engine, Sink};
@@ -79,13 +79,19 @@ impl Start {
         }
     }
 
-    /// Says what is started from on the topic `system/restored`, in as many parts as it takes.
+    /// Says what is started from on the topic `system/restored`, in as many parts as it takes. The publisher must stay:
+    /// what one says that comes and goes between two looks of a recorder is lost to that.
     ///
     /// # Errors
     /// If it cannot be sent.
-    pub(crate) fn publish<S: Transport>(&self, bus: &Bus<S>, incarnation: u64, now: Now) -> anyhow::Result<()> {
+    pub(crate) fn publish<S: Transport>(
+        &self,
+        bus: &Bus<S>,
+        incarnation: u64,
+        now: Now,
+    ) -> anyhow::Result<Option<Publisher<S, Restored>>> {
         let Found::Tracks { snapshot, ends } = &self.found else {
-            return Ok(());
+            return Ok(None);
         };
         let mut publisher = bus
             .publisher(&messages::restored(), incarnation)?
@@ -110,7 +116,7 @@ impl Start {
             restored.words[..parts[part].len()].copy_from_slice(parts[part]);
             restored
         })?;
-        Ok(())
+        Ok(Some(publisher))
     }
 
     /// Has the engine go on, tells `sink` what has ended, and keeps it all anew. `None` if there is no memory for that.

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::SharedMemory;
+use bus::{Publisher, SharedMemory};
 use configuration::Process;
-use messages::ProcessKind;
+use messages::{ProcessKind, Restored};
 use runtime::cores::Placement;
 use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -32,6 +32,7 @@ enum State {
         agent: Box<FusionAgent<SharedMemory>>,
         /// Held as long as this process lives.
         _lead: Option<Lead>,
+        _restored: Option<Publisher<SharedMemory, Restored>>,
     },
 }
 
@@ -84,9 +85,8 @@ impl<'a> Part<'a> {
         let kept = config.fusion.checkpoint.filter(|_| !config.is_recorded());
         let start = kept.map(|settings| Start::look(self.process, settings, &ready.engine, now));
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
-        if let Some(start) = &start {
-            start.publish(bus, incarnation, now)?;
-        }
+        let restored = start.as_ref().map(|start| start.publish(bus, incarnation, now));
+        let restored = restored.transpose()?.flatten();
         let mut agent = FusionAgent::begin(ready, config, bus, (incarnation, epoch), Arc::clone(&self.queues))?;
         if let Some(start) = start {
             agent.resume(start, take_over, now)?;
@@ -98,6 +98,7 @@ impl<'a> Part<'a> {
         self.state = State::Leads {
             agent: Box::new(agent),
             _lead: lead,
+            _restored: restored,
         };
         Ok(())
     }
