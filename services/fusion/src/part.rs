@@ -32,7 +32,7 @@ enum State {
         agent: Box<FusionAgent<SharedMemory>>,
         /// Held as long as this process lives.
         _lead: Option<Lead>,
-        _restored: Option<Publisher<SharedMemory, Restored>>,
+        _restored: Option<Box<Publisher<SharedMemory, Restored>>>,
     },
 }
 
@@ -86,7 +86,7 @@ impl<'a> Part<'a> {
         let start = kept.map(|settings| Start::look(self.process, settings, &ready.engine, now));
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
         let restored = start.as_ref().map(|start| start.publish(bus, incarnation, now));
-        let restored = restored.transpose()?.flatten();
+        let restored = restored.transpose()?.flatten().map(Box::new);
         let mut agent = FusionAgent::begin(ready, config, bus, (incarnation, epoch), Arc::clone(&self.queues))?;
         if let Some(start) = start {
             agent.resume(start, take_over, now)?;
