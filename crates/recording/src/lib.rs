@@ -17,12 +17,14 @@
 
 #![forbid(unsafe_code)]
 
+mod part;
 mod reader;
 mod survey;
 mod tally;
 mod whole;
 mod writer;
 
+pub use part::{Part, copy};
 pub use reader::{Item, facts, read};
 pub use survey::{Survey, TopicSurvey};
 pub use tally::Tally;
@@ -54,6 +56,9 @@ impl From<mcap::McapError> for RecordingError {
         }
     }
 }
+
+/// Name of the metadata of a channel that say which layout its samples have.
+const FINGERPRINT: &str = "fingerprint";
 
 /// Ending of the name of the channel that has a topic's headers.
 const SLICES: &str = "/slices";

@@ -9,7 +9,7 @@ use messages::BatchHeader;
 use messages::layout::Sample as _;
 
 use crate::whole::{Whole, whole};
-use crate::{CDR, FACTS, Facts, RecordingError, SLICES};
+use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SLICES};
 
 /// Contents of a file, in its order.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +20,12 @@ pub enum Item<'a> {
     Topic {
         /// Name.
         name: &'a str,
-        /// Schema of its samples.
+        /// Name of the schema of its samples.
         schema: &'a str,
+        /// Schema itself, as ROS 2 has it.
+        definition: &'a [u8],
+        /// Fingerprint of the samples' layout.
+        fingerprint: &'a str,
     },
     /// A slice begins; its samples follow.
     Slice {
@@ -31,6 +35,8 @@ pub enum Item<'a> {
         header: BatchHeader,
         /// Time when the recorder took it, UTC, nanoseconds.
         taken_ns: u64,
+        /// Time when its publisher sent it, UTC, nanoseconds.
+        sent_ns: u64,
     },
     /// A sample of the topic's latest slice.
     Sample {
@@ -100,7 +106,7 @@ pub fn facts<R: Read + Seek>(file: &mut R) -> Result<Option<Facts>, RecordingErr
 /// Channels and schemas of one file.
 #[derive(Debug, Default)]
 struct Names {
-    schemas: BTreeMap<u16, String>,
+    schemas: BTreeMap<u16, (String, Vec<u8>)>,
     topics: BTreeMap<u16, String>,
 }
 
@@ -108,16 +114,21 @@ impl Names {
     fn show<E>(&mut self, record: Record<'_>, visit: &mut impl FnMut(Item<'_>) -> Result<(), E>) -> Result<(), E> {
         match record {
             Record::Metadata(metadata) if metadata.name == FACTS => visit(Item::Facts(metadata.metadata)),
-            Record::Schema { header, .. } => {
-                self.schemas.insert(header.id, header.name);
+            Record::Schema { header, data } => {
+                self.schemas.insert(header.id, (header.name, data.into_owned()));
                 Ok(())
             }
             Record::Channel(channel) => {
                 let name = &channel.topic;
-                let schema = self.schemas.get(&channel.schema_id).map_or("", String::as_str);
-                let shown = match name.ends_with(SLICES) {
-                    true => Ok(()),
-                    false => visit(Item::Topic { name, schema }),
+                let schema = self.schemas.get(&channel.schema_id);
+                let shown = match (name.ends_with(SLICES), schema) {
+                    (false, Some((schema, definition))) => visit(Item::Topic {
+                        name,
+                        schema,
+                        definition,
+                        fingerprint: channel.metadata.get(FINGERPRINT).map_or("", String::as_str),
+                    }),
+                    _ => Ok(()),
                 };
                 self.topics.insert(channel.id, channel.topic);
                 shown
@@ -134,6 +145,7 @@ impl Names {
                             topic,
                             header: slice,
                             taken_ns: header.log_time,
+                            sent_ns: header.publish_time,
                         }),
                         None => Ok(()),
                     },

@@ -46,21 +46,32 @@ impl Survey {
     /// If it cannot be read, or holds what no recorder writes.
     pub fn add<R: Read + Seek>(&mut self, file: &mut R) -> Result<(), RecordingError> {
         let is_ended = read::<_, RecordingError>(file, |item| {
-            match item {
-                Item::Facts(facts) => self.begin(facts),
-                Item::Topic { name, schema } => self.topic(name).schema = schema.to_owned(),
-                Item::Slice {
-                    topic,
-                    header,
-                    taken_ns,
-                } => self.topic(topic).begin_slice(header, taken_ns),
-                Item::Sample { topic, .. } => self.topic(topic).add_sample(),
-            }
+            self.item(item);
             Ok(())
         })?;
         self.torn += u64::from(!is_ended);
-        self.topics.values_mut().for_each(TopicSurvey::end_slice);
+        self.end_slices();
         Ok(())
+    }
+
+    /// Adds a part of a file.
+    pub(crate) fn item(&mut self, item: Item<'_>) {
+        match item {
+            Item::Facts(facts) => self.begin(facts),
+            Item::Topic { name, schema, .. } => self.topic(name).schema = schema.to_owned(),
+            Item::Slice {
+                topic,
+                header,
+                taken_ns,
+                ..
+            } => self.topic(topic).begin_slice(header, taken_ns),
+            Item::Sample { topic, .. } => self.topic(topic).add_sample(),
+        }
+    }
+
+    /// Takes it that no slice goes on.
+    pub(crate) fn end_slices(&mut self) {
+        self.topics.values_mut().for_each(TopicSurvey::end_slice);
     }
 
     fn begin(&mut self, facts: Facts) {

@@ -61,6 +61,11 @@ impl Tally {
         facts.extend(self.next.iter().map(next));
     }
 
+    /// Takes back what facts say of losses.
+    pub(crate) fn forget_losses(facts: &mut Facts) {
+        facts.retain(|name, _| !name.starts_with(&lost_key("")));
+    }
+
     /// Notes a slice of `count` samples.
     pub fn slice(&mut self, header: &BatchHeader, count: usize) {
         let (incarnation, first) = (header.incarnation, header.first_sequence);

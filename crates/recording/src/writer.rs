@@ -7,7 +7,7 @@ use mcap::records::{MessageHeader, Metadata};
 use messages::BatchHeader;
 use messages::layout::{Layout, Sample};
 
-use crate::{CDR, FACTS, Facts, RecordingError, SLICES};
+use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SLICES};
 
 /// Bytes of messages after which a chunk is written.
 const CHUNK_BYTES: usize = 1 << 20;
@@ -65,19 +65,41 @@ impl<W: Write + Seek> Writer<W> {
     /// # Errors
     /// If it cannot be written.
     pub fn channel(&mut self, name: &str, layout: &Layout) -> Result<Channel, RecordingError> {
+        let definition = layout.ros2_schema();
+        let fingerprint = format!("{:016x}", layout.fingerprint());
+        let schema = schema_name(layout);
+        self.channel_of(name, layout.size, &schema, definition.as_bytes(), &fingerprint)
+    }
+
+    /// Adds the topic called `name`, whose samples have so many octets.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(crate) fn channel_of(
+        &mut self,
+        name: &str,
+        sample_size: usize,
+        schema: &str,
+        definition: &[u8],
+        fingerprint: &str,
+    ) -> Result<Channel, RecordingError> {
+        let header = BatchHeader::LAYOUT;
+        let of_header = format!("{:016x}", header.fingerprint());
         Ok(Channel {
-            headers: self.add(&format!("{name}{SLICES}"), &BatchHeader::LAYOUT)?,
-            samples: self.add(name, layout)?,
-            sample_size: layout.size,
+            headers: self.add(
+                &format!("{name}{SLICES}"),
+                &schema_name(&header),
+                header.ros2_schema().as_bytes(),
+                &of_header,
+            )?,
+            samples: self.add(name, schema, definition, fingerprint)?,
+            sample_size,
         })
     }
 
-    fn add(&mut self, name: &str, layout: &Layout) -> Result<u16, RecordingError> {
-        let schema = format!("koseki/msg/{}", layout.name);
-        let schema = self
-            .file
-            .add_schema(&schema, "ros2msg", layout.ros2_schema().as_bytes())?;
-        let fingerprint = ("fingerprint".to_owned(), format!("{:016x}", layout.fingerprint()));
+    fn add(&mut self, name: &str, schema: &str, definition: &[u8], fingerprint: &str) -> Result<u16, RecordingError> {
+        let schema = self.file.add_schema(schema, "ros2msg", definition)?;
+        let fingerprint = (FINGERPRINT.to_owned(), fingerprint.to_owned());
         Ok(self
             .file
             .add_channel(schema, name, "cdr", &Facts::from([fingerprint]))?)
@@ -140,4 +162,8 @@ impl<W: Write + Seek> Writer<W> {
         self.file.finish()?;
         Ok(())
     }
+}
+
+fn schema_name(layout: &Layout) -> String {
+    format!("koseki/msg/{}", layout.name)
 }

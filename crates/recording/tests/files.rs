@@ -5,7 +5,7 @@ use std::io::Cursor;
 use messages::layout::Sample as _;
 use messages::{BatchHeader, Cue, Health};
 use proptest::prelude::*;
-use recording::{Facts, Survey, Writer, closing, whole};
+use recording::{Facts, Part, Survey, Tally, Writer, closing, copy, whole};
 
 const TOPIC: &str = "sensor/a/cues";
 
@@ -109,6 +109,81 @@ fn what_is_written_is_read_again() {
         .into_iter()
         .filter_map(|data| Cue::of_octets(&data[4..]));
     assert_eq!(numbers.map(|cue| cue.sequence).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
+}
+
+/// Octets of the samples on all topics.
+fn samples_of(file: &[u8]) -> Vec<(String, Vec<u8>)> {
+    let stream = mcap::MessageStream::new(file).unwrap();
+    let messages = stream.map(|message| message.unwrap());
+    messages
+        .map(|message| (message.channel.topic.clone(), message.data.into_owned()))
+        .collect()
+}
+
+fn copied(files: &[&[u8]], part: &Part) -> Vec<u8> {
+    let mut out = Cursor::new(Vec::new());
+    let samples = copy(files.iter().map(Cursor::new), part, &mut out).unwrap();
+    let out = out.into_inner();
+    let survey = survey(&[&out]);
+    assert_eq!(samples, survey.topics.values().map(|topic| topic.samples).sum::<u64>());
+    out
+}
+
+#[test]
+fn a_part_has_the_same_messages_and_counts_what_it_lacks_but_not_what_was_left_out() {
+    let (whole, _) = file(&[2, 0, 3, 1, 4], true);
+    assert_eq!(samples_of(&copied(&[&whole], &Part::default())), samples_of(&whole));
+    let part = Part {
+        from_ns: Some(1_002),
+        to_ns: Some(1_003),
+        topics: vec!["sensor/a".to_owned()],
+    };
+    let cut = copied(&[&whole], &part);
+    // Before them are two headers with two samples; after them one with four.
+    assert_eq!(samples_of(&cut), samples_of(&whole)[4..10]);
+    let found = survey(&[&cut]);
+    assert_eq!(found.facts["build"], "one");
+    let topic = &found.topics[TOPIC];
+    assert_eq!((topic.samples, topic.tally.lost, topic.first_ns), (4, 0, Some(1_002)));
+    for (topics, samples) in [(&["sensor/b"][..], 0), (&["sensor/a/cue"], 0), (&["health", TOPIC], 10)] {
+        let topics = topics.iter().map(|name| (*name).to_owned()).collect();
+        let part = Part {
+            topics,
+            ..Part::default()
+        };
+        assert_eq!(
+            survey(&[&copied(&[&whole], &part)])
+                .topics
+                .get(TOPIC)
+                .map_or(0, |topic| topic.samples),
+            samples
+        );
+    }
+}
+
+#[test]
+fn one_file_of_several_counts_what_was_lost_between_them() {
+    let (first, _) = file(&[2, 1], true);
+    let mut tally = Tally::since(TOPIC, 0);
+    let mut facts = Facts::new();
+    tally.slice(&BatchHeader::default(), 3);
+    tally.state(TOPIC, &mut facts);
+    let bytes = Shared::default();
+    let mut writer = Writer::begin(bytes.clone(), &facts).unwrap();
+    let channel = writer.channel(TOPIC, &Cue::LAYOUT).unwrap();
+    let header = BatchHeader {
+        first_sequence: 8,
+        ..BatchHeader::default()
+    };
+    writer
+        .slice(channel, &header, Cue::octets(&[Cue::default()]), 2_000, 5)
+        .unwrap();
+    writer.finish().unwrap();
+    let files = [&first[..], &bytes.bytes()];
+    let merged = copied(&files, &Part::default());
+    let (one, several) = (survey(&[&merged]), survey(&files));
+    let lost = |survey: &Survey| (survey.topics[TOPIC].samples, survey.topics[TOPIC].tally.lost);
+    assert_eq!((lost(&one), lost(&several)), ((4, 5), (4, 5)));
 }
 
 #[test]

@@ -134,6 +134,15 @@ impl Write for OutputFile {
     }
 }
 
+impl io::Seek for OutputFile {
+    fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+        match &mut self.writer {
+            Some(writer) => writer.seek(to),
+            None => Err(io::ErrorKind::NotConnected.into()),
+        }
+    }
+}
+
 impl Drop for OutputFile {
     fn drop(&mut self) {
         if let Some(unfinished) = &self.unfinished {

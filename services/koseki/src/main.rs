@@ -27,6 +27,8 @@ mod generate;
 mod locate;
 mod offline;
 mod picture;
+mod recording_copy;
+mod recording_export;
 mod recording_info;
 mod recordings;
 mod replay;
@@ -119,6 +121,9 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Status(status) => status::run(&status),
         Command::Top(top) => top::run(&top),
         Command::Recording(args::Recording::Info(info)) => recording_info::run(&info),
+        Command::Recording(args::Recording::Cut(cut)) => recording_copy::cut(cut),
+        Command::Recording(args::Recording::Merge(merge)) => recording_copy::merge(&merge),
+        Command::Recording(args::Recording::Export(export)) => recording_export::run(&export),
         Command::Replay(replay) => replay::run(&replay),
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),

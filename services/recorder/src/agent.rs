@@ -11,9 +11,8 @@ use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::all_topics::AllTopics;
-use crate::recorded;
 use crate::recovery;
-use crate::topic_file::{Place, StreamFile};
+use crate::topic_file::{self, Place, StreamFile};
 
 /// Turns in which what is still waiting is written at the end.
 const TURNS_AT_CLOSE: usize = 1000;
@@ -62,7 +61,7 @@ impl<S: Transport> RecorderAgent<S> {
             replays: config.is_recorded(),
         };
         let streams: Vec<_> = config.streams().filter(|_| csv).collect();
-        let open = |(id, name): &(StreamId, &str)| recorded::open(&mut place, *id, name);
+        let open = |(id, name): &(StreamId, &str)| topic_file::open(&mut place, *id, name);
         let files = streams.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let begins: Vec<_> = files.iter().map(|file| (file.id(), file.next_sequence())).collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &begins);

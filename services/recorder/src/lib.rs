@@ -22,9 +22,11 @@ mod numbering;
 mod recorded;
 mod recovery;
 mod segments;
+mod tables;
 mod topic_file;
 
 pub use agent::RecorderAgent;
+pub use tables::Tables;
 
 use configuration::Process;
 

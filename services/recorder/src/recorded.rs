@@ -6,46 +6,48 @@
 use std::fmt::Debug;
 
 use alarms::AlarmKind;
-use bus::{Payload, Transport};
+use bus::Payload;
 use formats::alarms_csv::AlarmRow;
 use formats::cues_csv::CueRow;
 use formats::rows::Row;
 use formats::tracks_csv::PlacedTrack;
 use frames::SystemFrame;
 use messages::{
-    Alarm, AlarmEvent, Cue, Decision, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream, StreamId,
-    Streamed, SystemTrack, WideArea,
+    Alarm, AlarmEvent, Cue, Decision, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream, Streamed,
+    SystemTrack, WideArea,
 };
 use observations::{Bearing, Detection, Sampled as _, WideAreaReport, sensor_id};
 
-use crate::topic_file::{Place, StreamFile, TopicFile};
-
 /// A sample of which rows are made.
 pub(crate) trait Recorded: Streamed + Payload {
-    type Row: Row + Debug;
+    type Row: Row + Debug + 'static;
 
     /// Row of a sample of the source or sensor `number`, whose positions are in `frame`; `None` for a code of another
     /// schema.
     fn row(&self, number: u16, frame: &SystemFrame) -> Option<Self::Row>;
 }
 
-/// Opens the file of a stream, whose source or sensor is called `name`.
-pub(crate) fn open<S: Transport>(
-    place: &mut Place<'_, S>,
-    id: StreamId,
-    name: &str,
-) -> anyhow::Result<Box<dyn StreamFile>> {
-    Ok(match id.stream {
-        Stream::SensorTracks => TopicFile::<S, SensorTrack>::open(place, id, name, "sensor_tracks")?,
-        Stream::Detections => TopicFile::<S, SensorDetection>::open(place, id, name, "detections")?,
-        Stream::Bearings => TopicFile::<S, SensorBearing>::open(place, id, name, "bearings")?,
-        Stream::PlatformStates => TopicFile::<S, PlatformState>::open(place, id, name, "platform_states")?,
-        Stream::Cues => TopicFile::<S, Cue>::open(place, id, name, "cues")?,
-        Stream::WideArea => TopicFile::<S, WideArea>::open(place, id, name, "wide_area")?,
-        Stream::SystemTracks => TopicFile::<S, SystemTrack>::open(place, id, name, "system_tracks")?,
-        Stream::Alarms => TopicFile::<S, Alarm>::open(place, id, name, "alarms")?,
-        Stream::Decisions => TopicFile::<S, Decision>::open(place, id, name, "decisions")?,
-    })
+/// A task that is the same for the samples of every stream.
+pub(crate) trait ForSamples {
+    type Done;
+
+    /// Does it for samples `T`, of which the name of a file begins with `stem`.
+    fn of<T: Recorded>(self, stem: &str) -> Self::Done;
+}
+
+/// Does `task` for the samples of a stream.
+pub(crate) fn for_samples<F: ForSamples>(stream: Stream, task: F) -> F::Done {
+    match stream {
+        Stream::SensorTracks => task.of::<SensorTrack>("sensor_tracks"),
+        Stream::Detections => task.of::<SensorDetection>("detections"),
+        Stream::Bearings => task.of::<SensorBearing>("bearings"),
+        Stream::PlatformStates => task.of::<PlatformState>("platform_states"),
+        Stream::Cues => task.of::<Cue>("cues"),
+        Stream::WideArea => task.of::<WideArea>("wide_area"),
+        Stream::SystemTracks => task.of::<SystemTrack>("system_tracks"),
+        Stream::Alarms => task.of::<Alarm>("alarms"),
+        Stream::Decisions => task.of::<Decision>("decisions"),
+    }
 }
 
 impl Recorded for SensorTrack {

@@ -18,7 +18,7 @@ use frames::SystemFrame;
 use messages::{BatchHeader, StreamId};
 
 use crate::numbering::Numbering;
-use crate::recorded::Recorded;
+use crate::recorded::{ForSamples, Recorded, for_samples};
 use crate::recovery::{self, Opened};
 
 /// Slices taken from one topic before the next one's turn.
@@ -93,19 +93,41 @@ pub(crate) struct TopicFile<S: Transport, T: Recorded> {
     ended: bool,
 }
 
+/// Opens the file of a stream, whose source or sensor is called `name`.
+pub(crate) fn open<S: Transport>(
+    place: &mut Place<'_, S>,
+    id: StreamId,
+    name: &str,
+) -> anyhow::Result<Box<dyn StreamFile>> {
+    for_samples(id.stream, Opening { place, id, name })
+}
+
+struct Opening<'a, 'p, S: Transport> {
+    place: &'a mut Place<'p, S>,
+    id: StreamId,
+    name: &'a str,
+}
+
+impl<S: Transport> ForSamples for Opening<'_, '_, S> {
+    type Done = anyhow::Result<Box<dyn StreamFile>>;
+
+    fn of<T: Recorded>(self, stem: &str) -> Self::Done {
+        let Self { place, id, name } = self;
+        Ok(Box::new(TopicFile::<S, T>::open(place, id, name, stem)?))
+    }
+}
+
+/// Name of the file of a source's or sensor's stream; of the system where `name` is empty.
+pub(crate) fn file_name(stem: &str, name: &str) -> String {
+    match name {
+        "" => format!("{stem}.csv"),
+        name => format!("{stem}_{name}.csv"),
+    }
+}
+
 impl<S: Transport, T: Recorded> TopicFile<S, T> {
-    /// Opens the file `<stem>_<name>.csv`, or `<stem>.csv` where there is no name.
-    pub(crate) fn open(
-        place: &mut Place<'_, S>,
-        id: StreamId,
-        name: &str,
-        stem: &str,
-    ) -> anyhow::Result<Box<dyn StreamFile>> {
-        let file = match name {
-            "" => format!("{stem}.csv"),
-            name => format!("{stem}_{name}.csv"),
-        };
-        let path = place.folder.join(file);
+    fn open(place: &mut Place<'_, S>, id: StreamId, name: &str, stem: &str) -> anyhow::Result<Self> {
+        let path = place.folder.join(file_name(stem, name));
         let topic = T::topic(name);
         let Opened { file, rows } = recovery::open(&path, place.resume)?;
         let file = BufWriter::new(file);
@@ -113,7 +135,7 @@ impl<S: Transport, T: Recorded> TopicFile<S, T> {
         let numbers = || Numbering::of(&path, rows).with_context(|| format!("reading the gaps of {}", path.display()));
         let numbering = is_replay.then(numbers).transpose()?;
         place.waiter.watch(place.bus, &topic)?;
-        Ok(Box::new(Self {
+        Ok(Self {
             id,
             path: path.display().to_string(),
             subscriber: place.bus.subscriber(&topic, || place.incarnation)?,
@@ -127,7 +149,7 @@ impl<S: Transport, T: Recorded> TopicFile<S, T> {
             rows: 0,
             progress_ns: i64::MIN,
             ended: false,
-        }))
+        })
     }
 }
 

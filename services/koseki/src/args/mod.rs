@@ -348,13 +348,22 @@ const RECORDING_EXAMPLES: &str = "\
 Examples:
   koseki up config/live.toml --set 'recorder.format=[\"csv\", \"mcap\"]' --out records/tower
   koseki recording info records/tower/latest
-  koseki recording info records/tower/latest/all_topics_000002.mcap";
+  koseki recording info records/tower/latest/all_topics_000002.mcap
+  koseki recording cut records/tower/latest --from 2026-05-01T10:00:00Z --to 2026-05-01T10:05:00Z --out near-miss.mcap
+  koseki recording merge records/tower/latest --out night.mcap
+  koseki recording export near-miss.mcap --csv near-miss --asterix near-miss.ast";
 
 /// `koseki recording`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Recording {
     /// Topics, times, counts and losses of a recording of all topics, and where it comes from
     Info(RecordingInfo),
+    /// Copy a part of a recording
+    Cut(RecordingCut),
+    /// Copy the files of a recording into one
+    Merge(RecordingMerge),
+    /// Write what is recorded in other formats
+    Export(RecordingExport),
 }
 
 /// `koseki recording info`.
@@ -363,6 +372,52 @@ pub(crate) struct RecordingInfo {
     /// A file, or the folder of a start
     #[arg(value_name = "RECORDING")]
     pub(crate) path: PathBuf,
+}
+
+/// `koseki recording cut`.
+#[derive(Debug, Args)]
+pub(crate) struct RecordingCut {
+    /// A file, or the folder of a start
+    #[arg(value_name = "RECORDING")]
+    pub(crate) path: PathBuf,
+    /// File for the part
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// Leave out what was recorded before this time, UTC, as in 2026-05-01T10:00:00Z
+    #[arg(long, value_name = "TIME", value_parser = values::utc)]
+    pub(crate) from: Option<i64>,
+    /// Leave out what was recorded after this time
+    #[arg(long, value_name = "TIME", value_parser = values::utc)]
+    pub(crate) to: Option<i64>,
+    /// Leave out all other topics; sensor/radar stands for all that begin with sensor/radar/
+    #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
+    pub(crate) topics: Vec<String>,
+}
+
+/// `koseki recording merge`.
+#[derive(Debug, Args)]
+pub(crate) struct RecordingMerge {
+    /// Files of one recording in their order, or the folder of a start
+    #[arg(value_name = "RECORDING", required = true)]
+    pub(crate) paths: Vec<PathBuf>,
+    /// The one file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+}
+
+/// `koseki recording export`.
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("format").required(true).multiple(true))]
+pub(crate) struct RecordingExport {
+    /// A file, or the folder of a start
+    #[arg(value_name = "RECORDING")]
+    pub(crate) path: PathBuf,
+    /// Folder for tables as the recorder writes them, which is new or empty
+    #[arg(long, value_name = "DIR", group = "format")]
+    pub(crate) csv: Option<PathBuf>,
+    /// File for the system tracks as ASTERIX CAT062, one record a state that is confirmed, coasted or ended
+    #[arg(long, value_name = "FILE", group = "format")]
+    pub(crate) asterix: Option<PathBuf>,
 }
 
 const CONDITION_EXAMPLES: &str = "\

@@ -124,6 +124,7 @@ impl Reading {
                 topic,
                 header,
                 taken_ns,
+                ..
             } => {
                 self.topic = self.topics.get(topic).copied();
                 self.slice = header;
@@ -279,7 +280,7 @@ impl Result {
 }
 
 /// Facts at the beginning of a file.
-fn facts(path: &Path) -> anyhow::Result<Facts> {
+pub(crate) fn facts(path: &Path) -> anyhow::Result<Facts> {
     let mut found = Facts::new();
     recording::facts(&mut BufReader::new(File::open(path)?))
         .map(|facts| found.extend(facts.unwrap_or_default()))
@@ -288,7 +289,7 @@ fn facts(path: &Path) -> anyhow::Result<Facts> {
 }
 
 /// The configuration that a recording was made with.
-fn configuration(facts: &Facts, path: &Path) -> anyhow::Result<Config> {
+pub(crate) fn configuration(facts: &Facts, path: &Path) -> anyhow::Result<Config> {
     let Some(text) = facts.get(CONFIGURATION) else {
         return Err(Usage(format!(
             "{}: does not say with which configuration it was made",

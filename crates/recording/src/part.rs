@@ -1,0 +1,199 @@
+//! Copying a part of a recording, or all of its files into one.
+
+use std::collections::BTreeMap;
+use std::io::{Read, Seek, Write};
+
+use messages::BatchHeader;
+
+use crate::RecordingError;
+use crate::reader::{Item, read};
+use crate::survey::Survey;
+use crate::tally::Tally;
+use crate::writer::{Channel, Writer};
+
+/// Part of a recording.
+#[derive(Clone, Debug, Default)]
+pub struct Part {
+    /// Time when the first slice was taken, UTC, nanoseconds; `None` for the beginning.
+    pub from_ns: Option<u64>,
+    /// Time when the last slice was taken, likewise; `None` for the end.
+    pub to_ns: Option<u64>,
+    /// Names of topics, or what they begin with up to a `/`; empty for all topics.
+    pub topics: Vec<String>,
+}
+
+impl Part {
+    fn has_topic(&self, name: &str) -> bool {
+        let is_in = |wanted: &String| {
+            let rest = name.strip_prefix(wanted.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        self.topics.is_empty() || self.topics.iter().any(is_in)
+    }
+
+    fn is_before(&self, taken_ns: u64) -> bool {
+        self.from_ns.is_some_and(|from_ns| taken_ns < from_ns)
+    }
+
+    fn is_after(&self, taken_ns: u64) -> bool {
+        self.to_ns.is_some_and(|to_ns| taken_ns > to_ns)
+    }
+}
+
+/// Copies a part of the recording that consists of `files`, in their order, into one file; the number of samples.
+///
+/// The copy says how far the topics were when the part begins: so what was lost within it is counted, and what was left
+/// out is not.
+///
+/// # Errors
+/// If a file cannot be read, or `out` not be written.
+pub fn copy<R: Read + Seek, W: Write + Seek>(
+    files: impl IntoIterator<Item = R>,
+    part: &Part,
+    out: W,
+) -> Result<u64, RecordingError> {
+    let mut copying = Copying {
+        part,
+        before: Survey::default(),
+        topics: BTreeMap::new(),
+        out: Some(out),
+        writer: None,
+        place: Place::Outside,
+        samples: 0,
+    };
+    for mut file in files {
+        read::<_, RecordingError>(&mut file, |item| copying.item(item))?;
+        copying.end_slice()?;
+    }
+    copying.writer()?;
+    copying.writer.map_or(Ok(()), Writer::finish)?;
+    Ok(copying.samples)
+}
+
+struct Copying<'a, W: Write + Seek> {
+    part: &'a Part,
+    /// Everything before the part.
+    before: Survey,
+    topics: BTreeMap<String, Topic>,
+    out: Option<W>,
+    /// The copy, as soon as the part has begun.
+    writer: Option<Writer<W>>,
+    place: Place,
+    samples: u64,
+}
+
+/// Place of the slice that is being read.
+enum Place {
+    Before,
+    In(Slice),
+    Outside,
+}
+
+struct Topic {
+    schema: String,
+    definition: Vec<u8>,
+    fingerprint: String,
+    channel: Option<Channel>,
+}
+
+/// A slice that is being read.
+struct Slice {
+    topic: String,
+    header: BatchHeader,
+    taken_ns: u64,
+    sent_ns: u64,
+    octets: Vec<u8>,
+    sample_size: usize,
+}
+
+impl<W: Write + Seek> Copying<'_, W> {
+    fn item(&mut self, item: Item<'_>) -> Result<(), RecordingError> {
+        match item {
+            Item::Facts(_) => self.before.item(item),
+            Item::Topic {
+                name,
+                schema,
+                definition,
+                fingerprint,
+            } if self.part.has_topic(name) && !self.topics.contains_key(name) => {
+                let topic = Topic {
+                    schema: schema.to_owned(),
+                    definition: definition.to_owned(),
+                    fingerprint: fingerprint.to_owned(),
+                    channel: None,
+                };
+                self.topics.insert(name.to_owned(), topic);
+            }
+            Item::Topic { .. } => {}
+            Item::Slice {
+                topic,
+                header,
+                taken_ns,
+                sent_ns,
+            } => {
+                self.end_slice()?;
+                if self.writer.is_none() && self.part.is_before(taken_ns) {
+                    self.place = Place::Before;
+                    self.before.item(item);
+                } else if self.part.has_topic(topic) && !self.part.is_after(taken_ns) {
+                    self.place = Place::In(Slice {
+                        topic: topic.to_owned(),
+                        header,
+                        taken_ns,
+                        sent_ns,
+                        octets: Vec::new(),
+                        sample_size: 0,
+                    });
+                }
+            }
+            Item::Sample { octets, .. } => match &mut self.place {
+                Place::Before => self.before.item(item),
+                Place::In(slice) => {
+                    slice.octets.extend_from_slice(octets);
+                    slice.sample_size = octets.len();
+                }
+                Place::Outside => {}
+            },
+        }
+        Ok(())
+    }
+
+    fn end_slice(&mut self) -> Result<(), RecordingError> {
+        let Place::In(slice) = std::mem::replace(&mut self.place, Place::Outside) else {
+            return Ok(());
+        };
+        self.writer()?;
+        let (Some(writer), Some(topic)) = (&mut self.writer, self.topics.get_mut(&slice.topic)) else {
+            return Ok(());
+        };
+        let size = slice.sample_size.max(1);
+        let channel = match topic.channel {
+            Some(channel) => channel,
+            None => {
+                let (definition, fingerprint) = (&topic.definition, &topic.fingerprint);
+                writer.channel_of(&slice.topic, size, &topic.schema, definition, fingerprint)?
+            }
+        };
+        // A slice without samples does not tell their size.
+        topic.channel = Some(channel).filter(|_| slice.sample_size > 0);
+        let (taken_ns, sent_ns) = (slice.taken_ns as i64, slice.sent_ns as i64);
+        writer.slice(channel, &slice.header, &slice.octets, taken_ns, sent_ns)?;
+        self.samples += (slice.octets.len() / size) as u64;
+        Ok(())
+    }
+
+    /// Begins the copy, if it has not begun.
+    fn writer(&mut self) -> Result<(), RecordingError> {
+        let Some(out) = self.out.take() else { return Ok(()) };
+        self.before.end_slices();
+        let mut facts = self.before.facts.clone();
+        for (name, topic) in &self.before.topics {
+            topic.tally.state(name, &mut facts);
+        }
+        if self.part.from_ns.is_some() {
+            Tally::forget_losses(&mut facts);
+        }
+        self.writer = Some(Writer::begin(out, &facts)?);
+        Ok(())
+    }
+}

@@ -1,0 +1,63 @@
+//! `koseki recording cut` and `koseki recording merge`: recordings of all topics, copied to the bit.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use recording::Part;
+
+use crate::args::{RecordingCut, RecordingMerge, Usage};
+use crate::files::{OutputFile, check_outputs};
+use crate::recording_info::files;
+use crate::replay::facts;
+
+/// Fact: which start of which deployment is recorded.
+const RUN: &str = "run";
+
+/// Copies a part.
+///
+/// # Errors
+/// If the recording cannot be read, or the copy not be written.
+pub(crate) fn cut(cut: RecordingCut) -> anyhow::Result<()> {
+    let since_1970 = |time_ns: i64| time_ns.max(0) as u64;
+    let part = Part {
+        from_ns: cut.from.map(since_1970),
+        to_ns: cut.to.map(since_1970),
+        topics: cut.topics,
+    };
+    copy(&files(&cut.path)?, &part, &cut.out)
+}
+
+/// Copies several files into one.
+///
+/// # Errors
+/// If they are not of one recording, one cannot be read, or the copy not be written.
+pub(crate) fn merge(merge: &RecordingMerge) -> anyhow::Result<()> {
+    let mut paths = Vec::new();
+    for path in &merge.paths {
+        paths.extend(files(path)?);
+    }
+    copy(&paths, &Part::default(), &merge.out)
+}
+
+fn copy(paths: &[PathBuf], part: &Part, out: &Path) -> anyhow::Result<()> {
+    check_outputs(paths, &[("--out", Some(&out.to_owned()))])?;
+    let run = |path: &PathBuf| Ok::<_, anyhow::Error>(facts(path)?.remove(RUN));
+    let first = run(&paths[0])?;
+    for path in paths {
+        if run(path)? != first {
+            let (path, first) = (path.display(), paths[0].display());
+            return Err(Usage(format!("{path} is of another start than {first}: merge files of one")).into());
+        }
+    }
+    let opened = paths.iter().map(|path| {
+        let opened = File::open(path).with_context(|| format!("reading {}", path.display()))?;
+        Ok(BufReader::with_capacity(1 << 18, opened))
+    });
+    let opened = opened.collect::<anyhow::Result<Vec<_>>>()?;
+    let mut file = OutputFile::begin(out)?;
+    let samples = recording::copy(opened, part, &mut file)?;
+    file.finish()?;
+    crate::print(&format!("{samples} samples in {}\n", out.display()))
+}
