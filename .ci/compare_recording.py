@@ -14,7 +14,6 @@ import datetime
 import glob
 import importlib.util
 import os
-import re
 import struct
 import sys
 from decimal import Decimal
@@ -26,7 +25,6 @@ from compare_gateway import Frame
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 LAYOUT = os.path.join(HERE, '..', 'crates', 'messages', 'layout', 'koseki_messages.py')
-DAY_NS = 86_400 * 10**9
 NOBODY = 0xffff
 COVARIANCE = [f'P{i}{j}' for i in range(6) for j in range(i, 6)]
 
@@ -231,12 +229,6 @@ def is_said(cell, value, first_day_ns):
     return float(cell) == value if isinstance(value, float) else cell == str(value)
 
 
-def first_day(facts):
-    """Midnight of the day on which the run started, from which its tables count their seconds."""
-    started_ns = int(re.search(r'(\d+) ns since 1970', facts['run']).group(1))
-    return started_ns // DAY_NS * DAY_NS
-
-
 def tables(folder):
     """The samples of the recording by the table that they are rows of, the frame's origin and the first day."""
     found, origin, first_day_ns = {}, None, None
@@ -244,7 +236,7 @@ def tables(folder):
         with open(path, 'rb') as file:
             reader = make_reader(file, decoder_factories=[DecoderFactory()])
             for metadata in reader.iter_metadata():
-                first_day_ns = first_day(metadata.metadata)
+                first_day_ns = int(metadata.metadata['first_day_ns'])
             for _, channel, _, message in reader.iter_decoded_messages(log_time_order=False):
                 parts = channel.topic.split('/')
                 if channel.topic in SYSTEM:

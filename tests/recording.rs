@@ -3,7 +3,8 @@
 use std::fs::File;
 use std::path::Path;
 
-use ::recording::Survey;
+use ::recording::{Survey, TopicSurvey};
+use formats::rows::Utc;
 use rustix::process::Signal;
 
 use crate::common::home::{Home, kill, until};
@@ -62,9 +63,83 @@ fn all_topics_are_in_the_recording_as_many_as_rows() {
         decisions.contains(",started,") && decisions.contains(",confirmed,"),
         "{decisions}"
     );
-    let output = home.run(&["recording", "info", "out/latest"]);
-    let said = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success() && said.contains("system/tracks "), "{said}");
+    let said = succeed(&home, &["recording", "info", "out/latest"]);
+    assert!(
+        said.contains("system/tracks ") && said.contains(env!("CARGO_PKG_VERSION")),
+        "{said}"
+    );
+
+    succeed(
+        &home,
+        &[
+            "recording",
+            "export",
+            "out/latest",
+            "--csv",
+            "again",
+            "--asterix",
+            "tracks.ast",
+        ],
+    );
+    let tables = std::fs::read_dir(home.path("again")).unwrap();
+    let mut compared = 0;
+    for table in tables.map(|entry| entry.unwrap().path()) {
+        let name = table.file_name().unwrap();
+        assert_eq!(
+            std::fs::read(&table).unwrap(),
+            std::fs::read(folder.join(name)).unwrap(),
+            "{}",
+            table.display()
+        );
+        compared += 1;
+    }
+    assert!(compared > 5, "{compared}");
+    succeed(&home, &["decode", "tracks.ast", "--out", "tracks.jsonl"]);
+    let records = std::fs::read_to_string(home.path("tracks.jsonl")).unwrap();
+    let states = std::fs::read_to_string(folder.join("system_tracks.csv")).unwrap();
+    let sent = states
+        .lines()
+        .filter(|row| row.contains(",confirmed,") || row.contains(",coasted,"));
+    assert!(records.lines().count() >= sent.count() && records.contains("\"_c\":62"));
+}
+
+#[test]
+fn a_recording_of_several_files_is_merged_and_cut() {
+    let home = Home::new();
+    // A file is as large as one flush makes it.
+    let small = ["--set", "recorder.segment_mb=1", "--set", "recorder.flush_s=0.2"];
+    let (status, said) = home
+        .start(&[&["demo", "--for", "4"], &SETTINGS[..], &small].concat())
+        .end();
+    assert!(status.success(), "{said}");
+    let (several, files) = survey(&home.path("out/latest"));
+    assert!(files > 1, "{files}");
+    std::fs::create_dir(home.path("one")).unwrap();
+    succeed(&home, &["recording", "merge", "out/latest", "--out", "one/all.mcap"]);
+    let counts = |survey: &Survey| {
+        let topics = survey.topics.iter().filter(|(_, topic)| topic.slices > 0);
+        let count = |(name, topic): (&String, &TopicSurvey)| (name.clone(), topic.samples, topic.tally.lost);
+        topics.map(count).collect::<Vec<_>>()
+    };
+    assert_eq!(counts(&survey(&home.path("one")).0), counts(&several));
+    let tracks = &several.topics["system/tracks"];
+    let (first_ns, last_ns) = (tracks.first_ns.unwrap() as i64, tracks.last_ns.unwrap() as i64);
+    let middle = Utc(first_ns + (last_ns - first_ns) / 2).to_string();
+    std::fs::create_dir(home.path("halves")).unwrap();
+    let cut = ["recording", "cut", "one/all.mcap", "--topics", "system/tracks", "--out"];
+    succeed(&home, &[&cut[..], &["halves/1.mcap", "--to", &middle]].concat());
+    succeed(&home, &[&cut[..], &["halves/2.mcap", "--from", &middle]].concat());
+    let (halves, _) = survey(&home.path("halves"));
+    assert_eq!(counts(&halves), [("system/tracks".to_owned(), tracks.samples, 0)]);
+    let output = home.run(&["recording", "cut", "one/all.mcap", "--out", "one/all.mcap"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+fn succeed(home: &Home, arguments: &[&str]) -> String {
+    let output = home.run(arguments);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{arguments:?}: {said}");
+    String::from_utf8(output.stdout).unwrap()
 }
 
 #[test]

@@ -88,7 +88,7 @@ fn change(from: &Path, to: &Path) {
     let mut show = |item: Item<'_>| -> Result<(), RecordingError> {
         match item {
             Item::Facts(facts) => writer = Some(begin(to, &facts)),
-            Item::Topic { name, schema } => {
+            Item::Topic { name, schema, .. } => {
                 let has_name = |layout: &&Layout| schema.ends_with(&format!("/{}", layout.name));
                 let layout = ALL.iter().find(has_name).unwrap();
                 channels.push((name.to_owned(), writer.as_mut().unwrap().channel(name, layout)?));

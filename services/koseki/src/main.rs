@@ -142,7 +142,9 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, adapter::run),
         Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, fusion_service::run),
         Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, monitor::run),
-        Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, recorder::run),
+        Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, |process| {
+            recorder::run(process, args::VERSION)
+        }),
         Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, gateway::run),
         Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, simulator::run),
     }

@@ -6,7 +6,6 @@ use std::io::{self, BufReader, Write as _};
 use anyhow::Context as _;
 use asterix::registry;
 use configuration::Config;
-use frames::time::NS_PER_DAY;
 use messages::SystemTrack;
 use messages::layout::Sample as _;
 use outgoing::{SystemReports, SystemSource};
@@ -29,12 +28,18 @@ const SYSTEM_TRACKS: u8 = 62;
 /// If the recording cannot be read, or something cannot be written.
 pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
     let paths = files(&export.path)?;
-    check_outputs(&paths, &[("--csv", export.csv.as_ref()), ("--asterix", export.asterix.as_ref())])?;
+    check_outputs(
+        &paths,
+        &[("--csv", export.csv.as_ref()), ("--asterix", export.asterix.as_ref())],
+    )?;
     let facts = facts(&paths[0])?;
     let config = configuration(&facts, &paths[0])?;
-    let tables = |folder| Tables::begin(&config, folder, first_day_ns(&config, &facts)?);
+    let tables = |folder| Tables::begin(&config, folder, first_day_ns(&facts)?);
     let mut tables = export.csv.as_deref().map(tables).transpose()?;
-    let mut blocks = export.asterix.as_deref().map(|path| Blocks::begin(&config, OutputFile::begin(path)?));
+    let mut blocks = export
+        .asterix
+        .as_deref()
+        .map(|path| Blocks::begin(&config, OutputFile::begin(path)?));
     let mut blocks = blocks.take().transpose()?;
     for path in &paths {
         let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
@@ -48,12 +53,10 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
     blocks.map_or(Ok(()), Blocks::finish)
 }
 
-/// Midnight from which the recorder's tables count their seconds: that of the recorded inputs, else of the start.
-fn first_day_ns(config: &Config, facts: &Facts) -> Result<i64, Usage> {
-    let said = facts.get("started_ns").and_then(|text| text.parse::<i64>().ok());
-    let of_start = said.map(|started_ns| started_ns.div_euclid(NS_PER_DAY) * NS_PER_DAY);
-    let unknown = || Usage("the recording does not say when its deployment was started".to_owned());
-    config.first_day_ns.or(of_start).ok_or_else(unknown)
+/// Midnight from which the recorder's tables count their seconds.
+fn first_day_ns(facts: &Facts) -> Result<i64, Usage> {
+    let said = facts.get("first_day_ns").and_then(|text| text.parse().ok());
+    said.ok_or_else(|| Usage("the recording does not say from which day its times are counted".to_owned()))
 }
 
 /// System tracks as data blocks.

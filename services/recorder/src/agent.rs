@@ -17,6 +17,19 @@ use crate::topic_file::{self, Place, StreamFile};
 /// Turns in which what is still waiting is written at the end.
 const TURNS_AT_CLOSE: usize = 1000;
 
+/// Start of a deployment that is recorded.
+#[derive(Clone, Copy, Debug)]
+pub struct Start<'a> {
+    /// Folder for its files.
+    pub folder: &'a Path,
+    /// Description, which no other start has.
+    pub run: &'a str,
+    /// Version of the executable, with the commit where that is known.
+    pub version: &'a str,
+    /// Midnight from which tables count their seconds, UTC, nanoseconds.
+    pub first_day_ns: i64,
+}
+
 /// The recorder as an agent; generic over the transport, so that tests drive it in process.
 #[derive(Debug)]
 pub struct RecorderAgent<S: Transport> {
@@ -28,35 +41,28 @@ pub struct RecorderAgent<S: Transport> {
 }
 
 impl<S: Transport> RecorderAgent<S> {
-    /// A recorder of `config` into `folder`, connected to `bus`; `incarnation` is the process's monotonic start time,
-    /// and files count their seconds from `first_day_ns` (UTC, nanoseconds). Files that an
-    /// earlier recorder has left are continued if they are of the run described by `run`, else replaced.
+    /// A recorder of the `start` of `config`, connected to `bus`; `incarnation` is the process's monotonic start time.
+    /// Files that an earlier recorder of that start has left are continued; those of another one are refused.
     ///
     /// # Errors
     /// If a file cannot be made or a topic cannot be opened.
-    pub fn new(
-        config: &Config,
-        bus: &Bus<S>,
-        incarnation: u64,
-        folder: &Path,
-        first_day_ns: i64,
-        run: &str,
-    ) -> anyhow::Result<Self> {
+    pub fn new(config: &Config, bus: &Bus<S>, incarnation: u64, start: &Start<'_>) -> anyhow::Result<Self> {
+        let folder = start.folder;
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let mut waiter = bus.waiter(WaitMode::Event);
         let csv = config.recording.csv;
         let all_topics = config.recording.mcap.map(|settings| {
             let waiter = (!csv).then_some(&mut waiter);
-            AllTopics::new(config, settings, bus, waiter, incarnation, folder, run)
+            AllTopics::new(config, settings, bus, waiter, incarnation, start)
         });
         let all_topics = all_topics.transpose()?;
         let mut place = Place {
             bus,
             waiter: &mut waiter,
             folder,
-            resume: recovery::claim(folder, run)?,
+            resume: recovery::claim(folder, start.run)?,
             incarnation,
-            first_day_ns,
+            first_day_ns: start.first_day_ns,
             frame: config.frame,
             replays: config.is_recorded(),
         };

@@ -1,7 +1,6 @@
 //! The recording of all topics, whatever their samples are.
 
 use std::fmt::Debug;
-use std::path::Path;
 
 use bus::{Bus, LogReader, Payload, Subscriber, Transport, Waiter};
 use configuration::{Config, Segments as Settings};
@@ -10,6 +9,7 @@ use messages::{BatchHeader, Stream, Streamed as _, Topic};
 use recording::Facts;
 use runtime::Now;
 
+use crate::agent::Start;
 use crate::segments::{SegmentCounts, Segments};
 
 /// Slices taken from one topic before the next one's turn.
@@ -117,8 +117,8 @@ impl<S: Transport> Opening<'_, S> {
 }
 
 impl<S: Transport> AllTopics<S> {
-    /// Recording of the deployment of `config` into `folder`, by the recorder that started at `incarnation`; `run`
-    /// describes the start. Topics of data wake `waiter`, if there is one.
+    /// Recording of the `start` of `config`, by the recorder that started at `incarnation`. Topics of data wake
+    /// `waiter`, if there is one.
     ///
     /// # Errors
     /// If a topic cannot be opened, or what an earlier recorder has left cannot be read.
@@ -128,8 +128,7 @@ impl<S: Transport> AllTopics<S> {
         bus: &Bus<S>,
         waiter: Option<&mut Waiter<S>>,
         incarnation: u64,
-        folder: &Path,
-        run: &str,
+        start: &Start<'_>,
     ) -> anyhow::Result<Self> {
         let mut opening = Opening {
             bus,
@@ -145,20 +144,22 @@ impl<S: Transport> AllTopics<S> {
         opening.waiter = None;
         opening.open(&messages::health())?;
         opening.open(&messages::control())?;
+        opening.open(&messages::progress())?;
         opening.open(&messages::frame_origin())?;
         opening.open(&messages::restored())?;
         // Last: of what was taken of the system tracks in a turn, the order of work is there.
         opening.open_log(&messages::order())?;
         let facts = Facts::from([
-            ("run".to_owned(), run.trim().to_owned()),
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("run".to_owned(), start.run.trim().to_owned()),
+            ("version".to_owned(), start.version.to_owned()),
+            ("first_day_ns".to_owned(), start.first_day_ns.to_string()),
             ("configuration".to_owned(), config.text.clone()),
         ]);
         // What was said before all of them were open is no loss.
         let since_ns = Now::read().mono_ns as u64;
         Ok(Self {
             topics: opening.topics,
-            segments: Segments::new(folder, settings, facts, opening.names, since_ns)?,
+            segments: Segments::new(start.folder, settings, facts, opening.names, since_ns)?,
         })
     }
 

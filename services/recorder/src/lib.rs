@@ -25,16 +25,16 @@ mod segments;
 mod tables;
 mod topic_file;
 
-pub use agent::RecorderAgent;
+pub use agent::{RecorderAgent, Start};
 pub use tables::Tables;
 
 use configuration::Process;
 
-/// Runs the recorder until every topic has ended or the process is told to stop.
+/// Runs the recorder, of an executable of this `version`, until every topic has ended or the process is told to stop.
 ///
 /// # Errors
 /// If a file cannot be written, or shared memory fails.
-pub fn run(process: &Process) -> anyhow::Result<()> {
+pub fn run(process: &Process, version: &str) -> anyhow::Result<()> {
     let (config, options) = (&process.config, &process.options);
     let run = format!(
         "deployment {}, instance {}, configuration {}, started at {}, {} ns since 1970 (UTC)\n",
@@ -44,7 +44,12 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         formats::rows::Utc(options.scenario_start_ns),
         options.scenario_start_ns
     );
-    let (bus, first_day_ns) = (&process.bus, process.first_day_ns());
-    let mut agent = RecorderAgent::new(config, bus, process.incarnation, &options.out, first_day_ns, &run)?;
+    let start = Start {
+        folder: &options.out,
+        run: &run,
+        version,
+        first_day_ns: process.first_day_ns(),
+    };
+    let mut agent = RecorderAgent::new(config, &process.bus, process.incarnation, &start)?;
     runtime::service::run(process, &mut agent)
 }

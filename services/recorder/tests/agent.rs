@@ -5,7 +5,7 @@ use std::path::Path;
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
 use configuration::Config;
 use messages::{Alarm, AlarmEvent, Counter, SensorTrack, SystemTrack};
-use recorder::RecorderAgent;
+use recorder::{RecorderAgent, Start};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 const NOW: Now = Now { mono_ns: 1, utc_ns: 0 };
@@ -18,6 +18,15 @@ fn config_with(overrides: &[String]) -> Config {
     let text = "name = \"t\"\n[frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n[time]\norder = \"time\"\ndate = \"2016-05-10\"\n\
                 [[source]]\nname = \"a\"\n[source.recorded]\nfile = \"a.ast\"\n";
     Config::parse(Path::new("t.toml"), text, overrides).unwrap()
+}
+
+fn start<'a>(folder: &'a Path, run: &'a str) -> Start<'a> {
+    Start {
+        folder,
+        run,
+        version: "1",
+        first_day_ns: 0,
+    }
 }
 
 struct Bench {
@@ -53,7 +62,8 @@ impl Bench {
     }
 
     fn try_recorder(&self, run: &str) -> anyhow::Result<RecorderAgent<InProcess>> {
-        RecorderAgent::new(&config(), &self.bus, 1, &self.folder.path().join("out"), 0, run)
+        let folder = self.folder.path().join("out");
+        RecorderAgent::new(&config(), &self.bus, 1, &start(&folder, run))
     }
 
     fn recorder(&self, run: &str) -> RecorderAgent<InProcess> {
@@ -215,7 +225,7 @@ mod all_topics {
             .map(|each| (*each).to_owned())
             .collect();
         let config = config_with(&overrides);
-        RecorderAgent::new(&config, &bench.bus, 1, folder, 0, "run").unwrap()
+        RecorderAgent::new(&config, &bench.bus, 1, &start(folder, "run")).unwrap()
     }
 
     fn files(folder: &Path) -> Vec<PathBuf> {

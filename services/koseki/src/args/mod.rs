@@ -39,7 +39,7 @@ use values::{interval, seconds, speed};
 /// Where recordings are looked for if nobody says otherwise.
 const DATA_DEFAULT: &str = "../shared/data";
 /// Version and the commit that it was built from.
-const VERSION: &str = env!("KOSEKI_VERSION");
+pub(crate) const VERSION: &str = env!("KOSEKI_VERSION");
 /// Folder that contains what each instance records.
 const OUT_DEFAULT: &str = "records";
 
