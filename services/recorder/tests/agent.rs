@@ -276,7 +276,7 @@ mod all_topics {
         );
         assert_eq!(found.topics["system/tracks"].samples, 9);
         assert!(found.topics.contains_key("health") && found.facts["configuration"].contains("a.ast"));
-        let all = found.topics.values().map(|topic| topic.samples).sum();
+        let all: u64 = found.topics.values().map(|topic| topic.samples).sum();
         assert_eq!(counted(&recorder, Counter::RecordedSamples), all);
     }
 
