@@ -1,0 +1,129 @@
+// Koseki for C++17: the functions of koseki.h as types that give back what they hold.
+//
+//   koseki::Subscription<KosekiSystemTrack> tracks("demo");
+//   for (;;)
+//     for (const KosekiSystemTrack &track : tracks.receive())
+//       std::cout << track.track_number << '\n';
+#ifndef KOSEKI_HPP
+#define KOSEKI_HPP
+
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "koseki.h"
+
+namespace koseki {
+
+// A failure: `code` is one of the outcomes of koseki.h, and what() says what to do.
+class Error : public std::runtime_error {
+public:
+  explicit Error(int code) : std::runtime_error(koseki_error()), code(code) {}
+  const int code;
+};
+
+// Schema and topic of a type of sample.
+template <class Sample> struct Topic;
+template <> struct Topic<KosekiSystemTrack> {
+  static constexpr std::uint64_t schema = KOSEKI_SYSTEM_TRACK_SCHEMA;
+  static std::string name(const std::string &) { return "system/tracks"; }
+};
+template <> struct Topic<KosekiAlarm> {
+  static constexpr std::uint64_t schema = KOSEKI_ALARM_SCHEMA;
+  static std::string name(const std::string &) { return "system/alarms"; }
+};
+template <> struct Topic<KosekiSensorTrack> {
+  static constexpr std::uint64_t schema = KOSEKI_SENSOR_TRACK_SCHEMA;
+  static std::string name(const std::string &source) { return "sensor/" + source + "/tracks"; }
+};
+template <> struct Topic<KosekiWideArea> {
+  static constexpr std::uint64_t schema = KOSEKI_WIDE_AREA_SCHEMA;
+  static std::string name(const std::string &sensor) { return "wide-area/" + sensor + "/reports"; }
+};
+template <> struct Topic<KosekiPlatformState> {
+  static constexpr std::uint64_t schema = KOSEKI_PLATFORM_STATE_SCHEMA;
+  static std::string name(const std::string &platform) { return "platform/" + platform + "/state"; }
+};
+
+// A slice in shared memory; empty where nothing came. A subscription can have two of them at a time.
+template <class Sample> class Slice {
+public:
+  Slice() noexcept = default;
+  Slice(Slice &&other) noexcept : slice_(std::exchange(other.slice_, {})) {}
+  Slice &operator=(Slice &&other) noexcept {
+    std::swap(slice_, other.slice_);
+    return *this;
+  }
+  ~Slice() { koseki_release(&slice_); }
+
+  const Sample *begin() const noexcept { return static_cast<const Sample *>(slice_.samples); }
+  const Sample *end() const noexcept { return begin() + slice_.count; }
+  std::size_t size() const noexcept { return slice_.count; }
+  explicit operator bool() const noexcept { return slice_.header != nullptr; }
+  const KosekiBatchHeader &header() const noexcept { return *slice_.header; }
+  std::uint64_t lost() const noexcept { return slice_.lost; }
+  bool starts_epoch() const noexcept { return slice_.starts_epoch != 0; }
+
+private:
+  template <class> friend class Subscription;
+  koseki_slice slice_ = {};
+};
+
+// Reader of a topic.
+template <class Sample> class Subscription {
+public:
+  // `of` is the source's, sensor's or platform's name where there is a topic for each.
+  explicit Subscription(const std::string &instance, const std::string &of = "") {
+    const auto topic = Topic<Sample>::name(of);
+    if (const int code = koseki_subscribe(instance.c_str(), topic.c_str(), Topic<Sample>::schema, &handle_))
+      throw Error(code);
+  }
+  Subscription(Subscription &&other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  Subscription &operator=(Subscription &&other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  ~Subscription() { koseki_unsubscribe(handle_); }
+
+  // The next slice; an empty one if none comes in time. A negative time-out waits as long as it takes.
+  Slice<Sample> receive(std::chrono::milliseconds timeout = std::chrono::milliseconds(-1)) {
+    Slice<Sample> slice;
+    const int code = koseki_receive(handle_, timeout.count(), &slice.slice_);
+    if (code != KOSEKI_OK && code != KOSEKI_NOTHING)
+      throw Error(code);
+    return slice;
+  }
+  int descriptor() const noexcept { return koseki_descriptor(handle_); }
+  koseki_counters counts() const noexcept { return koseki_counts(handle_); }
+
+private:
+  koseki_subscription *handle_ = nullptr;
+};
+
+// Writer of a topic that the configuration calls external.
+template <class Sample> class Publisher {
+public:
+  Publisher(const std::string &instance, const std::string &of) {
+    const auto topic = Topic<Sample>::name(of);
+    if (const int code = koseki_advertise(instance.c_str(), topic.c_str(), Topic<Sample>::schema, &handle_))
+      throw Error(code);
+  }
+  Publisher(Publisher &&other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  Publisher &operator=(Publisher &&other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  ~Publisher() { koseki_unadvertise(handle_); }
+
+  void publish(const Sample *samples, std::size_t count) {
+    if (const int code = koseki_publish(handle_, samples, count))
+      throw Error(code);
+  }
+
+private:
+  koseki_publisher *handle_ = nullptr;
+};
+
+} // namespace koseki
+#endif

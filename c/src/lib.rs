@@ -1,0 +1,305 @@
+//! `koseki-client` for C: the functions that `include/koseki.h` declares, which says what they do.
+//!
+//! A handle is a box that its close function takes back. What failed is a code; the text of the calling thread's latest
+//! failure can be asked for. A panic would be a fault of this library, and ends the program.
+
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::os::fd::AsRawFd as _;
+use std::ptr;
+use std::time::Duration;
+
+use koseki_client::by_name::{self, AnyPublisher, AnySlice, AnySubscription};
+use koseki_client::messages::BatchHeader;
+use koseki_client::messages::layout::Layout;
+use koseki_client::{Error, ErrorKind, Root};
+
+const OK: c_int = 0;
+/// Code of a wait that ended with nothing; the others are those of [`ErrorKind`].
+const NOTHING: c_int = 9;
+
+/// Handle of a subscription.
+#[derive(Debug)]
+pub struct Subscription(Box<dyn AnySubscription>);
+
+/// Handle of a publisher.
+#[derive(Debug)]
+pub struct Publisher(Box<dyn AnyPublisher>);
+
+/// A slice that is kept from being overwritten until it is released.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Slice {
+    samples: *const c_void,
+    count: usize,
+    header: *const BatchHeader,
+    lost: u64,
+    starts_epoch: c_int,
+    kept: *mut Box<dyn AnySlice>,
+}
+
+/// Counts of a subscription.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Counts {
+    taken: u64,
+    lost: u64,
+    of_older_epochs: u64,
+    epoch: u64,
+}
+
+thread_local! {
+    static LATEST: RefCell<CString> = RefCell::default();
+}
+
+fn failed(kind: ErrorKind, text: String) -> c_int {
+    let text = CString::new(text.replace('\0', "?")).unwrap_or_default();
+    LATEST.set(text);
+    kind as c_int
+}
+
+fn code(done: Result<c_int, Error>) -> c_int {
+    done.unwrap_or_else(|error| failed(error.kind(), error.to_string()))
+}
+
+/// The text at `text`, or why it is none.
+///
+/// # Safety
+/// `text` is null or a string that ends with a zero.
+unsafe fn word<'a>(text: *const c_char, name: &str) -> Result<&'a str, c_int> {
+    if text.is_null() {
+        return Err(failed(ErrorKind::Argument, format!("{name} is null")));
+    }
+    // SAFETY: as asked for.
+    let text = unsafe { CStr::from_ptr(text) }.to_str();
+    text.map_err(|error| failed(ErrorKind::Argument, format!("{name}: {error}")))
+}
+
+/// Whether the samples of the caller's header are those of this library.
+fn check_schema(stated: u64, layout: &Layout) -> Result<(), c_int> {
+    if stated == layout.fingerprint() {
+        return Ok(());
+    }
+    let text = format!(
+        "{}: the header states schema {stated:#x}, the library has {:#x}: compile with the library's own koseki.h, and \
+         ask for the schema of the topic's type",
+        layout.name,
+        layout.fingerprint()
+    );
+    Err(failed(ErrorKind::Schema, text))
+}
+
+/// Opens something called `topic` in the deployment called `instance`, and hands it out by `handle`.
+///
+/// # Safety
+/// The texts are null or end with a zero; `handle` is null or can be written to.
+unsafe fn open<T, H>(
+    instance: *const c_char,
+    topic: *const c_char,
+    handle: *mut *mut H,
+    open: impl FnOnce(&Root, &str) -> Result<T, Error>,
+    finish: impl FnOnce(T) -> Result<H, c_int>,
+) -> c_int {
+    let opened = || {
+        if handle.is_null() {
+            return Err(failed(
+                ErrorKind::Argument,
+                "the place of the handle is null".to_owned(),
+            ));
+        }
+        // SAFETY: `handle` is not null, and the caller says that it can be written to.
+        unsafe { *handle = ptr::null_mut() };
+        // SAFETY: as asked for.
+        let (instance, topic) = unsafe { (word(instance, "instance")?, word(topic, "topic")?) };
+        let root = Root::new(instance).map_err(Error::from);
+        let opened = root.and_then(|root| open(&root, topic));
+        finish(opened.map_err(|error| failed(error.kind(), error.to_string()))?)
+    };
+    match opened() {
+        Ok(opened) => {
+            // SAFETY: checked above.
+            unsafe { *handle = Box::into_raw(Box::new(opened)) };
+            OK
+        }
+        Err(code) => code,
+    }
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_subscribe(
+    instance: *const c_char,
+    topic: *const c_char,
+    schema: u64,
+    handle: *mut *mut Subscription,
+) -> c_int {
+    let checked = |opened: Box<dyn AnySubscription>| {
+        check_schema(schema, opened.layout())?;
+        Ok(Subscription(opened))
+    };
+    // SAFETY: as the header says.
+    unsafe { open(instance, topic, handle, by_name::subscribe, checked) }
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_receive(subscription: *mut Subscription, timeout_ms: i64, slice: *mut Slice) -> c_int {
+    // SAFETY: the header asks for a handle that is open and used by one thread at a time, and for a place to write to.
+    let (Some(subscription), false) = (unsafe { subscription.as_mut() }, slice.is_null()) else {
+        return failed(ErrorKind::Argument, "subscription or slice is null".to_owned());
+    };
+    let empty = Slice {
+        samples: ptr::null(),
+        count: 0,
+        header: ptr::null(),
+        lost: 0,
+        starts_epoch: 0,
+        kept: ptr::null_mut(),
+    };
+    // SAFETY: as above; what was there needs no drop.
+    unsafe { slice.write(empty) };
+    let timeout = u64::try_from(timeout_ms).map_or(Duration::MAX, Duration::from_millis);
+    let size = subscription.0.layout().size;
+    code(subscription.0.next(timeout).map(|next| match next {
+        None => NOTHING,
+        Some(next) => {
+            let octets = next.octets();
+            let taken = Slice {
+                samples: octets.as_ptr().cast(),
+                count: octets.len() / size,
+                header: next.header(),
+                lost: next.lost(),
+                starts_epoch: next.starts_epoch().into(),
+                kept: Box::into_raw(Box::new(next)),
+            };
+            // SAFETY: as above.
+            unsafe { slice.write(taken) };
+            OK
+        }
+    }))
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_release(slice: *mut Slice) {
+    // SAFETY: the header asks for null or a slice that `koseki_receive` has written.
+    let Some(slice) = (unsafe { slice.as_mut() }) else {
+        return;
+    };
+    let kept = std::mem::replace(&mut slice.kept, ptr::null_mut());
+    (slice.samples, slice.header, slice.count) = (ptr::null(), ptr::null(), 0);
+    if !kept.is_null() {
+        // SAFETY: it comes from `Box::into_raw`, and has just been taken out of its only place.
+        drop(unsafe { Box::from_raw(kept) });
+    }
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_descriptor(subscription: *const Subscription) -> c_int {
+    // SAFETY: the header asks for null or a handle that is open.
+    let subscription = unsafe { subscription.as_ref() };
+    subscription.map_or(-1, |subscription| subscription.0.as_fd().as_raw_fd())
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_counts(subscription: *const Subscription) -> Counts {
+    // SAFETY: the header asks for null or a handle that is open.
+    let subscription = unsafe { subscription.as_ref() };
+    let counts = subscription
+        .map(|subscription| subscription.0.counts())
+        .unwrap_or_default();
+    Counts {
+        taken: counts.taken,
+        lost: counts.lost,
+        of_older_epochs: counts.of_older_epochs,
+        epoch: counts.epoch,
+    }
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_unsubscribe(subscription: *mut Subscription) {
+    if !subscription.is_null() {
+        // SAFETY: the header asks for a handle that is open, which comes from `Box::into_raw`.
+        drop(unsafe { Box::from_raw(subscription) });
+    }
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_advertise(
+    instance: *const c_char,
+    topic: *const c_char,
+    schema: u64,
+    handle: *mut *mut Publisher,
+) -> c_int {
+    let checked = |opened: Box<dyn AnyPublisher>| {
+        check_schema(schema, opened.layout())?;
+        Ok(Publisher(opened))
+    };
+    // SAFETY: as the header says.
+    unsafe { open(instance, topic, handle, by_name::publisher, checked) }
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_publish(publisher: *mut Publisher, samples: *const c_void, count: usize) -> c_int {
+    // SAFETY: the header asks for a handle that is open and used by one thread at a time.
+    let (Some(publisher), false) = (unsafe { publisher.as_mut() }, samples.is_null()) else {
+        return failed(ErrorKind::Argument, "publisher or samples are null".to_owned());
+    };
+    let Some(length) = count.checked_mul(publisher.0.layout().size) else {
+        return failed(
+            ErrorKind::Argument,
+            format!("{count} samples are more than memory holds"),
+        );
+    };
+    // SAFETY: the header asks for `count` samples of the publisher's type, all of whose octets are fields.
+    let octets = unsafe { std::slice::from_raw_parts(samples.cast::<u8>(), length) };
+    code(publisher.0.publish(octets).map(|()| OK))
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_unadvertise(publisher: *mut Publisher) {
+    if !publisher.is_null() {
+        // SAFETY: the header asks for a handle that is open, which comes from `Box::into_raw`.
+        drop(unsafe { Box::from_raw(publisher) });
+    }
+}
+
+/// See the header.
+#[unsafe(no_mangle)]
+pub extern "C" fn koseki_error() -> *const c_char {
+    // It stays where it is until this thread's next failure replaces it.
+    LATEST.with_borrow(|text| text.as_ptr())
+}
