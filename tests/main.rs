@@ -40,6 +40,7 @@ mod recording;
 mod replay;
 mod supervision;
 mod system_calls;
+mod tap;
 mod top;
 
 // Recordings of real sensors.

@@ -199,7 +199,7 @@ impl Layout {
         let Some(field) = self.fields.iter().find(holds) else {
             return String::new();
         };
-        let (element, count) = element(field.kind, self, field);
+        let (element, count) = field.element();
         let size = field.size / count.unwrap_or(1).max(1);
         let within = offset - field.offset;
         let place = count.map(|_| format!("[{}]", within / size)).unwrap_or_default();
@@ -210,9 +210,9 @@ impl Layout {
 
     fn ros2_fields(&self, out: &mut String) {
         for field in self.fields {
-            let (element, count) = element(field.kind, self, field);
+            let (element, count) = field.element();
             let count = count.map(|count| format!("[{count}]")).unwrap_or_default();
-            let _ = writeln!(out, "{}{count} {} #{}", ros2_type(&element), field.name, field.doc);
+            let _ = writeln!(out, "{}{count} {} #{}", ros2_type(element), field.name, field.doc);
         }
     }
 
@@ -294,14 +294,16 @@ const fn names(kind: &str, name: &str) -> bool {
     end == kind.len() || kind[end] == b';'
 }
 
-/// A field's type, split into element and count: `[f64; 3]` is (`f64`, 3).
-fn element(kind: &str, layout: &Layout, field: &Field) -> (String, Option<usize>) {
-    let Some(inner) = kind.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) else {
-        return (kind.to_owned(), None);
-    };
-    let name = inner.split(';').next().unwrap_or_default().trim();
-    let size = size_of_name(name).unwrap_or_else(|| panic!("{}.{}: unknown type {name}", layout.name, field.name));
-    (name.to_owned(), Some(field.size / size))
+impl Field {
+    /// Type of the field, split into element and count: `[f64; 3]` is (`f64`, 3).
+    pub fn element(&self) -> (&'static str, Option<usize>) {
+        let Some(inner) = self.kind.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) else {
+            return (self.kind, None);
+        };
+        let name = inner.split(';').next().unwrap_or_default().trim();
+        let size = size_of_name(name).unwrap_or_else(|| panic!("{}: unknown type {name}", self.name));
+        (name, Some(self.size / size))
+    }
 }
 
 fn size_of_name(name: &str) -> Option<usize> {
@@ -408,15 +410,9 @@ pub fn c_header() -> String {
     for layout in ALL {
         let _ = writeln!(out, "\ntypedef struct Koseki{} {{", layout.name);
         for field in layout.fields {
-            let (element, count) = element(field.kind, layout, field);
+            let (element, count) = field.element();
             let count = count.map(|count| format!("[{count}]")).unwrap_or_default();
-            let _ = writeln!(
-                out,
-                "    {} {}{count}; /*{} */",
-                c_type(&element),
-                field.name,
-                field.doc
-            );
+            let _ = writeln!(out, "    {} {}{count}; /*{} */", c_type(element), field.name, field.doc);
         }
         let _ = writeln!(
             out,
@@ -459,13 +455,13 @@ pub fn python_module() -> String {
     for layout in ALL {
         let _ = writeln!(out, "\n\nclass {}(ctypes.Structure):\n    _fields_ = [", layout.name);
         for field in layout.fields {
-            let (element, count) = element(field.kind, layout, field);
+            let (element, count) = field.element();
             let count = count.map(|count| format!(" * {count}")).unwrap_or_default();
             let _ = writeln!(
                 out,
                 "        (\"{}\", {}{count}),  #{}",
                 field.name,
-                python_type(&element),
+                python_type(element),
                 field.doc
             );
         }

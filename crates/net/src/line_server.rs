@@ -3,8 +3,13 @@
 //! Receivers of transponder signals serve their lines to everybody, and wait for nobody: a reader that does not keep up
 //! is let go, and may connect again. What was sent before a reader came is not sent to it.
 
+use std::fmt::Debug;
+use std::fs::{self, Permissions};
 use std::io::{self, ErrorKind, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{SocketAddr, TcpListener};
+use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
 
 use crate::NetError;
 
@@ -25,9 +30,48 @@ pub struct LineServerCounters {
 /// A socket that sends the same to each of its readers.
 #[derive(Debug)]
 pub struct LineServer {
-    listener: TcpListener,
-    readers: Vec<TcpStream>,
+    listener: Listener,
+    readers: Vec<Box<dyn Reader>>,
     counters: LineServerCounters,
+}
+
+/// A connection to whoever reads.
+trait Reader: Write + Debug + Send {}
+
+impl<T: Write + Debug + Send> Reader for T {}
+
+#[derive(Debug)]
+enum Listener {
+    Tcp(TcpListener),
+    Unix(UnixListener, PathBuf),
+}
+
+impl Listener {
+    fn accept(&self) -> io::Result<Box<dyn Reader>> {
+        match self {
+            Self::Tcp(listener) => {
+                let (reader, _) = listener.accept()?;
+                reader.set_nonblocking(true)?;
+                // Lines are to arrive when they are sent.
+                reader.set_nodelay(true)?;
+                Ok(Box::new(reader))
+            }
+            Self::Unix(listener, _) => {
+                let (reader, _) = listener.accept()?;
+                reader.set_nonblocking(true)?;
+                Ok(Box::new(reader))
+            }
+        }
+    }
+}
+
+impl Drop for Listener {
+    fn drop(&mut self) {
+        if let Self::Unix(_, path) = self {
+            // Where it cannot be removed, the next one that is opened there does it.
+            let _ = fs::remove_file(path);
+        }
+    }
 }
 
 impl LineServer {
@@ -39,19 +83,50 @@ impl LineServer {
         let failed = || NetError::refused::<io::Error>(format!("listening at {address}"));
         let listener = TcpListener::bind(address).map_err(failed())?;
         listener.set_nonblocking(true).map_err(failed())?;
-        Ok(Self {
+        Ok(Self::of(Listener::Tcp(listener)))
+    }
+
+    /// Listens at a socket in the file system, which is removed with the server. Who may connect says `mode`, the
+    /// permissions of its file, as in 0o660; and `group`, the number of its group, if it is to have another than that
+    /// of this process. A socket that is left there from an earlier server, and which nobody listens at, is replaced.
+    ///
+    /// # Errors
+    /// [`NetError`] if somebody listens there, something else is there, or the operating system refuses.
+    pub fn open_unix(path: &Path, mode: u32, group: Option<u32>) -> Result<Self, NetError> {
+        let action = || format!("listening at {}", path.display());
+        let failed = || NetError::refused::<io::Error>(action());
+        let is_socket = fs::symlink_metadata(path).is_ok_and(|found| found.file_type().is_socket());
+        if is_socket && UnixStream::connect(path).is_err() {
+            fs::remove_file(path).map_err(failed())?;
+        }
+        let listener = UnixListener::bind(path).map_err(failed())?;
+        let server = Self::of(Listener::Unix(listener, path.to_owned()));
+        // In this order: until the last step only this user may connect, or whom the process's mask lets.
+        std::os::unix::fs::chown(path, None, group).map_err(failed())?;
+        fs::set_permissions(path, Permissions::from_mode(mode)).map_err(failed())?;
+        if let Listener::Unix(listener, _) = &server.listener {
+            listener.set_nonblocking(true).map_err(failed())?;
+        }
+        Ok(server)
+    }
+
+    fn of(listener: Listener) -> Self {
+        Self {
             listener,
             readers: Vec::with_capacity(READERS_MAX),
             counters: LineServerCounters::default(),
-        })
+        }
     }
 
     /// Address at which it listens.
     ///
     /// # Errors
-    /// If the operating system does not say.
+    /// If it is a socket in the file system, or the operating system does not say.
     pub fn local_address(&self) -> io::Result<SocketAddr> {
-        self.listener.local_addr()
+        match &self.listener {
+            Listener::Tcp(listener) => listener.local_addr(),
+            Listener::Unix(..) => Err(ErrorKind::Unsupported.into()),
+        }
     }
 
     /// Takes the readers that wait, without waiting itself; how many there are now.
@@ -59,9 +134,17 @@ impl LineServer {
     /// # Errors
     /// If the operating system takes no connections any more.
     pub fn accept(&mut self) -> io::Result<usize> {
+        self.accept_with(&[])
+    }
+
+    /// The same; each reader gets `head` first.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn accept_with(&mut self, head: &[u8]) -> io::Result<usize> {
         loop {
-            let reader = match self.listener.accept() {
-                Ok((reader, _)) => reader,
+            let mut reader = match self.listener.accept() {
+                Ok(reader) => reader,
                 Err(error) if error.kind() == ErrorKind::WouldBlock => return Ok(self.readers.len()),
                 // The reader has gone again already.
                 Err(error) if error.kind() == ErrorKind::ConnectionAborted => continue,
@@ -71,10 +154,9 @@ impl LineServer {
                 self.counters.refused += 1;
                 continue;
             }
-            reader.set_nonblocking(true)?;
-            // Lines are to arrive when they are sent.
-            reader.set_nodelay(true)?;
             self.counters.readers += 1;
+            // Its buffer is empty; who has gone again is found at the next send.
+            let _ = reader.write(head);
             self.readers.push(reader);
         }
     }

@@ -36,6 +36,7 @@ mod score;
 mod send;
 mod simulate;
 mod status;
+mod tap;
 mod top;
 mod track;
 
@@ -125,6 +126,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Recording(args::Recording::Merge(merge)) => recording_copy::merge(&merge),
         Command::Recording(args::Recording::Export(export)) => recording_export::run(&export),
         Command::Replay(replay) => replay::run(&replay),
+        Command::Tap(tap) => tap::run(&tap),
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),
         Command::Encode(encode) => encode::run(&encode),

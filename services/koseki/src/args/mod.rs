@@ -6,6 +6,7 @@ mod encode;
 mod files;
 mod replay;
 mod send;
+mod tap;
 mod values;
 
 use std::path::PathBuf;
@@ -34,6 +35,8 @@ use replay::REPLAY_EXAMPLES;
 pub(crate) use replay::Replay;
 use send::SEND_EXAMPLES;
 pub(crate) use send::{Retime, Send};
+use tap::TAP_EXAMPLES;
+pub(crate) use tap::{LineFormat, Tap};
 use values::{interval, seconds, speed};
 
 /// Where recordings are looked for if nobody says otherwise.
@@ -101,6 +104,9 @@ pub(crate) enum Command {
     /// Tell a running deployment which condition (weather) holds from now on
     #[command(after_help = CONDITION_EXAMPLES)]
     Condition(Condition),
+    /// Write what a deployment publishes as lines of text, or serve it at a socket
+    #[command(after_help = TAP_EXAMPLES)]
+    Tap(Tap),
     /// Say what a recording of all topics holds
     #[command(after_help = RECORDING_EXAMPLES, subcommand)]
     Recording(Recording),

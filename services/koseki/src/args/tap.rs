@@ -1,0 +1,64 @@
+//! `koseki tap`.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+pub(super) const TAP_EXAMPLES: &str = "\
+Examples:
+  koseki tap --instance demo | jq -c '[.track_number, .position_m]'
+  koseki tap --instance demo --format csv --count 1000 > tracks.csv
+  koseki tap system/alarms --instance demo
+  koseki tap --instance demo --unix /run/tracks.sock --mode 660 --group 1001 &
+  socat - UNIX-CONNECT:/run/tracks.sock
+  koseki tap --instance demo --tcp 127.0.0.1:9000 &
+  curl -sN telnet://127.0.0.1:9000
+
+Each sample is a line with its fields by name, in the units of docs/integrate.md: what is not known is null in JSON and
+empty in CSV; samples within samples are JSON objects, and columns such as stages.fused_ns in CSV, which has no lists of
+them. A reader of a socket that does not keep up is let go, and may connect again; what this program itself loses is
+said on standard error.";
+
+/// `koseki tap`.
+#[derive(Debug, Args)]
+pub(crate) struct Tap {
+    /// The topic: also system/alarms, system/decisions, sensor/NAME/tracks, health, …
+    #[arg(value_name = "TOPIC", default_value = "system/tracks")]
+    pub(crate) topic: String,
+    /// The instance that is read
+    #[arg(long, value_name = "NAME")]
+    pub(crate) instance: String,
+    /// Form of a line
+    #[arg(long, value_name = "FORM", default_value = "json")]
+    pub(crate) format: LineFormat,
+    /// End after so many samples
+    #[arg(long, value_name = "SAMPLES")]
+    pub(crate) count: Option<u64>,
+    /// Serve the lines at this address instead of printing them
+    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with = "unix")]
+    pub(crate) tcp: Option<SocketAddr>,
+    /// Serve the lines at a Unix socket instead of printing them
+    #[arg(long, value_name = "FILE")]
+    pub(crate) unix: Option<PathBuf>,
+    /// Permissions of the Unix socket, octal: who may connect
+    #[arg(long, value_name = "MODE", default_value = "600", value_parser = mode, requires = "unix")]
+    pub(crate) mode: u32,
+    /// Number of the Unix socket's group [default: that of this process]
+    #[arg(long, value_name = "GROUP", requires = "unix")]
+    pub(crate) group: Option<u32>,
+}
+
+/// Form of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LineFormat {
+    /// A JSON object a line
+    Json,
+    /// Values between commas; the first line names them
+    Csv,
+}
+
+fn mode(text: &str) -> Result<u32, String> {
+    let mode = u32::from_str_radix(text, 8).ok().filter(|mode| *mode <= 0o777);
+    mode.ok_or_else(|| format!("\"{text}\" is no mode: three octal digits, as in 660"))
+}

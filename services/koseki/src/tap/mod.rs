@@ -1,0 +1,121 @@
+//! `koseki tap`: samples as lines of text, for programs that map no shared memory (FM-14).
+//!
+//! It is a reader like any other: it holds nobody up, and what it loses it says.
+
+mod lines;
+
+use std::io::{self, Write};
+use std::time::Duration;
+
+use anyhow::bail;
+use bus::{Bus, Payload, Received, Root, SharedMemory, WaitMode, Woken};
+use messages::{Topic, Visitor};
+use net::LineServer;
+use runtime::clock::{instant, mono_ns};
+use runtime::signals::Stop;
+
+use crate::args::{Tap, Usage};
+use lines::Lines;
+
+/// Longest wait before it is looked whether somebody has connected, or the deployment has ended.
+const LOOK: Duration = Duration::from_millis(100);
+/// Octets that are collected before they are handed on, if more samples wait.
+const BLOCK: usize = 1 << 16;
+
+/// Writes samples as lines, until the deployment ends.
+///
+/// # Errors
+/// If the instance does not run, has no such topic, or the lines cannot be handed on.
+pub(crate) fn run(tap: &Tap) -> anyhow::Result<()> {
+    let unknown = || Usage(format!("\"{}\" is no topic: see koseki tap --help", tap.topic));
+    messages::visit(&tap.topic, Reader { tap }).ok_or_else(unknown)?
+}
+
+/// Where lines go.
+enum Way {
+    Out(io::StdoutLock<'static>),
+    Server(LineServer),
+}
+
+impl Way {
+    fn open(tap: &Tap) -> anyhow::Result<Self> {
+        Ok(match (&tap.unix, tap.tcp) {
+            (Some(path), _) => Self::Server(LineServer::open_unix(path, tap.mode, tap.group)?),
+            (None, Some(address)) => Self::Server(LineServer::open(address)?),
+            (None, None) => Self::Out(io::stdout().lock()),
+        })
+    }
+
+    /// Hands `octets` on. Who connects from now on gets `head` first.
+    fn send(&mut self, octets: &[u8], head: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Out(out) => out.write_all(octets).and_then(|()| out.flush()),
+            Self::Server(server) => {
+                if !octets.is_empty() {
+                    server.send(octets);
+                }
+                server.accept_with(head).map(|_| ())
+            }
+        }
+    }
+}
+
+struct Reader<'a> {
+    tap: &'a Tap,
+}
+
+impl Visitor for Reader<'_> {
+    type Output = anyhow::Result<()>;
+
+    fn visit<T: Payload>(self, topic: Topic<T>) -> anyhow::Result<()> {
+        let root = Root::new(&self.tap.instance).map_err(|error| Usage(error.to_string()))?;
+        let stop = Stop::on_signals()?;
+        let bus = Bus::<SharedMemory>::open(&root, "tap")?;
+        let mut subscriber = bus.subscriber(&topic, || mono_ns() as u64)?;
+        let mut waiter = bus.waiter(WaitMode::Event);
+        waiter.watch(&bus, &topic)?;
+        let lines = Lines::new(&T::LAYOUT, self.tap.format);
+        let head = lines.head();
+        let mut way = Way::open(self.tap)?;
+        if let Way::Out(out) = &mut way {
+            out.write_all(&head)?;
+        }
+        let (mut text, mut left, mut lost) = (Vec::new(), self.tap.count.unwrap_or(u64::MAX), 0);
+        let mut looked = instant();
+        while left > 0 && !stop.requested() {
+            let slice = match subscriber.receive()? {
+                Received::Slice(slice) => Some(slice),
+                Received::Rejected => bail!("topic {}: its publisher is of another build", subscriber.topic()),
+                Received::Nothing => None,
+            };
+            for sample in slice.iter().flat_map(|slice| slice.samples()).take(left as usize) {
+                lines.write(T::octets(std::slice::from_ref(sample)), &mut text);
+                left -= 1;
+            }
+            let counts = subscriber.counts();
+            if counts.lost > lost {
+                eprintln!("koseki tap: too slow: {} samples lost", counts.lost - lost);
+                lost = counts.lost;
+            }
+            if slice.is_some() && text.len() < BLOCK && left > 0 && subscriber.has_slices() {
+                continue;
+            }
+            if let Err(error) = way.send(&text, &head) {
+                // The reader has what it wanted.
+                return match error.kind() {
+                    io::ErrorKind::BrokenPipe => Ok(()),
+                    _ => Err(error.into()),
+                };
+            }
+            text.clear();
+            let waited = left > 0 && waiter.wait(LOOK, || subscriber.has_slices())? == Woken::Timeout;
+            if waited && instant() - looked > LOOK {
+                looked = instant();
+                if !bus.goes_on()? {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+}
