@@ -4,6 +4,7 @@
 //! leaves. Rates are the differences between the two rounds.
 
 use std::collections::BTreeMap;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -72,6 +73,8 @@ struct InstanceStatus {
 enum InstanceState {
     Runs,
     StartsOrStops,
+    /// It runs, and what is in its shared memory cannot be meant.
+    Unreadable,
     /// It does not run, and the run before was killed.
     Killed,
     /// It does not run, and a start was refused.
@@ -114,7 +117,11 @@ impl InstanceStatus {
             };
             return Ok(status);
         }
-        let listened = listen(&instance.root);
+        // Reading memory that somebody has overwritten may end in a panic of the library that lies beneath.
+        let Ok(listened) = without_panic(|| listen(&instance.root)) else {
+            status.state = InstanceState::Unreadable;
+            return Ok(status);
+        };
         match listened {
             Ok(heard) => {
                 status.processes = rows(&heard.speakers, &heard.processes);
@@ -145,6 +152,10 @@ impl InstanceStatus {
                 table(&self.processes)
             ),
             InstanceState::StartsOrStops => format!("instance {name}: process {pid} is starting or stopping it\n"),
+            InstanceState::Unreadable => format!(
+                "instance {name}: process {pid} runs it, and its shared memory cannot be read: look again when it has \
+                 been rebuilt\n"
+            ),
             InstanceState::Killed => format!(
                 "instance {name}: does not run; an earlier run was killed, and the next start removes what it left in {folder}\n"
             ),
@@ -190,6 +201,15 @@ struct Listened {
     processes: Vec<Process>,
     /// Alarms that stand, the worst first.
     alarms: Vec<Alarm>,
+}
+
+/// Result of `work`; `Err` if it panicked, which nobody is told of.
+fn without_panic<T>(work: impl FnOnce() -> T) -> Result<T, ()> {
+    let told = panic::take_hook();
+    panic::set_hook(Box::new(|_| ()));
+    let result = panic::catch_unwind(AssertUnwindSafe(work));
+    panic::set_hook(told);
+    result.map_err(drop)
 }
 
 fn listen(root: &Root) -> Result<Listened, BusError> {
