@@ -1,9 +1,14 @@
 //! What one report costs in the engine: association, accuracy values, rule, combination, without any bus.
 //!
-//! `cargo bench -p koseki --bench engine`. The cost must not grow with the number of targets (PL-7).
+//! `cargo bench -p koseki --bench engine`. The cost must not grow with the number of targets (PL-7). The second group says
+//! what the checkpoint costs: two engines, one with and one without, take the same reports by turns, a thousand each.
+
+use std::sync::atomic::AtomicU64;
+use std::time::Instant;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fusion::Engine;
+use fusion::checkpoint::Position;
 use fusion::settings::{
     Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, ReportLimits,
     RuleSettings, Settings, SourceSettings,
@@ -111,5 +116,68 @@ fn per_report(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, per_report);
+/// Prints the ratio of the times with and without a checkpoint, median of many pairs.
+fn checkpoint(_: &mut Criterion) {
+    const BLOCK: u64 = 1000;
+    for targets in [1_000u32, 10_000] {
+        let side = f64::from(targets).sqrt() as u32;
+        let mut engines = [(); 2].map(|()| Engine::new(settings(targets as usize)).expect("sound settings"));
+        let words = engines[0].checkpoint_layout().len();
+        let memory: Vec<AtomicU64> = (0..words).map(|_| AtomicU64::new(0)).collect();
+        engines[1].keep_checkpoint(Box::new(memory));
+        let block = |engine: &mut Engine, from: u64, is_kept: bool| {
+            let begun = Instant::now();
+            for next in from..from + BLOCK {
+                let (source, target) = (
+                    (next % u64::from(SOURCES)) as u16,
+                    (next / u64::from(SOURCES)) % u64::from(targets),
+                );
+                let second = next as f64 / f64::from(targets) / f64::from(SOURCES);
+                if is_kept {
+                    let position = Position {
+                        incarnation: 1,
+                        next_sequence: next,
+                    };
+                    engine.keep_position(source, position);
+                }
+                engine.take(&report(source, target as u32, side, second), &mut |_: &SystemTrack| {});
+            }
+            engine.keep_learned(if is_kept { 40 } else { 0 });
+            begun.elapsed().as_secs_f64() * 1e9 / BLOCK as f64
+        };
+        let warm = u64::from(5 * targets * u32::from(SOURCES)) / BLOCK;
+        let mut pairs: Vec<(f64, f64)> = Vec::new();
+        for pair in 0..warm + 400 {
+            let (without, with) = engines.split_at_mut(1);
+            // The first one warms the caches for neither: each has tables of its own.
+            let mut run = |is_kept: bool| match is_kept {
+                false => block(&mut without[0], pair * BLOCK, false),
+                true => block(&mut with[0], pair * BLOCK, true),
+            };
+            let first = run(pair % 2 == 1);
+            let second = run(pair % 2 == 0);
+            if pair >= warm {
+                pairs.push(if pair % 2 == 1 {
+                    (second, first)
+                } else {
+                    (first, second)
+                });
+            }
+        }
+        let median = |mut values: Vec<f64>| {
+            values.sort_by(f64::total_cmp);
+            values[values.len() / 2]
+        };
+        println!(
+            "checkpoint, {targets} targets: {:.0} ns a report without, {:.0} with; ratio {:.3} (median of {} pairs); {} MB",
+            median(pairs.iter().map(|pair| pair.0).collect()),
+            median(pairs.iter().map(|pair| pair.1).collect()),
+            median(pairs.iter().map(|pair| pair.1 / pair.0).collect()),
+            pairs.len(),
+            words * 8 / 1_000_000
+        );
+    }
+}
+
+criterion_group!(benches, per_report, checkpoint);
 criterion_main!(benches);

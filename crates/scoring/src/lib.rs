@@ -8,6 +8,7 @@
 //!   errors, identity switches, breaks, completeness, spurious tracks;
 //! - [`ResolutionScore`]: whether a tracker tells targets apart that fly close to each other, and how soon;
 //! - [`Accuracy`]: the picture as it goes on, in a few figures that can be had at any time;
+//! - [`NumberTally`]: whether targets keep their numbers, and numbers their targets, whatever dies;
 //! - [`FixRuns`]: the fixes of a bearings-only locator, beside the best that is possible.
 //!
 //! Everything is a pure function of rows that somebody else has opened: no file, no clock. Rows are read through
@@ -23,6 +24,7 @@ mod fixes;
 pub mod gospa;
 mod near;
 mod normalised;
+mod numbers;
 mod picture;
 mod resolution;
 mod states;
@@ -35,6 +37,7 @@ pub use fixes::{
     FixScore,
 };
 pub use near::Pair;
+pub use numbers::NumberTally;
 pub use picture::{PICTURE_WORDS, PictureError, PictureScore, PictureSettings, ShownState, Timeline, score_picture};
 pub use resolution::{
     ConfirmedTracks, NoTruthSince, PooledResolutionScore, RESOLUTION_WORDS, ResolutionScore, ResolutionSettings,

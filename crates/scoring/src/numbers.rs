@@ -1,0 +1,165 @@
+//! Continuity of track numbers, as a subscriber sees it that believes nobody.
+//!
+//! Targets are told apart by their addresses, whatever their tracks are called: so it shows if a target goes on under
+//! another number, or a number comes again for another target. States of an older epoch than the newest are left out.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use messages::{SystemTrack, TrackState};
+
+/// Tally of who carries which number.
+#[derive(Clone, Debug, Default)]
+pub struct NumberTally {
+    epoch: u64,
+    began_ns: i64,
+    latest_ns: i64,
+    states: u64,
+    late: u64,
+    carriers: BTreeMap<u32, u32>,
+    shown: BTreeSet<u32>,
+    live: BTreeSet<u32>,
+    heard: BTreeSet<u32>,
+    first: BTreeMap<u32, u32>,
+    ended: BTreeSet<u32>,
+    reused: BTreeSet<u32>,
+}
+
+impl NumberTally {
+    /// Takes a state that was published by the fusion of `epoch`.
+    pub fn take(&mut self, epoch: u64, track: &SystemTrack) {
+        let sent_ns = track.stages.fused_ns;
+        if epoch < self.epoch {
+            self.late += u64::from(sent_ns > self.began_ns);
+            return;
+        }
+        if epoch > self.epoch {
+            (self.epoch, self.began_ns) = (epoch, sent_ns);
+            self.heard.clear();
+        }
+        self.states += 1;
+        self.latest_ns = self.latest_ns.max(sent_ns);
+        let number = track.track_number;
+        self.heard.insert(number);
+        if track.state == TrackState::Terminated as u8 {
+            self.live.remove(&number);
+            self.carriers.retain(|_, carried| *carried != number);
+            self.ended.insert(number);
+            return;
+        }
+        if self.ended.contains(&number) {
+            self.reused.insert(number);
+        }
+        if track.state == TrackState::Tentative as u8 {
+            return;
+        }
+        self.live.insert(number);
+        if let Some(address) = track.identity.unique_number() {
+            if *self.first.entry(number).or_insert(address) != address {
+                self.reused.insert(number);
+            }
+            self.carriers.insert(address, number);
+            self.shown.insert(address);
+        }
+    }
+
+    /// Forgets who has been shown: [`Self::shown`] counts from now on.
+    pub fn begin(&mut self) {
+        self.shown.clear();
+    }
+
+    /// Newest epoch; 0 before the first state.
+    pub fn epoch(&self) -> u64 {
+        self.epoch
+    }
+
+    /// Monotonic time at which the latest state was sent, nanoseconds.
+    pub fn latest_ns(&self) -> i64 {
+        self.latest_ns
+    }
+
+    /// Number of states taken, those of older epochs aside.
+    pub fn states(&self) -> u64 {
+        self.states
+    }
+
+    /// Number of states that an older fusion sent after a newer one had begun.
+    pub fn late(&self) -> u64 {
+        self.late
+    }
+
+    /// Number that each address carries, whose track lives.
+    pub fn carriers(&self) -> &BTreeMap<u32, u32> {
+        &self.carriers
+    }
+
+    /// Whether an address was shown since [`Self::begin`].
+    pub fn shown(&self, address: u32) -> bool {
+        self.shown.contains(&address)
+    }
+
+    /// Numbers of confirmed tracks that have not ended.
+    pub fn live(&self) -> &BTreeSet<u32> {
+        &self.live
+    }
+
+    /// Numbers that came again after their end, or with another address.
+    pub fn reused(&self) -> &BTreeSet<u32> {
+        &self.reused
+    }
+
+    /// Targets of `before` that go on under another number, each with its numbers.
+    pub fn renumbered(&self, before: &Self) -> Vec<(u32, u32, u32)> {
+        let moved = before.carriers.iter().filter_map(|(address, number)| {
+            let now = *self.carriers.get(address)?;
+            (now != *number).then_some((*address, *number, now))
+        });
+        moved.collect()
+    }
+
+    /// Tracks that lived in `before` and that the newest epoch has neither gone on with nor ended.
+    pub fn forgotten(&self, before: &Self) -> Vec<u32> {
+        let unheard = before.live.iter().filter(|number| !self.heard.contains(number));
+        unheard.copied().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::Identity;
+
+    fn state(number: u32, address: u32, state: TrackState, sent_ns: i64) -> SystemTrack {
+        let mut track = SystemTrack {
+            track_number: number,
+            state: state as u8,
+            identity: Identity::default().with_address(address),
+            ..SystemTrack::default()
+        };
+        track.stages.fused_ns = sent_ns;
+        track
+    }
+
+    #[test]
+    fn what_goes_wrong_with_numbers_is_found() {
+        let mut tally = NumberTally::default();
+        for (number, address) in [(1, 11), (2, 12), (3, 13)] {
+            tally.take(5, &state(number, address, TrackState::Confirmed, 100));
+        }
+        let before = tally.clone();
+        tally.take(6, &state(1, 11, TrackState::Confirmed, 200));
+        tally.take(6, &state(7, 12, TrackState::Confirmed, 201));
+        assert_eq!(
+            (tally.renumbered(&before), tally.forgotten(&before)),
+            (vec![(12, 2, 7)], vec![2, 3])
+        );
+        // What an older one left in the queue is no fault; what it sends now is.
+        tally.take(5, &state(2, 12, TrackState::Confirmed, 150));
+        assert_eq!((tally.late(), tally.carriers()[&12]), (0, 7));
+        tally.take(5, &state(2, 12, TrackState::Confirmed, 202));
+        assert_eq!((tally.late(), tally.reused().len()), (1, 0));
+        tally.take(6, &state(1, 14, TrackState::Confirmed, 203));
+        tally.take(6, &state(7, 12, TrackState::Terminated, 204));
+        tally.take(6, &state(7, 12, TrackState::Tentative, 205));
+        assert_eq!(tally.reused().iter().copied().collect::<Vec<_>>(), [1, 7]);
+    }
+}
