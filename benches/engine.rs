@@ -1,7 +1,8 @@
 //! What one report costs in the engine: association, accuracy values, rule, combination, without any bus.
 //!
-//! `cargo bench -p koseki --bench engine`. The cost must not grow with the number of targets (PL-7). The second group says
-//! what the checkpoint costs: two engines, one with and one without, take the same reports by turns, a thousand each.
+//! `cargo bench -p koseki --bench engine`. The cost must not grow with the number of targets (PL-7). The second group
+//! says what the checkpoint costs: two engines, one with and one without, take the same reports by turns, a thousand
+//! each.
 
 use std::sync::atomic::AtomicU64;
 use std::time::Instant;

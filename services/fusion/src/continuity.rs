@@ -138,7 +138,7 @@ impl Start {
                 engine.resume(snapshot, *ends, sink);
                 for (source, position) in snapshot.positions() {
                     if let Some(input) = inputs.get_mut(usize::from(source)) {
-                        input.follow(Some(position), mono_ns)?;
+                        input.follow(Some(position), i64::MIN, mono_ns)?;
                     }
                 }
             }

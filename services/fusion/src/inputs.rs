@@ -31,6 +31,8 @@ pub(crate) struct Input<S: Transport> {
     pub(crate) has_ended: bool,
     /// Order `arrival`: how far a fusion before this one had worked its reports off.
     done: Option<Position>,
+    /// What was sent before this by other publishers than that one, it had worked off, too (monotonic, nanoseconds).
+    done_ns: i64,
     /// Order `time`: publishers of reports that were taken, and the number of the first report of each.
     publishers: VecDeque<(u64, u64)>,
     /// Order `time`: the publisher whose slice was taken last.
@@ -79,6 +81,7 @@ impl<S: Transport> Input<S> {
                 time: SourceTime::of(source, speed),
                 has_ended: false,
                 done: None,
+                done_ns: i64::MIN,
                 publishers: VecDeque::with_capacity(topic.capacity.publishers),
                 publisher: None,
             });
@@ -116,18 +119,19 @@ impl<S: Transport> Input<S> {
     /// How many reports of a slice the fusion before this one had worked off.
     fn count_done(&self, header: &BatchHeader, reports: usize) -> usize {
         match self.done {
-            Some(done) if header.incarnation < done.incarnation => reports,
             Some(done) if header.incarnation == done.incarnation => {
                 let past = done.next_sequence.saturating_sub(header.first_sequence);
                 past.min(reports as u64) as usize
             }
+            _ if header.sent_ns < self.done_ns => reports,
             _ => 0,
         }
     }
 
-    /// Another fusion has got as far as `done`: what it has worked off is passed over, and what it has not is kept.
-    pub(crate) fn follow(&mut self, done: Option<Position>, clock: fn() -> i64) -> anyhow::Result<()> {
-        self.done = done.or(self.done);
+    /// Another fusion has got as far as `done`, and with other publishers of the source to what they sent before
+    /// `done_ns`: what it has worked off is passed over, and what it has not is kept.
+    pub(crate) fn follow(&mut self, done: Option<Position>, done_ns: i64, clock: fn() -> i64) -> anyhow::Result<()> {
+        (self.done, self.done_ns) = (done.or(self.done), done_ns);
         if let Some(hand) = self.in_hand.take() {
             let next = self.count_done(hand.slice.header(), hand.slice.samples().len());
             if next == hand.slice.samples().len() {

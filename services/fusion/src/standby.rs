@@ -50,6 +50,8 @@ pub(crate) const LOOK: Duration = Duration::from_millis(5);
 const BRIEF: Duration = Duration::from_millis(1);
 /// Time for which a process that is to stand by at its start leaves the lead to another.
 const COURTESY: Duration = Duration::from_secs(3);
+/// Time in which a leader has taken what was sent to it, nanoseconds: far longer than it takes.
+const TAKEN_NS: i64 = 1_000_000_000;
 /// Name of the process that stands by.
 pub(crate) const NAME: &str = "standby";
 
@@ -224,9 +226,10 @@ impl Standby {
         let Some(leader) = &mut self.leader else {
             return Ok(());
         };
+        let done_ns = leader.clock.turn_ns.saturating_sub(TAKEN_NS);
         for input in &mut self.ready.inputs {
             let done = position_of(leader.memory.words(), &self.layout, input.source);
-            input.follow(done, mono_ns)?;
+            input.follow(done, done_ns, mono_ns)?;
         }
         let clock = clock_of(leader.memory.words(), &self.layout).unwrap_or(leader.clock);
         self.still_ns = match clock == leader.clock {

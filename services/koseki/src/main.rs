@@ -2,10 +2,10 @@
 //!
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
-//! that answer questions ([`check`], [`mod@doctor`], [`status`], [`top`]), measure ([`mod@bench`]), give orders
-//! ([`condition`]), make files for the machine ([`mod@generate`]) or work on files ([`mod@recording_info`], [`decode`],
-//! [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`], [`locate`], [`compare`], [`score`],
-//! [`send`]).
+//! that answer questions ([`check`], [`mod@doctor`], [`status`], [`top`]), measure ([`mod@bench`]), cause faults
+//! ([`mod@torture`]), give orders ([`condition`]), make files for the machine ([`mod@generate`]) or work on files
+//! ([`mod@recording_info`], [`decode`], [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`], [`locate`],
+//! [`compare`], [`score`], [`send`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).
@@ -38,6 +38,7 @@ mod simulate;
 mod status;
 mod tap;
 mod top;
+mod torture;
 mod track;
 
 use std::io::Write as _;
@@ -138,6 +139,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Simulate(simulate) => simulate::run(&simulate),
         Command::Score(score) => score::run(&score),
         Command::Send(send) => send::run(&send),
+        Command::Torture(torture) => torture::run(&torture),
         Command::Bench(what) => bench::run(what),
         Command::BenchRelay(relay) => bench_service::relay::run(&relay.options()),
         Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, launcher::keeper::run),

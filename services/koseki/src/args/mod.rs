@@ -7,6 +7,7 @@ mod files;
 mod replay;
 mod send;
 mod tap;
+mod torture;
 mod values;
 
 use std::path::PathBuf;
@@ -37,6 +38,8 @@ use send::SEND_EXAMPLES;
 pub(crate) use send::{Retime, Send};
 use tap::TAP_EXAMPLES;
 pub(crate) use tap::{LineFormat, Tap};
+use torture::TORTURE_EXAMPLES;
+pub(crate) use torture::Torture;
 use values::{interval, seconds, speed};
 
 /// Where recordings are looked for if nobody says otherwise.
@@ -146,6 +149,9 @@ pub(crate) enum Command {
     /// Measure latency and throughput of the real processes, against a bare relay on the same machine
     #[command(after_help = BENCH_EXAMPLES, subcommand)]
     Bench(Bench),
+    /// Cause faults at random on a deployment of its own, and judge what a subscriber sees of them
+    #[command(after_help = TORTURE_EXAMPLES)]
+    Torture(Torture),
     /// The bare relay that `koseki bench` measures against
     #[command(hide = true)]
     BenchRelay(BenchRelay),

@@ -1,0 +1,181 @@
+//! The faults, each with how it is caused.
+
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Duration;
+
+use bus::Mark;
+use messages::{Control, Covariance, SensorTrack};
+use rand::RngExt as _;
+use rand_chacha::ChaCha8Rng;
+use runtime::clock::mono_ns;
+use runtime::instance::CHECKPOINT;
+use rustix::process::Signal;
+
+use super::deployment::Deployment;
+
+/// What a deployment must have for a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Needs {
+    Nothing,
+    Standby,
+}
+
+/// A fault.
+pub(super) struct Fault {
+    pub(super) name: &'static str,
+    pub(super) needs: Needs,
+    /// Whether every target must keep its number.
+    pub(super) keeps_numbers: bool,
+    /// Causes it, and says to whom.
+    pub(super) cause: fn(&mut Deployment, &mut ChaCha8Rng) -> anyhow::Result<String>,
+}
+
+/// Every fault there is.
+pub(super) const FAULTS: [Fault; 10] = [
+    Fault {
+        name: "kill",
+        needs: Needs::Nothing,
+        keeps_numbers: true,
+        cause: |deployment, random| {
+            let name = any_child(deployment, random)?;
+            deployment.signal(&name, Signal::KILL)?;
+            Ok(name)
+        },
+    },
+    Fault {
+        name: "kill-fusion",
+        needs: Needs::Nothing,
+        keeps_numbers: true,
+        cause: |deployment, _| {
+            deployment.signal("fusion", Signal::KILL)?;
+            Ok("fusion".to_owned())
+        },
+    },
+    Fault {
+        name: "kill-while-starting",
+        needs: Needs::Nothing,
+        keeps_numbers: true,
+        cause: |deployment, random| {
+            let name = any_child(deployment, random)?;
+            let dead = deployment.signal(&name, Signal::KILL)?;
+            let next = deployment.until_started(&name, dead)?;
+            deployment.watch(Duration::from_millis(random.random_range(0..30)))?;
+            deployment.signal_process(next, Signal::KILL);
+            Ok(format!("{name}, and its successor"))
+        },
+    },
+    Fault {
+        name: "kill-two",
+        needs: Needs::Nothing,
+        keeps_numbers: true,
+        cause: |deployment, random| {
+            let (one, other) = (any_child(deployment, random)?, any_child(deployment, random)?);
+            deployment.signal(&one, Signal::KILL)?;
+            if one != other {
+                deployment.signal(&other, Signal::KILL)?;
+            }
+            Ok(format!("{one} and {other}"))
+        },
+    },
+    Fault {
+        name: "kill-standby",
+        needs: Needs::Standby,
+        keeps_numbers: true,
+        cause: |deployment, _| {
+            deployment.signal("standby", Signal::KILL)?;
+            Ok("standby".to_owned())
+        },
+    },
+    Fault {
+        name: "kill-launcher",
+        needs: Needs::Nothing,
+        // A simulated world begins anew.
+        keeps_numbers: false,
+        cause: |deployment, _| {
+            deployment.restart()?;
+            Ok("launcher, started again".to_owned())
+        },
+    },
+    Fault {
+        name: "stop",
+        needs: Needs::Nothing,
+        keeps_numbers: true,
+        cause: |deployment, random| {
+            let name = any_child(deployment, random)?;
+            let pid = deployment.signal(&name, Signal::STOP)?;
+            let pause = Duration::from_millis(random.random_range(50..2500));
+            deployment.watch(pause)?;
+            deployment.signal_process(pid, Signal::CONT);
+            Ok(format!("{name} for {:.2} s", pause.as_secs_f64()))
+        },
+    },
+    Fault {
+        name: "flood-of-orders",
+        needs: Needs::Nothing,
+        keeps_numbers: true,
+        cause: |deployment, _| {
+            let bus = deployment.bus()?;
+            let mut publisher = bus.publisher(&messages::control(), mono_ns() as u64)?;
+            for number in 0..2000 {
+                let order = Control::condition(&format!("none-{number}")).unwrap_or_default();
+                publisher.send(mark(), 1, |_, _| order)?;
+            }
+            Ok("2000 orders that mean nothing".to_owned())
+        },
+    },
+    Fault {
+        name: "hostile-reports",
+        needs: Needs::Nothing,
+        keeps_numbers: true,
+        cause: |deployment, random| {
+            let sources = deployment.sources();
+            let name = sources[random.random_range(0..sources.len())].clone();
+            let bus = deployment.bus()?;
+            let mut publisher = bus.publisher(&messages::sensor_tracks(&name), mono_ns() as u64)?;
+            for _ in 0..200 {
+                let word: u64 = random.random();
+                let wild = f64::from_bits(word);
+                let report = SensorTrack {
+                    time_of_measurement_ns: word.cast_signed(),
+                    track_number: word as u32,
+                    state: word as u8,
+                    position_m: [wild, -wild, f64::NAN],
+                    covariance: Covariance::diagonal([wild; 3], [-1.0; 3]),
+                    ..SensorTrack::default()
+                };
+                publisher.send(mark(), 1, |_, _| report)?;
+            }
+            Ok(format!("200 absurd ones of {name}"))
+        },
+    },
+    Fault {
+        name: "damaged-checkpoint",
+        needs: Needs::Nothing,
+        // Nobody knows them any more.
+        keeps_numbers: false,
+        cause: |deployment, random| {
+            if let Some(memory) = deployment.root().outlasting(CHECKPOINT)? {
+                for _ in 0..1000 {
+                    let place = random.random_range(0..memory.words().len());
+                    memory.words()[place].store(random.random(), Relaxed);
+                }
+            }
+            deployment.signal("fusion", Signal::KILL)?;
+            Ok("1000 words, and fusion killed".to_owned())
+        },
+    },
+];
+
+fn any_child(deployment: &Deployment, random: &mut ChaCha8Rng) -> anyhow::Result<String> {
+    let names: Vec<String> = deployment.children()?.into_keys().collect();
+    anyhow::ensure!(!names.is_empty(), "nothing runs");
+    Ok(names[random.random_range(0..names.len())].clone())
+}
+
+fn mark() -> Mark {
+    Mark {
+        progress_ns: i64::MIN,
+        sent_ns: mono_ns(),
+        end: false,
+    }
+}
