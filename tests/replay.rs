@@ -141,3 +141,71 @@ fn recordings_through_kills_are_fused_again_to_the_bit() {
     assert!(status.success(), "{said}");
     verified(&home);
 }
+
+const AGAIN: &str = r#"name = "again"
+[frame]
+latitude_deg = 41.297063
+longitude_deg = 2.078447
+[[source]]
+name = "ads-b"
+[source.external]
+[[source]]
+name = "multilateration"
+[source.external]
+[fusion.rule]
+name = "best-source"
+"#;
+
+/// The number that stands before `word` in what was said.
+fn number_before(word: &str, said: &str) -> u64 {
+    let words: Vec<&str> = said.split([' ', '\n', ',']).filter(|word| !word.is_empty()).collect();
+    let place = words.iter().position(|other| *other == word).unwrap();
+    words[place - 1].parse().unwrap()
+}
+
+#[test]
+fn recorded_traffic_is_fused_otherwise_and_goes_into_another_deployment() {
+    let home = Home::new();
+    let (status, said) = home
+        .start(&[&["demo", "--for", "4", "--out", "out"], &ALL_TOPICS[..]].concat())
+        .end();
+    assert!(status.success(), "{said}");
+    fs::write(home.path("again.toml"), AGAIN).unwrap();
+    let replay = |more: &[&str]| {
+        let output = home.run(&[&["replay", "out/latest"], more].concat());
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success() && !said.contains("missing"), "{more:?}: {said}");
+        said
+    };
+    let reports = |more: &[&str]| number_before("reports", &replay(more));
+    let all = reports(&[]);
+    let two = reports(&["--config", "again.toml", "--out", "two.csv"]);
+    let one = reports(&["--config", "again.toml", "--sources", "ads-b"]);
+    assert!(all > two && two > one && one > 100, "{all}, {two}, {one}");
+    let rows = fs::read_to_string(home.path("two.csv")).unwrap();
+    assert!(rows.lines().count() > 100, "{rows}");
+    let after = reports(&["--from", "2100-01-01T00:00:00Z", "--out", "none.csv"]);
+    assert_eq!(after, all, "what is left out is what is written, not what is known");
+
+    let again = home.start(&["up", "again.toml"]);
+    again.until_said("instance again runs");
+    let said = replay(&["--live", "--instance", "again", "--sources", "ads-b,multilateration"]);
+    assert_eq!(number_before("reports", &said), two, "{said}");
+    let rows = |file: &str| {
+        let path = home.path("records/again/latest").join(file);
+        fs::read_to_string(path).unwrap_or_default()
+    };
+    let taken = ["sensor_tracks_ads-b.csv", "sensor_tracks_multilateration.csv"];
+    let count = || {
+        taken
+            .iter()
+            .map(|file| rows(file).lines().skip(1).count() as u64)
+            .sum::<u64>()
+    };
+    until("all of them are taken", || count() == two);
+    until("tracks are confirmed", || {
+        rows("system_tracks.csv").contains(",confirmed,")
+    });
+    let (status, said) = again.stop();
+    assert!(status.success(), "{said}");
+}

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::values::utc;
+use runtime::Speed;
+
+use super::values::{speed, utc};
 
 pub(super) const REPLAY_EXAMPLES: &str = "\
 Examples:
@@ -12,11 +14,13 @@ Examples:
   koseki replay records/tower/latest --out again.csv
   koseki replay records/tower/latest --config other.toml --out other.csv
   koseki replay records/tower/latest --sources radar --out radar-alone.csv
+  koseki replay records/tower/latest --live --instance again   the sensors' tracks once more, as of now
 
 The recording must be of all topics: [recorder] format = [\"csv\", \"mcap\"]. Reports are worked off in the order in which
 fusion did, between its recorded beginnings; what came of a fusion whose beginning, or of which a report, is not in the
 recording is not verified, and told. Bits are equal for one build on processors of one family; --verify names the first
-difference, and fails if there is one or nothing was verified. With --config sources are found by their names.";
+difference, and fails if there is one or nothing was verified. With --config sources are found by their names. With --live
+at another speed than 1, targets seem as much faster.";
 
 /// `koseki replay`.
 #[derive(Debug, Args)]
@@ -36,10 +40,19 @@ pub(crate) struct Replay {
     /// Leave out all other sources
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub(crate) sources: Vec<String>,
-    /// Write no state of before this time, UTC, as in 2026-05-01T10:00:00Z
+    /// Publish the sensor tracks as the sources did, into a deployment whose sources of these names are `external`
+    #[arg(long, conflicts_with_all = ["verify", "config", "out"])]
+    pub(crate) live: bool,
+    /// Instance that they are published into [default: the name of the recorded one]
+    #[arg(long, value_name = "NAME", requires = "live")]
+    pub(crate) instance: Option<String>,
+    /// Seconds of the recording per second, with --live [default: 1]; else it is as fast as can be
+    #[arg(long, value_name = "FACTOR|max", value_parser = speed)]
+    pub(crate) speed: Option<Speed>,
+    /// Leave out what is of before this time, UTC, as in 2026-05-01T10:00:00Z: states, or slices sent
     #[arg(long, value_name = "TIME", value_parser = utc)]
     pub(crate) from: Option<i64>,
-    /// Write no state of after this time
+    /// Leave out what is of after this time
     #[arg(long, value_name = "TIME", value_parser = utc)]
     pub(crate) to: Option<i64>,
 }

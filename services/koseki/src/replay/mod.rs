@@ -1,6 +1,7 @@
 //! `koseki replay`: a recording of all topics, fused again as it was, bit for bit (FM-10), or otherwise.
 
 mod again;
+mod live;
 mod verification;
 
 use std::collections::BTreeMap;
@@ -17,6 +18,7 @@ use frames::time::NS_PER_DAY;
 use messages::layout::Sample as _;
 use messages::{BatchHeader, Restored, SensorTrack, SystemTrack, WorkStep};
 use recording::{Facts, Item};
+use runtime::Speed;
 
 use crate::args::{Replay, Usage};
 use crate::files::{OutputFile, check_outputs};
@@ -37,11 +39,19 @@ pub(crate) fn run(replay: &Replay) -> anyhow::Result<()> {
     let files = files(&replay.recording)?;
     check_outputs(files.iter().chain(&replay.config), &[("--out", replay.out.as_ref())])?;
     let recorded = configuration(&facts(&files[0])?, &files[0])?;
+    check_sources(replay, &recorded)?;
+    if replay.live {
+        return live::run(replay, &recorded, &files);
+    }
+    if matches!(replay.speed, Some(Speed::Factor(_))) {
+        let why = "without --live there is nobody to be in time for; leave it out";
+        return Err(Usage(format!("--speed: {why}")).into());
+    }
     let used = match &replay.config {
         Some(path) => Config::read(path, &[])?,
         None => recorded.clone(),
     };
-    let plan = plan(replay, &recorded, &used)?;
+    let plan = plan(replay, &recorded, &used);
     let topics = recorded.sources.iter().map(|source| {
         let topic = messages::sensor_tracks(&source.name);
         (topic.name.as_str().to_owned(), Topic::Reports(source.number))
@@ -303,8 +313,7 @@ pub(crate) fn configuration(facts: &Facts, path: &Path) -> anyhow::Result<Config
     Ok(Config::parse(path, text, &overrides)?)
 }
 
-/// How the recording is fused again: the sources of `recorded` by the settings of `used`.
-fn plan(replay: &Replay, recorded: &Config, used: &Config) -> std::result::Result<Plan, Usage> {
+fn check_sources(replay: &Replay, recorded: &Config) -> std::result::Result<(), Usage> {
     for name in &replay.sources {
         if !recorded.sources.iter().any(|source| source.name == *name) {
             let known: Vec<&str> = recorded.sources.iter().map(|source| source.name.as_str()).collect();
@@ -314,12 +323,17 @@ fn plan(replay: &Replay, recorded: &Config, used: &Config) -> std::result::Resul
             )));
         }
     }
+    Ok(())
+}
+
+/// How the recording is fused again: the sources of `recorded` by the settings of `used`.
+fn plan(replay: &Replay, recorded: &Config, used: &Config) -> Plan {
     let number = |source: &Source| {
         let is_wanted = replay.sources.is_empty() || replay.sources.contains(&source.name);
         let used = used.sources.iter().find(|other| other.name == source.name);
         used.filter(|_| is_wanted).map(|used| used.number)
     };
-    Ok(Plan {
+    Plan {
         settings: used.fusion.settings.clone(),
         order: recorded.order,
         origin: used.origin,
@@ -327,5 +341,5 @@ fn plan(replay: &Replay, recorded: &Config, used: &Config) -> std::result::Resul
         conditions: recorded.fusion.settings.conditions().map(str::to_owned).collect(),
         tolerates: !replay.verify,
         restores: replay.config.is_none() && replay.sources.is_empty(),
-    })
+    }
 }
