@@ -1,0 +1,267 @@
+"""System tracks of a Koseki deployment as numpy record arrays, and reports of one's own into it.
+
+    import koseki
+
+    for tracks in koseki.subscribe("demo"):
+        print(tracks["track_number"], tracks["position_m"])
+
+Positions are metres east, north and up in the system frame, velocities metres per second, times nanoseconds since 1970
+(UTC), stamps nanoseconds of the machine's monotonic clock. `koseki.describe(dtype)` tells every field.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import AsyncIterator, Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import _koseki
+from . import offline
+from .offline import compare, decode, fuse, locate, score, simulate, track
+from ._errors import BorrowLimit, Ended, KosekiError, NoPlaceLeft, NoSuchTopic, NotRunning, SchemaMismatch
+
+if TYPE_CHECKING:
+    import pandas
+
+__all__ = [
+    "BorrowLimit", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning", "Publisher",
+    "SchemaMismatch", "Subscription", "Tracks", "compare", "decode", "describe", "fuse", "locate", "offline", "publish",
+    "score", "simulate", "subscribe", "track",
+]
+
+_NUMBERS = {"f64": "<f8", "f32": "<f4"} | {f"{s}{8 * n}": f"<{s}{n}" for s in "ui" for n in (1, 2, 4, 8)}
+_DOCS: dict[str, dict[str, str]] = {}
+
+
+def _dtypes() -> dict[str, np.dtype]:
+    """Memory maps of all samples, those that others contain first."""
+    dtypes: dict[str, np.dtype] = {}
+    for name, (fields, size) in _koseki.layouts():
+        kinds = []
+        for _, kind, _, octets, _ in fields:
+            element = re.match(r"\[?\s*(\w+)", kind).group(1)
+            base = np.dtype(_NUMBERS[element]) if element in _NUMBERS else dtypes[element]
+            kinds.append(np.dtype((base, (octets // base.itemsize,))) if kind.startswith("[") else base)
+        dtypes[name] = np.dtype({
+            "names": [field[0] for field in fields],
+            "formats": kinds,
+            "offsets": [field[2] for field in fields],
+            "itemsize": size,
+        })
+        _DOCS[name] = {field[0]: field[4] for field in fields}
+    return dtypes
+
+
+#: Types of the samples by name, such as `DTYPES["SystemTrack"]`.
+DTYPES: dict[str, np.dtype] = _dtypes()
+
+
+def describe(sample: str) -> dict[str, str]:
+    """Unit and meaning of each field of a sample, such as "SystemTrack"."""
+    return dict(_DOCS[sample])
+
+
+class Tracks(np.ndarray):
+    """A slice of samples: a record array that knows what is missing before it.
+
+    `lost` is the number of samples between the slice before and this one that never came; `starts_epoch` says that
+    fusion has started anew, so that track numbers begin again, or that this is the first slice.
+    """
+
+    lost: int = 0
+    starts_epoch: bool = False
+    epoch: int = 0
+
+
+class Counts(NamedTuple):
+    """Counts of a subscription since it was opened, in samples; `epoch` is the start-up number of fusion."""
+
+    taken: int
+    lost: int
+    of_older_epochs: int
+    epoch: int
+
+
+class Subscription:
+    """Reader of one topic: see `subscribe`. Iterating over it ends when the deployment ends."""
+
+    def __init__(self, instance: str, topic: str = "system/tracks", *, borrow: bool = False) -> None:
+        self._inner = _koseki.Subscription(instance, topic)
+        self._dtype = DTYPES[self._inner.sample()]
+        self._borrow = borrow
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Type of the samples."""
+        return self._dtype
+
+    @property
+    def counts(self) -> Counts:
+        """What was taken and what was lost."""
+        return Counts(*self._inner.counts())
+
+    def receive(self, timeout: float | None = None) -> Tracks | None:
+        """The next slice; None if none comes within `timeout` seconds. 0 does not wait; None waits as long as it takes.
+
+        Raises Ended, SchemaMismatch, and BorrowLimit where two borrowed slices are held already.
+        """
+        piece = self._inner.receive(timeout)
+        if piece is None:
+            return None
+        array = np.frombuffer(piece, dtype=self._dtype)
+        if not self._borrow:
+            array = array.copy()
+        tracks = array.view(Tracks)
+        tracks.lost, tracks.starts_epoch, tracks.epoch = piece.lost, piece.starts_epoch, piece.epoch
+        return tracks
+
+    def __iter__(self) -> Iterator[Tracks]:
+        try:
+            while (tracks := self.receive()) is not None:
+                if len(tracks):
+                    yield tracks
+                del tracks
+        except Ended:
+            return
+
+    async def __aiter__(self) -> AsyncIterator[Tracks]:
+        while True:
+            try:
+                # Woken by the descriptor; a wake-up can be lost, so look now and then all the same.
+                tracks = self.receive(0)
+                if tracks is None:
+                    await self._readable(0.1)
+                elif len(tracks):
+                    yield tracks
+                del tracks
+            except Ended:
+                return
+
+    async def _readable(self, timeout: float) -> None:
+        loop, ready = asyncio.get_running_loop(), asyncio.Event()
+        loop.add_reader(self.fileno(), ready.set)
+        try:
+            await asyncio.wait_for(ready.wait(), timeout)
+        except TimeoutError:
+            pass
+        finally:
+            loop.remove_reader(self.fileno())
+
+    def to_dataframe(self, seconds: float) -> "pandas.DataFrame":
+        """What comes within so many seconds, as a pandas data frame: a row a sample, a column a number.
+
+        Arrays become columns such as `position_m_0`; samples within samples such as `stages.fused_ns`.
+        """
+        import time
+
+        import pandas
+
+        pieces, end = [np.zeros(0, self._dtype)], time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            if (tracks := self.receive(left)) is not None:
+                pieces.append(np.asarray(tracks).copy())
+        return pandas.DataFrame(dict(_columns(np.concatenate(pieces))))
+
+    def fileno(self) -> int:
+        """A descriptor that is readable when there is something to receive, for select and the like.
+
+        Then receive with time-out 0 until None comes; do so every tenth of a second all the same.
+        """
+        return self._inner.fileno()
+
+    def close(self) -> None:
+        """Leaves the deployment. Its memory can only be cleared when all have left."""
+        self._inner.close()
+
+    def __enter__(self) -> "Subscription":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _columns(array: np.ndarray, prefix: str = "") -> Iterator[tuple[str, np.ndarray]]:
+    for name in array.dtype.names:
+        column, path = array[name], prefix + name
+        if column.dtype.names and column.ndim == 1:
+            yield from _columns(column, path + ".")
+        elif column.dtype.names:
+            for index in range(column.shape[1]):
+                yield from _columns(column[:, index], f"{path}_{index}.")
+        elif column.ndim == 1:
+            yield path, column
+        elif column.dtype == np.uint8:
+            yield path, np.array([row.tobytes().rstrip(b"\0 ").decode("utf-8", "replace") for row in column], dtype=object)
+        else:
+            for index in range(column.shape[1]):
+                yield f"{path}_{index}", column[:, index]
+
+
+def subscribe(instance: str, topic: str = "system/tracks", *, borrow: bool = False) -> Subscription:
+    """Reads a topic of the deployment called `instance` (of `koseki up --instance`, or its configuration's name).
+
+    Iterating yields record arrays, of system tracks if nothing else is said; other topics are `system/alarms`,
+    `sensor/NAME/tracks`, `sensor/NAME/detections`, `wide-area/NAME/reports`, `platform/NAME/state`, `health`. They are
+    copies; with `borrow` they lie in shared memory, can only be read, and no more than two may be held at a time.
+    """
+    return Subscription(instance, topic, borrow=borrow)
+
+
+class Publisher:
+    """Writer of one topic: see `publish`."""
+
+    def __init__(self, instance: str, topic: str) -> None:
+        self._inner = _koseki.Publisher(instance, topic)
+        self._dtype = DTYPES[self._inner.sample()]
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Type of the samples."""
+        return self._dtype
+
+    @property
+    def sent(self) -> int:
+        """Number of samples published."""
+        return self._inner.sent()
+
+    def new(self, count: int) -> np.ndarray:
+        """So many samples whose fields are all zero, which says "unknown"."""
+        return np.zeros(count, self._dtype)
+
+    def send(self, samples: np.ndarray | dict[str, Any]) -> None:
+        """Publishes samples: an array of `dtype`, or a dict of columns, of which those that are not given are zero.
+
+        Sequence numbers and stamps are filled in.
+        """
+        if isinstance(samples, dict):
+            count = max((np.shape(column)[0] for column in samples.values()), default=0)
+            array = self.new(count)
+            for name, column in samples.items():
+                array[name] = column
+            samples = array
+        if samples.dtype != self._dtype:
+            raise ValueError(f"samples are {samples.dtype.names}, not of the topic's type: make them with new()")
+        self._inner.publish(np.ascontiguousarray(samples).tobytes())
+
+    def close(self) -> None:
+        """Leaves the deployment."""
+        self._inner.close()
+
+    def __enter__(self) -> "Publisher":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def publish(instance: str, source: str | None = None, *, topic: str | None = None) -> Publisher:
+    """Feeds the source called `source`, which the configuration calls external, with sensor tracks.
+
+    With `topic` another one: `wide-area/NAME/reports` or `platform/NAME/state`.
+    """
+    if (source is None) == (topic is None):
+        raise ValueError("name either a source or a topic")
+    return Publisher(instance, topic or f"sensor/{source}/tracks")

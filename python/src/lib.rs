@@ -1,0 +1,230 @@
+//! `koseki-client` for Python: what `koseki/__init__.py` stands on, which says what everything is.
+//!
+//! A slice is handed out as a buffer: numpy reads it where it lies, and it is given back when the last array over it is
+//! gone. Waiting lets other Python threads run.
+
+use std::ffi::{CStr, c_int, c_void};
+use std::os::fd::AsRawFd as _;
+use std::ptr;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use koseki_client::by_name::{self, AnyPublisher, AnySlice, AnySubscription};
+use koseki_client::messages::layout::{ALL, Layout};
+use koseki_client::{Error, ErrorKind, Root};
+use pyo3::exceptions::{PyBufferError, PyValueError};
+use pyo3::ffi;
+use pyo3::prelude::*;
+
+/// Longest wait before Python may look whether somebody has pressed Ctrl-C.
+const SIGNALS: Duration = Duration::from_millis(200);
+
+/// Hands an error over: Python's side makes an exception of its kind.
+fn failed(error: Error) -> PyErr {
+    let kind = match error.kind() {
+        ErrorKind::NotRunning => "NotRunning",
+        ErrorKind::Ended => "Ended",
+        ErrorKind::Schema => "SchemaMismatch",
+        ErrorKind::NoSuchTopic => "NoSuchTopic",
+        ErrorKind::Full => "NoPlaceLeft",
+        ErrorKind::Borrowed => "BorrowLimit",
+        ErrorKind::Argument => return PyValueError::new_err(error.to_string()),
+        ErrorKind::System => "KosekiError",
+    };
+    let text = error.to_string();
+    Python::attach(|py| {
+        let class = py.import("koseki._errors").and_then(|module| module.getattr(kind));
+        class
+            .and_then(|class| class.call1((text,)))
+            .map_or_else(|error| error, PyErr::from_value)
+    })
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+type Field = (&'static str, &'static str, usize, usize, &'static str);
+
+/// Fields of the sample called `name`: name, Rust type, offset, size and documentation of each, and octets of all.
+fn fields(layout: &Layout) -> (Vec<Field>, usize) {
+    let of = |field: &koseki_client::messages::layout::Field| {
+        (field.name, field.kind, field.offset, field.size, field.doc.trim())
+    };
+    (layout.fields.iter().map(of).collect(), layout.size)
+}
+
+/// Memory maps of all samples: name, fields, octets.
+#[pyfunction]
+fn layouts() -> Vec<(&'static str, (Vec<Field>, usize))> {
+    ALL.iter().map(|layout| (layout.name, fields(layout))).collect()
+}
+
+/// Reader of a topic.
+#[pyclass(frozen)]
+struct Subscription(Mutex<Option<Box<dyn AnySubscription>>>);
+
+fn closed() -> PyErr {
+    PyValueError::new_err("it is closed")
+}
+
+#[pymethods]
+impl Subscription {
+    #[new]
+    fn open(py: Python<'_>, instance: &str, topic: &str) -> PyResult<Self> {
+        let open = || by_name::subscribe(&Root::new(instance)?, topic);
+        let opened = py.detach(open).map_err(failed)?;
+        Ok(Self(Mutex::new(Some(opened))))
+    }
+
+    /// The next slice; `None` if none comes within `timeout_s` seconds, where `None` is as long as it takes.
+    fn receive(&self, py: Python<'_>, timeout_s: Option<f64>) -> PyResult<Option<Slice>> {
+        let timeout = timeout_s.map(|seconds| Duration::try_from_secs_f64(seconds.max(0.0)).unwrap_or(Duration::MAX));
+        let mut left = timeout.unwrap_or(Duration::MAX);
+        loop {
+            let time = left.min(SIGNALS);
+            let next = py.detach(|| {
+                let mut subscription = lock(&self.0);
+                subscription.as_mut().map(|subscription| subscription.next(time))
+            });
+            match next.ok_or_else(closed)?.map_err(failed)? {
+                Some(slice) => return Ok(Some(Slice(slice))),
+                None => py.check_signals()?,
+            }
+            left = left.saturating_sub(time);
+            if left.is_zero() {
+                return Ok(None);
+            }
+        }
+    }
+
+    fn fileno(&self) -> PyResult<c_int> {
+        let subscription = lock(&self.0);
+        let fd = subscription
+            .as_ref()
+            .map(|subscription| subscription.as_fd().as_raw_fd());
+        fd.ok_or_else(closed)
+    }
+
+    /// Samples taken, lost and of older epochs, and the epoch.
+    fn counts(&self) -> PyResult<(u64, u64, u64, u64)> {
+        let subscription = lock(&self.0);
+        let counts = subscription.as_ref().map(|subscription| subscription.counts());
+        let counts = counts.ok_or_else(closed)?;
+        Ok((counts.taken, counts.lost, counts.of_older_epochs, counts.epoch))
+    }
+
+    /// Name of the samples.
+    fn sample(&self) -> PyResult<&'static str> {
+        let subscription = lock(&self.0);
+        let name = subscription.as_ref().map(|subscription| subscription.layout().name);
+        name.ok_or_else(closed)
+    }
+
+    fn close(&self, py: Python<'_>) {
+        py.detach(|| drop(lock(&self.0).take()));
+    }
+}
+
+/// A slice in shared memory, as a buffer of octets.
+#[pyclass(frozen)]
+struct Slice(Box<dyn AnySlice>);
+
+// SAFETY: after it was made, a slice is only read.
+unsafe impl Sync for Slice {}
+
+#[pymethods]
+impl Slice {
+    #[getter]
+    fn lost(&self) -> u64 {
+        self.0.lost()
+    }
+
+    #[getter]
+    fn starts_epoch(&self) -> bool {
+        self.0.starts_epoch()
+    }
+
+    #[getter]
+    fn sent_ns(&self) -> i64 {
+        self.0.header().sent_ns
+    }
+
+    #[getter]
+    fn epoch(&self) -> u64 {
+        self.0.header().epoch
+    }
+
+    /// # Safety
+    /// As Python calls it.
+    unsafe fn __getbuffer__(slf: PyRef<'_, Self>, view: *mut ffi::Py_buffer, flags: c_int) -> PyResult<()> {
+        const OCTETS: &CStr = c"B";
+        if view.is_null() || flags & ffi::PyBUF_WRITABLE != 0 {
+            return Err(PyBufferError::new_err("a slice in shared memory can only be read"));
+        }
+        let octets = slf.0.octets();
+        let (start, length) = (octets.as_ptr(), octets.len().cast_signed());
+        // SAFETY: Python hands over a view to be filled. The octets stay where they are as long as the slice lives, of
+        // which the view holds a reference; nothing writes to them through it, since it is marked as read-only.
+        let outcome = unsafe {
+            let format = OCTETS.as_ptr();
+            let outcome =
+                ffi::PyBuffer_FillInfo(view, slf.as_ptr(), start.cast_mut().cast::<c_void>(), length, 1, flags);
+            if outcome == 0 && flags & ffi::PyBUF_FORMAT != 0 {
+                (*view).format = format.cast_mut();
+            }
+            (*view).internal = ptr::null_mut();
+            outcome
+        };
+        match outcome {
+            0 => Ok(()),
+            _ => Err(PyErr::fetch(slf.py())),
+        }
+    }
+}
+
+/// Writer of a topic.
+#[pyclass(frozen)]
+struct Publisher(Mutex<Option<Box<dyn AnyPublisher>>>);
+
+#[pymethods]
+impl Publisher {
+    #[new]
+    fn open(py: Python<'_>, instance: &str, topic: &str) -> PyResult<Self> {
+        let open = || by_name::publisher(&Root::new(instance)?, topic);
+        let opened = py.detach(open).map_err(failed)?;
+        Ok(Self(Mutex::new(Some(opened))))
+    }
+
+    fn publish(&self, py: Python<'_>, octets: &[u8]) -> PyResult<()> {
+        let published = py.detach(|| lock(&self.0).as_mut().map(|publisher| publisher.publish(octets)));
+        published.ok_or_else(closed)?.map_err(failed)
+    }
+
+    fn sent(&self) -> PyResult<u64> {
+        lock(&self.0)
+            .as_ref()
+            .map(|publisher| publisher.sent())
+            .ok_or_else(closed)
+    }
+
+    /// Name of the samples.
+    fn sample(&self) -> PyResult<&'static str> {
+        lock(&self.0)
+            .as_ref()
+            .map(|publisher| publisher.layout().name)
+            .ok_or_else(closed)
+    }
+
+    fn close(&self, py: Python<'_>) {
+        py.detach(|| drop(lock(&self.0).take()));
+    }
+}
+
+#[pymodule]
+fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Subscription>()?;
+    module.add_class::<Slice>()?;
+    module.add_class::<Publisher>()?;
+    module.add_function(wrap_pyfunction!(layouts, module)?)
+}

@@ -1,0 +1,161 @@
+"""The package beside a live demonstration, and its offline functions against the command line."""
+
+import asyncio
+import gc
+import os
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+
+import koseki
+from koseki.offline import _executable, _read
+
+TOP = Path(__file__).parents[2]
+PATIENCE = 60.0
+
+
+class Deployment:
+    """A deployment of the command line in a folder of its own."""
+
+    def __init__(self, *arguments: object) -> None:
+        command = [_executable(), *map(str, arguments)]
+        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        assert any(" runs" in line for line in self.process.stderr)
+
+    def stop(self) -> None:
+        self.process.terminate()
+        self.process.communicate()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def root():
+    # Names of sockets must fit below it.
+    with tempfile.TemporaryDirectory(prefix="k", dir="/tmp") as folder:
+        os.environ["KOSEKI_ROOT"] = folder
+        yield
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory):
+    deployment = Deployment("demo", "--out", tmp_path_factory.mktemp("out"))
+    yield "demo"
+    deployment.stop()
+
+
+def test_slices_are_record_arrays_without_loss(demo):
+    states = []
+    for tracks in koseki.subscribe(demo):
+        states.extend(tracks["sequence"].tolist())
+        assert tracks["position_m"].shape == (len(tracks), 3) and tracks.lost == 0
+        assert tracks.flags.writeable
+        if len(states) > 200:
+            break
+    assert states == list(range(states[0], states[0] + len(states)))
+
+
+def test_borrowed_slices_are_limited_and_given_back(demo):
+    tracks = koseki.subscribe(demo, borrow=True)
+    kept = [tracks.receive(PATIENCE), tracks.receive(PATIENCE)]
+    assert not kept[0].flags.writeable
+    view = kept.pop(0)["track_number"]
+    gc.collect()
+    with pytest.raises(koseki.BorrowLimit):
+        while tracks.receive(PATIENCE) is not None:
+            pass
+    del view
+    gc.collect()
+    assert tracks.receive(PATIENCE) is not None
+
+
+def test_loops_of_events_are_woken(demo):
+    async def some():
+        lengths = []
+        async for tracks in koseki.subscribe(demo):
+            lengths.append(len(tracks))
+            if len(lengths) == 10:
+                return lengths
+
+    assert min(asyncio.run(some())) > 0
+
+
+def test_a_data_frame_has_a_column_a_number(demo):
+    frame = koseki.subscribe(demo).to_dataframe(2.0)
+    assert len(frame) > 0 and frame["position_m_0"].dtype == np.float64
+    assert {"stages.fused_ns", "identity.callsign", "contributions_0.weight"} <= set(frame.columns)
+
+
+def test_failures_are_told_apart(demo):
+    for error, arguments in [
+        (koseki.NotRunning, ["nobody"]),
+        (koseki.NoSuchTopic, [demo, "sensor/nobody/tracks"]),
+        (ValueError, [demo, "nonsense"]),
+        (ValueError, ["a/b"]),
+    ]:
+        with pytest.raises(error):
+            koseki.subscribe(*arguments)
+    with pytest.raises(ValueError):
+        koseki.publish(demo)
+    closed = koseki.subscribe(demo)
+    closed.close()
+    with pytest.raises(ValueError):
+        closed.receive(0)
+
+
+def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
+    deployment = Deployment("up", TOP / "examples/feed.toml", "--instance", "feed", "--out", tmp_path)
+    publisher, tracks = koseki.publish("feed", "own"), koseki.subscribe("feed")
+    report = publisher.new(1)
+    report["track_number"], report["state"], report["valid"] = 1, 1, 0x1 | 0x2 | 0x4 | 0x8
+    report["position_m"] = [1000.0, 2000.0, 3000.0]
+    # The diagonal, in the upper triangle row by row.
+    report["covariance"]["upper"][0, [0, 6, 11, 15, 18, 20]] = [900.0] * 3 + [9.0] * 3
+    fused, end = None, time.monotonic() + PATIENCE
+    while fused is None and time.monotonic() < end:
+        report["time_of_measurement_ns"] = time.time_ns()
+        publisher.send(report)
+        fused = tracks.receive(0.5)
+    assert np.hypot(*(fused["position_m"][0, :2] - [1000.0, 2000.0])) < 100.0
+    with pytest.raises(ValueError):
+        publisher.send(np.zeros(1))
+    deployment.process.terminate()
+    with pytest.raises(koseki.Ended):
+        while True:
+            tracks.receive(PATIENCE)
+    tracks.close()
+    publisher.close()
+    deployment.stop()
+
+
+def test_fusing_tables_equals_the_command_line(tmp_path):
+    world = koseki.simulate(seconds=20)
+    folder, out = tmp_path / "case", tmp_path / "fused.csv"
+    koseki.offline._run(["simulate", "--scenario", "demo", "--for", "20", "--out", folder])
+    files = sorted(folder.glob("sensor_tracks_*.csv"))
+    koseki.offline._run(["fuse", "--tracks", *files, "--out", out])
+    expected = _read(out)
+    assert len(expected["time_s"]) > 100
+    for tables in (files, [pandas.DataFrame(world[file.stem]) for file in files], [world[file.stem] for file in files]):
+        fused = koseki.fuse(tables)
+        assert list(fused) == list(expected)
+        for name, column in expected.items():
+            np.testing.assert_array_equal(fused[name], column, err_msg=name)
+    assert koseki.score(world["truth"], fused)
+    assert koseki.compare(files, truth=world["truth"])
+
+
+def test_what_a_command_refuses_is_a_value_error():
+    with pytest.raises(ValueError, match="column"):
+        koseki.fuse({"time_s": [0.0]})
+    with pytest.raises(ValueError, match="nonsense"):
+        koseki.fuse({"time_s": [0.0]}, rule="nonsense")
+
+
+def test_records_of_a_recording_are_dicts():
+    recording = next((TOP / "examples/data").glob("*.ast"))
+    records = list(koseki.decode(recording))
+    assert records and all("_c" in record for record in records)
