@@ -497,7 +497,8 @@ impl Engine {
         relative.covariance_m2[0] += referred.variance_m2;
         relative.covariance_m2[3] += referred.variance_m2;
         let filter = &mut self.tracks.systems.get_mut(system).filter;
-        let innovation = filter.take(&relative, time_ns, &self.sources.motion, referred.is_usable);
+        let turns = self.sources.turns_of(filter);
+        let innovation = filter.take(&relative, time_ns, turns, referred.is_usable);
         // What is not finite shows in the gain.
         let Some(mut innovation) = innovation.filter(|innovation| innovation.gain.is_finite()) else {
             if !filter.is_sound() {
@@ -512,6 +513,10 @@ impl Engine {
         }
         for (residual, point) in innovation.residual_m.iter_mut().zip(referred.point_m) {
             *residual += point;
+        }
+        if self.tracks.systems.get(system).life == TrackState::Confirmed {
+            let velocity_mps = [velocity[0], velocity[1], 0.0];
+            self.sources.manoeuvres.learn(velocity_mps, innovation.fit);
         }
         // Every source's share of the estimate decays as this one contributes.
         self.tracks
@@ -591,7 +596,8 @@ impl Engine {
             });
         if due {
             self.points.look(&self.sources, self.publisher.rule().keeps_points);
-            self.publisher.set_point_spread(self.points.spread_m2());
+            let common_m2 = self.sources.registration.common_offset_m2();
+            self.publisher.set_common_error(self.points.spread_m2() + common_m2);
             self.sources.look_at_motion();
             let now_ns = self.schedule.now_ns();
             if self.tracks.lifetimes.follow(&mut self.settings, now_ns) {

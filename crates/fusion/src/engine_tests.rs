@@ -5,6 +5,7 @@ mod hostile_sources;
 mod passing_time;
 mod resumption;
 mod slow_sources;
+mod turning_targets;
 
 use messages::{
     Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, alert_bits,

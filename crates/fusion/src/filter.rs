@@ -8,7 +8,7 @@
 //! A target flies straight most of the time, and turns now and then. A filter that is ready for turns throws away most
 //! of what it could know on the straight; several sensors together would even make that worse, since more measurements
 //! per second make its memory shorter. So two filters run side by side, one that assumes steady motion and one with the
-//! process noise that the sources' own trackers assume. Which one holds is estimated from how well each foretells the
+//! process noise of turns (module `manoeuvres`). Which one holds is estimated from how well each foretells the
 //! measurements (interacting multiple models).
 //!
 //! A single innovation far outside what the covariances explain (a blunder) is weighed down, not refused: refusing
@@ -29,14 +29,17 @@ use crate::state::State;
 const BLUNDER: f64 = 30.0;
 /// Number of motion models.
 const MODES: usize = 2;
-/// Process noise of steady motion, relative to what the sources assume.
-const STEADY: f64 = 0.02;
-/// Mean duration of steady motion and of manoeuvres, seconds.
-const DURATION_S: [f64; MODES] = [40.0, 10.0];
+/// Process noise of steady motion, relative to that of turns.
+const STEADY: f64 = 4e-4;
+/// Mean duration of steady motion and of turns, seconds.
+const DURATION_S: [f64; MODES] = [200.0, 20.0];
 /// Probabilities of the models at the start.
 const PRIOR: [f64; MODES] = [0.8, 0.2];
 /// Smallest probability of a model: it must be able to come back.
-const PROBABILITY_MIN: f64 = 1e-3;
+const PROBABILITY_MIN: f64 = 1e-4;
+/// Probabilities of a turn below which a target surely flies straight, and above which it surely turns.
+const SURELY_STRAIGHT: f64 = 0.1;
+const SURELY_TURNING: f64 = 0.5;
 
 /// State of one target's filter at one time.
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +68,15 @@ kept!(KeptFilter {
     probability: [f64; MODES]
 });
 
+/// How well the model that surely held foretold a measurement: normalised innovation squared in the plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Fit {
+    Straight(f64),
+    Turning(f64),
+    /// Neither did.
+    Undecided,
+}
+
 /// How a measurement differed from what the filter expected.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Innovation {
@@ -74,6 +86,7 @@ pub(crate) struct Innovation {
     pub(crate) covariance_m2: [f64; 3],
     /// Weight of the measurement in the new horizontal position, in [0, 1]; 0 if it was not used.
     pub(crate) gain: f64,
+    pub(crate) fit: Fit,
 }
 
 impl Filter {
@@ -126,22 +139,22 @@ impl Filter {
 
     /// [`Self::at`], as rules and messages know states.
     #[inline]
-    pub(crate) fn state_at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> State {
+    pub(crate) fn state_at(&self, time_ns: i64, turns: &NearlyConstantVelocity) -> State {
         if time_ns == self.time_ns {
             return self.state();
         }
-        State::of_estimate(time_ns, &self.at(time_ns, noise), self.has_height)
+        State::of_estimate(time_ns, &self.at(time_ns, turns), self.has_height)
     }
 
-    /// The estimate at `time_ns`, later or earlier; `noise` is that of manoeuvres.
-    pub(crate) fn at(&self, time_ns: i64, noise: &NearlyConstantVelocity) -> Gaussian {
+    /// The estimate at `time_ns`, later or earlier.
+    pub(crate) fn at(&self, time_ns: i64, turns: &NearlyConstantVelocity) -> Gaussian {
         let ns = time_ns - self.time_ns;
         if ns == 0 {
             return self.estimate;
         }
         let factor = self.probability[0] * STEADY + self.probability[1];
         let seconds = ns as f64 / NS_PER_S;
-        self.estimate.moved(seconds, noise_over(noise, factor, seconds))
+        self.estimate.moved(seconds, noise_over(turns, factor, seconds))
     }
 
     /// The position of [`Self::at`], metres.
@@ -160,14 +173,14 @@ impl Filter {
     }
 
     /// Brings the models forward to `time_ns`, never back; whether they have moved. The estimate stays behind.
-    fn advance_models(&mut self, time_ns: i64, noise: &NearlyConstantVelocity) -> bool {
+    fn advance_models(&mut self, time_ns: i64, turns: &NearlyConstantVelocity) -> bool {
         if time_ns <= self.time_ns {
             return false;
         }
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
         self.mix(seconds);
-        self.modes[0].advance(seconds, noise_over(noise, STEADY, seconds));
-        self.modes[1].advance(seconds, noise_over(noise, 1.0, seconds));
+        self.modes[0].advance(seconds, noise_over(turns, STEADY, seconds));
+        self.modes[1].advance(seconds, noise_over(turns, 1.0, seconds));
         self.time_ns = time_ns;
         true
     }
@@ -197,10 +210,10 @@ impl Filter {
         &mut self,
         measurement: &Measurement,
         time_ns: i64,
-        noise: &NearlyConstantVelocity,
+        turns: &NearlyConstantVelocity,
         use_it: bool,
     ) -> Option<Innovation> {
-        let mut behind = self.advance_models(time_ns, noise);
+        let mut behind = self.advance_models(time_ns, turns);
         if behind {
             // All that a measurement is compared with; the rest follows when it has been used.
             self.combine::<AXES>();
@@ -240,6 +253,7 @@ impl Filter {
             residual_m: [z[0] - self.estimate.mean[0], z[1] - self.estimate.mean[1]],
             covariance_m2: [expected[0] + r[0], expected[1] + r[1], expected[3] + r[3]],
             gain: 0.0,
+            fit: Fit::Undecided,
         };
         if !use_it {
             return Some(innovation);
@@ -247,6 +261,7 @@ impl Filter {
         if squared > BLUNDER {
             r.iter_mut().for_each(|value| *value *= squared / BLUNDER);
         }
+        innovation.fit = self.fit(z, &r);
         let mut likelihood = [0.0; MODES];
         for (mode, likelihood) in self.modes.iter_mut().zip(&mut likelihood) {
             let own = mode.update_position::<D>(z, &r)?;
@@ -261,6 +276,21 @@ impl Filter {
         let after = self.estimate.position_covariance();
         innovation.gain = (1.0 - (after[0] + after[3]) / (expected[0] + expected[3])).clamp(0.0, 1.0);
         Some(innovation)
+    }
+
+    /// How well the model that surely holds foretells a measurement.
+    fn fit(&self, z: [f64; AXES], r: &Symmetric3) -> Fit {
+        let of = |mode: &Gaussian| {
+            let p = mode.position_covariance();
+            let residual = [z[0] - mode.mean[0], z[1] - mode.mean[1]];
+            association::distance::squared2(residual, [p[0] + r[0], p[1] + r[1], p[3] + r[3]])
+        };
+        let [steady, turning] = &self.modes;
+        match self.probability[1] {
+            turn if turn > SURELY_TURNING => Fit::Turning(of(turning)),
+            turn if turn < SURELY_STRAIGHT => Fit::Straight(of(steady)),
+            _ => Fit::Undecided,
+        }
     }
 
     /// The first source that observes height has come.

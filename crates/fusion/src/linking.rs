@@ -176,7 +176,7 @@ impl Linking<'_> {
     fn part_has_split(&mut self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let filter = &self.tracks.systems.get(entry.system).filter;
-        let estimate = filter.at(entry.latest.time_of_measurement_ns, &self.sources.motion);
+        let estimate = filter.at(entry.latest.time_of_measurement_ns, self.sources.turns_of(filter));
         let apart = |axis: usize| entry.latest.position_m[axis] - estimate.mean[axis];
         let outside = apart(0).hypot(apart(1)) > 2.0 * self.settings.association.target_extent_m;
         self.misfits(sensor, outside)

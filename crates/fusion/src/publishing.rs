@@ -20,8 +20,8 @@ pub(crate) struct Publisher {
     rule: &'static RuleEntry,
     pub(crate) accuracies: Accuracies,
     weighed: Box<Weighed>,
-    /// Variance per axis that is added to states from the filter, m²: see [`Self::set_point_spread`].
-    point_spread_m2: f64,
+    /// Variance per axis that is added to states from the filter, m²: see [`Self::set_common_error`].
+    common_error_m2: f64,
 }
 
 impl Publisher {
@@ -31,7 +31,7 @@ impl Publisher {
             rule,
             accuracies: Accuracies::new(sources),
             weighed: Box::default(),
-            point_spread_m2: 0.0,
+            common_error_m2: 0.0,
         }
     }
 
@@ -40,10 +40,10 @@ impl Publisher {
         self.rule
     }
 
-    /// States from the filter are from now on those of one of several points per target, which lie about its middle
-    /// with this variance per axis, m².
-    pub(crate) fn set_point_spread(&mut self, spread_m2: f64) {
-        self.point_spread_m2 = spread_m2;
+    /// States from the filter have from now on an error of this variance per axis that no innovation shows, m²: of what
+    /// the sources' offsets have in common, and of which point of a target they follow.
+    pub(crate) fn set_common_error(&mut self, variance_m2: f64) {
+        self.common_error_m2 = variance_m2;
     }
 
     /// Weighs the system track that a report of a primary source has updated, unless states come at uniform times.
@@ -168,9 +168,9 @@ impl Publisher {
     /// Makes the estimate of the target's filter its state.
     fn take_over_filter(&self, tracks: &mut Tracks, sources: &Sources, system: SystemSlot, reference_ns: i64) {
         let entry = tracks.systems.get_mut(system);
-        entry.state = entry.filter.state_at(reference_ns, &sources.motion);
+        entry.state = entry.filter.state_at(reference_ns, sources.turns_of(&entry.filter));
         for axis in 0..2 {
-            entry.state.covariance.upper[Covariance::index(axis, axis)] += self.point_spread_m2;
+            entry.state.covariance.upper[Covariance::index(axis, axis)] += self.common_error_m2;
         }
     }
 

@@ -29,7 +29,8 @@ pub(crate) struct ReferencePoints {
     sees_points: bool,
     /// Whether they do and the rule keeps one per target.
     keeps_points: bool,
-    /// How far such points lie from the target's middle, as a variance per axis, m²; 0 where none is kept.
+    /// How far the point that a filter follows, one or the mean of all, lies from the target's middle, as a variance
+    /// per axis, m².
     spread_m2: f64,
     /// Number of changes of `keeps_points`: what was estimated before the last one is void.
     epoch: u32,
@@ -59,7 +60,7 @@ impl ReferencePoints {
         self.sees_points
     }
 
-    /// Variance per axis of the kept points about the targets' middles, m²; 0 where none is kept.
+    /// Variance per axis of the points that filters follow about the targets' middles, m².
     pub(crate) fn spread_m2(&self) -> f64 {
         self.spread_m2
     }
@@ -75,7 +76,7 @@ impl ReferencePoints {
             .iter()
             .any(|model: &SourceModel| model.sees_points(ratio));
         let keep = self.sees_points && may_keep;
-        self.spread_m2 = if keep { sources.learned_spread_m2(0.0) } else { 0.0 };
+        self.spread_m2 = sources.followed_point_m2(keep);
         if keep != self.keeps_points {
             self.keeps_points = keep;
             self.epoch = self.epoch.wrapping_add(1);

@@ -285,6 +285,22 @@ impl Registration {
         std::array::from_fn(|axis| if known.removed[axis] { 0.0 } else { known.errors[axis] })
     }
 
+    /// Variance per axis of what the horizontal offsets of all sources have in common, m²: it shows in no difference,
+    /// but where the offsets lie far apart their mean is hardly 0. None where a source is taken as true. Few offsets
+    /// tell badly how far they lie apart: beforehand, as much is known of it as two more would tell.
+    pub(crate) fn common_offset_m2(&self) -> f64 {
+        let known = self.sources.iter().filter(|known| known.samples >= SAMPLES_MIN);
+        let (sum_m2, count) = known.fold((0.0, 0.0), |(sum, count), known| {
+            let excess = |axis: usize| known.errors[axis] * known.errors[axis] - known.variances[axis];
+            (sum + 0.5 * (excess(0) + excess(1)), count + 1.0)
+        });
+        if self.reference.is_some() || count < 2.0 {
+            return 0.0;
+        }
+        let spread_m2 = sum_m2 / (count - 1.0);
+        ((count + 1.0) / (count - 1.0) * spread_m2 / count).max(0.0)
+    }
+
     /// Learns from two views of one target at one time, of which the sources see points that lie apart with this
     /// variance per axis, m².
     pub(crate) fn learn(&mut self, a: &View, b: &View, points_m2: f64) {
@@ -623,6 +639,18 @@ mod tests {
         assert_eq!(registration.of(1).errors, Errors::zeros());
         assert!((registration.of(0).errors[0] + 60.0).abs() < 3.0);
         assert!((registration.of(2).errors[1] - 52.0).abs() < 3.0);
+    }
+
+    #[test]
+    fn what_all_offsets_have_in_common_is_as_uncertain_as_they_differ() {
+        let offsets = [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]];
+        // Each lies 34.6 m from their mean: 900 m² per axis of one, a third of that of the mean of three, and twice as
+        // much since it is known from three.
+        let common_m2 = registered(None, offsets, [0.0; 3]).common_offset_m2();
+        assert!((common_m2 - 600.0).abs() < 80.0, "{common_m2}");
+        assert_eq!(registered(Some(1), offsets, [0.0; 3]).common_offset_m2(), 0.0);
+        let none_m2 = registered(None, [[0.0; 2]; 3], [0.0; 3]).common_offset_m2();
+        assert!(none_m2 < 8.0, "{none_m2}");
     }
 
     #[test]

@@ -17,9 +17,10 @@ use estimation::{NearlyConstantVelocity, implied_noise};
 use messages::Covariance;
 
 use crate::checkpoint::kept::kept;
+use crate::seeker::Seeker;
 
 /// Median of chi-square with two degrees of freedom.
-const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
+pub(crate) const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
 /// Weight of a new innovation in the mean over one sensor track.
 pub(crate) const MEAN_GAIN: f64 = 0.25;
 /// Variance of such a mean relative to that of one innovation.
@@ -35,11 +36,6 @@ const INFLATION_MIN: f64 = 1.3;
 const LOG_INFLATION_MIN: f64 = 0.26;
 /// Largest inflation of a covariance.
 const INFLATION_MAX: f64 = 1000.0;
-/// Step of the logarithm of the inflation per report, and how much longer it may become where all reports say the same.
-const INFLATION_STEP: f64 = 0.03;
-const INFLATION_STRIDE: f64 = 0.3;
-/// Agreement of the reports from which the step becomes longer: chance seldom reaches it.
-const INFLATION_AGREEMENT: f64 = 0.5;
 /// Samples of detection points before their spread is believed.
 const SPREAD_SAMPLES_MIN: u32 = 30;
 
@@ -82,9 +78,7 @@ pub(crate) struct SourceModel {
     filtered_share: f64,
     looked_at: u32,
     process_noise: Option<NearlyConstantVelocity>,
-    log_inflation: f64,
-    /// Mean over the last reports of whether they ask for more (1) or less (−1) inflation.
-    inflation_trend: f64,
+    inflation: Seeker,
     /// Squared mean innovation over a sensor track, relative to what noise explains.
     spread_ratio: Median,
     /// Part of that which noise explains, m² per axis.
@@ -107,8 +101,7 @@ kept!(SourceModel {
     filtered_share: f64,
     looked_at: u32,
     process_noise: Option<NearlyConstantVelocity>,
-    log_inflation: f64,
-    inflation_trend: f64,
+    inflation: Seeker,
     spread_ratio: Median,
     spread_noise_m2: Median,
     measured_m2: Median,
@@ -124,8 +117,7 @@ impl Default for SourceModel {
             filtered_share: 0.5,
             looked_at: 0,
             process_noise: None,
-            log_inflation: 0.0,
-            inflation_trend: 0.0,
+            inflation: Seeker::default(),
             spread_ratio: Median::default(),
             spread_noise_m2: Median::default(),
             measured_m2: Median::default(),
@@ -172,20 +164,17 @@ impl SourceModel {
     /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.
     pub(crate) fn inflation(&self) -> f64 {
         // Asked at every report: what is surely too small needs no exponential.
-        if self.log_inflation < LOG_INFLATION_MIN {
+        if self.inflation.logarithm() < LOG_INFLATION_MIN {
             return 1.0;
         }
-        let inflation = self.log_inflation.exp();
+        let inflation = self.inflation.logarithm().exp();
         if inflation < INFLATION_MIN { 1.0 } else { inflation }
     }
 
     /// Learns from one normalised innovation squared of the horizontal position.
     pub(crate) fn learn_consistency(&mut self, normalised_squared: f64) {
-        let wish = f64::copysign(1.0, normalised_squared - CHI2_MEDIAN_2);
-        self.inflation_trend += (wish - self.inflation_trend) / 16.0;
-        let agreement = (self.inflation_trend * wish - INFLATION_AGREEMENT).max(0.0);
-        let step = wish * (INFLATION_STEP + INFLATION_STRIDE * agreement);
-        self.log_inflation = (self.log_inflation + step).clamp(0.0, INFLATION_MAX.ln());
+        self.inflation
+            .step(normalised_squared - CHI2_MEDIAN_2, 0.0, INFLATION_MAX.ln());
     }
 
     /// Learns from the mean innovation over one sensor track, `squared_m2`, of which noise explains `noise_m2` (both

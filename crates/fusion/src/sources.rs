@@ -4,7 +4,8 @@
 use estimation::{AxisNoise, Matrix3, NearlyConstantVelocity};
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
-use crate::filter::Innovation;
+use crate::filter::{Filter, Innovation};
+use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{Correction, Measurement, as_reported, gaussian_of, recovered_measurement};
 use crate::registration::{Registration, View};
 use crate::schedule::TICK_NS;
@@ -28,8 +29,8 @@ const REGISTRATION_EVERY: u32 = 8;
 pub(crate) struct Sources {
     pub(crate) models: Vec<SourceModel>,
     pub(crate) registration: Registration,
-    /// How targets move, as far as the sources' own trackers betray it.
-    pub(crate) motion: NearlyConstantVelocity,
+    /// How targets manoeuvre.
+    pub(crate) manoeuvres: Manoeuvres,
 }
 
 impl Sources {
@@ -45,8 +46,14 @@ impl Sources {
                 registration.memory_s,
                 tick_s,
             ),
-            motion: NearlyConstantVelocity::new(settings.process_noise_m2ps3, settings.process_noise_m2ps3),
+            manoeuvres: Manoeuvres::new(settings.process_noise_m2ps3),
         }
+    }
+
+    /// Process noise of turns of the target that `filter` follows.
+    #[inline]
+    pub(crate) fn turns_of(&self, filter: &Filter) -> &NearlyConstantVelocity {
+        self.manoeuvres.turns(filter.estimate.velocity_mps())
     }
 
     /// Variance per axis of where detection points lie on a target, m²: configured, or learned of `source` (of all
@@ -64,6 +71,20 @@ impl Sources {
     /// target's middle, is as far off as they are from each other.
     pub(crate) fn learned_spread_m2(&self, least_m2: f64) -> f64 {
         self.models.iter().map(SourceModel::spread_m2).fold(least_m2, f64::max)
+    }
+
+    /// Variance per axis of the point that a filter follows about the target's middle, m²: the mean of the sources'
+    /// points, of which few tell badly how far they lie apart, or one of them if it `keeps_one`. A source's point is
+    /// known relative to those of the others.
+    pub(crate) fn followed_point_m2(&self, keeps_one: bool) -> f64 {
+        let known = self.models.iter().filter(|model| model.knows_spread());
+        let (sum_m2, count) = known.fold((0.0, 0.0), |(sum, count), model| (sum + model.spread_m2(), count + 1.0));
+        if count < 2.0 {
+            return 0.0;
+        }
+        let others = (count - 1.0) / count;
+        let mean = others / count * (count + 1.0) / (count - 1.0);
+        sum_m2 / count * if keeps_one { others * others } else { mean }
     }
 
     /// The known errors of a report.
@@ -232,7 +253,8 @@ impl Sources {
         let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
         let mut state = entry.as_reported();
         let noise = self
-            .motion
+            .manoeuvres
+            .turns(entry.latest.velocity_mps)
             .density_m2ps3
             .map(|density| AxisNoise::white(density, seconds));
         state.advance(seconds, noise);
@@ -276,7 +298,7 @@ impl Sources {
         }
         let known = &mut known[..count];
         known.sort_unstable_by(|a, b| a.density_m2ps3[0].total_cmp(&b.density_m2ps3[0]));
-        self.motion = known[count / 2];
+        self.manoeuvres.assume(known[count / 2]);
     }
 }
 

@@ -1,0 +1,141 @@
+//! How hard targets manoeuvre: the process noise of turns, per class of targets, learned from innovations.
+//!
+//! A target that turns with the rate usual for its kind is accelerated in proportion to its speed: so there is a class
+//! of slow targets (vessels, vehicles, aircraft that taxi) and one of fast ones (aircraft). Each begins with what the
+//! sources' own trackers assume, where they betray it; a tracker with one model has to compromise between straight
+//! flight and turns, so turns are harder than that. Else it begins with what is usual.
+//!
+//! From there the noise is learned. While a target surely turns, the innovations of the filter's turning model should
+//! be as large, for what their covariances allow, as those of its steady model are on the straight: if they are larger,
+//! targets turn harder than assumed. Since both are compared with each other, it does not matter how true the sources'
+//! covariances are. Medians are compared, so that a wrong association cannot spoil them.
+
+use estimation::NearlyConstantVelocity;
+
+use crate::filter::Fit;
+use crate::seeker::Seeker;
+use crate::source_model::CHI2_MEDIAN_2;
+
+/// Classes of targets: slow and fast.
+const CLASSES: usize = 2;
+/// Speed from which on a target is fast, metres per second.
+const FAST_MPS: f64 = 30.0;
+/// Process noise that a tracker with one model should at least assume of fast targets, m²/s³.
+const FAST_M2PS3: f64 = 20.0;
+/// Process noise of turns relative to what a tracker with one model assumes, and logarithms of the limits between which
+/// it is sought, relative to that.
+const TURNING: f64 = 2.5;
+const LEAST: f64 = -1.5;
+const MOST: f64 = 0.7;
+/// Relative step of the median of innovations on the straight.
+const STEP: f64 = 0.02;
+
+/// One class of targets.
+#[derive(Clone, Copy, Debug)]
+struct Class {
+    /// Process noise that a tracker with one model assumes.
+    assumed: NearlyConstantVelocity,
+    /// Factor on that of turns.
+    factor: Seeker,
+    /// Process noise of turns.
+    turns: NearlyConstantVelocity,
+    /// Median of the normalised innovations squared on the straight.
+    straight: f64,
+}
+
+impl Class {
+    fn new(density_m2ps3: f64) -> Self {
+        let assumed = NearlyConstantVelocity::new(density_m2ps3, density_m2ps3);
+        let mut class = Self {
+            assumed,
+            factor: Seeker::default(),
+            turns: assumed,
+            straight: CHI2_MEDIAN_2,
+        };
+        class.update();
+        class
+    }
+
+    fn update(&mut self) {
+        let factor = TURNING * self.factor.logarithm().exp();
+        self.turns.density_m2ps3 = self.assumed.density_m2ps3.map(|density| density * factor);
+    }
+}
+
+/// What is known of all classes.
+#[derive(Debug)]
+pub(crate) struct Manoeuvres {
+    classes: [Class; CLASSES],
+}
+
+impl Manoeuvres {
+    /// What is assumed where nothing is known: `density_m2ps3`, of fast targets at least [`FAST_M2PS3`].
+    pub(crate) fn new(density_m2ps3: f64) -> Self {
+        Self {
+            classes: [density_m2ps3, density_m2ps3.max(FAST_M2PS3)].map(Class::new),
+        }
+    }
+
+    /// Process noise of turns of a target that flies at `velocity_mps`.
+    #[inline]
+    pub(crate) fn turns(&self, velocity_mps: [f64; 3]) -> &NearlyConstantVelocity {
+        &self.classes[class_of(velocity_mps)].turns
+    }
+
+    /// From now on it is known what the sources' own trackers assume of all targets.
+    pub(crate) fn assume(&mut self, noise: NearlyConstantVelocity) {
+        for class in self.classes.iter_mut().filter(|class| class.assumed != noise) {
+            class.assumed = noise;
+            class.update();
+        }
+    }
+
+    /// Learns from how well a measurement of a target that flies at `velocity_mps` was foretold.
+    pub(crate) fn learn(&mut self, velocity_mps: [f64; 3], fit: Fit) {
+        let class = &mut self.classes[class_of(velocity_mps)];
+        match fit {
+            Fit::Straight(squared) => class.straight *= 1.0 + f64::copysign(STEP, squared - class.straight),
+            Fit::Turning(squared) => {
+                class.factor.step(squared - class.straight, LEAST, MOST);
+                class.update();
+            }
+            Fit::Undecided => {}
+        }
+    }
+}
+
+fn class_of([east, north, _]: [f64; 3]) -> usize {
+    usize::from(east * east + north * north > FAST_MPS * FAST_MPS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The noise of turns of fast targets whose innovations on the straight and in turns have these medians.
+    fn learned(straight: f64, turning: f64) -> f64 {
+        let mut manoeuvres = Manoeuvres::new(1.0);
+        let mut random = test_support::Random::new(1);
+        for _ in 0..1000 {
+            let about = random.between(0.2, 1.8);
+            manoeuvres.learn([100.0, 0.0, 0.0], Fit::Straight(straight * about));
+            manoeuvres.learn([0.0, 100.0, 0.0], Fit::Turning(turning * random.between(0.2, 1.8)));
+        }
+        assert_eq!(
+            manoeuvres.turns([10.0; 3]).density_m2ps3,
+            [TURNING; 3],
+            "slow targets are others"
+        );
+        manoeuvres.turns([100.0; 3]).density_m2ps3[0]
+    }
+
+    #[test]
+    fn harder_turns_than_assumed_are_learned_of_whatever_the_sources_claim() {
+        let assumed = TURNING * FAST_M2PS3;
+        for claim in [0.25, 1.0, 4.0] {
+            let found = [1.0, 4.0, 0.25].map(|turning| learned(claim, claim * turning) / assumed);
+            assert!((0.5..1.7).contains(&found[0]), "{found:?}");
+            assert!(found[1] > 1.9 && found[2] < 0.3, "{found:?}");
+        }
+    }
+}

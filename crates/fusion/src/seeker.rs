@@ -1,0 +1,40 @@
+//! A factor that is sought by steps, since no sample says more than "more" or "less".
+//!
+//! Each sample moves its logarithm by a bounded step, so that none can spoil it: it comes to rest where as many ask for
+//! more as for less. While nearly all ask for the same, which chance seldom brings about, steps are longer.
+
+use crate::checkpoint::kept::kept;
+
+/// Step of the logarithm per sample, and how much longer it may become where all samples say the same.
+const STEP: f64 = 0.03;
+const STRIDE: f64 = 0.3;
+/// Agreement of the samples from which the step becomes longer: chance seldom reaches it.
+const AGREEMENT: f64 = 0.5;
+
+/// The logarithm of the factor, 0 at the start.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Seeker {
+    logarithm: f64,
+    /// Mean over the last samples of whether they ask for more (1) or less (−1).
+    trend: f64,
+}
+
+kept!(Seeker {
+    logarithm: f64,
+    trend: f64
+});
+
+impl Seeker {
+    pub(crate) fn logarithm(&self) -> f64 {
+        self.logarithm
+    }
+
+    /// Takes the sign of `wish` as one sample; the logarithm stays within the limits.
+    pub(crate) fn step(&mut self, wish: f64, least: f64, most: f64) {
+        let wish = f64::copysign(1.0, wish);
+        self.trend += (wish - self.trend) / 16.0;
+        let agreement = (self.trend * wish - AGREEMENT).max(0.0);
+        let step = wish * (STEP + STRIDE * agreement);
+        self.logarithm = (self.logarithm + step).clamp(least, most);
+    }
+}
