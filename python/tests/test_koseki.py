@@ -2,8 +2,11 @@
 
 import asyncio
 import gc
+import json
 import os
+import signal
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -72,6 +75,39 @@ def test_borrowed_slices_are_limited_and_given_back(demo):
     assert tracks.receive(PATIENCE) is not None
 
 
+def test_readers_that_are_killed_while_they_hold_slices_harm_nobody(demo):
+    other = koseki.subscribe(demo)
+    program = """
+import os, signal, sys, koseki
+tracks = koseki.subscribe(sys.argv[1], borrow=True)
+kept = [tracks.receive(), tracks.receive()]
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    # More than a topic has places for readers.
+    for _ in range(30):
+        killed = subprocess.run([sys.executable, "-c", program, demo])
+        assert killed.returncode == -signal.SIGKILL
+        while other.receive(0) is not None:
+            pass
+    assert other.receive(PATIENCE) is not None
+    assert other.counts.lost == 0
+
+
+def test_a_fusion_that_starts_anew_is_told(demo):
+    tracks = koseki.subscribe(demo)
+    first = tracks.receive(PATIENCE)
+    assert first.starts_epoch
+    status = json.loads(koseki.offline._run(["status", "--instance", demo, "--json"]))
+    fusion = next(child for child in status[0]["processes"] if child["name"] == "fusion")
+    os.kill(fusion["pid"], signal.SIGKILL)
+    end = time.monotonic() + PATIENCE
+    while (piece := tracks.receive(PATIENCE)).epoch == first.epoch:
+        assert not piece.starts_epoch and time.monotonic() < end
+    assert piece.starts_epoch and piece.epoch > first.epoch
+    assert not tracks.receive(PATIENCE).starts_epoch
+    assert tracks.counts.epoch == piece.epoch
+
+
 def test_loops_of_events_are_woken(demo):
     async def some():
         lengths = []
@@ -122,6 +158,15 @@ def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
     assert np.hypot(*(fused["position_m"][0, :2] - [1000.0, 2000.0])) < 100.0
     with pytest.raises(ValueError):
         publisher.send(np.zeros(1))
+    # A reader that takes nothing loses what its topic has no room for, and is told.
+    slow = koseki.subscribe("feed", "sensor/own/tracks")
+    publisher.send(report)
+    assert slow.receive(PATIENCE).lost == 0
+    for _ in range(300):
+        publisher.send(report)
+    assert slow.receive(PATIENCE).lost == 300 - 256
+    assert slow.counts.lost == 300 - 256
+    slow.close()
     deployment.process.terminate()
     with pytest.raises(koseki.Ended):
         while True:
