@@ -35,6 +35,7 @@ fn settings(targets: usize) -> Settings {
         priority: u32::from(number),
         ceiling_m: f64::INFINITY,
         coverage: None,
+        place_m: None,
         limits: ReportLimits::default(),
     };
     Settings {

@@ -141,6 +141,10 @@ alarms! {
     MemoryCorrupt = 20, "memory-corrupt", Critical, raise 0 s, clear 60 s,
         "The shared memory was corrupt, and the deployment was rebuilt, {times} so far.",
         "Find out which process of this user writes where it should not, or test the machine's memory.";
+    GrossError = 21, "gross-error", Major, raise 2 s, clear 30 s,
+        "{source} is off by {error}, as the tracks of {partner} show{verdict}.",
+        "Correct the sensor, or its place, `north_offset_deg` or clock, by that. `[fusion.registration] gross = true` takes \
+         it off where a third source, a `reference_source` or addresses tell whose error it is.";
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use ::fusion::settings::{AccuracyTable, CoverageArea, ReportLimits, SourceSettin
 use bus::WaitMode;
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use reception::{Limits, SourceModel};
+use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
 use super::check_monitor::check_monitor;
@@ -217,6 +218,10 @@ fn check_source(
     let weighed = SourceSettings::new(&raw.name, &raw.weighing, usual, place_m, &AccuracyTable::default());
     let mut weighed = weighed.map_err(|error| error.under(&format!("source[{index}]")))?;
     weighed.sensor_uid = source.uid;
+    let is_radar = |simulated: &SensorSettings| simulated.kind == SensorKind::Radar;
+    if raw.place.is_some() || raw.simulated.as_ref().is_some_and(is_radar) {
+        weighed.place_m = Some(place_m);
+    }
     if source.is_taken_as_it_is() {
         // What comes through an adapter has been looked at there.
         weighed.limits = limits(&source.model.limits, place_m);

@@ -205,6 +205,7 @@ impl Offline {
         let limits = limits(&table.limits, place_m);
         source.limits.speed_mps = limits.speed_mps;
         if table.position_m.is_some() {
+            source.place_m = table.position_m;
             source.limits = limits;
         }
         Ok(source)

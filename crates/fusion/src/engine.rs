@@ -6,7 +6,7 @@
 //! learn;
 //! [`Tracks`] are what they share.
 
-use messages::{Counter, DecisionKind, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Counter, DecisionKind, GrossError, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
 
 use crate::association_step::Search;
@@ -119,6 +119,13 @@ impl Engine {
         (usize::from(source) < self.settings.sources.len()).then(|| self.sources.registration.of(source))
     }
 
+    /// The gross error of `source`, if tracks that did not join show one; `None` too if there is no such source.
+    pub fn gross_error(&self, source: u16) -> Option<GrossError> {
+        (usize::from(source) < self.settings.sources.len())
+            .then(|| self.sources.alignment.error_of(source))
+            .flatten()
+    }
+
     /// Factor by which the covariances of `source` are being inflated, since they claim too much (BF-5): 1 if they do
     /// not, `None` if there is no such source.
     pub fn inflation(&self, source: u16) -> Option<f64> {
@@ -207,6 +214,8 @@ impl Engine {
         self.advance(now_ns, sink);
         // While no time has passed, nothing is known of the present.
         let now_ns = self.schedule.now_ns();
+        let aligned = self.sources.align(&self.settings, report, now_ns);
+        let report = aligned.as_ref().unwrap_or(report);
         let is_far_ahead = now_ns != i64::MIN && report.time_of_measurement_ns > now_ns.saturating_add(AHEAD_MAX_NS);
         if report.has(sensor_track_bits::WILD_CLOCK) || is_far_ahead {
             self.outbox.counts.add(report.source, Counter::RejectedClock);
@@ -222,6 +231,7 @@ impl Engine {
         }
         // Looked up early, so that the cache miss overlaps with the checks that follow.
         let known = self.tracks.sensors.find(report.source, report.track_number);
+        let known = self.without_outdated(report, known, sink);
         let is_usable = inlet::is_usable(&report.covariance);
         let repaired = if is_usable { None } else { inlet::repaired(report) };
         if !is_usable {
@@ -238,6 +248,22 @@ impl Engine {
         if let Some((sensor, measurement)) = self.store(report, known, !is_usable) {
             self.work_off(sensor, report, measurement.as_ref(), sink);
         }
+    }
+
+    /// The entry of the report's sensor track, unless it is one of before a gross error was taken off: that has ended,
+    /// and the target is somewhere else.
+    fn without_outdated(
+        &mut self,
+        report: &SensorTrack,
+        known: Option<SensorSlot>,
+        sink: &mut impl Sink,
+    ) -> Option<SensorSlot> {
+        let sensor = known?;
+        if self.tracks.sensors.get(sensor).epoch == self.sources.alignment.epoch_of(report.source) {
+            return known;
+        }
+        self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
+        None
     }
 
     /// Stores a report as the latest of its sensor track, without its source's known errors: the sensor track, and the
@@ -272,6 +298,7 @@ impl Engine {
         let entry = sensors.get_mut(sensor);
         entry.take(report, identity, &correction);
         entry.repaired = repaired;
+        entry.epoch = self.sources.alignment.epoch_of(report.source);
         sensors.note(sensor, self.settings.sources[usize::from(report.source)].period_ns);
         Some((sensor, measurement))
     }

@@ -16,6 +16,7 @@
 #![forbid(unsafe_code)]
 
 mod accuracy;
+mod alignment;
 mod association_step;
 pub mod checkpoint;
 mod description;
@@ -26,6 +27,7 @@ mod engine_tests;
 mod existence;
 mod explanation;
 mod filter;
+mod gross;
 mod history;
 mod inlet;
 mod life;

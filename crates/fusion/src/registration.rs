@@ -452,7 +452,7 @@ impl Registration {
     }
 
     /// Drops all that was learned of a source.
-    fn forget(&mut self, own: usize) {
+    pub(crate) fn forget(&mut self, own: usize) {
         let count = self.sources.len();
         for other in partners(self.partners[own]) {
             self.pairs[own * count + other] = EMPTY;

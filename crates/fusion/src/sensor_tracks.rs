@@ -78,6 +78,8 @@ pub(crate) struct SensorEntry {
     pub(crate) misfits: u32,
     /// Number of another system track that the last reports fitted, and how many in a row.
     pub(crate) competing: Option<(u32, u32)>,
+    /// How often the correction of gross errors of its source had changed before: `Alignment::epoch_of`.
+    pub(crate) epoch: u8,
     /// Whether this place of the table is taken.
     live: bool,
     /// Whether it waits for the end of its scan.
@@ -123,6 +125,7 @@ impl Default for SensorEntry {
             repaired: false,
             misfits: 0,
             competing: None,
+            epoch: 0,
             live: false,
             waits: false,
             correction: Correction::NONE,

@@ -108,6 +108,9 @@ settings::settings! {
         reference_source: Option<SourceRef> = None, usually "the mean of all sources";
         /// Time constant with which old comparisons are forgotten.
         memory_s: f64 = 600.0, in [1, 1e6];
+        /// Gross errors of azimuth, range, time or place, of which a source's tracks join none, are taken off where a
+        /// third source, the reference source or addresses tell whose they are. They are told in any case.
+        gross: bool = false;
     }
 
     /// Weighing of the sources.
@@ -396,6 +399,9 @@ pub struct SourceSettings {
     pub ceiling_m: f64,
     /// Where it sees; `None`: learned from its reports.
     pub coverage: Option<CoverageArea>,
+    /// East and north of the sensor in the system frame, metres, from where it measures range and azimuth; `None`:
+    /// unknown.
+    pub place_m: Option<[f64; 2]>,
     /// What its reports may say, where nobody has looked at that before.
     pub limits: ReportLimits,
 }
@@ -449,6 +455,7 @@ impl SourceSettings {
             priority: weighing.priority.unwrap_or(priority),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
             coverage: weighing.coverage.as_ref().map(|coverage| coverage.at(place_m)),
+            place_m: None,
             limits: ReportLimits::default(),
         })
     }

@@ -4,6 +4,7 @@
 use estimation::{AxisNoise, Matrix3, NearlyConstantVelocity};
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
+use crate::alignment::Alignment;
 use crate::filter::{Filter, Innovation};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{Correction, Measurement, as_reported, gaussian_of, recovered_measurement};
@@ -29,6 +30,7 @@ const REGISTRATION_EVERY: u32 = 8;
 pub(crate) struct Sources {
     pub(crate) models: Vec<SourceModel>,
     pub(crate) registration: Registration,
+    pub(crate) alignment: Alignment,
     /// How targets manoeuvre.
     pub(crate) manoeuvres: Manoeuvres,
 }
@@ -40,6 +42,7 @@ impl Sources {
         let tick_s = TICK_NS as f64 / NS_PER_S;
         Self {
             models: vec![SourceModel::default(); count],
+            alignment: Alignment::new(settings),
             registration: Registration::new(
                 count,
                 registration.reference_source.as_ref().map(|source| source.number),
@@ -54,6 +57,21 @@ impl Sources {
     #[inline]
     pub(crate) fn turns_of(&self, filter: &Filter) -> &NearlyConstantVelocity {
         self.manoeuvres.turns(filter.estimate.velocity_mps())
+    }
+
+    /// Looks for gross errors in a valid report, which came at `now_ns`: the report without that of its source, if one
+    /// is taken off.
+    pub(crate) fn align(&mut self, settings: &Settings, report: &SensorTrack, now_ns: i64) -> Option<SensorTrack> {
+        if !settings.registration.enabled || settings.sources.len() < 2 {
+            return None;
+        }
+        let corrected = self.alignment.corrected(report, now_ns);
+        let report = corrected.as_ref().unwrap_or(report);
+        if let Some(source) = self.alignment.take(report, now_ns, settings) {
+            // What was learned from the few tracks that joined is of another source.
+            self.registration.forget(usize::from(source));
+        }
+        corrected
     }
 
     /// Variance per axis of where detection points lie on a target, m²: configured, or learned of `source` (of all

@@ -22,6 +22,7 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         priority: index as u32,
         ceiling_m: f64::INFINITY,
         coverage: None,
+        place_m: None,
         limits: ReportLimits::default(),
     };
     Settings {

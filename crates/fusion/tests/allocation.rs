@@ -31,6 +31,7 @@ fn settings() -> Settings {
         priority: 0,
         ceiling_m: f64::INFINITY,
         coverage: None,
+        place_m: None,
         limits: ReportLimits::default(),
     };
     Settings {

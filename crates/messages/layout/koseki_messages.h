@@ -16,7 +16,7 @@
 #define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0xcf4b0ce1093881cc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0xab4755e97ccac702) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9ef5cf0ad91fb702) /* BatchHeader.schema of its slices. */
-#define KOSEKI_HEALTH_SCHEMA UINT64_C(0x2ee1a77c420b678) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xd70c18196a239fd5) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0xd685ec79c1f207d) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTROL_SCHEMA UINT64_C(0xb124b2ef9c9a3290) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x655d541113faae18) /* BatchHeader.schema of its slices. */
@@ -609,10 +609,11 @@ typedef struct KosekiRegistration {
     double azimuth_bias_sigma_rad; /* Standard deviation of the azimuth bias, radians. */
     double covariance_inflation; /* Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not. */
     uint32_t removed; /* Which of the errors are being removed from the source's reports: `registration_bits`. */
-    uint32_t reserved; /* Reserved, 0. */
+    uint32_t gross; /* Gross error, 0 for none: its kind in the lowest octet, whether it is certain (1) and removed (2) in the */
     double clock_offset_s; /* Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
     double clock_offset_sigma_s; /* Standard deviation of the clock offset, seconds; 0: unknown. */
-    uint64_t spare[4]; /* Reserved, 0. */
+    double gross_value[2]; /* Amount of the gross error, in the unit of its kind. */
+    uint64_t spare[2]; /* Reserved, 0. */
 } KosekiRegistration;
 static_assert(sizeof(KosekiRegistration) == 168, "size");
 static_assert(offsetof(KosekiRegistration, comparisons) == 0, "offset");
@@ -626,10 +627,11 @@ static_assert(offsetof(KosekiRegistration, azimuth_bias_rad) == 88, "offset");
 static_assert(offsetof(KosekiRegistration, azimuth_bias_sigma_rad) == 96, "offset");
 static_assert(offsetof(KosekiRegistration, covariance_inflation) == 104, "offset");
 static_assert(offsetof(KosekiRegistration, removed) == 112, "offset");
-static_assert(offsetof(KosekiRegistration, reserved) == 116, "offset");
+static_assert(offsetof(KosekiRegistration, gross) == 116, "offset");
 static_assert(offsetof(KosekiRegistration, clock_offset_s) == 120, "offset");
 static_assert(offsetof(KosekiRegistration, clock_offset_sigma_s) == 128, "offset");
-static_assert(offsetof(KosekiRegistration, spare) == 136, "offset");
+static_assert(offsetof(KosekiRegistration, gross_value) == 136, "offset");
+static_assert(offsetof(KosekiRegistration, spare) == 152, "offset");
 
 typedef struct KosekiCounters {
     uint64_t values[96]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */

@@ -18,7 +18,7 @@ SYSTEM_TRACK_SCHEMA = 0x934307e9dc3c0033  # BatchHeader.schema of its slices.
 CONTRIBUTOR_SET_SCHEMA = 0xcf4b0ce1093881cc  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0xab4755e97ccac702  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9ef5cf0ad91fb702  # BatchHeader.schema of its slices.
-HEALTH_SCHEMA = 0x2ee1a77c420b678  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0xd70c18196a239fd5  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0xd685ec79c1f207d  # BatchHeader.schema of its slices.
 CONTROL_SCHEMA = 0xb124b2ef9c9a3290  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x655d541113faae18  # BatchHeader.schema of its slices.
@@ -757,10 +757,11 @@ class Registration(ctypes.Structure):
         ("azimuth_bias_sigma_rad", ctypes.c_double),  # Standard deviation of the azimuth bias, radians.
         ("covariance_inflation", ctypes.c_double),  # Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
         ("removed", ctypes.c_uint32),  # Which of the errors are being removed from the source's reports: `registration_bits`.
-        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+        ("gross", ctypes.c_uint32),  # Gross error, 0 for none: its kind in the lowest octet, whether it is certain (1) and removed (2) in the
         ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         ("clock_offset_sigma_s", ctypes.c_double),  # Standard deviation of the clock offset, seconds; 0: unknown.
-        ("spare", ctypes.c_uint64 * 4),  # Reserved, 0.
+        ("gross_value", ctypes.c_double * 2),  # Amount of the gross error, in the unit of its kind.
+        ("spare", ctypes.c_uint64 * 2),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -780,10 +781,11 @@ assert Registration.azimuth_bias_rad.offset == 88
 assert Registration.azimuth_bias_sigma_rad.offset == 96
 assert Registration.covariance_inflation.offset == 104
 assert Registration.removed.offset == 112
-assert Registration.reserved.offset == 116
+assert Registration.gross.offset == 116
 assert Registration.clock_offset_s.offset == 120
 assert Registration.clock_offset_sigma_s.offset == 128
-assert Registration.spare.offset == 136
+assert Registration.gross_value.offset == 136
+assert Registration.spare.offset == 152
 
 
 class Counters(ctypes.Structure):

@@ -56,7 +56,7 @@ pub use identity::{Callsign, Identity, IdentityKind, NAME_MAX, identity_bits};
 pub use movement::{HorizontalMovement, LongitudinalMovement, Movement, VerticalMovement, movement_bits};
 pub use platform_state::{PlatformState, platform_state_bits};
 pub use process_kind::ProcessKind;
-pub use registration::{Registration, registration_bits};
+pub use registration::{GrossError, GrossKind, Registration, registration_bits};
 pub use restored::{RESTORED_WORDS, Restored};
 pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
 pub use sensor_detection::{DetectionKind, Quantity, SensorDetection, sensor_detection_bits};

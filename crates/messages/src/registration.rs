@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::codes;
 use crate::codes::bits;
 use crate::layout::sample;
 
@@ -20,6 +21,48 @@ bits! {
         RANGE = 1 << 4;
         /// The azimuth bias is.
         AZIMUTH = 1 << 5;
+    }
+}
+
+codes! {
+    /// Kind of a gross error of a source.
+    pub enum GrossKind: u8 {
+        /// Azimuths are too large, clockwise, radians: a north mark that is off.
+        Azimuth = 1, "azimuth";
+        /// Ranges are too large, metres.
+        Range = 2, "range";
+        /// The clock is fast, seconds: targets are shown where they were so long before.
+        Time = 3, "time";
+        /// The place is off, east and north, metres.
+        Position = 4, "position";
+    }
+}
+
+/// Gross error of a source, as the tracks of another one show it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrossError {
+    /// Kind.
+    pub kind: GrossKind,
+    /// Amount, in the unit of the kind: one component, for a position east and north.
+    pub value: [f64; 2],
+    /// Number of the source that shows it.
+    pub partner: u16,
+    /// Whether it is surely an error of this source, not of the partner.
+    pub is_certain: bool,
+    /// Whether it is taken off the source's reports.
+    pub is_removed: bool,
+}
+
+/// What is off, and by how much.
+impl fmt::Display for GrossError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [value, north] = self.value;
+        match self.kind {
+            GrossKind::Azimuth => write!(f, "{:+.2}° in azimuth", value.to_degrees()),
+            GrossKind::Range => write!(f, "{value:+.0} m in range"),
+            GrossKind::Time => write!(f, "{value:+.1} s in time"),
+            GrossKind::Position => write!(f, "{value:+.0} m east and {north:+.0} m north"),
+        }
     }
 }
 
@@ -49,14 +92,17 @@ sample! {
         covariance_inflation: f64 = 1.0,
         /// Which of the errors are being removed from the source's reports: `registration_bits`.
         removed: u32,
-        /// Reserved, 0.
-        reserved: u32,
+        /// Gross error, 0 for none: its kind in the lowest octet, whether it is certain (1) and removed (2) in the
+        /// next, the source that shows it in the upper half; [`Registration::gross_error`].
+        gross: u32,
         /// Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         clock_offset_s: f64,
         /// Standard deviation of the clock offset, seconds; 0: unknown.
         clock_offset_sigma_s: f64,
+        /// Amount of the gross error, in the unit of its kind.
+        gross_value: [f64; 2],
         /// Reserved, 0.
-        spare: [u64; 4],
+        spare: [u64; 2],
     }
 }
 
@@ -69,6 +115,28 @@ impl Registration {
         self.clock_offset_sigma_s = if known.is_some() { sigma_s.max(1e-9) } else { 0.0 };
     }
 
+    /// Sets the gross error; `None`: there is none.
+    pub fn set_gross_error(&mut self, error: Option<GrossError>) {
+        self.gross_value = error.map_or([0.0; 2], |error| error.value);
+        self.gross = error.map_or(0, |error| {
+            let says = u8::from(error.is_certain) | u8::from(error.is_removed) << 1;
+            let [low, high] = error.partner.to_le_bytes();
+            u32::from_le_bytes([error.kind.code(), says, low, high])
+        });
+    }
+
+    /// Gross error; `None` if there is none, or one of a later version.
+    pub fn gross_error(&self) -> Option<GrossError> {
+        let [kind, says, low, high] = self.gross.to_le_bytes();
+        Some(GrossError {
+            kind: GrossKind::from_code(kind)?,
+            value: self.gross_value,
+            partner: u16::from_le_bytes([low, high]),
+            is_certain: says & 1 != 0,
+            is_removed: says & 2 != 0,
+        })
+    }
+
     /// Whether all errors in `bits` are being removed from the source's reports.
     pub fn removes(&self, bits: u32) -> bool {
         self.removed & bits == bits
@@ -78,6 +146,10 @@ impl Registration {
 /// One line for people: the horizontal offset always, what else is being removed, and the inflation if there is one.
 impl fmt::Display for Registration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(error) = self.gross_error() {
+            let removed = if error.is_removed { "" } else { "not " };
+            write!(f, "grossly off, {error} ({removed}removed); besides ")?;
+        }
         if self.comparisons <= 0.0 {
             return f.write_str("not compared with another source yet");
         }
@@ -128,6 +200,28 @@ impl fmt::Display for Registration {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gross_error_comes_back_as_it_was() {
+        let error = GrossError {
+            kind: GrossKind::Azimuth,
+            value: [-0.00925, 0.0],
+            partner: 513,
+            is_certain: true,
+            is_removed: false,
+        };
+        let mut known = Registration::default();
+        assert_eq!(known.gross_error(), None);
+        known.set_gross_error(Some(error));
+        assert_eq!(known.gross_error(), Some(error));
+        assert!(
+            known
+                .to_string()
+                .starts_with("grossly off, -0.53° in azimuth (not removed); besides not compared")
+        );
+        known.set_gross_error(None);
+        assert_eq!(known, Registration::default());
+    }
 
     #[test]
     fn people_read_what_is_removed() {

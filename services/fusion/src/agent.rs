@@ -434,6 +434,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
 /// Knowledge of a source's systematic errors, as health messages carry it.
 fn registration<S: Transport>(engine: &Engine, input: &Input<S>) -> Registration {
     let mut registration = errors(engine, input.source);
+    registration.set_gross_error(engine.gross_error(input.source));
     registration.set_clock_offset(input.time.clock_offset());
     registration
 }

@@ -250,6 +250,25 @@ impl Conditions {
                 let values = [name(), ("offset", format!("{offset_s:+.2} s"))];
                 round.find(AlarmKind::ClockOff, subject, finding, &values);
             }
+            if let Some(error) = known.gross_error() {
+                let partner = self.sources.get(usize::from(error.partner));
+                let partner = partner.map_or_else(String::new, |partner| partner.name.clone());
+                let (subject, verdict) = match (error.is_certain, error.is_removed) {
+                    (true, true) => (subject, ", and that is taken off".to_owned()),
+                    (true, false) => (subject, String::new()),
+                    _ => {
+                        let pair = Subject::pair(source.number, error.partner);
+                        (pair, format!("; or {partner} is off the other way"))
+                    }
+                };
+                let values = [
+                    name(),
+                    ("error", error.to_string()),
+                    ("partner", partner),
+                    ("verdict", verdict),
+                ];
+                round.find(AlarmKind::GrossError, subject, Finding::Bad, &values);
+            }
             if let Some(finding) = above(known.covariance_inflation, self.limits.inflation) {
                 let values = [name(), ("factor", format!("{:.1}", known.covariance_inflation))];
                 round.find(AlarmKind::AccuracyOverstated, subject, finding, &values);

@@ -61,6 +61,17 @@ impl Summary<'_> {
                 sensor.insert("sensor_id".to_owned(), (*id).into());
                 sensor.insert("name".to_owned(), settings.name.as_str().into());
                 sensor.insert("period_s".to_owned(), (settings.period_ns as f64 / NS_PER_S).into());
+                if let Some(error) = self.engine.gross_error(source) {
+                    let partner = self.setup.sensor_ids[usize::from(error.partner)];
+                    let told = json!({
+                        "kind": error.kind.word(),
+                        "value": error.value,
+                        "shown_by": partner,
+                        "certain": error.is_certain,
+                        "removed": error.is_removed,
+                    });
+                    sensor.insert("gross_error".to_owned(), told);
+                }
                 Value::Object(sensor)
             })
             .collect();
@@ -104,6 +115,18 @@ impl Summary<'_> {
                 }
             }
             writeln!(text)?;
+            if let Some(error) = self.engine.gross_error(source) {
+                let partner = self.setup.sensor_ids[usize::from(error.partner)];
+                let verdict = match (error.is_removed, error.is_certain) {
+                    (true, _) => "; that is taken off".to_owned(),
+                    (_, true) => "; fusion.registration.gross = true takes it off".to_owned(),
+                    _ => format!(", or sensor {partner} is off the other way"),
+                };
+                writeln!(
+                    text,
+                    "sensor {id:<6} is off by {error}, against sensor {partner}{verdict}"
+                )?;
+            }
         }
         text.push_str(&self.refusals.as_text());
         let tracks: Vec<String> = OF_TRACKS

@@ -3,7 +3,8 @@
 use alarms::AlarmKind;
 use bus::{InProcess, Subscriber};
 use messages::{
-    Alarm, AlarmEvent, Counter, Health, LifeState, NO_SOURCE, ProcessKind, Registration, SystemTrack, TrackState,
+    Alarm, AlarmEvent, Counter, GrossError, GrossKind, Health, LifeState, NO_SOURCE, ProcessKind, Registration,
+    SystemTrack, TrackState,
 };
 
 use crate::watched::{Bench, S};
@@ -275,6 +276,41 @@ fn errors_that_fusion_has_learned_are_told() {
         site.raise_and_clear(AlarmKind::AccuracyOverstated, begin, end),
         "ads-b claims too much accuracy: its covariances are enlarged 9.0 times."
     );
+}
+
+#[test]
+fn a_gross_error_is_told_with_what_to_correct() {
+    let error = GrossError {
+        kind: GrossKind::Azimuth,
+        value: [-0.00925, 0.0],
+        partner: 3,
+        is_certain: false,
+        is_removed: false,
+    };
+    let told = |is_certain, is_removed| {
+        let mut site = Site::new(&[]);
+        let known = |site: &mut Site, error| {
+            let said = site.say(ProcessKind::Fusion, "fusion", 0);
+            said.registration.set_gross_error(error);
+        };
+        let error = GrossError {
+            is_certain,
+            is_removed,
+            ..error
+        };
+        let (begin, end) = (
+            |site: &mut Site| known(site, Some(error)),
+            |site: &mut Site| known(site, None),
+        );
+        site.raise_and_clear(AlarmKind::GrossError, begin, end)
+    };
+    let sentence = "radar-west is off by -0.53° in azimuth, as the tracks of ads-b show";
+    assert_eq!(
+        told(false, false),
+        format!("{sentence}; or ads-b is off the other way.")
+    );
+    assert_eq!(told(true, false), format!("{sentence}."));
+    assert_eq!(told(true, true), format!("{sentence}, and that is taken off."));
 }
 
 #[test]

@@ -1,0 +1,219 @@
+//! Gross errors of one radar, among three and among two: told within a minute of data, taken off where it is sure whose
+//! they are.
+
+use fusion::settings::{AccuracyTable, Settings, SourceSettings, Weighing};
+use fusion::{Engine, Sink};
+use messages::{GrossError, GrossKind, SensorTrack, SystemTrack, sensor_track_bits};
+use scenario::{ScenarioSettings, SensorIdentity, SensorKind, SensorSettings, SimulatedSensor, Truth};
+use test_support::S;
+
+const PLACES_M: [[f64; 2]; 3] = [[50e3, 0.0], [-30e3, 45e3], [-25e3, -40e3]];
+const PERIODS_S: [f64; 3] = [4.0, 5.0, 6.0];
+/// The radar that is off.
+const ERRING: usize = 1;
+/// Data that must be enough to tell, seconds.
+const ENOUGH_S: f64 = 60.0;
+
+#[derive(Clone, Copy)]
+struct Case {
+    kind: GrossKind,
+    value: f64,
+}
+
+const CASES: [Case; 4] = [
+    Case {
+        kind: GrossKind::Azimuth,
+        value: 0.5 * std::f64::consts::PI / 180.0,
+    },
+    Case {
+        kind: GrossKind::Azimuth,
+        value: 3.0 * std::f64::consts::PI / 180.0,
+    },
+    Case {
+        kind: GrossKind::Range,
+        value: 500.0,
+    },
+    Case {
+        kind: GrossKind::Time,
+        value: 30.0,
+    },
+];
+
+/// What so many radars report of `seconds` of one world, in the order of the times they came; one has the error.
+fn reports(seed: u64, radars: usize, seconds: f64, case: Option<Case>) -> Vec<(i64, SensorTrack)> {
+    let world = ScenarioSettings {
+        targets: 30,
+        terminal_share: 0.0,
+        holding_share: 0.0,
+        surface_share: 0.0,
+        ..ScenarioSettings::default()
+    };
+    let truth = Truth::new(&world, seed).unwrap();
+    let mut all = Vec::new();
+    for (number, place_m) in PLACES_M.iter().enumerate().take(radars) {
+        let mut settings = SensorSettings {
+            position_m: Some([place_m[0], place_m[1], 0.0]),
+            period_s: Some(PERIODS_S[number]),
+            identity: Some(SensorIdentity::None),
+            height_sigma_m: Some(50.0),
+            ..SensorSettings::new(SensorKind::Radar)
+        };
+        let error = case.filter(|_| number == ERRING);
+        match error {
+            Some(Case {
+                kind: GrossKind::Azimuth,
+                value,
+            }) => settings.azimuth_bias_rad = Some(value),
+            Some(Case {
+                kind: GrossKind::Range,
+                value,
+            }) => settings.range_bias_m = Some(value),
+            _ => {}
+        }
+        let fast_ns = match error {
+            Some(Case {
+                kind: GrossKind::Time,
+                value,
+            }) => (value * S as f64) as i64,
+            _ => 0,
+        };
+        let mut sensor = SimulatedSensor::new(&settings, seed, number as u16, 0).unwrap();
+        let mut found = Vec::new();
+        while sensor.next_scan_time_s() < seconds {
+            sensor.scan(&truth, &mut found);
+        }
+        all.extend(found.iter().map(|report| {
+            let mut report = *report;
+            let came_ns = report.time_of_measurement_ns;
+            report.source = number as u16;
+            report.time_of_measurement_ns += fast_ns;
+            (came_ns, report)
+        }));
+    }
+    all.sort_by_key(|(came_ns, report)| (*came_ns, report.source, report.track_number));
+    all
+}
+
+fn settings(radars: usize, gross: bool) -> Settings {
+    let source = |number: usize| {
+        let usual = (PERIODS_S[number], number as u32);
+        let name = format!("radar-{number}");
+        let accuracy = AccuracyTable::default();
+        let mut source = SourceSettings::new(&name, &Weighing::default(), usual, PLACES_M[number], &accuracy).unwrap();
+        source.place_m = Some(PLACES_M[number]);
+        source
+    };
+    let mut settings = Settings::default();
+    settings.registration.gross = gross;
+    settings.with_sources((0..radars).map(source).collect()).unwrap()
+}
+
+/// Lets an engine take the reports in the order in which they came; a clock that is far off is marked, as adapters do.
+fn run(settings: Settings, reports: &[(i64, SensorTrack)], sink: &mut impl Sink) -> Engine {
+    let mut engine = Engine::new(settings).unwrap();
+    for (came_ns, report) in reports {
+        let mut report = *report;
+        if (report.time_of_measurement_ns - came_ns).abs() > 5 * S {
+            report.valid |= sensor_track_bits::WILD_CLOCK;
+        }
+        engine.take_at(&report, *came_ns, sink);
+    }
+    engine
+}
+
+fn nobody() -> impl Sink {
+    |_: &SystemTrack| {}
+}
+
+fn is_near(error: GrossError, case: Case) -> bool {
+    error.kind == case.kind && (error.value[0] - case.value).abs() < 0.1 * case.value
+}
+
+#[test]
+fn of_three_radars_the_one_that_is_off_is_told_and_put_right_where_that_is_wanted() {
+    for (seed, case) in (1..).zip(CASES) {
+        let reports = reports(seed, 3, ENOUGH_S, Some(case));
+        for gross in [false, true] {
+            let engine = run(settings(3, gross), &reports, &mut nobody());
+            let error = engine.gross_error(ERRING as u16).expect("an error is told");
+            assert!(is_near(error, case), "{error}");
+            assert_eq!((error.is_certain, error.is_removed), (true, gross), "{error}");
+            for other in [0, 2] {
+                assert_eq!(engine.gross_error(other), None, "{error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn of_two_radars_nobody_knows_which_is_off_and_nothing_is_taken_off() {
+    for (seed, case) in (11..).zip(CASES) {
+        let reports = reports(seed, 2, ENOUGH_S, Some(case));
+        let engine = run(settings(2, true), &reports, &mut nobody());
+        let told: Vec<GrossError> = (0..2).filter_map(|source| engine.gross_error(source)).collect();
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(!told[0].is_certain && !told[0].is_removed, "{told:?}");
+        // It may be that the other one is off the other way.
+        let of_erring = engine.gross_error(ERRING as u16).is_some();
+        let sign = if of_erring { 1.0 } else { -1.0 };
+        let as_told = Case {
+            value: case.value,
+            ..case
+        };
+        let turned = GrossError {
+            value: told[0].value.map(|part| sign * part),
+            ..told[0]
+        };
+        assert!(is_near(turned, as_told), "{told:?}");
+    }
+}
+
+#[test]
+fn a_reference_source_says_which_of_two_is_off() {
+    for (seed, case) in (21..).zip(CASES) {
+        let reports = reports(seed, 2, ENOUGH_S, Some(case));
+        let mut settings = settings(2, true);
+        settings.registration.reference_source = Some(0.into());
+        let engine = run(settings, &reports, &mut nobody());
+        let error = engine.gross_error(ERRING as u16).expect("an error is told");
+        assert!(is_near(error, case) && error.is_removed, "{error}");
+    }
+}
+
+#[test]
+fn sound_radars_have_no_gross_errors() {
+    for seed in 31..35 {
+        for radars in [2, 3] {
+            let engine = run(
+                settings(radars, true),
+                &reports(seed, radars, 90.0, None),
+                &mut nobody(),
+            );
+            for source in 0..radars as u16 {
+                assert_eq!(engine.gross_error(source), None);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_taken_off_lets_the_tracks_join() {
+    // Half a degree is little enough for registration to come by some tracks.
+    for (seed, case) in (42..).zip(&CASES[1..]) {
+        let case = *case;
+        let reports = reports(seed, 3, 120.0, Some(case));
+        let end_ns = reports.last().unwrap().0;
+        let together = |gross: bool| {
+            let mut with = 0;
+            run(settings(3, gross), &reports, &mut |track: &SystemTrack| {
+                let late = track.reference_time_ns > end_ns - 20 * S;
+                let sources = track.contributions().iter().map(|contribution| contribution.source);
+                let erring = sources.clone().any(|source| usize::from(source) == ERRING);
+                with += u32::from(late && erring && sources.count() > 1);
+            });
+            with
+        };
+        let (without, with) = (together(false), together(true));
+        assert!(with > 100 && with > 2 * without, "{:?} {without} {with}", case.kind);
+    }
+}
