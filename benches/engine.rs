@@ -33,6 +33,8 @@ fn settings(targets: usize) -> Settings {
         },
         adjustment: 1.0,
         priority: u32::from(number),
+        shares: Vec::new(),
+        independent_of: Vec::new(),
         ceiling_m: f64::INFINITY,
         coverage: None,
         place_m: None,

@@ -1,11 +1,11 @@
 //! Global alignment: gross errors of a source, found from tracks that did not join.
 //!
-//! Registration learns from tracks that were joined. A radar that is half a degree off shows a target at 100 km nearly a
-//! kilometre aside: nothing joins, nothing is learned, and every target is shown twice. But all of its tracks are off in
-//! the same way. So for every two sources this asks which error of one, an azimuth, a range, a time or a place, brings
-//! the most of its tracks onto tracks of the other. Each pair of tracks that move alike implies one value of each kind;
-//! of pairs that are not of one target these values lie anywhere, of those that are they pile up (a generalised Hough
-//! transform). The fullest bin of each kind's histogram is refined and then tried on all tracks.
+//! Registration learns from tracks that were joined. A radar that is half a degree off shows a target at 100 km nearly
+//! a kilometre aside: nothing joins, nothing is learned, and every target is shown twice. But all of its tracks are off
+//! in the same way. So for every two sources this asks which error of one, an azimuth, a range, a time or a place,
+//! brings the most of its tracks onto tracks of the other. Each pair of tracks that move alike implies one value of
+//! each kind; of pairs that are not of one target these values lie anywhere, of those that are they pile up (a
+//! generalised Hough transform). The fullest bin of each kind's histogram is refined and then tried on all tracks.
 //!
 //! Reports are collected for a while, of targets in a part of the area that holds as many as can be compared; then the
 //! sources are compared two by two, a bounded number of pairs of tracks with each report. An error is believed when a
@@ -35,7 +35,8 @@ const WIDER: f64 = 1.5;
 /// Periods of the slowest source, up to which time in all, for which reports are collected, seconds.
 const COLLECT_PERIODS: f64 = 1.3;
 const COLLECT_S: [f64; 2] = [4.0, 15.0];
-/// Pause before the next collection where all sources agreed, where some did not, and where an error was found, seconds.
+/// Pause before the next collection where all sources agreed, where some did not, and where an error was found,
+/// seconds.
 const PAUSE_S: [f64; 3] = [15.0, 3.0, 0.0];
 /// Speed below which a track says too little, metres per second.
 const SPEED_MIN_MPS: f64 = 5.0;
@@ -48,8 +49,8 @@ const ACCELERATION_MPS2: f64 = 2.0;
 const HEIGHT_GATE_M: f64 = 400.0;
 /// Chi-square with four degrees of freedom beyond which two tracks are not of one target.
 const GATE: f64 = 20.0;
-/// Share of the tracks that must fit as they are for two sources to agree; share of them that an error must explain, and
-/// how much of that it must gain over no error.
+/// Share of the tracks that must fit as they are for two sources to agree; share of them that an error must explain,
+/// and how much of that it must gain over no error.
 const AGREES: f64 = 0.6;
 const EXPLAINS: f64 = 0.4;
 const GAINS: f64 = 0.35;

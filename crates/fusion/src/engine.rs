@@ -10,6 +10,7 @@ use messages::{Counter, DecisionKind, GrossError, NS_PER_S, SensorTrack, TrackSt
 use settings::SettingsError;
 
 use crate::association_step::Search;
+use crate::dependence::Dependence;
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
 use crate::inlet;
@@ -77,6 +78,7 @@ impl Engine {
                     looks_back,
                 ),
                 Lifetimes::new(&settings),
+                Dependence::new(&settings),
             ),
             sources: Sources::new(&settings),
             points: ReferencePoints::default(),
@@ -229,6 +231,7 @@ impl Engine {
             self.miss(report, sink);
             return;
         }
+        self.tracks.dependence.learn(report);
         // Looked up early, so that the cache miss overlaps with the checks that follow.
         let known = self.tracks.sensors.find(report.source, report.track_number);
         let known = self.without_outdated(report, known, sink);

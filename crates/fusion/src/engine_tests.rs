@@ -1,6 +1,7 @@
 //! The engine as its caller sees it.
 
 mod bad_input;
+mod dependent_sources;
 mod hostile_sources;
 mod passing_time;
 mod resumption;

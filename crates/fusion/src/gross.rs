@@ -88,8 +88,8 @@ impl Sigma {
     }
 }
 
-/// A report without a gross error of its source, at `now_ns`. A time that has been put right may be that of the present;
-/// where reports come in the order of their claimed times, it is not, and the target is carried there instead.
+/// A report without a gross error of its source, at `now_ns`. A time that has been put right may be that of the
+/// present; where reports come in the order of their claimed times, it is not, and the target is carried there instead.
 #[cold]
 pub(crate) fn corrected(
     report: &SensorTrack,

@@ -19,6 +19,7 @@ mod accuracy;
 mod alignment;
 mod association_step;
 pub mod checkpoint;
+mod dependence;
 mod description;
 mod engine;
 mod engine_counters;

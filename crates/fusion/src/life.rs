@@ -91,11 +91,15 @@ impl Life {
         }
         let entry = tracks.systems.get(system);
         let (filter, age_ns) = (&entry.filter, now_ns - entry.first_seen.0);
+        let groups = |bits: u64, source: u16| bits | 1 << tracks.dependence.group_of(source);
+        let heard = (0..settings.sources.len() as u16)
+            .filter(|source| sources & (1 << source) != 0)
+            .fold(0, groups);
         let (mut silence, mut had_their_chance) = (0.0, true);
         for (index, source) in settings.sources.iter().enumerate() {
             // What is higher than a source can see says nothing about it.
             let may_see = !filter.has_height || filter.estimate.mean[2] <= source.ceiling_m;
-            if sources & (1 << index) == 0 && may_see {
+            if groups(0, index as u16) & heard == 0 && may_see {
                 let follows = self.coverage.follows(index as u16, filter.estimate.position_m());
                 silence += (1.0 - follows).ln();
                 had_their_chance &= follows < FOLLOWS_SELDOM || age_ns >= CHANCE_PERIODS * source.period_ns;

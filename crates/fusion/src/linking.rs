@@ -8,9 +8,12 @@
 
 use messages::{Counter, Decision, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
 
+use estimation::{ComparedComponents, statistical_distance};
+
 use crate::association_step::Search;
 use crate::explanation::Sink;
 use crate::filter::Filter;
+use crate::measurement::gaussian_of;
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, NO_SYSTEM, Role, SensorSlot};
 use crate::settings::Settings;
@@ -172,13 +175,25 @@ impl Linking<'_> {
         split
     }
 
-    /// Whether a second track of one source has left the target's extent, several reports in a row.
+    /// Whether a second track of one source has left the target's extent, or one of a dependent source the target,
+    /// several reports in a row.
     fn part_has_split(&mut self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let filter = &self.tracks.systems.get(entry.system).filter;
         let estimate = filter.at(entry.latest.time_of_measurement_ns, self.sources.turns_of(filter));
         let apart = |axis: usize| entry.latest.position_m[axis] - estimate.mean[axis];
-        let outside = apart(0).hypot(apart(1)) > 2.0 * self.settings.association.target_extent_m;
+        let now_ns = entry.latest.time_of_measurement_ns;
+        let is_part = self
+            .tracks
+            .primary_of(entry.system, entry.source, sensor, now_ns)
+            .is_some();
+        let outside = if is_part {
+            apart(0).hypot(apart(1)) > 2.0 * self.settings.association.target_extent_m
+        } else {
+            let own = gaussian_of(&entry.latest);
+            let d2 = statistical_distance(&own, &estimate, ComparedComponents::HorizontalPosition);
+            d2 > self.settings.association.keep_gate
+        };
         self.misfits(sensor, outside)
     }
 

@@ -206,6 +206,10 @@ settings::settings! {
         priority: Option<u32> = None, usually "its place";
         /// Height above the system origin beyond which this source cannot see targets.
         ceiling_m: Option<f64> = None;
+        /// Names of sources whose measurements are in its tracks too: together they count once.
+        shares: Vec<SourceRef> = Vec::new();
+        /// Names of sources that are never taken for the same, however alike their reports are.
+        independent_of: Vec<SourceRef> = Vec::new();
         /// Sensor accuracy (TI-7).
         accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
         /// Where it sees.
@@ -395,6 +399,10 @@ pub struct SourceSettings {
     pub adjustment: f64,
     /// Priority for ties, smaller first (TI-11).
     pub priority: u32,
+    /// Sources whose measurements are in its tracks too.
+    pub shares: Vec<SourceRef>,
+    /// Sources that are never taken for the same as this one.
+    pub independent_of: Vec<SourceRef>,
     /// Height above the system origin beyond which it cannot see targets, metres.
     pub ceiling_m: f64,
     /// Where it sees; `None`: learned from its reports.
@@ -453,6 +461,8 @@ impl SourceSettings {
             accuracy: accuracy.at(place_m),
             adjustment: accuracy.adjustment,
             priority: weighing.priority.unwrap_or(priority),
+            shares: weighing.shares.clone(),
+            independent_of: weighing.independent_of.clone(),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
             coverage: weighing.coverage.as_ref().map(|coverage| coverage.at(place_m)),
             place_m: None,
@@ -710,7 +720,7 @@ impl Settings {
     ///
     /// # Errors
     /// A key, beginning with that of a table of `[fusion]`, whose source there is not.
-    pub fn with_sources(mut self, sources: Vec<SourceSettings>) -> Result<Self, SettingsError> {
+    pub fn with_sources(mut self, mut sources: Vec<SourceSettings>) -> Result<Self, SettingsError> {
         let rule = &mut self.rule;
         let mut named = vec![(
             "registration.reference_source".to_owned(),
@@ -731,17 +741,25 @@ impl Settings {
             let key = format!("rule.mosaic.cell[{index}].sources");
             named.extend(cell.sources.iter_mut().map(|source| (key.clone(), Some(source))));
         }
+        let names: Vec<String> = sources.iter().map(|source| source.name.clone()).collect();
+        for source in &mut sources {
+            for (key, others) in [
+                ("shares", &mut source.shares),
+                ("independent_of", &mut source.independent_of),
+            ] {
+                named.extend(others.iter_mut().map(|other| (key.to_owned(), Some(other))));
+            }
+        }
         for (key, source) in named {
             let Some(source) = source.filter(|source| !source.name.is_empty()) else {
                 continue;
             };
-            let number = sources.iter().position(|other| other.name == source.name);
+            let number = names.iter().position(|other| *other == source.name);
             source.number = number.ok_or_else(|| {
-                let known: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
                 let what = format!(
                     "there is no source named \"{}\"; there are: {}",
                     source.name,
-                    known.join(", ")
+                    names.join(", ")
                 );
                 SettingsError::new(key, what)
             })? as u16;

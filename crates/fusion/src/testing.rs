@@ -20,6 +20,8 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         },
         adjustment: 1.0,
         priority: index as u32,
+        shares: Vec::new(),
+        independent_of: Vec::new(),
         ceiling_m: f64::INFINITY,
         coverage: None,
         place_m: None,

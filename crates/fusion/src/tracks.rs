@@ -6,6 +6,7 @@ use messages::{Decision, DecisionKind, TrackState};
 
 use crate::checkpoint::kept::kept;
 use crate::checkpoint::{Checkpoint, Kind};
+use crate::dependence::Dependence;
 use crate::filter::Filter;
 use crate::lifetimes::Lifetimes;
 use crate::number_hasher::NumberHasher;
@@ -18,6 +19,7 @@ pub(crate) struct Tracks {
     pub(crate) sensors: SensorTracks,
     pub(crate) systems: SystemTracks,
     pub(crate) lifetimes: Lifetimes,
+    pub(crate) dependence: Dependence,
     /// Where what must outlive the process is written.
     pub(crate) checkpoint: Option<Checkpoint>,
     /// Members from before the start.
@@ -47,11 +49,17 @@ kept!(Member {
 type Remembered = HashMap<(u16, u32), (SystemSlot, u32, usize), NumberHasher>;
 
 impl Tracks {
-    pub(crate) fn new(sensors: SensorTracks, systems: SystemTracks, lifetimes: Lifetimes) -> Self {
+    pub(crate) fn new(
+        sensors: SensorTracks,
+        systems: SystemTracks,
+        lifetimes: Lifetimes,
+        dependence: Dependence,
+    ) -> Self {
         Self {
             sensors,
             systems,
             lifetimes,
+            dependence,
             checkpoint: None,
             remembered: HashMap::with_hasher(NumberHasher::new(0)),
         }
@@ -241,12 +249,24 @@ impl Tracks {
         self.keep_member(sensor);
     }
 
-    /// Makes a sensor track the primary one of its source, if there is no other one that is fresh: one speaks for a
-    /// source, and goes on doing so while it is fresh.
+    /// Makes a sensor track the primary one of its source, and of those that it depends on, if there is no other one
+    /// that is fresh: one speaks for a source, and goes on doing so while it is fresh.
     pub(crate) fn assign_role(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         let (system, source, now_ns) = (entry.system, entry.source, entry.time_ns);
-        if entry.role == Role::Primary || self.primary_of(system, source, sensor, now_ns).is_some() {
+        let group = self.dependence.group_of(source);
+        let of_group = |member: &SensorSlot| {
+            *member != sensor && self.dependence.group_of(self.sensors.get(*member).source) == group
+        };
+        let other = self.contributing(system, now_ns).find(of_group);
+        if entry.role == Role::Primary {
+            // Two that have been found to depend on each other: the first source speaks from now on.
+            if other.is_some_and(|other| self.sensors.get(other).source < source) {
+                self.sensors.get_mut(sensor).role = Role::Duplicate;
+            }
+            return;
+        }
+        if other.is_some() {
             return;
         }
         self.for_members(system, |member| {

@@ -29,6 +29,8 @@ fn settings() -> Settings {
         },
         adjustment: 1.0,
         priority: 0,
+        shares: Vec::new(),
+        independent_of: Vec::new(),
         ceiling_m: f64::INFINITY,
         coverage: None,
         place_m: None,
