@@ -1,13 +1,19 @@
 //! The recording of all topics of a running deployment, through kills of the recorder.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
-use ::recording::{Survey, TopicSurvey};
+use ::recording::{Item, RecordingError, Survey, TopicSurvey};
+use bus::{Bus, SharedMemory};
 use formats::rows::Utc;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use rustix::process::Signal;
 
-use crate::common::home::{Home, kill, until};
+use crate::common::{Home, kill, repository, until};
 
 const SETTINGS: [&str; 6] = [
     "--set",
@@ -133,6 +139,172 @@ fn a_recording_of_several_files_is_merged_and_cut() {
     assert_eq!(counts(&halves), [("system/tracks".to_owned(), tracks.samples, 0)]);
     let output = home.run(&["recording", "cut", "one/all.mcap", "--out", "one/all.mcap"]);
     assert_eq!(output.status.code(), Some(2));
+}
+
+/// A full disk costs samples of the recording, and nothing else. Needs a namespace of its own for a small disk.
+#[test]
+fn a_full_disk_costs_samples_which_are_counted_and_the_recording_goes_on() {
+    const DISK: &str = "mkdir disk && mount -t tmpfs -o size=3m tmpfs disk && head -c 2500000 /dev/zero > disk/other";
+    let home = Home::new();
+    let can = home.command(&[]);
+    let executable = can.get_program().to_owned();
+    let mut command = Command::new("unshare");
+    command.args(["--map-root-user", "--mount", "sh", "-c"]);
+    command.arg(format!("{DISK} && exec \"$0\" \"$@\""));
+    command.arg(executable);
+    command.args([
+        "demo",
+        "--set",
+        "recorder.enabled=true",
+        "--set",
+        "recorder.format=[\"mcap\"]",
+        "--out",
+        "disk/out",
+    ]);
+    command.envs(can.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    command.current_dir(home.path("."));
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    let probe = ["--map-root-user", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/mnt"];
+    if !Command::new("unshare")
+        .args(probe)
+        .status()
+        .is_ok_and(|status| status.success())
+    {
+        eprintln!("not tried: this machine gives nobody a namespace");
+        return;
+    }
+    let running = home.start_command(&mut command);
+    running.until_said("cannot be written");
+    let disk = Path::new("/proc").join(running.pid().to_string()).join("root");
+    let disk = disk.join(home.path("disk").strip_prefix("/").unwrap());
+    std::fs::remove_file(disk.join("other")).unwrap();
+    let folder = disk.join("out/latest");
+    until("it writes again", || {
+        let files = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+        let latest = files
+            .filter(|path| path.extension().is_some_and(|ending| ending == "mcap"))
+            .max();
+        latest.is_some_and(|path| !path.ends_with("all_topics_000001.mcap") && path.metadata().unwrap().len() > 100_000)
+    });
+    let (survey, _) = survey(&folder);
+    let tracks = &survey.topics["system/tracks"];
+    assert!(tracks.samples > 0 && tracks.tally.lost > 0, "{tracks:?}");
+    let (status, said) = running.stop();
+    assert_eq!(said.matches("cannot be written (").count(), 1, "{said}");
+    assert_eq!(status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("could not be written") && said.contains("it lacks"),
+        "{said}"
+    );
+}
+
+/// Kills recorders at random moments: each file opens, and of each publisher as many samples are counted as lost as are
+/// not in the files.
+#[test]
+#[ignore = "takes three minutes: run it by its name"]
+fn two_hundred_kills_of_the_recorder() {
+    kill_recorders(200);
+}
+
+#[test]
+fn losses_are_counted_through_kills_of_the_recorder() {
+    kill_recorders(5);
+}
+
+fn kill_recorders(kills: usize) {
+    const ALL: [&str; 4] = ["--set", "recorder.format=[\"mcap\"]", "--set", "recorder.flush_s=0.1"];
+    let home = Home::new();
+    let demo = home.demo_with(&[&ALL[..], &["--set", "recorder.enabled=false"]].concat());
+    let bus: Bus<SharedMemory> = Bus::open(&home.root("demo"), "test").unwrap();
+    // Not the launcher's, which would wait longer and longer before the next one.
+    let serve = [
+        "recorder",
+        "--config",
+        "demo.toml",
+        "--instance",
+        "demo",
+        "--out",
+        "out",
+        "--scenario-start",
+        "0",
+    ];
+    std::fs::copy(repository("config/demo.toml"), home.path("demo.toml")).unwrap();
+    let start = || {
+        home.command(&[&serve[..], &ALL].concat())
+            .stderr(Stdio::inherit())
+            .spawn()
+            .unwrap()
+    };
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let file = |number: usize| home.path(&format!("out/all_topics_{number:06}.mcap"));
+    for number in 1..=kills {
+        let mut recorder = start();
+        until("it has begun", || file(number).exists());
+        std::thread::sleep(Duration::from_micros(random.random_range(0..400_000)));
+        recorder.kill().unwrap();
+        recorder.wait().unwrap();
+        bus.remove_dead();
+    }
+    let mut last = start();
+    until("the last one writes", || {
+        std::fs::metadata(file(kills + 1)).is_ok_and(|file| file.len() > 200_000)
+    });
+    kill(last.id(), Signal::TERM);
+    assert!(last.wait().unwrap().success());
+    let (survey, files) = survey(&home.path("out"));
+    // Of a recorder that was killed before it had said anything there is no file.
+    assert!(survey.torn == 0 && files > 1 && files <= kills + 1, "{files}");
+    let since_ns: u64 = survey.facts["since_ns"].parse().unwrap();
+    let (mut all, mut counted) = (0, 0);
+    for (name, (heard, published)) in heard(&home.path("out")) {
+        // Of a publisher that was there before the recording, this begins with the first sample that came.
+        let begin = |(incarnation, (first, _)): (&u64, &(u64, u64))| if *incarnation < since_ns { *first } else { 0 };
+        let begins: u64 = published.iter().map(begin).sum();
+        let missing = published.values().map(|(_, next)| next).sum::<u64>() - begins - heard;
+        assert_eq!(survey.topics[&name].tally.lost, missing, "{name}");
+        all += heard;
+        counted += missing;
+    }
+    assert!(all > 50 * kills as u64 && counted > 0, "{all} {counted}");
+    println!("{kills} kills: {all} samples in {files} files that open, {counted} lost and counted");
+    demo.stop();
+}
+
+/// Samples of each topic of data in the files, and the first and the next sequence number of each of its publishers.
+type Heard = BTreeMap<String, (u64, BTreeMap<u64, (u64, u64)>)>;
+
+fn heard(folder: &Path) -> Heard {
+    let mut heard = Heard::new();
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<_> = entries
+        .filter(|path| path.extension().is_some_and(|ending| ending == "mcap"))
+        .collect();
+    files.sort();
+    for file in files {
+        let mut publisher = 0;
+        let visit = |item: Item<'_>| {
+            match item {
+                Item::Slice { topic, header, .. } if topic.contains("/tracks") => {
+                    publisher = header.incarnation;
+                    let (_, publishers) = heard.entry(topic.to_owned()).or_default();
+                    let (_, next) = publishers.entry(publisher).or_insert((header.first_sequence, 0));
+                    *next = header.first_sequence;
+                }
+                Item::Sample { topic, .. } if topic.contains("/tracks") => {
+                    let (samples, publishers) = heard.get_mut(topic).unwrap();
+                    *samples += 1;
+                    publishers.get_mut(&publisher).unwrap().1 += 1;
+                }
+                _ => {}
+            }
+            Ok::<_, RecordingError>(())
+        };
+        ::recording::read(&mut File::open(file).unwrap(), visit).unwrap();
+    }
+    heard
 }
 
 fn succeed(home: &Home, arguments: &[&str]) -> String {

@@ -110,20 +110,17 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         receivers,
         gateways,
         scenario,
-        recording: check_recording(&raw.recorder, first_day_ns.is_some())?,
+        recording: check_recording(&raw.recorder)?,
         recorder: raw.recorder.enabled,
         watchdog: Duration::from_secs_f64(raw.launcher.watchdog_s),
     })
 }
 
-fn check_recording(raw: &RecorderTable, replays: bool) -> Checked<Recording> {
+fn check_recording(raw: &RecorderTable) -> Checked<Recording> {
     let has = |word| raw.format.contains(&word);
     let csv = has(RecordWord::Csv);
-    if raw.format.is_empty() || (replays && !csv) {
-        let why = match replays {
-            true => "recorded inputs wait for their rows to be written: add \"csv\"",
-            false => "nothing would be written: name \"csv\" or \"mcap\", or say enabled = false",
-        };
+    if raw.format.is_empty() {
+        let why = "nothing would be written: name \"csv\" or \"mcap\", or say enabled = false";
         return Err(SettingsError::new("recorder.format", why));
     }
     let segments = || Segments {

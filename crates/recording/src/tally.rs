@@ -80,6 +80,19 @@ impl Tally {
         self.next.get(&incarnation).copied().unwrap_or(0)
     }
 
+    /// Takes note that a publisher had sent all samples below this number: those that have not come are lost.
+    pub fn catch_up(&mut self, incarnation: u64, next_sequence: u64) {
+        let header = BatchHeader {
+            incarnation,
+            first_sequence: next_sequence,
+            ..BatchHeader::default()
+        };
+        // Of one that was there before the recording, and was never heard, nothing is missed.
+        if incarnation >= self.since_ns || self.next.contains_key(&incarnation) {
+            self.slice(&header, 0);
+        }
+    }
+
     /// Publishers that were heard.
     pub fn publishers(&self) -> usize {
         self.next.len()
@@ -123,6 +136,10 @@ mod tests {
         after.slice(&header(99, 14), 1);
         after.slice(&header(99, 10), 2);
         assert_eq!((after.lost, after.publishers()), (7, 2));
+        after.catch_up(99, 17);
+        after.catch_up(98, 1_000);
+        after.catch_up(101, 2);
+        assert_eq!((after.lost, after.publishers()), (11, 3));
         let mut talk = Tally::since("health", 0);
         talk.slice(&header(1, 22), 1);
         assert_eq!(talk.lost, 0);

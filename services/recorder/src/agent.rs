@@ -6,11 +6,11 @@ use std::time::Duration;
 use anyhow::Context as _;
 use bus::{Bus, Transport, WaitMode, Waiter};
 use configuration::Config;
-use messages::{Counter, ProcessKind, Stream, StreamId};
+use messages::{BatchHeader, Counter, ProcessKind, Stream, StreamId};
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
-use crate::all_topics::AllTopics;
+use crate::all_topics::{AllTopics, Done};
 use crate::recovery;
 use crate::topic_file::{self, Place, StreamFile};
 
@@ -36,7 +36,9 @@ pub struct RecorderAgent<S: Transport> {
     files: Vec<Box<dyn StreamFile>>,
     all_topics: Option<AllTopics<S>>,
     waiter: Waiter<S>,
-    /// Recordings: says how far the recorder has got with each of `files`, in their order, so that nothing is lost.
+    /// Streams of the deployment, in their order, and whether each has ended.
+    streams: Vec<(StreamId, bool)>,
+    /// Recordings: says how far the recorder has got with each of the streams, so that nothing is lost.
     reached: Option<Reached<S>>,
 }
 
@@ -69,9 +71,13 @@ impl<S: Transport> RecorderAgent<S> {
         let streams: Vec<_> = config.streams().filter(|_| csv).collect();
         let open = |(id, name): &(StreamId, &str)| topic_file::open(&mut place, *id, name);
         let files = streams.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        let begins: Vec<_> = files.iter().map(|file| (file.id(), file.next_sequence())).collect();
+        let mut begins: Vec<_> = config.streams().map(|(id, _)| (id, 0)).collect();
+        for ((_, begin), file) in begins.iter_mut().zip(&files) {
+            *begin = file.next_sequence();
+        }
         let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &begins);
         Ok(Self {
+            streams: begins.iter().map(|(id, _)| (*id, false)).collect(),
             files,
             all_topics,
             waiter,
@@ -81,14 +87,28 @@ impl<S: Transport> RecorderAgent<S> {
 
     /// Writes what has arrived; whether there was anything.
     fn write_arrived(&mut self, now: Now) -> anyhow::Result<bool> {
-        let all_topics = self.all_topics.as_mut();
-        let mut worked = all_topics.map_or(Ok(false), |topics| topics.turn(now))?;
-        for (index, file) in self.files.iter_mut().enumerate() {
-            worked |= file.write_arrived(&mut |header, next_sequence| {
-                if let Some(reached) = &mut self.reached {
-                    reached.done(index, header, next_sequence);
-                }
-            })?;
+        let Self {
+            files,
+            all_topics,
+            streams,
+            reached,
+            ..
+        } = self;
+        let mut done = |index: usize, header: &BatchHeader, next_sequence: u64| {
+            if let Some(reached) = reached {
+                reached.done(index, header, next_sequence);
+            }
+            streams[index].1 |= header.flags & BatchHeader::END != 0;
+        };
+        let mut worked = false;
+        if let Some(all_topics) = all_topics {
+            // With rows it is these that are waited for.
+            let mut nothing = |_: usize, _: &BatchHeader, _: u64| {};
+            let heard: &mut Done<'_> = if files.is_empty() { &mut done } else { &mut nothing };
+            worked |= all_topics.turn(now, heard)?;
+        }
+        for (index, file) in files.iter_mut().enumerate() {
+            worked |= file.write_arrived(&mut |header, next_sequence| done(index, header, next_sequence))?;
         }
         Ok(worked)
     }
@@ -96,9 +116,8 @@ impl<S: Transport> RecorderAgent<S> {
     /// Whether everything that a replay repeats, and what fusion makes of it, is there.
     fn all_ended(&self) -> bool {
         let ends = |stream: Stream| stream.is_replayed() || stream == Stream::SystemTracks;
-        // Without rows nothing is repeated: the configuration says so.
-        let mut ending = self.files.iter().filter(|file| ends(file.id().stream));
-        !self.files.is_empty() && ending.all(|file| file.has_ended())
+        let mut ending = self.streams.iter().filter(|(id, _)| ends(id.stream));
+        ending.all(|(_, ended)| *ended)
     }
 }
 

@@ -2,14 +2,15 @@
 
 use std::fmt::Debug;
 
-use bus::{Bus, LogReader, Payload, Subscriber, Transport, Waiter};
+use bus::{Bus, LogReader, Payload, PublisherLine, Subscriber, Transport, Waiter};
 use configuration::{Config, Segments as Settings};
 use messages::layout::Layout;
-use messages::{BatchHeader, Stream, Streamed as _, Topic};
+use messages::{BatchHeader, Stream, Streamed, Topic};
 use recording::Facts;
 use runtime::Now;
 
 use crate::agent::Start;
+use crate::recorded::{ForSamples, Recorded, for_samples};
 use crate::segments::{SegmentCounts, Segments};
 
 /// Slices taken from one topic before the next one's turn.
@@ -19,20 +20,48 @@ const SLICES_PER_TOPIC: usize = 64;
 #[derive(Debug)]
 pub(crate) struct AllTopics<S: Transport> {
     topics: Vec<Box<dyn Taken<S>>>,
+    /// Last words of publishers before their topics were opened, with the topics' places.
+    lines: Vec<(usize, PublisherLine)>,
+    /// When it began, monotonic, nanoseconds; what was sent before has come a while after that.
+    since_ns: i64,
     segments: Segments,
 }
+
+/// Hears of each slice of the stream at a place of [`Config::streams`], and of the number of the sample after it.
+pub(crate) type Done<'d> = dyn FnMut(usize, &BatchHeader, u64) + 'd;
+
+/// Time after which everything that waited at the start has been taken, nanoseconds.
+const CATCH_UP_NS: i64 = 500_000_000;
 
 /// A topic of whatever samples.
 trait Taken<S: Transport>: Debug {
     /// Hands what has arrived to the file; whether there was anything.
-    fn take(&mut self, place: usize, segments: &mut Segments, now: Now) -> anyhow::Result<bool>;
+    fn take(&mut self, place: usize, segments: &mut Segments, now: Now, done: &mut Done<'_>) -> anyhow::Result<bool>;
 
     /// Whether something has arrived.
     fn has_slices(&self) -> bool;
 }
 
+/// The topic of a stream.
+#[derive(Debug)]
+struct OfStream<S: Transport, T: Payload>(Subscriber<S, T>);
+
+impl<S: Transport, T: Payload + Streamed> Taken<S> for OfStream<S, T> {
+    fn take(&mut self, place: usize, segments: &mut Segments, now: Now, done: &mut Done<'_>) -> anyhow::Result<bool> {
+        let taken = self.0.take(SLICES_PER_TOPIC, |header, samples| {
+            segments.slice(place, header, T::octets(samples), now);
+            done(place, header, samples.last().map_or(0, |sample| sample.sequence() + 1));
+        })?;
+        Ok(taken > 0)
+    }
+
+    fn has_slices(&self) -> bool {
+        self.0.has_slices()
+    }
+}
+
 impl<S: Transport, T: Payload> Taken<S> for Subscriber<S, T> {
-    fn take(&mut self, place: usize, segments: &mut Segments, now: Now) -> anyhow::Result<bool> {
+    fn take(&mut self, place: usize, segments: &mut Segments, now: Now, _: &mut Done<'_>) -> anyhow::Result<bool> {
         let taken = Self::take(self, SLICES_PER_TOPIC, |header, samples| {
             segments.slice(place, header, T::octets(samples), now);
         })?;
@@ -45,7 +74,7 @@ impl<S: Transport, T: Payload> Taken<S> for Subscriber<S, T> {
 }
 
 impl<S: Transport, T: Payload> Taken<S> for LogReader<T> {
-    fn take(&mut self, place: usize, segments: &mut Segments, now: Now) -> anyhow::Result<bool> {
+    fn take(&mut self, place: usize, segments: &mut Segments, now: Now, _: &mut Done<'_>) -> anyhow::Result<bool> {
         let incarnation = self.created_ns();
         // After a restart from where the one before had come.
         self.go_on(segments.next_sequence(place, incarnation));
@@ -82,16 +111,31 @@ struct Opening<'a, S: Transport> {
     waiter: Option<&'a mut Waiter<S>>,
     topics: Vec<Box<dyn Taken<S>>>,
     names: Vec<(String, Layout)>,
+    lines: Vec<(usize, PublisherLine)>,
 }
 
 impl<S: Transport> Opening<'_, S> {
-    fn open<T: Payload>(&mut self, topic: &Topic<T>) -> anyhow::Result<()> {
+    fn subscribe<T: Payload>(&mut self, topic: &Topic<T>) -> anyhow::Result<Subscriber<S, T>> {
         if let Some(waiter) = &mut self.waiter {
             waiter.watch(self.bus, topic)?;
         }
-        self.topics
-            .push(Box::new(self.bus.subscriber(topic, || self.incarnation)?));
+        // Before: what is sent from now on arrives, or leaves a gap.
+        let place = self.topics.len();
+        let lines = self.bus.publisher_lines(topic)?;
+        self.lines.extend(lines.into_iter().map(|line| (place, line)));
         self.names.push((topic.name.as_str().to_owned(), T::LAYOUT));
+        Ok(self.bus.subscriber(topic, || self.incarnation)?)
+    }
+
+    fn open<T: Payload>(&mut self, topic: &Topic<T>) -> anyhow::Result<()> {
+        let subscriber = self.subscribe(topic)?;
+        self.topics.push(Box::new(subscriber));
+        Ok(())
+    }
+
+    fn open_of<T: Payload + Streamed>(&mut self, name: &str) -> anyhow::Result<()> {
+        let subscriber = self.subscribe(&T::topic(name))?;
+        self.topics.push(Box::new(OfStream(subscriber)));
         Ok(())
     }
 
@@ -102,17 +146,21 @@ impl<S: Transport> Opening<'_, S> {
     }
 
     fn open_stream(&mut self, stream: Stream, name: &str) -> anyhow::Result<()> {
-        match stream {
-            Stream::SensorTracks => self.open(&messages::SensorTrack::topic(name)),
-            Stream::Detections => self.open(&messages::SensorDetection::topic(name)),
-            Stream::Bearings => self.open(&messages::SensorBearing::topic(name)),
-            Stream::PlatformStates => self.open(&messages::PlatformState::topic(name)),
-            Stream::Cues => self.open(&messages::Cue::topic(name)),
-            Stream::WideArea => self.open(&messages::WideArea::topic(name)),
-            Stream::SystemTracks => self.open(&messages::SystemTrack::topic(name)),
-            Stream::Alarms => self.open(&messages::Alarm::topic(name)),
-            Stream::Decisions => self.open(&messages::Decision::topic(name)),
-        }
+        for_samples(stream, Naming { opening: self, name })
+    }
+}
+
+/// Opens the topic of a stream, whose source or sensor is called `name`.
+struct Naming<'o, 'a, 'n, S: Transport> {
+    opening: &'o mut Opening<'a, S>,
+    name: &'n str,
+}
+
+impl<S: Transport> ForSamples for Naming<'_, '_, '_, S> {
+    type Done = anyhow::Result<()>;
+
+    fn of<T: Recorded>(self, _: &str) -> Self::Done {
+        self.opening.open_of::<T>(self.name)
     }
 }
 
@@ -136,6 +184,7 @@ impl<S: Transport> AllTopics<S> {
             waiter,
             topics: Vec::new(),
             names: Vec::new(),
+            lines: Vec::new(),
         };
         for (id, name) in config.streams() {
             opening.open_stream(id.stream, name)?;
@@ -156,18 +205,26 @@ impl<S: Transport> AllTopics<S> {
             ("configuration".to_owned(), config.text.clone()),
         ]);
         // What was said before all of them were open is no loss.
-        let since_ns = Now::read().mono_ns as u64;
+        let since_ns = Now::read().mono_ns;
         Ok(Self {
             topics: opening.topics,
-            segments: Segments::new(start.folder, settings, facts, opening.names, since_ns)?,
+            lines: opening.lines,
+            since_ns,
+            segments: Segments::new(start.folder, settings, facts, opening.names, since_ns as u64)?,
         })
     }
 
     /// Hands what has arrived to the file, and does what else is due; whether there was anything.
-    pub(crate) fn turn(&mut self, now: Now) -> anyhow::Result<bool> {
+    pub(crate) fn turn(&mut self, now: Now, done: &mut Done<'_>) -> anyhow::Result<bool> {
         let mut worked = false;
         for (place, topic) in self.topics.iter_mut().enumerate() {
-            worked |= topic.take(place, &mut self.segments, now)?;
+            worked |= topic.take(place, &mut self.segments, now, done)?;
+        }
+        if now.mono_ns > self.since_ns + CATCH_UP_NS {
+            // What an earlier recorder died with, of publishers that have said nothing since.
+            for (place, line) in self.lines.drain(..) {
+                self.segments.catch_up(place, line.incarnation, line.next_sequence);
+            }
         }
         self.segments.tend(now);
         Ok(worked)

@@ -82,14 +82,25 @@ impl Segments {
         let mut earlier = Survey::default();
         let files = files(folder)?;
         let number = files.last().map_or(0, |(number, _)| *number);
-        if let Some((_, path)) = files.last() {
-            end(path)?;
-            earlier.add(&mut File::open(path)?)?;
+        for (_, path) in files.iter().rev() {
+            if recording::whole(&mut File::open(path)?)?.bytes > 0 {
+                end(path)?;
+                earlier.add(&mut File::open(path)?)?;
+            }
+            if !earlier.facts.is_empty() {
+                break;
+            }
+            // A recorder died before it had said anything: so the one before it knows how far the topics were.
+            std::fs::remove_file(path)?;
         }
         let topics = topics.into_iter().map(|(name, layout)| {
             let known = earlier.topics.get(&name).map(|topic| topic.tally.clone());
+            let told = || match earlier.facts.is_empty() {
+                true => Tally::since(&name, since_ns),
+                false => Tally::begin(&name, &earlier.facts),
+            };
             Topic {
-                tally: known.unwrap_or_else(|| Tally::since(&name, since_ns)),
+                tally: known.unwrap_or_else(told),
                 name,
                 layout,
                 gathered: 0,
@@ -117,15 +128,24 @@ impl Segments {
         self.counts
     }
 
+    /// Takes note that a publisher of the topic at this place of the list had sent all samples below this number.
+    pub(crate) fn catch_up(&mut self, topic: usize, incarnation: u64, next_sequence: u64) {
+        let tally = &mut self.topics[topic].tally;
+        let before = tally.lost;
+        tally.catch_up(incarnation, next_sequence);
+        self.counts.lost += tally.lost - before;
+    }
+
     /// Adds a slice of the topic at this place of the list, whose samples are `octets`.
     pub(crate) fn slice(&mut self, topic: usize, header: &BatchHeader, octets: &[u8], now: Now) {
+        // First: a file begins by saying how far the topics were before it.
+        self.open_if_due(now);
         let of = &mut self.topics[topic];
         let (count, before) = (octets.len() / of.layout.size, of.tally.lost);
         of.tally.slice(header, count);
         self.counts.samples += count as u64;
         self.counts.lost += of.tally.lost - before;
         self.topics[topic].gathered += count as u64;
-        self.open_if_due(now);
         let Some(open) = &mut self.open else {
             self.give_up_gathered();
             return;

@@ -56,9 +56,6 @@ pub(crate) trait StreamFile: Debug {
     /// Counts so far.
     fn counts(&self) -> FileCounts;
 
-    /// Whether the publisher has said that nothing follows.
-    fn has_ended(&self) -> bool;
-
     /// Number of the next sample of a replay; 0 for what is not numbered.
     fn next_sequence(&self) -> u64;
 }
@@ -90,7 +87,6 @@ pub(crate) struct TopicFile<S: Transport, T: Recorded> {
     missing_before: u64,
     rows: u64,
     progress_ns: i64,
-    ended: bool,
 }
 
 /// Opens the file of a stream, whose source or sensor is called `name`.
@@ -148,7 +144,6 @@ impl<S: Transport, T: Recorded> TopicFile<S, T> {
             numbering,
             rows: 0,
             progress_ns: i64::MIN,
-            ended: false,
         })
     }
 }
@@ -169,7 +164,6 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
             missing_before: _,
             rows,
             progress_ns,
-            ended,
         } = self;
         let mut written: io::Result<()> = Ok(());
         let taken = subscriber.take(SLICES_PER_TOPIC, |header, samples| {
@@ -191,7 +185,6 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
                     *rows += 1;
                 }
             }
-            *ended |= header.flags & BatchHeader::END != 0;
             done(header, numbering.as_ref().map_or(0, Numbering::next_sequence));
         })?;
         if taken > 0 {
@@ -216,10 +209,6 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
             rows: self.rows,
             progress_ns: self.progress_ns,
         }
-    }
-
-    fn has_ended(&self) -> bool {
-        self.ended
     }
 
     fn next_sequence(&self) -> u64 {

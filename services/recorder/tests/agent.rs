@@ -281,6 +281,21 @@ mod all_topics {
     }
 
     #[test]
+    fn recorded_inputs_need_no_rows() {
+        let mut bench = bench();
+        let out = bench.folder.path().join("out");
+        let mut recorder = recorder_of(&bench, &out, &["recorder.format=[\"mcap\"]"]);
+        bench.send(0..5, false);
+        assert!(matches!(recorder.turn(at(1.0)).unwrap(), Turn::Worked));
+        bench.send(5..9, true);
+        assert!(matches!(recorder.turn(at(1.1)).unwrap(), Turn::Worked));
+        while !matches!(recorder.turn(at(1.2)).unwrap(), Turn::Finished) {}
+        recorder.close(at(1.3)).unwrap();
+        assert_eq!(survey(&out).topics[TOPIC].samples, 9);
+        assert!(!out.join("system_tracks.csv").exists());
+    }
+
+    #[test]
     fn a_killed_recorder_costs_what_was_not_flushed_and_the_next_one_counts_it() {
         let mut bench = bench();
         let (out, after) = (bench.folder.path().join("out"), bench.folder.path().join("after"));
@@ -297,6 +312,7 @@ mod all_topics {
         left.extend([6, 1, 0, 0]);
         std::fs::write(after.join("all_topics_000001.mcap"), left).unwrap();
         drop(first);
+        std::fs::write(after.join("all_topics_000002.mcap"), [0x89, b'M']).unwrap();
         let mut second = recorder_of(&bench, &after, &[]);
         bench.send(9..11, false);
         second.turn(at(13.0)).unwrap();
