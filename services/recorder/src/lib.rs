@@ -13,6 +13,10 @@
 //! With `format = ["csv", "mcap"]` every topic, talk between processes too, goes to the bit into
 //! `all_topics_<number>.mcap` (see the crate `recording`), with the times of taking and sending, configuration and
 //! version.
+//!
+//! A disk that is full stops the recording of all topics, with one message and a count, until there is room; the
+//! process then ends with an error when it is stopped. Rows cannot be left out: the recorder that writes them ends, and
+//! its successor goes on after the last whole one.
 
 #![forbid(unsafe_code)]
 
