@@ -13,6 +13,7 @@ use reception::{Limits, SourceModel};
 use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
+use super::check_display::check_display;
 use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
 use super::tables::{
@@ -112,6 +113,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         scenario,
         recording: check_recording(&raw.recorder)?,
         recorder: raw.recorder.enabled,
+        display: check_display(&raw.display)?,
         watchdog: Duration::from_secs_f64(raw.launcher.watchdog_s),
     })
 }

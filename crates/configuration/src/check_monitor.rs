@@ -9,6 +9,7 @@ use telemetry::{Deadlines, Stage};
 use settings::SettingsError;
 
 use super::check::Checked;
+use super::check_display::hosts;
 use super::tables::{DeadlineTable, MonitorTable, MonitorWord};
 use super::{Fusion, Monitor, MonitorWait};
 
@@ -30,7 +31,7 @@ pub(super) fn check_monitor(raw: &MonitorTable, fusion: &Fusion) -> Checked<Moni
         wait,
         deadlines: deadlines(&raw.deadline_us, wait, fusion.deadline_ns)?,
         alarms: raw.alarms,
-        metrics_hosts: hosts(&raw.prometheus_hosts)?,
+        metrics_hosts: hosts("monitor.prometheus_hosts", &raw.prometheus_hosts)?,
         metrics: raw
             .prometheus
             .as_deref()
@@ -60,19 +61,6 @@ fn deadlines(raw: &DeadlineTable, wait: MonitorWait, fusion_ns: i64) -> Checked<
         deadlines = deadlines.with(stage, Some((given_us * 1e3) as u64));
     }
     Ok(deadlines)
-}
-
-/// Names by which metrics may be asked for, in small letters.
-fn hosts(names: &[String]) -> Checked<Vec<String>> {
-    let check = |name: &String| {
-        let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-' || letter == '.';
-        if name.is_empty() || !name.chars().all(allowed) {
-            let what = format!("\"{name}\" is no name of a machine; write it without a port, as in \"koseki.example\"");
-            return Err(SettingsError::new("monitor.prometheus_hosts", what));
-        }
-        Ok(name.to_ascii_lowercase())
-    };
-    names.iter().map(check).collect()
 }
 
 /// Where metrics are served.

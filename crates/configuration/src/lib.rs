@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod check_display;
 mod check_monitor;
 mod check_network;
 mod deployment;
@@ -82,6 +83,8 @@ pub struct Config {
     pub fusion: Fusion,
     /// The monitor process.
     pub monitor: Monitor,
+    /// The display process, if there is one.
+    pub display: Option<Display>,
     /// Whether a recorder runs.
     pub recorder: bool,
     /// Forms of the recording.
@@ -317,6 +320,25 @@ pub struct Monitor {
     pub metrics_hosts: Vec<String>,
     /// Limits beyond which alarms are raised.
     pub alarms: alarms::Limits,
+}
+
+/// The display process.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Display {
+    /// Where it is.
+    pub listen: SocketAddr,
+    /// How many ports after that one are tried where it is taken.
+    pub more_ports: u32,
+    /// Names by which it may be asked for, besides the machine's own for itself, in small letters.
+    pub hosts: Vec<String>,
+    /// Token that every browser has to show.
+    pub token: Option<String>,
+    /// Time for which the past is kept, seconds.
+    pub history_s: i64,
+    /// Most memory that it takes, octets.
+    pub history_octets: usize,
+    /// Files that are drawn under the tracks, relative to the data folder unless absolute.
+    pub overlays: Vec<PathBuf>,
 }
 
 /// How the monitor waits for system tracks.

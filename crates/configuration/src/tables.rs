@@ -42,6 +42,8 @@ settings::settings! {
         recorder: RecorderTable = RecorderTable::default();
         /// Memory of fusion that outlasts its process.
         checkpoint: CheckpointTable = CheckpointTable::default();
+        /// Display process.
+        display: DisplayTable = DisplayTable::default();
         /// The launcher, which starts and watches the others.
         launcher: LauncherTable = LauncherTable::default();
     }
@@ -367,6 +369,27 @@ settings::settings! {
         /// Age of the data: from the measurement to the subscriber, between the sensor's clock and this machine's
         /// (UTC).
         age: Option<f64> = None, in [0.1, LATENCY_MAX_US];
+    }
+
+    /// The display process.
+    pub struct DisplayTable {
+        /// Address and port where the picture is shown to browsers; nowhere: there is no display.
+        listen: Option<String> = None;
+        /// Ports after that one that are tried where it is taken.
+        more_ports: u32 = 0, in [0, 1000];
+        /// Allows an address that other machines can reach, without encryption: whoever listens on the way sees the
+        /// picture and the token. A proxy that ends TLS and asks the display on the loopback address is better.
+        insecure: bool = false;
+        /// Token that every browser has to show once, as `/?token=…`, on an address that others can reach.
+        token: Option<String> = None;
+        /// Names of this machine, besides its address and localhost, by which it is asked for.
+        hosts: Vec<String> = Vec::new(), usually "none";
+        /// Time for which the past of the picture is kept.
+        history_s: u32 = 600, in [0, 86_400];
+        /// Memory that the past may take, megabytes; the oldest is forgotten first.
+        history_mb: u32 = 256, in [1, 65_536];
+        /// Files of GeoJSON that are drawn under the tracks, relative to the data folder unless absolute.
+        overlays: Vec<String> = Vec::new(), usually "none";
     }
 
     /// The recorder process.

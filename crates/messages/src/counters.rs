@@ -211,15 +211,15 @@ counters! {
         "Reports of tracks dropped because the adapter's table was full.";
     WaitedForConsumers = "waited_for_consumers", Flow by [Adapter],
         "Times a recorded source waited for its consumers so that nothing is lost.";
-    Taken = "taken", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator],
+    Taken = "taken", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display],
         "Samples taken from the source's topic.";
-    Lost = "lost", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator],
+    Lost = "lost", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display],
         "Samples missing from the source's sequence: dropped because the reader fell behind.";
     RejectedOutOfOrder = "rejected_out_of_order", FusionRejection by [Fusion, Monitor],
         "Samples not newer than one already worked off: repeated, or out of order.";
     RejectedInvalid = "rejected_invalid", FusionRejection by [Fusion, Monitor],
         "Samples rejected because a value is not finite or beyond its limit, or a code unknown.";
-    RejectedSchema = "rejected_schema", FusionRejection by [Fusion, Monitor, Recorder, Gateway, Simulator],
+    RejectedSchema = "rejected_schema", FusionRejection by [Fusion, Monitor, Recorder, Gateway, Simulator, Display],
         "Batches rejected because their publisher was built with another layout.";
     DroppedQueue = "dropped_queue", FusionRejection by [Fusion],
         "Reports dropped because the source's queue in fusion was full, oldest first.";
@@ -345,6 +345,12 @@ counters! {
         "Times that the fusion that stood by took over.";
     TakeOversFromStill = "take_overs_from_still", Process by [Fusion],
         "Times that it did so because the one before it stood still.";
+    PicturesSent = "pictures_sent", Process by [Display],
+        "Pictures sent to pages that look on.";
+    PicturesSkipped = "pictures_skipped", Process by [Display],
+        "Pictures that were not made because the page that they were for was still behind.";
+    RequestsRejected = "requests_rejected", Process by [Display],
+        "Requests and connections of browsers and scripts that were turned away.";
 }
 
 #[cfg(test)]

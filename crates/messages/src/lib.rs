@@ -27,6 +27,7 @@ mod health;
 mod identity;
 pub mod layout;
 mod movement;
+pub mod picture;
 mod platform_state;
 mod process_kind;
 mod registration;

@@ -21,5 +21,7 @@ codes! {
         Gateway = 6, "gateway";
         /// Holds the topics for the launcher, which maps no shared memory itself.
         Keeper = 7, "keeper";
+        /// Shows the picture in browsers.
+        Display = 8, "display";
     }
 }

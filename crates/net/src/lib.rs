@@ -9,8 +9,7 @@
 //!   count of those that the kernel had to drop;
 //! - [`UdpSender`]: datagrams to an address or a group;
 //! - [`TcpLines`]: lines of a server, connected to again whenever the connection is lost;
-//! - [`LineServer`]: octets for whoever connects;
-//! - [`PageServer`]: one page of text for whoever asks, which is how metrics are collected.
+//! - [`LineServer`]: octets for whoever connects.
 //!
 //! What comes from a network is never believed to be small, whole, friendly or punctual. Every call does a bounded
 //! amount of work and waits no longer than it was told, every buffer is allocated when the socket is opened, and
@@ -28,7 +27,6 @@ mod error;
 mod interface;
 mod line_server;
 mod lines;
-mod page;
 mod receiver;
 mod sender;
 mod senders;
@@ -39,7 +37,6 @@ pub use error::NetError;
 pub use interface::Interface;
 pub use line_server::{LineServer, LineServerCounters, READERS_MAX};
 pub use lines::{LinesCounters, LinesSettings, TcpLines};
-pub use page::{PATIENCE as PAGE_PATIENCE, PageServer};
 pub use receiver::{BATCH_MAX, Datagram, ReceiverCounters, ReceiverSettings, UdpReceiver};
 pub use sender::{SenderCounters, SenderSettings, UdpSender};
 pub use senders::AllowedSenders;

@@ -10,7 +10,8 @@
 //! - [`write_percentiles`] writes one distribution in the standard percentile format;
 //! - [`Buckets`] is what a collector of metrics stores of one;
 //! - [`Summary`] is what a table or a JSON file says of one;
-//! - [`table`] sets figures out for people.
+//! - [`table`] sets figures out for people;
+//! - [`HealthBook`] knows what every process counts and how it is.
 //!
 //! Nothing here reads a clock or opens a file: stamps and writers are arguments.
 
@@ -18,8 +19,10 @@
 
 mod buckets;
 mod deadlines;
+mod health_book;
 mod interval_log;
 mod percentiles;
+mod process;
 mod stage;
 mod stages;
 mod summary;
@@ -27,8 +30,10 @@ pub mod table;
 
 pub use buckets::{BUCKET_BOUNDS_NS, Buckets};
 pub use deadlines::Deadlines;
+pub use health_book::{ChildState, HealthBook, Latest};
 pub use interval_log::IntervalLog;
 pub use percentiles::write_percentiles;
+pub use process::{Process, State, process_title};
 pub use stage::{JourneyEnd, Stage};
 pub use stages::{Irregularities, Journey, OTHER_SOURCES, SOURCES_MAX, Span, Stages, VALUE_MAX_NS};
 pub use summary::Summary;

@@ -98,7 +98,9 @@ fn with_root(root: &Path) -> anyhow::Result<()> {
 
 fn run(command: Command) -> anyhow::Result<()> {
     match command {
-        Command::Demo(demo) => {
+        Command::Demo(mut demo) => {
+            demo.set
+                .extend(demo.no_display.then(|| "display.listen=\"off\"".to_owned()));
             let config = Config::read(Path::new(BUILT_IN_DEMO), &demo.set)?;
             let options = Options {
                 overrides: demo.set,
@@ -150,6 +152,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             recorder::run(process, args::VERSION)
         }),
         Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, gateway::run),
+        Command::Display(serve) => run_service(ProcessKind::Display, serve, display::run),
         Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, simulator::run),
     }
 }

@@ -31,6 +31,7 @@ pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
         ProcessKind::Monitor,
         ProcessKind::Recorder,
         ProcessKind::Gateway,
+        ProcessKind::Display,
         ProcessKind::Fusion,
     ],
     &[ProcessKind::Adapter],
@@ -39,12 +40,13 @@ pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
 
 /// Kinds in the order in which they are stopped: sources first, then the monitor, so that it sees the others end, and
 /// last the keeper, in whose topics all of them speak.
-pub(crate) const STOP_ORDER: [ProcessKind; 7] = [
+pub(crate) const STOP_ORDER: [ProcessKind; 8] = [
     ProcessKind::Simulator,
     ProcessKind::Adapter,
     ProcessKind::Fusion,
     ProcessKind::Recorder,
     ProcessKind::Gateway,
+    ProcessKind::Display,
     ProcessKind::Monitor,
     ProcessKind::Keeper,
 ];
@@ -60,6 +62,7 @@ pub(crate) fn parts(config: &Config) -> Vec<Part> {
         source: NO_SOURCE,
         required: false,
     }));
+    parts.extend(config.display.iter().map(|_| service(ProcessKind::Display)));
     parts.push(Part::leader());
     parts.extend(config.standby().map(|_| Part {
         name: STANDBY.to_owned(),

@@ -8,10 +8,9 @@ use configuration::{Config, Input};
 use messages::{BatchHeader, Counter, LifeState, NO_SOURCE, ProcessKind, Registration, SystemTrack};
 use runtime::Now;
 
-use crate::health_book::HealthBook;
 use crate::machine::Room;
-use crate::report::{Process, State, title};
 use crate::text::{elapsed, several};
+use telemetry::{HealthBook, Process, State, process_title as title};
 
 /// A process that started at most so long before the monitor has counted from 0 in its sight, nanoseconds.
 const TOGETHER_NS: i64 = 5_000_000_000;

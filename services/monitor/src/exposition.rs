@@ -16,7 +16,8 @@ use prometheus_client::metrics::MetricType;
 use prometheus_client::registry::{Registry, Unit};
 use telemetry::{BUCKET_BOUNDS_NS, Buckets, Irregularities, Stage};
 
-use crate::report::{AlarmReport, Picture, Process, RunSettings, State};
+use crate::report::{AlarmReport, Picture, RunSettings};
+use telemetry::{Process, State};
 
 /// Media type of what is served.
 pub(crate) const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";

@@ -57,7 +57,6 @@ mod exposition;
 mod files;
 #[cfg(test)]
 mod golden;
-mod health_book;
 mod machine;
 mod metrics;
 mod report;
@@ -73,10 +72,10 @@ use std::io::Write as _;
 
 pub use agent::{Clock, MonitorAgent};
 pub use report::{
-    AlarmReport, Hop, Picture, Process, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, State,
-    Verdict,
+    AlarmReport, Hop, Picture, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, Verdict,
 };
 pub use screen::Screen;
+pub use telemetry::{Process, State};
 
 /// Runs the monitor until the process is told to stop.
 ///

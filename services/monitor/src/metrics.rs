@@ -5,48 +5,36 @@
 //! held for as long as it takes to copy it.
 
 use std::net::SocketAddr;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
-use std::time::Duration;
 
 use anyhow::Context as _;
-use net::PageServer;
-use runtime::clock;
+use web::axum::Router;
+use web::axum::http::header::CONTENT_TYPE;
+use web::axum::routing::get;
+use web::{Guard, Server};
 
-use crate::exposition::{CONTENT_TYPE, Snapshot};
+use crate::exposition::{self, Snapshot};
 
 const PATH: &str = "/metrics";
-/// Longest wait for a client before looking whether it is time to stop.
-const PATIENCE: Duration = Duration::from_millis(100);
-/// Looks at clients at the end, if some had come by then that are not answered yet.
-const LAST_LOOKS: usize = 20;
-/// How long the last client may take at the end, and the pause between two looks.
-const END_PATIENCE: Duration = Duration::from_secs(2);
-const END_PAUSE: Duration = Duration::from_millis(5);
 
 /// Page of metrics.
 #[derive(Debug)]
 pub(crate) struct Metrics {
-    address: SocketAddr,
-    shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
+    server: Server,
+    latest: Arc<Latest>,
 }
 
 #[derive(Debug)]
-struct Shared {
-    latest: Mutex<Arc<Snapshot>>,
-    stop: AtomicBool,
-}
+struct Latest(Mutex<Arc<Snapshot>>);
 
-impl Shared {
-    fn latest(&self) -> MutexGuard<'_, Arc<Snapshot>> {
+impl Latest {
+    fn lock(&self) -> MutexGuard<'_, Arc<Snapshot>> {
         // Nothing that is done while it is held can panic.
-        self.latest.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn text(&self) -> String {
-        let latest = Arc::clone(&self.latest());
+        let latest = Arc::clone(&self.lock());
         Snapshot::clone(&latest).text()
     }
 }
@@ -57,67 +45,30 @@ impl Metrics {
     /// # Errors
     /// If the address cannot be listened at: it is taken, say, by another monitor.
     pub(crate) fn serve(address: SocketAddr, hosts: &[String], begin: Snapshot) -> anyhow::Result<Self> {
-        let server = PageServer::open(address, PATH, CONTENT_TYPE).context("monitor.prometheus")?;
-        let mut server = server.with_hosts(hosts.to_vec());
-        let address = server.local_address().context("monitor.prometheus")?;
-        let shared = Arc::new(Shared {
-            latest: Mutex::new(Arc::new(begin)),
-            stop: AtomicBool::new(false),
-        });
-        let of_thread = Arc::clone(&shared);
-        let thread = std::thread::Builder::new()
-            .name("metrics".to_owned())
-            .spawn(move || answer(&mut server, &of_thread))
-            .context("starting the thread that serves metrics")?;
-        Ok(Self {
-            address,
-            shared,
-            thread: Some(thread),
-        })
+        let latest = Arc::new(Latest(Mutex::new(Arc::new(begin))));
+        let of_server = Arc::clone(&latest);
+        let page = get(move || async move { ([(CONTENT_TYPE, exposition::CONTENT_TYPE)], of_server.text()) });
+        let elsewhere = format!("There is nothing here but {PATH}.\n");
+        let elsewhere = || async { (web::axum::http::StatusCode::NOT_FOUND, elsewhere) };
+        let guard = Guard {
+            hosts: hosts.to_vec(),
+            token: None,
+        };
+        let router = Router::new().route(PATH, page).fallback(elsewhere);
+        let server = Server::start("metrics", address, guard, router).context("monitor.prometheus")?;
+        Ok(Self { server, latest })
     }
 
     /// Where they are.
     pub(crate) fn url(&self) -> String {
-        format!("http://{}{PATH}", self.address)
+        format!("http://{}{PATH}", self.server.address())
     }
 
     /// From now on, this is served.
     pub(crate) fn hand_over(&self, snapshot: Snapshot) {
         let snapshot = Arc::new(snapshot);
-        let before = std::mem::replace(&mut *self.shared.latest(), snapshot);
+        let before = std::mem::replace(&mut *self.latest.lock(), snapshot);
         // Not while it is held.
         drop(before);
-    }
-}
-
-impl Drop for Metrics {
-    /// Whoever had asked by now is answered, unless that takes too long.
-    fn drop(&mut self) {
-        self.shared.stop.store(true, Ordering::Relaxed);
-        let Some(thread) = self.thread.take() else { return };
-        let looks = END_PATIENCE.as_millis() / END_PAUSE.as_millis();
-        for _ in 0..looks {
-            if thread.is_finished() {
-                let _ = thread.join();
-                return;
-            }
-            std::thread::sleep(END_PAUSE);
-        }
-    }
-}
-
-fn answer(server: &mut PageServer, shared: &Shared) {
-    let mut last_looks = LAST_LOOKS;
-    while last_looks > 0 {
-        let stop = shared.stop.load(Ordering::Relaxed);
-        let patience = if stop { END_PAUSE } else { PATIENCE };
-        if server.serve(patience, clock::instant, || shared.text()).is_err() {
-            // The system cannot wait for a socket. Without metrics, the monitor is still a monitor.
-            return;
-        }
-        // Whoever had come by then is accepted in the first of these looks, and answered in the next two.
-        if stop {
-            last_looks = if server.is_idle() { 0 } else { last_looks - 1 };
-        }
     }
 }

@@ -4,13 +4,12 @@
 //! in which nothing happened has zeros and empty lists, so that a program that reads the file needs no special cases.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use alarms::History;
-use messages::{Counter, Counters, LifeState, NO_SOURCE, ProcessKind, Registration, registration_bits};
+use messages::{Counter, Counters, NO_SOURCE, Registration, registration_bits};
 use scoring::AccuracyReport;
 use serde::{Serialize, Serializer};
-use telemetry::{Irregularities, Span, Stage, Stages, Summary};
+use telemetry::{Irregularities, Process, Span, Stage, Stages, Summary};
 
 /// Why a stage has no figures.
 pub(crate) const NOT_MEASURED: &str = "transport out is not measured: the monitor polls, to leave fusion in peace, so \
@@ -380,86 +379,6 @@ pub struct Restarts {
     pub total: u64,
     /// By process, those that were.
     pub by_process: BTreeMap<String, u32>,
-}
-
-/// One process.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Process {
-    /// Kind of the process.
-    #[serde(serialize_with = "as_word")]
-    pub kind: ProcessKind,
-    /// Name of the process.
-    pub name: String,
-    /// How it is.
-    pub state: State,
-    /// How often it was started again.
-    pub restarts: u32,
-    /// How it last ended, where it should not have.
-    pub last_end: String,
-    /// Note of the process, or of the launcher about it.
-    pub note: String,
-    /// Number in the operating system, while it has one.
-    pub pid: Option<u32>,
-}
-
-impl Process {
-    /// Name in text.
-    pub fn title(&self) -> String {
-        title(self.kind, &self.name)
-    }
-}
-
-/// Name of a process in text.
-pub(crate) fn title(kind: ProcessKind, name: &str) -> String {
-    if name == kind.word() {
-        name.to_owned()
-    } else {
-        format!("{} {name}", kind.word())
-    }
-}
-
-/// How a process is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
-    /// Nothing was ever said.
-    NotHeard,
-    /// Nothing was said for a while, though the process has not ended.
-    Silent {
-        /// For how long, nanoseconds.
-        for_ns: i64,
-    },
-    /// As it says itself, or its launcher of it.
-    Life(LifeState),
-}
-
-impl State {
-    /// Whether a person should look at it.
-    pub(crate) fn is_troubled(self) -> bool {
-        match self {
-            Self::NotHeard | Self::Silent { .. } => true,
-            Self::Life(life) => life == LifeState::Failed,
-        }
-    }
-}
-
-impl fmt::Display for State {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotHeard => f.write_str("not heard from"),
-            Self::Silent { for_ns } => write!(f, "silent for {:.1} s", *for_ns as f64 / 1e9),
-            Self::Life(life) => f.write_str(life.word()),
-        }
-    }
-}
-
-impl Serialize for State {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-fn as_word<S: Serializer>(kind: &ProcessKind, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(kind.word())
 }
 
 /// An object with one member per stage, in the order of the journey.

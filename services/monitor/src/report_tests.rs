@@ -4,10 +4,10 @@ use messages::{Counter, Counters, LifeState, ProcessKind, Registration, registra
 
 use super::*;
 use crate::golden;
-use telemetry::Summary;
+use telemetry::{State, Summary};
 
 use crate::report::{
-    Hop, Losses, Picture, ProcessCounters, Restarts, SourceReport, SourceStageReport, StageReport, State, Verdict,
+    Hop, Losses, Picture, ProcessCounters, Restarts, SourceReport, SourceStageReport, StageReport, Verdict,
 };
 use crate::verdict;
 

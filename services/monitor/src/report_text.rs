@@ -9,9 +9,10 @@ use telemetry::Stage;
 use telemetry::table::{self, Align, Table, count};
 
 use crate::counters::{network_trouble, process_remarks};
-use crate::report::{NOT_MEASURED, Process, Report, RunSettings, SourceReport, StageReport};
+use crate::report::{NOT_MEASURED, Report, RunSettings, SourceReport, StageReport};
 use crate::text::{date_time, percent, several, time_of_day, times, wrapped};
 use crate::truth_watch::WARM_UP_NS;
+use telemetry::Process;
 
 impl Report {
     /// The report, for people; prose in lines of at most `width` characters.

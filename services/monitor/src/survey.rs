@@ -8,14 +8,15 @@ use bus::{SubscriberCounts, WaitMode};
 use configuration::{Config, Input, MonitorWait, Order};
 use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, Health, NO_SOURCE, ProcessKind, SystemTrack};
 use runtime::{Now, Options, Speed};
-use telemetry::{Buckets, Deadlines, Journey, JourneyEnd, Span, Stage, Stages};
+use telemetry::{
+    Buckets, Deadlines, HealthBook, Journey, JourneyEnd, Process, Span, Stage, Stages, State, process_title as title,
+};
 
 use crate::display::overview::{AlarmRow, Overview, ProcessRow, SourceRow, stage_rows};
 use crate::exposition::{Counted, Snapshot, StageSample};
-use crate::health_book::HealthBook;
 use crate::report::{
-    AlarmReport, Hop, Losses, NOT_MEASURED, Picture, Process, ProcessCounters, Report, Restarts, RunSettings,
-    SourceReport, SourceStageReport, StageReport, State, Verdict, title,
+    AlarmReport, Hop, Losses, NOT_MEASURED, Picture, ProcessCounters, Report, Restarts, RunSettings, SourceReport,
+    SourceStageReport, StageReport, Verdict,
 };
 use crate::truth_watch::TruthWatch;
 use crate::verdict;

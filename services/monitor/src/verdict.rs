@@ -4,8 +4,9 @@ use alarms::AlarmKind;
 use messages::{Counter, LifeState, ProcessKind};
 use telemetry::{Stage, table};
 
-use crate::report::{Hop, Report, State, Verdict};
+use crate::report::{Hop, Report, Verdict};
 use crate::text::{percent, several, times};
+use telemetry::State;
 
 /// Share of a live deployment's reports that may be unread: some are on their way when it stops.
 const UNREAD_SHARE_MAX: f64 = 0.01;

@@ -2,5 +2,4 @@
 
 mod allocation;
 mod lines;
-mod page;
 mod udp;

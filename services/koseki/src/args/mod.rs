@@ -173,6 +173,9 @@ pub(crate) enum Command {
     /// Run one gateway in a deployment that is up: tracks to other systems, in ASTERIX
     #[command(after_help = SERVE_EXAMPLES)]
     Gateway(Serve),
+    /// Run the display in a deployment that is up: the picture in browsers
+    #[command(after_help = SERVE_EXAMPLES)]
+    Display(Serve),
     /// Run the simulator in a deployment that is up: what simulated sensors send, in ASTERIX
     #[command(after_help = SERVE_EXAMPLES)]
     Simulator(Serve),
@@ -199,6 +202,9 @@ pub(crate) struct Demo {
     /// Name of this instance; several run side by side under different names
     #[arg(long, value_name = "NAME", default_value = "demo")]
     pub(crate) instance: String,
+    /// Do not show the picture in browsers
+    #[arg(long)]
+    pub(crate) no_display: bool,
     /// Replace a value of the configuration (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,

@@ -6,7 +6,8 @@ use serde::{Serialize, Serializer};
 use telemetry::{Span, Stage, Stages, Summary};
 
 use super::tracks::TrackRow;
-use crate::report::{Picture, Process, State};
+use crate::report::Picture;
+use telemetry::{Process, State};
 
 /// Overview of a deployment.
 #[derive(Clone, Debug, Serialize)]

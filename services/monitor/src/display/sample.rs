@@ -5,7 +5,8 @@ use telemetry::{Stage, Summary};
 
 use super::overview::{AlarmRow, CounterRow, Overview, ProcessRow, SourceRow, StageRow};
 use super::tracks::TrackRow;
-use crate::report::{Picture, State};
+use crate::report::Picture;
+use telemetry::State;
 
 pub(crate) fn overview() -> Overview {
     let source = |number: u16, name: &str, taken: u64| SourceRow {

@@ -14,8 +14,8 @@ use telemetry::{Journey, JourneyEnd, Stages};
 
 use crate::display::overview::{AlarmRow, CounterRow, Overview, ProcessRow, SourceRow, joined, stage_rows};
 use crate::display::tracks::LatestStates;
-use crate::health_book::{HealthBook, Latest};
-use crate::report::{Picture, State, title};
+use crate::report::Picture;
+use telemetry::{HealthBook, Latest, State, process_title as title};
 
 /// Most system tracks whose states are kept.
 const TRACKS_MAX: usize = 20_000;

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use messages::{Counter, Counters, Health, HealthName, LifeState, NO_SOURCE, ProcessKind, Registration};
 
-use crate::report::{Process, State};
+use crate::process::{Process, State};
 
 /// A process that says nothing for longer than this is silent, nanoseconds: five health messages are missing then.
 const SILENT_AFTER_NS: i64 = 1_000_000_000;
@@ -22,7 +22,7 @@ const SPEAKERS_MAX: usize = 1024;
 
 /// Book of the health messages.
 #[derive(Clone, Debug)]
-pub(crate) struct HealthBook {
+pub struct HealthBook {
     sources: usize,
     speakers: BTreeMap<(ProcessKind, HealthName, u16), Speaker>,
     children: BTreeMap<HealthName, Child>,
@@ -52,7 +52,7 @@ struct Child {
 
 impl HealthBook {
     /// An empty book of a deployment with so many sources.
-    pub(crate) fn new(sources: usize) -> Self {
+    pub fn new(sources: usize) -> Self {
         Self {
             sources,
             speakers: BTreeMap::new(),
@@ -62,7 +62,7 @@ impl HealthBook {
     }
 
     /// Enters one message.
-    pub(crate) fn hear(&mut self, health: &Health) {
+    pub fn hear(&mut self, health: &Health) {
         let (Some(kind), Some(life)) = (health.kind(), health.life()) else {
             self.rejected += 1;
             return;
@@ -127,22 +127,22 @@ impl HealthBook {
     }
 
     /// Messages that could not be understood.
-    pub(crate) fn rejected(&self) -> u64 {
+    pub fn rejected(&self) -> u64 {
         self.rejected
     }
 
     /// Messages of process `name` about itself as a whole.
-    pub(crate) fn whole(&self, kind: ProcessKind, name: &str) -> Option<Latest<'_>> {
+    pub fn whole(&self, kind: ProcessKind, name: &str) -> Option<Latest<'_>> {
         self.said(kind, name, NO_SOURCE)
     }
 
     /// Messages of process `name` about a source.
-    pub(crate) fn said(&self, kind: ProcessKind, name: &str, source: u16) -> Option<Latest<'_>> {
+    pub fn said(&self, kind: ProcessKind, name: &str, source: u16) -> Option<Latest<'_>> {
         self.speakers.get(&(kind, padded(name), source)).map(Latest)
     }
 
     /// Counters of the adapter `name` for a source: by its number, or, if it is its only one, for itself as a whole.
-    pub(crate) fn adapter(&self, name: &str, source: u16) -> Counters {
+    pub fn adapter(&self, name: &str, source: u16) -> Counters {
         let of = |source| self.said(ProcessKind::Adapter, name, source);
         let said = of(source).or_else(|| of(NO_SOURCE));
         said.map_or_else(Counters::default, |said| said.counters())
@@ -151,12 +151,7 @@ impl HealthBook {
     /// Counters of a process that it counts for none of its sources, so that sums over processes and sources have
     /// everything once. `stands_for_source`: what it says of itself as a whole is taken for what it says of its only
     /// source ([`Self::adapter`]).
-    pub(crate) fn apart_from_sources(
-        &self,
-        kind: ProcessKind,
-        name: &str,
-        stands_for_source: bool,
-    ) -> Option<Counters> {
+    pub fn apart_from_sources(&self, kind: ProcessKind, name: &str, stands_for_source: bool) -> Option<Counters> {
         let mut counters = self.whole(kind, name)?.counters();
         let sources = self
             .speakers
@@ -175,20 +170,20 @@ impl HealthBook {
     }
 
     /// Counters of the service of a kind for one source; for all together with [`NO_SOURCE`].
-    pub(crate) fn service(&self, kind: ProcessKind, source: u16) -> Counters {
+    pub fn service(&self, kind: ProcessKind, source: u16) -> Counters {
         let said = self.said(kind, kind.word(), source);
         said.map_or_else(Counters::default, |said| said.counters())
     }
 
     /// All that was said last: by whom, and of which source (or [`NO_SOURCE`]).
-    pub(crate) fn all_said(&self) -> impl Iterator<Item = (ProcessKind, u16, Latest<'_>)> + '_ {
+    pub fn all_said(&self) -> impl Iterator<Item = (ProcessKind, u16, Latest<'_>)> + '_ {
         let speakers = self.speakers.iter();
         speakers.map(|((kind, _, source), speaker)| (*kind, *source, Latest(speaker)))
     }
 
     /// Name of a source, from those who know: its adapter, or the launcher of an adapter that has one source. For
     /// readers without the configuration.
-    pub(crate) fn source_name(&self, source: u16) -> Option<&str> {
+    pub fn source_name(&self, source: u16) -> Option<&str> {
         let adapters = self.all_said().filter(|(kind, ..)| *kind == ProcessKind::Adapter);
         let by_adapter = adapters
             .filter(|(_, of, said)| *of == source && !said.0.latest.note().is_empty())
@@ -203,7 +198,7 @@ impl HealthBook {
     }
 
     /// Counters of a source's adapter for it, whatever the adapter's name is.
-    pub(crate) fn adapter_of(&self, source: u16) -> Counters {
+    pub fn adapter_of(&self, source: u16) -> Counters {
         let of_source = self
             .all_said()
             .find(|(kind, of, _)| *kind == ProcessKind::Adapter && *of == source);
@@ -216,13 +211,13 @@ impl HealthBook {
     }
 
     /// Children of the launcher that have not said a word.
-    pub(crate) fn silent_children(&self) -> impl Iterator<Item = ChildState<'_>> + '_ {
+    pub fn silent_children(&self) -> impl Iterator<Item = ChildState<'_>> + '_ {
         let has_spoken = |name: &str| self.speakers.values().any(|speaker| speaker.latest.name() == name);
         self.children().filter(move |child| !has_spoken(child.name))
     }
 
     /// Children of the launcher, as it speaks of them.
-    pub(crate) fn children(&self) -> impl Iterator<Item = ChildState<'_>> + '_ {
+    pub fn children(&self) -> impl Iterator<Item = ChildState<'_>> + '_ {
         self.children.values().map(|child| ChildState {
             name: child.last_end.name(),
             pid: Some(child.process_id).filter(|pid| *pid != 0),
@@ -233,7 +228,7 @@ impl HealthBook {
     }
 
     /// Systematic errors of a source, as fusion has learned them; of its clock, as its adapter has, where it has one.
-    pub(crate) fn registration(&self, source: u16) -> Registration {
+    pub fn registration(&self, source: u16) -> Registration {
         let kind = ProcessKind::Fusion;
         let said = self.said(kind, kind.word(), source);
         let mut known = said.map_or_else(Registration::default, |said| said.0.latest.registration);
@@ -248,7 +243,7 @@ impl HealthBook {
     }
 
     /// The `expected` processes, and others that were heard from.
-    pub(crate) fn processes(&self, expected: &[(ProcessKind, String)], now_ns: i64) -> Vec<Process> {
+    pub fn processes(&self, expected: &[(ProcessKind, String)], now_ns: i64) -> Vec<Process> {
         let mut names: Vec<(ProcessKind, HealthName)> =
             expected.iter().map(|(kind, name)| (*kind, padded(name))).collect();
         for (kind, name, _) in self.speakers.keys() {
@@ -293,13 +288,17 @@ impl HealthBook {
 
 /// Statement of the launcher about a child.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct ChildState<'a> {
-    pub(crate) name: &'a str,
-    pub(crate) pid: Option<u32>,
-    pub(crate) life: LifeState,
-    pub(crate) restarts: u32,
+pub struct ChildState<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its number in the operating system, while it has one.
+    pub pid: Option<u32>,
+    /// How it is.
+    pub life: LifeState,
+    /// How often it was started again.
+    pub restarts: u32,
     /// How it ended when it should not have; else empty.
-    pub(crate) last_end: &'a str,
+    pub last_end: &'a str,
 }
 
 fn state(latest: Option<&Health>, child: Option<&Child>, now_ns: i64) -> State {
@@ -314,30 +313,31 @@ fn state(latest: Option<&Health>, child: Option<&Child>, now_ns: i64) -> State {
 }
 
 /// Last counters, with those of earlier incarnations added.
-pub(crate) struct Latest<'a>(&'a Speaker);
+pub struct Latest<'a>(&'a Speaker);
 
 impl<'a> Latest<'a> {
     /// Name of the process.
-    pub(crate) fn name(&self) -> &'a str {
+    pub fn name(&self) -> &'a str {
         self.0.latest.name()
     }
 
-    pub(crate) fn counters(&self) -> Counters {
+    /// What it has counted, its earlier incarnations included.
+    pub fn counters(&self) -> Counters {
         self.0.earlier.followed_by(&self.0.latest.counters)
     }
 
     /// Monotonic, nanoseconds.
-    pub(crate) fn said_ns(&self) -> i64 {
+    pub fn said_ns(&self) -> i64 {
         self.0.latest.said_ns
     }
 
     /// When the process started, monotonic, nanoseconds.
-    pub(crate) fn incarnation(&self) -> u64 {
+    pub fn incarnation(&self) -> u64 {
         self.0.latest.incarnation
     }
 
     /// How far the process has got in the time of its data, UTC, nanoseconds.
-    pub(crate) fn progress_ns(&self) -> Option<i64> {
+    pub fn progress_ns(&self) -> Option<i64> {
         Some(self.0.latest.progress_ns).filter(|progress| *progress != i64::MIN && *progress != i64::MAX)
     }
 }

@@ -1,0 +1,277 @@
+//! Who is answered: the checks that each request passes before anybody else sees it.
+
+use std::net::IpAddr;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use axum::body::Body;
+use axum::http::header::{self, HeaderMap, HeaderName, HeaderValue};
+use axum::http::{Method, Request, Response, StatusCode, Version};
+
+/// Name of the cookie that holds the token.
+const COOKIE: &str = "koseki_token";
+/// Headers of every answer: nothing but what this server has is loaded, nobody frames it, nobody guesses types.
+const HEADERS: [(HeaderName, &str); 4] = [
+    (
+        header::CONTENT_SECURITY_POLICY,
+        "default-src 'self'; img-src 'self' data: blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
+    ),
+    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (header::REFERRER_POLICY, "no-referrer"),
+    (header::CONNECTION, "close"),
+];
+
+/// Reason for which a request or a connection was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// Another host was asked for, or none.
+    Host,
+    /// The WebSocket was asked for by a page of another site.
+    Origin,
+    /// The token is missing or wrong.
+    Token,
+    /// Something else than reading was asked for.
+    Method,
+    /// The request could not be understood.
+    Malformed,
+    /// There were too many clients.
+    Full,
+    /// The client took too long.
+    Slow,
+}
+
+/// How often what was refused. Shared among threads.
+#[derive(Debug, Default)]
+pub struct Counts([AtomicU64; 7]);
+
+impl Counts {
+    /// One more was refused.
+    pub fn add(&self, refusal: Refusal) {
+        self.0[refusal as usize].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// How many were refused for this reason.
+    pub fn of(&self, refusal: Refusal) -> u64 {
+        self.0[refusal as usize].load(Ordering::Relaxed)
+    }
+
+    /// How many were refused.
+    pub fn total(&self) -> u64 {
+        self.0.iter().map(|count| count.load(Ordering::Relaxed)).sum()
+    }
+}
+
+/// Whom a server answers.
+#[derive(Clone, Debug, Default)]
+pub struct Guard {
+    /// Names under which it may be asked for, in small letters and without ports.
+    pub hosts: Vec<String>,
+    /// Token that every client has to know; `None`: none.
+    pub token: Option<String>,
+}
+
+impl Guard {
+    /// Answer to a request that came to the address `local` and is not to be passed on: a refusal, which is counted, or
+    /// the way on for a client that has shown its token.
+    pub(crate) fn stop<T>(&self, request: &Request<T>, local: IpAddr, counts: &Counts) -> Option<Response<Body>> {
+        let refuse = |refusal, status, text| {
+            counts.add(refusal);
+            Some(plain(status, text))
+        };
+        let mut hosts = request.headers().get_all(header::HOST).iter();
+        match (hosts.next(), hosts.next()) {
+            (Some(host), None) if self.is_called(host.as_bytes(), local) => {}
+            (Some(_), None) => {
+                let text = "This is not the host that was asked for.\n";
+                return refuse(Refusal::Host, StatusCode::MISDIRECTED_REQUEST, text);
+            }
+            // Clients of version 1.0 need not name it; browsers always do.
+            (None, _) if request.version() == Version::HTTP_10 => {}
+            _ => {
+                return refuse(
+                    Refusal::Malformed,
+                    StatusCode::BAD_REQUEST,
+                    "One Host is to be named.\n",
+                );
+            }
+        }
+        if !matches!(*request.method(), Method::GET | Method::HEAD) {
+            let refused = refuse(
+                Refusal::Method,
+                StatusCode::METHOD_NOT_ALLOWED,
+                "This can only be read (GET).\n",
+            );
+            return refused.map(|answer| with(answer, header::ALLOW, "GET, HEAD"));
+        }
+        if request.headers().contains_key(header::UPGRADE) && !is_same_origin(request.headers()) {
+            let text = "A page of another site may not look on.\n";
+            return refuse(Refusal::Origin, StatusCode::FORBIDDEN, text);
+        }
+        let token = self.token.as_deref()?;
+        let query = request.uri().query().unwrap_or_default();
+        if let Some(shown) = value_of(query, '&', "token") {
+            if !is_equal(shown, token) {
+                return refuse(Refusal::Token, StatusCode::FORBIDDEN, "The token is wrong.\n");
+            }
+            let cookie = format!("{COOKIE}={token}; Path=/; HttpOnly; SameSite=Strict");
+            // The address that the browser shows and remembers no longer has it.
+            let answer = with(plain(StatusCode::SEE_OTHER, ""), header::LOCATION, request.uri().path());
+            return Some(with(answer, header::SET_COOKIE, &cookie));
+        }
+        let cookies = request.headers().get_all(header::COOKIE).iter();
+        let mut cookies = cookies.filter_map(|cookies| cookies.to_str().ok());
+        if cookies.any(|cookies| value_of(cookies, ';', COOKIE).is_some_and(|known| is_equal(known, token))) {
+            return None;
+        }
+        let text = "A token is needed: /?token=…, once.\n";
+        refuse(Refusal::Token, StatusCode::FORBIDDEN, text)
+    }
+
+    /// Whether `host`, with or without a port, is this server, which was reached at the address `local`.
+    fn is_called(&self, host: &[u8], local: IpAddr) -> bool {
+        let host = String::from_utf8_lossy(host).to_ascii_lowercase();
+        let (name, port) = match host.rsplit_once(':') {
+            Some((name, port)) if !port.contains(']') => (name, port),
+            _ => (host.as_str(), ""),
+        };
+        let address = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
+        let known = match address {
+            Ok(address) => address == local || (address.is_loopback() && local.is_loopback()),
+            Err(_) => (name == "localhost" && local.is_loopback()) || self.hosts.iter().any(|known| known == name),
+        };
+        known && port.bytes().all(|digit| digit.is_ascii_digit())
+    }
+}
+
+/// Whether the request comes from a page of the host that it names, or from no page at all.
+fn is_same_origin(headers: &HeaderMap) -> bool {
+    let mut origins = headers.get_all(header::ORIGIN).iter();
+    let (Some(origin), None) = (origins.next(), origins.next()) else {
+        return !headers.contains_key(header::ORIGIN);
+    };
+    let site = origin.to_str().ok().and_then(|origin| origin.split_once("://"));
+    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok());
+    site.zip(host)
+        .is_some_and(|((scheme, site), host)| matches!(scheme, "http" | "https") && site.eq_ignore_ascii_case(host))
+}
+
+/// Value of `key` in a list of `key=value`.
+fn value_of<'a>(list: &'a str, separator: char, key: &str) -> Option<&'a str> {
+    let mut pairs = list.split(separator).filter_map(|pair| pair.trim().split_once('='));
+    pairs.find(|(found, _)| *found == key).map(|(_, value)| value)
+}
+
+/// Whether two texts are equal, in a time that does not tell how far they are.
+fn is_equal(shown: &str, known: &str) -> bool {
+    let differences = shown.bytes().zip(known.bytes()).fold(0, |sum, (a, b)| sum | (a ^ b));
+    shown.len() == known.len() && differences == 0
+}
+
+/// Answer of one line.
+fn plain(status: StatusCode, text: &'static str) -> Response<Body> {
+    let mut answer = Response::new(Body::from(text));
+    *answer.status_mut() = status;
+    with(answer, header::CONTENT_TYPE, "text/plain; charset=utf-8")
+}
+
+/// An answer with one more header; a value that none can have is left out.
+fn with(mut answer: Response<Body>, name: HeaderName, value: &str) -> Response<Body> {
+    if let Ok(value) = HeaderValue::from_str(value) {
+        answer.headers_mut().insert(name, value);
+    }
+    answer
+}
+
+/// An answer with the headers of all answers.
+pub(crate) fn sealed(mut answer: Response<Body>) -> Response<Body> {
+    for (name, value) in HEADERS {
+        // That of an upgrade says what the connection becomes.
+        answer
+            .headers_mut()
+            .entry(name)
+            .or_insert(HeaderValue::from_static(value));
+    }
+    answer
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOCAL: IpAddr = IpAddr::V4(std::net::Ipv4Addr::LOCALHOST);
+
+    fn status(guard: &Guard, path: &str, headers: &[(&str, &str)]) -> Option<StatusCode> {
+        let mut request = Request::builder().uri(path);
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        let counts = Counts::default();
+        let answer = guard.stop(&request.body(()).unwrap(), LOCAL, &counts);
+        let status = answer.map(|answer| answer.status());
+        let refused = status.is_some_and(|status| !status.is_redirection());
+        assert_eq!(counts.total(), u64::from(refused), "{path} {headers:?}");
+        status
+    }
+
+    #[test]
+    fn a_page_of_another_site_may_not_open_a_socket() {
+        let guard = Guard::default();
+        let upgrade = |origin| {
+            let headers = [("host", "localhost:8900"), ("upgrade", "websocket"), ("origin", origin)];
+            status(&guard, "/ws", &headers)
+        };
+        for own in ["http://localhost:8900", "https://LOCALHOST:8900"] {
+            assert_eq!(upgrade(own), None, "{own}");
+        }
+        for other in [
+            "http://localhost",
+            "http://localhost:8901",
+            "http://evil.example",
+            "http://localhost:8900.evil.example",
+            "null",
+            "",
+            "file://localhost:8900",
+        ] {
+            assert_eq!(upgrade(other), Some(StatusCode::FORBIDDEN), "{other}");
+        }
+        let twice = [
+            ("host", "localhost"),
+            ("upgrade", "websocket"),
+            ("origin", "http://localhost"),
+            ("origin", "http://evil.example"),
+        ];
+        assert_eq!(status(&guard, "/ws", &twice), Some(StatusCode::FORBIDDEN));
+        let script = [("host", "localhost"), ("upgrade", "websocket")];
+        assert_eq!(status(&guard, "/ws", &script), None, "no page");
+    }
+
+    #[test]
+    fn a_token_is_shown_once_and_then_in_a_cookie() {
+        let guard = Guard {
+            token: Some("s3cret".to_owned()),
+            ..Guard::default()
+        };
+        let host = ("host", "localhost");
+        let ask = |path, cookie: Option<&str>| {
+            let headers = [Some(host), cookie.map(|cookie| ("cookie", cookie))];
+            status(&guard, path, &headers.into_iter().flatten().collect::<Vec<_>>())
+        };
+        let refused = Some(StatusCode::FORBIDDEN);
+        assert_eq!(ask("/", None), refused);
+        assert_eq!(ask("/?token=s3cre", None), refused);
+        assert_eq!(ask("/?token=s3crets", None), refused);
+        assert_eq!(ask("/?x=1&token=s3cret", None), Some(StatusCode::SEE_OTHER));
+        assert_eq!(ask("/ws", Some("a=b; koseki_token=s3cret")), None);
+        assert_eq!(ask("/ws", Some("koseki_token=")), refused);
+        assert_eq!(ask("/ws", Some("xkoseki_token=s3cret")), refused);
+        let request = Request::builder().uri("/?token=s3cret").header("host", "localhost");
+        let answer = guard
+            .stop(&request.body(()).unwrap(), LOCAL, &Counts::default())
+            .unwrap();
+        let cookie = answer.headers()[header::SET_COOKIE].to_str().unwrap();
+        assert!(
+            cookie.contains("; HttpOnly") && cookie.contains("; SameSite=Strict"),
+            "{cookie}"
+        );
+        assert_eq!(answer.headers()[header::LOCATION], "/");
+    }
+}

@@ -1,0 +1,210 @@
+//! Accepts connections and hands their requests, if the guard lets them pass, to a router.
+
+use std::collections::VecDeque;
+use std::io;
+use std::net::{IpAddr, SocketAddr, TcpListener};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::Body;
+use axum::http::Request;
+use hyper::body::Incoming;
+use hyper::server::conn::http1;
+use hyper::service::{Service as _, service_fn};
+use hyper_util::rt::TokioIo;
+use hyper_util::service::TowerToHyperService;
+use tokio::net::TcpStream;
+use tokio::sync::oneshot;
+use tokio::task::AbortHandle;
+use tokio::time::timeout;
+
+use crate::guard::{Counts, Guard, Refusal, sealed};
+
+/// Time that a connection has, from its being accepted to the last octet of the answer.
+pub const PATIENCE: Duration = Duration::from_secs(10);
+/// Most connections at a time, beside WebSockets.
+pub const CONNECTIONS_MAX: usize = 64;
+/// Longest head of a request, octets.
+const HEAD_MAX: usize = 8192;
+/// Most header lines of a request.
+const HEADERS_MAX: usize = 64;
+/// Pause after a connection could not be accepted (no descriptor is left, say), so that trying again does not spin.
+const REFUSAL_PAUSE: Duration = Duration::from_millis(100);
+/// Time for which, at the end, one more connection is waited for that had come by then, and how often.
+const END_PAUSE: Duration = Duration::from_millis(5);
+const LAST_LOOKS: usize = 20;
+
+/// Server on a thread of its own; dropping it ends it. Whoever had asked by then is answered, unless that takes long.
+#[derive(Debug)]
+pub struct Server {
+    address: SocketAddr,
+    counts: Arc<Counts>,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Server {
+    /// Serves what `router` has on a thread called `name`, at `address` (port 0: the system chooses one).
+    ///
+    /// # Errors
+    /// If the address is taken or not of this machine, or the system refuses a thread.
+    pub fn start(name: &str, address: SocketAddr, guard: Guard, router: Router) -> io::Result<Self> {
+        Self::start_on(name, listen(address)?, guard, router)
+    }
+
+    /// As [`Server::start`], with a socket that listens already.
+    ///
+    /// # Errors
+    /// If the system refuses a thread.
+    pub fn start_on(name: &str, listener: TcpListener, guard: Guard, router: Router) -> io::Result<Self> {
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let counts = Arc::new(Counts::default());
+        let desk = Desk {
+            guard: Arc::new(guard),
+            counts: Arc::clone(&counts),
+            router,
+            open: VecDeque::new(),
+        };
+        let (stop, stopped) = oneshot::channel();
+        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
+            // An error is that the socket cannot be watched; there is nobody to tell, and nothing is served.
+            let _ = runtime.block_on(async { desk.serve(tokio::net::TcpListener::from_std(listener)?, stopped).await });
+            // Sockets that are still open are not waited for.
+            runtime.shutdown_background();
+        })?;
+        Ok(Self {
+            address,
+            counts,
+            stop: Some(stop),
+            thread: Some(thread),
+        })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// What it has refused so far.
+    pub fn counts(&self) -> &Arc<Counts> {
+        &self.counts
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // Its thread may have ended by itself.
+        drop(self.stop.take());
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Listens at `address`.
+///
+/// # Errors
+/// If it is taken or not of this machine, with what to do about it.
+pub fn listen(address: SocketAddr) -> io::Result<TcpListener> {
+    TcpListener::bind(address).map_err(|error| {
+        let remedy = match error.kind() {
+            io::ErrorKind::AddrInUse => "; end the process that holds it (`ss -ltnp` names it), or take another port",
+            io::ErrorKind::AddrNotAvailable => "; take an address of this machine (`ip addr` names them)",
+            _ => "",
+        };
+        io::Error::new(error.kind(), format!("listening at {address}: {error}{remedy}"))
+    })
+}
+
+/// Desk at which connections arrive.
+struct Desk {
+    guard: Arc<Guard>,
+    counts: Arc<Counts>,
+    router: Router,
+    /// Connections in the order in which they came.
+    open: VecDeque<AbortHandle>,
+}
+
+impl Desk {
+    async fn serve(mut self, listener: tokio::net::TcpListener, mut stopped: oneshot::Receiver<()>) -> io::Result<()> {
+        loop {
+            tokio::select! {
+                biased;
+                _ = &mut stopped => break,
+                accepted = listener.accept() => match accepted {
+                    Ok((stream, _)) => self.take(stream),
+                    // It has gone between the notice of it and its being accepted.
+                    Err(error) if error.kind() == io::ErrorKind::ConnectionAborted => {}
+                    Err(_) => tokio::time::sleep(REFUSAL_PAUSE).await,
+                },
+            }
+        }
+        for _ in 0..LAST_LOOKS {
+            while let Ok(Ok((stream, _))) = timeout(END_PAUSE, listener.accept()).await {
+                self.take(stream);
+            }
+            self.open.retain(|connection| !connection.is_finished());
+            if self.open.is_empty() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, stream: TcpStream) {
+        let Ok(local) = stream.local_addr() else { return };
+        // Small messages are not to wait for company.
+        let _ = stream.set_nodelay(true);
+        self.open.retain(|connection| !connection.is_finished());
+        if self.open.len() >= CONNECTIONS_MAX
+            && let Some(oldest) = self.open.pop_front()
+        {
+            oldest.abort();
+            self.counts.add(Refusal::Full);
+        }
+        let (guard, counts, router) = (Arc::clone(&self.guard), Arc::clone(&self.counts), self.router.clone());
+        let local = local.ip().to_canonical();
+        let connection = tokio::spawn(async move {
+            match timeout(PATIENCE, converse(stream, local, &guard, &counts, router)).await {
+                Ok(Err(error)) if error.is_parse() || error.is_parse_too_large() => counts.add(Refusal::Malformed),
+                // A client that leaves early is no trouble.
+                Ok(_) => {}
+                Err(_) => counts.add(Refusal::Slow),
+            }
+        });
+        self.open.push_back(connection.abort_handle());
+    }
+}
+
+/// One request and its answer; of a WebSocket, only the beginning.
+async fn converse(
+    stream: TcpStream,
+    local: IpAddr,
+    guard: &Guard,
+    counts: &Counts,
+    router: Router,
+) -> Result<(), hyper::Error> {
+    let service = service_fn(|request: Request<Incoming>| {
+        let stopped = guard.stop(&request, local, counts);
+        let router = TowerToHyperService::new(router.clone());
+        async move {
+            let answer = match stopped {
+                Some(answer) => Ok(answer),
+                None => router.call(request.map(Body::new)).await,
+            };
+            answer.map(sealed)
+        }
+    });
+    http1::Builder::new()
+        .max_buf_size(HEAD_MAX)
+        .max_headers(HEADERS_MAX)
+        .keep_alive(false)
+        .half_close(true)
+        .serve_connection(TokioIo::new(stream), service)
+        .with_upgrades()
+        .await
+}

@@ -1,0 +1,55 @@
+//! The page's files, as they are in the executable.
+
+/// A file of the page: name, media type, content.
+pub(crate) type Asset = (&'static str, &'static str, &'static [u8]);
+
+macro_rules! assets {
+    ($($name:literal)*) => {
+        &[$( ($name, media_type($name), include_bytes!(concat!("../page/", $name))) ),*]
+    };
+}
+
+/// The files, all in one folder.
+pub(crate) const ASSETS: &[Asset] = assets! {
+    "wire.js"
+};
+
+/// Media type by the name's ending.
+const fn media_type(name: &str) -> &'static str {
+    match name.as_bytes() {
+        [.., b'.', b'j', b's'] => "text/javascript; charset=utf-8",
+        [.., b'.', b'c', b's', b's'] => "text/css; charset=utf-8",
+        [.., b'.', b'h', b't', b'm', b'l'] => "text/html; charset=utf-8",
+        [.., b'.', b's', b'v', b'g'] => "image/svg+xml",
+        _ => "application/octet-stream",
+    }
+}
+
+/// Content of a file.
+pub(crate) fn asset(name: &str) -> Option<&'static Asset> {
+    ASSETS.iter().find(|(known, ..)| *known == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn folder() -> std::path::PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("page")
+    }
+
+    #[test]
+    fn every_file_of_the_page_is_served() {
+        for entry in std::fs::read_dir(folder()).unwrap() {
+            let name = entry.unwrap().file_name().into_string().unwrap();
+            assert!(asset(&name).is_some(), "{name} is not listed in assets.rs");
+        }
+    }
+
+    #[test]
+    fn the_reader_of_pictures_is_that_of_the_tables() {
+        test_support::assert_golden(&folder().join("wire.js"), &messages::picture::javascript_module());
+    }
+}

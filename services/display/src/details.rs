@@ -1,0 +1,288 @@
+//! All that is known of single tracks, and lists of all tracks, as JSON.
+//!
+//! **A selected track** has `number`, `state`, `kind`, `members`, `rule`, `sequence`, `epoch`, `time_s`,
+//! `reference_time_ns`, `time_of_measurement_ns`, `trigger_source`, `position_m` [3], `velocity_mps` [3],
+//! `height_valid`, `on_ground`, `merged_into`, `covariance` (the 21 elements of the upper triangle), `identity`
+//! {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`, `type_confidence`}, `decisions` [{`time_s`, `kind`,
+//! `text`}] and `contributions`, each with `source`, `name`, `track_number`, `weight`, `accuracy`, `fresh`, `scored`,
+//! `time_s`, `time_of_measurement_ns` and `position_m`, where the sensor track was last. Of the past, there are no
+//! `covariance`, `sequence`, `epoch`, `rule` and `decisions`.
+//!
+//! **A row of a history** is `[time_s, east, north, up, speed, state, nis, [[source, weight], …]]`, the oldest first;
+//! `nis` is `null`, since fusion does not publish it.
+
+use messages::picture::{PictureIdentity, PictureTrack, picture_track_bits};
+use messages::{
+    Contribution, Decision, DecisionKind, FusionRule, Identity, NO_SOURCE, TargetType, TrackKind, TrackState,
+    contribution_bits,
+};
+use runtime::Now;
+use serde_json::{Value, json};
+
+use crate::viewer::Viewer;
+use crate::world::World;
+
+/// Rows of a history at most.
+const ROWS_MAX: usize = 3_000;
+/// Decisions that are told of a track at most.
+const DECISIONS_MAX: usize = 20;
+const FEET_PER_M: f64 = 1.0 / 0.3048;
+const KNOTS_PER_MPS: f64 = 3_600.0 / 1_852.0;
+
+/// Seconds since 1970 as JavaScript has them.
+pub(crate) fn seconds(ns: i64) -> f64 {
+    ns as f64 / messages::NS_PER_S
+}
+
+/// Everything about the tracks that `viewer` has selected, for the picture of `time_ns`.
+pub(crate) fn selected(world: &World, viewer: &Viewer, time_ns: i64) -> Value {
+    let tracks = viewer.selected.iter().filter_map(|number| match viewer.then() {
+        None => live(world, *number),
+        Some(then) => past(world, *number, *then.states.get(number)?),
+    });
+    json!({"type": "selected", "time_s": seconds(time_ns), "tracks": tracks.collect::<Vec<_>>()})
+}
+
+fn live(world: &World, number: u32) -> Option<Value> {
+    let known = world.tracks.get(&number)?;
+    let track = &known.track;
+    let parts: Vec<Value> = track
+        .contributions()
+        .iter()
+        .map(|part| contribution(world, part))
+        .collect();
+    let about = |decision: &&Decision| decision.system_track == number || decision.other_system_track == number;
+    let decisions = world.decisions.iter().rev().filter(about).take(DECISIONS_MAX);
+    let decisions: Vec<Value> = decisions.filter_map(|decision| decided(world, decision)).collect();
+    Some(json!({
+        "number": number,
+        "state": word(TrackState::from_code(track.state), TrackState::word),
+        "kind": word(TrackKind::from_code(track.kind), TrackKind::word),
+        "members": track.members,
+        "rule": word(FusionRule::from_code(track.rule), FusionRule::word),
+        "sequence": track.sequence,
+        "epoch": track.epoch.to_string(),
+        "time_s": seconds(track.reference_time_ns),
+        "reference_time_ns": track.reference_time_ns.to_string(),
+        "time_of_measurement_ns": track.time_of_measurement_ns.to_string(),
+        "trigger_source": source(track.trigger_source),
+        "position_m": track.position_m,
+        "velocity_mps": track.velocity_mps,
+        "height_valid": track.height_valid != 0,
+        "on_ground": track.on_ground != 0,
+        "merged_into": track.merged_into,
+        "covariance": track.covariance.upper,
+        "identity": identity(&track.identity, &track.target_type),
+        "contributions": parts,
+        "decisions": decisions,
+    }))
+}
+
+fn past(world: &World, number: u32, state: u64) -> Option<Value> {
+    let moment = world.history.moment(state)?;
+    let record = &moment.track;
+    let parts = world.history.contributions(state);
+    let parts: Vec<Value> = parts.map(|part| contribution(world, part)).collect();
+    let known = world.identities.get(&number).map(|known| known.record);
+    let (known, target_type) = known.map_or_else(Default::default, |known| named(&known));
+    Some(json!({
+        "number": number,
+        "state": word(TrackState::from_code(record.state), TrackState::word),
+        "kind": word(TrackKind::from_code(record.kind), TrackKind::word),
+        "members": record.members,
+        "time_s": seconds(moment.time_ns),
+        "reference_time_ns": moment.time_ns.to_string(),
+        "time_of_measurement_ns": moment.measured_ns.to_string(),
+        "position_m": [record.east_m, record.north_m, if record.up_m.is_nan() { 0.0 } else { record.up_m }],
+        "velocity_mps": [record.east_mps, record.north_mps, record.up_mps],
+        "height_valid": record.flags & picture_track_bits::HEIGHT != 0,
+        "on_ground": record.flags & picture_track_bits::ON_GROUND != 0,
+        "identity": identity(&known, &target_type),
+        "contributions": parts,
+        "decisions": [],
+    }))
+}
+
+fn word<T>(value: Option<T>, word: impl Fn(T) -> &'static str) -> Option<&'static str> {
+    value.map(word)
+}
+
+fn source(number: u16) -> Option<u16> {
+    Some(number).filter(|number| *number != NO_SOURCE)
+}
+
+/// Name of a source.
+fn name(world: &World, number: u16) -> String {
+    let known = world.sources.iter().find(|source| source.number == number);
+    known.map_or_else(|| format!("source {}", number + 1), |source| source.name.clone())
+}
+
+fn contribution(world: &World, part: &Contribution) -> Value {
+    let heard = world.sensor_tracks.get(&(part.source, part.track_number));
+    let position = heard.map(|heard| {
+        let up_m = Some(heard.record.up_m).filter(|up_m| !up_m.is_nan());
+        (heard.record.east_m, heard.record.north_m, up_m)
+    });
+    json!({
+        "source": part.source,
+        "name": name(world, part.source),
+        "track_number": part.track_number,
+        "weight": part.weight,
+        "accuracy": Some(part.accuracy).filter(|accuracy| accuracy.is_finite()),
+        "fresh": part.flags & contribution_bits::FRESH != 0,
+        "scored": part.flags & contribution_bits::SCORED != 0,
+        "time_s": seconds(part.time_of_measurement_ns),
+        "time_of_measurement_ns": part.time_of_measurement_ns.to_string(),
+        "position_m": position,
+    })
+}
+
+fn decided(world: &World, decision: &Decision) -> Option<Value> {
+    let kind = decision.kind()?;
+    let mut text = kind.word().replace('_', " ");
+    if let Some(number) = source(decision.source) {
+        text += &format!(", {}", name(world, number));
+    }
+    if decision.sensor_track != 0 {
+        text += &format!(" track {}", decision.sensor_track);
+    }
+    if let Some(from) = source(decision.other_source) {
+        text += &format!(", from {}", name(world, from));
+    }
+    if decision.other_system_track != 0 {
+        let joint = if kind == DecisionKind::Merged { "into" } else { "and" };
+        text += &format!(", {joint} system track {}", decision.other_system_track);
+    }
+    if decision.value.is_finite() {
+        text += &format!(": {:.3}", decision.value);
+    }
+    if decision.limit.is_finite() {
+        text += &format!(" (limit {:.3})", decision.limit);
+    }
+    Some(json!({"time_s": seconds(decision.time_ns), "kind": kind.word(), "text": text}))
+}
+
+fn identity(identity: &Identity, target_type: &TargetType) -> Value {
+    json!({
+        "address": identity.address().map(|address| format!("{address:06X}")),
+        "mmsi": identity.mmsi(),
+        "mode_3a": identity.mode_3a().map(|code| format!("{code:04o}")),
+        "callsign": identity.callsign(),
+        "name": identity.name(),
+        "type": target_type.name(),
+        "type_confidence": target_type.name().map(|_| target_type.confidence),
+    })
+}
+
+/// Identity and type of a record.
+fn named(record: &PictureIdentity) -> (Identity, TargetType) {
+    let identity = Identity {
+        address: record.address,
+        mode_3a: record.mode_3a,
+        kind: record.kind,
+        valid: record.valid,
+        callsign: record.callsign,
+        name: record.name,
+        ..Identity::default()
+    };
+    let target_type = TargetType {
+        name: record.type_name,
+        confidence: record.type_confidence,
+    };
+    (identity, target_type)
+}
+
+/// What is kept of the track `number` up to the time `until_ns`; `None` if nothing is.
+pub(crate) fn history(world: &World, number: u32, until_ns: i64) -> Option<Value> {
+    let states = world.history.of_track(number, until_ns).take(ROWS_MAX);
+    let mut rows: Vec<Value> = states
+        .map(|(state, moment)| {
+            let record = &moment.track;
+            let parts = world.history.contributions(state);
+            let weights: Vec<(u16, f64)> = parts.map(|part| (part.source, part.weight)).collect();
+            json!([
+                seconds(moment.time_ns),
+                record.east_m,
+                record.north_m,
+                Some(record.up_m).filter(|up_m| !up_m.is_nan()),
+                record.east_mps.hypot(record.north_mps),
+                word(TrackState::from_code(record.state), TrackState::word),
+                null,
+                weights,
+            ])
+        })
+        .collect();
+    rows.reverse();
+    (!rows.is_empty()).then(|| json!({"type": "history", "number": number, "rows": rows}))
+}
+
+/// All system tracks.
+pub(crate) fn tracks(world: &World, now: Now) -> Value {
+    let tracks: Vec<Value> = world.tracks.keys().filter_map(|number| live(world, *number)).collect();
+    json!({"time_s": seconds(world.time_ns(now)), "tracks": tracks})
+}
+
+/// All system tracks in the form of readsb's `aircraft.json`, for pages that read it: feet, knots, degrees.
+pub(crate) fn aircraft(world: &World, now: Now) -> Value {
+    let time_ns = world.time_ns(now);
+    let shown = |state: u8| {
+        matches!(
+            TrackState::from_code(state),
+            Some(TrackState::Confirmed | TrackState::Coasted)
+        )
+    };
+    let tracks = world.tracks.values().filter(|live| shown(live.track.state));
+    let aircraft = tracks.filter_map(|live| {
+        let (track, record): (_, &PictureTrack) = (&live.track, &live.record);
+        let place = world.frame.as_ref()?.to_geodetic(track.position_m);
+        let [east, north, up] = track.velocity_mps;
+        let seen_s = seconds(time_ns - live.measured_ns).max(0.0);
+        // Numbers that are no aircraft's address begin with a tilde there.
+        let hex = track.identity.address().map_or_else(
+            || format!("~{:06x}", track.track_number & 0xff_ffff),
+            |address| format!("{address:06x}"),
+        );
+        let mut one = json!({
+            "hex": hex,
+            "type": "other",
+            "lat": place.latitude_deg(),
+            "lon": place.longitude_deg(),
+            "gs": east.hypot(north) * KNOTS_PER_MPS,
+            "track": east.atan2(north).to_degrees().rem_euclid(360.0),
+            "seen": seen_s,
+            "seen_pos": seen_s,
+            "messages": track.sequence,
+            "rssi": -1.0,
+        });
+        let object = one.as_object_mut()?;
+        if record.flags & picture_track_bits::ON_GROUND != 0 {
+            object.insert("alt_baro".to_owned(), json!("ground"));
+        } else if track.height_valid != 0 {
+            object.insert("alt_geom".to_owned(), json!((place.height_m() * FEET_PER_M).round()));
+            object.insert("geom_rate".to_owned(), json!((up * FEET_PER_M * 60.0).round()));
+        }
+        if let Some(callsign) = track.identity.callsign() {
+            object.insert("flight".to_owned(), json!(format!("{callsign:8}")));
+        }
+        if let Some(code) = track.identity.mode_3a() {
+            object.insert("squawk".to_owned(), json!(format!("{code:04o}")));
+        }
+        if let Some(name) = track.target_type.name() {
+            object.insert("t".to_owned(), json!(name));
+        }
+        Some(one)
+    });
+    let aircraft: Vec<Value> = aircraft.collect();
+    json!({"now": seconds(time_ns), "messages": world.stamp, "aircraft": aircraft})
+}
+
+/// Receiver's facts in readsb's form.
+pub(crate) fn receiver(world: &World) -> Value {
+    json!({
+        "version": concat!("koseki ", env!("CARGO_PKG_VERSION")),
+        "refresh": 1000,
+        "history": 0,
+        "lat": world.origin.map(|origin| origin.latitude_deg),
+        "lon": world.origin.map(|origin| origin.longitude_deg),
+    })
+}

@@ -1,0 +1,246 @@
+//! What lies under the tracks: coasts and borders of the world, and the operator's overlays, in metres of the system
+//! frame.
+//!
+//! The frame is the plane that touches the Earth at the origin; a place is mapped to the point of the plane to which
+//! the origin's vertical leads from it (`frames::SystemFrame::to_local`, without the height). That folds back beyond
+//! 90 degrees of arc from the origin, so places beyond [`REACH_DEG`] are put at that distance in the same direction,
+//! and lines that lie wholly beyond are left out.
+
+use frames::{Geodetic, SystemFrame};
+use serde_json::{Value, json};
+
+/// Greatest distance from the origin, degrees of arc.
+const REACH_DEG: f64 = 60.0;
+/// Steps of the file of coasts per degree.
+const STEP_DEG: f64 = 0.0025;
+/// First octets of that file.
+const MAGIC: &[u8] = b"KCOAST1\n";
+
+/// Projection of places at the origin's height.
+#[derive(Clone, Copy, Debug)]
+struct Projection {
+    frame: SystemFrame,
+    /// Direction of the origin's vertical.
+    up: [f64; 3],
+    latitude_rad: f64,
+    longitude_rad: f64,
+}
+
+fn direction(latitude_rad: f64, longitude_rad: f64) -> [f64; 3] {
+    let (sin, cos) = latitude_rad.sin_cos();
+    [cos * longitude_rad.cos(), cos * longitude_rad.sin(), sin]
+}
+
+impl Projection {
+    fn new(frame: SystemFrame) -> Self {
+        let origin = frame.to_geodetic([0.0; 3]);
+        let [latitude_rad, longitude_rad] = [origin.latitude_deg(), origin.longitude_deg()].map(f64::to_radians);
+        Self {
+            frame,
+            up: direction(latitude_rad, longitude_rad),
+            latitude_rad,
+            longitude_rad,
+        }
+    }
+
+    /// Metres east and north of a place, and whether it lies within reach; `None` if it is no place.
+    fn project(&self, longitude_deg: f64, latitude_deg: f64) -> Option<([f64; 2], bool)> {
+        let [latitude_rad, longitude_rad] = [latitude_deg, longitude_deg].map(f64::to_radians);
+        let there = direction(latitude_rad, longitude_rad);
+        let cosine: f64 = self.up.iter().zip(there).map(|(a, b)| a * b).sum();
+        if cosine >= REACH_DEG.to_radians().cos() {
+            let place = Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0).ok()?;
+            let [east, north, _] = self.frame.to_local(place);
+            return Some(([east, north], true));
+        }
+        // On the sphere, along the great circle in the direction of the place.
+        let difference = longitude_rad - self.longitude_rad;
+        let east = latitude_rad.cos() * difference.sin();
+        let north = self.latitude_rad.cos() * latitude_rad.sin()
+            - self.latitude_rad.sin() * latitude_rad.cos() * difference.cos();
+        let azimuth = east.atan2(north);
+        let (sin, cos) = REACH_DEG.to_radians().sin_cos();
+        let edge_latitude = (self.latitude_rad.sin() * cos + self.latitude_rad.cos() * sin * azimuth.cos()).asin();
+        let edge_longitude = self.longitude_rad
+            + (azimuth.sin() * sin * self.latitude_rad.cos())
+                .atan2(cos - self.latitude_rad.sin() * edge_latitude.sin());
+        let edge_longitude_deg = (edge_longitude.to_degrees() + 540.0).rem_euclid(360.0) - 180.0;
+        let edge = Geodetic::from_degrees(edge_latitude.to_degrees(), edge_longitude_deg, 0.0).ok()?;
+        let [east, north, _] = self.frame.to_local(edge);
+        Some(([east, north], false))
+    }
+}
+
+/// Coasts and borders, from the file that `coastlines.py` makes: pairs of metres east and north (f32, little-endian);
+/// NaN, NaN ends a line, and infinity, infinity what is land. `None` if the file is none.
+pub(crate) fn coast(file: &[u8], frame: &SystemFrame) -> Option<Vec<u8>> {
+    let projection = Projection::new(*frame);
+    let mut rest = file.strip_prefix(MAGIC)?;
+    let mut count = || {
+        let (octets, after) = rest.split_first_chunk::<4>()?;
+        rest = after;
+        Some(u32::from_le_bytes(*octets))
+    };
+    let (rings, borders) = (count()?, count()?);
+    let mut out = Vec::new();
+    let put = |out: &mut Vec<u8>, pair: [f32; 2]| out.extend(pair.iter().flat_map(|value| value.to_le_bytes()));
+    for line in 0..rings.checked_add(borders)? {
+        if line == rings {
+            put(&mut out, [f32::INFINITY; 2]);
+        }
+        let begin = out.len();
+        let (mut longitude, mut latitude, mut is_near) = (0, 0, false);
+        for _ in 0..number(&mut rest)? {
+            longitude += signed(number(&mut rest)?);
+            latitude += signed(number(&mut rest)?);
+            let place = projection.project(longitude as f64 * STEP_DEG, latitude as f64 * STEP_DEG);
+            if let Some(([east, north], is_within)) = place {
+                is_near |= is_within;
+                put(&mut out, [east as f32, north as f32]);
+            }
+        }
+        match is_near {
+            true => put(&mut out, [f32::NAN; 2]),
+            false => out.truncate(begin),
+        }
+    }
+    Some(out)
+}
+
+fn number(rest: &mut &[u8]) -> Option<u64> {
+    let mut value = 0;
+    for shift in (0..63).step_by(7) {
+        let (octet, after) = rest.split_first()?;
+        *rest = after;
+        value |= u64::from(octet & 127) << shift;
+        if *octet < 128 {
+            return Some(value);
+        }
+    }
+    None
+}
+
+fn signed(zigzag: u64) -> i64 {
+    (zigzag >> 1) as i64 ^ -((zigzag & 1) as i64)
+}
+
+/// GeoJSON with its coordinates, longitudes and latitudes, turned into metres east and north.
+///
+/// # Errors
+/// If it is no collection of features, in a sentence.
+pub(crate) fn overlay(name: &str, text: &str, frame: &SystemFrame) -> Result<Value, String> {
+    let mut collection: Value = serde_json::from_str(text).map_err(|error| error.to_string())?;
+    let projection = Projection::new(*frame);
+    let features = collection.get_mut("features").and_then(Value::as_array_mut);
+    let features = features.ok_or("it is no FeatureCollection of GeoJSON")?;
+    for feature in &mut *features {
+        if let Some(coordinates) = feature.pointer_mut("/geometry/coordinates") {
+            to_metres(coordinates, &projection)?;
+        }
+    }
+    Ok(json!({"name": name, "features": features}))
+}
+
+fn to_metres(coordinates: &mut Value, projection: &Projection) -> Result<(), String> {
+    let list = coordinates.as_array_mut().ok_or("coordinates are lists")?;
+    if let [Value::Number(longitude), Value::Number(latitude), ..] = &list[..] {
+        let degrees = longitude.as_f64().zip(latitude.as_f64());
+        let place = degrees.and_then(|(longitude, latitude)| projection.project(longitude, latitude));
+        let ([east, north], _) = place.ok_or_else(|| format!("[{longitude}, {latitude}] is no place"))?;
+        *coordinates = json!([east, north]);
+        return Ok(());
+    }
+    list.iter_mut().try_for_each(|each| to_metres(each, projection))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame() -> SystemFrame {
+        SystemFrame::at(Geodetic::from_degrees(41.3, 2.1, 0.0).unwrap())
+    }
+
+    fn pairs(octets: &[u8]) -> Vec<[f32; 2]> {
+        let value = |place: usize| f32::from_le_bytes(octets[place..place + 4].try_into().unwrap());
+        (0..octets.len())
+            .step_by(8)
+            .map(|place| [value(place), value(place + 4)])
+            .collect()
+    }
+
+    fn file(rings: &[&[(i64, i64)]]) -> Vec<u8> {
+        let mut out = MAGIC.to_vec();
+        out.extend((rings.len() as u32).to_le_bytes());
+        out.extend(0_u32.to_le_bytes());
+        let mut put = |mut value: u64| {
+            while value > 127 {
+                out.push(value as u8 & 127 | 128);
+                value >>= 7;
+            }
+            out.push(value as u8);
+        };
+        let zigzag = |value: i64| ((value << 1) ^ (value >> 63)) as u64;
+        for ring in rings {
+            put(ring.len() as u64);
+            let mut before = (0, 0);
+            for (x, y) in *ring {
+                put(zigzag(x - before.0));
+                put(zigzag(y - before.1));
+                before = (*x, *y);
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn lines_are_where_the_frame_puts_their_points_and_those_beyond_the_horizon_are_gone() {
+        let near = [(840, 16_520), (1_240, 16_520), (840, 16_520)];
+        let far = [(71_000, -16_000), (71_400, -16_000)];
+        let octets = coast(&file(&[&near, &far]), &frame()).unwrap();
+        let found = pairs(&octets);
+        assert_eq!(found.len(), 4, "{found:?}");
+        assert!(found[0][0].abs() < 1.0 && found[0][1].abs() < 1.0, "the origin");
+        assert!((found[1][0] - 83_700.0).abs() < 200.0, "a degree east: {found:?}");
+        assert!(found[3][0].is_nan());
+        for broken in [&b"KCOAST2\n"[..], b"", &file(&[&near])[..18]] {
+            assert_eq!(coast(broken, &frame()), None);
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_reach_is_put_at_its_edge() {
+        let projection = Projection::new(frame());
+        let radius = |longitude, latitude| {
+            let ([east, north], within) = projection.project(longitude, latitude).unwrap();
+            (east.hypot(north), east.atan2(north).to_degrees(), within)
+        };
+        let edge_m = 6_371e3 * REACH_DEG.to_radians().sin();
+        for (longitude, latitude, azimuth) in [(2.1, -80.0, 180.0), (-177.9, 60.0, 0.0), (122.1, 0.0, 90.0)] {
+            let (distance, direction, within) = radius(longitude, latitude);
+            assert!(
+                !within && (distance - edge_m).abs() < 40e3,
+                "{longitude} {latitude}: {distance}"
+            );
+            let turn = (direction - azimuth + 540.0).rem_euclid(360.0) - 180.0;
+            assert!(turn.abs() < 45.0, "{longitude} {latitude}: {direction}");
+        }
+    }
+
+    #[test]
+    fn an_overlay_is_turned_into_metres() {
+        let text = r#"{"type": "FeatureCollection", "features": [
+            {"type": "Feature", "properties": {"ref": "06L"}, "geometry": {"type": "Polygon",
+             "coordinates": [[[2.1, 41.3, 5], [2.2, 41.3], [2.1, 41.3]]]}}]}"#;
+        let found = overlay("airport", text, &frame()).unwrap();
+        let ring = &found["features"][0]["geometry"]["coordinates"][0];
+        assert_eq!(
+            (ring.as_array().unwrap().len(), ring[0].as_array().unwrap().len()),
+            (3, 2)
+        );
+        assert!((ring[1][0].as_f64().unwrap() - 8_370.0).abs() < 20.0, "{ring}");
+        for wrong in ["", "{}", r#"{"features": [{"geometry": {"coordinates": [300, 95]}}]}"#] {
+            assert!(overlay("x", wrong, &frame()).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The display process: shows the picture in browsers.
+//!
+//! It is a subscriber like any other: whatever happens to it, fusion does not notice, and it can be killed at any time.
+//! One thread takes what the topics have and keeps the world up to date; another serves pages, over HTTP and
+//! WebSockets (crate `web`). They share the world under a lock, which is held for as long as it takes to put a few
+//! slices in or to make one picture.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | `wire` | says what server and page say to each other |
+//! | `agent` | takes what has come |
+//! | `world` | knows what there is |
+//! | `records` | makes records of a picture from samples |
+//! | `history` | keeps the past of the picture |
+//! | `viewer` | knows what one page has been shown, and makes the next picture for it |
+//! | `details`, `status` | say all that is known of single tracks, and of the deployment, as JSON |
+//! | `ground` | brings coasts and overlays into the system frame |
+//! | `pages`, `assets` | serve all that |
+
+#![forbid(unsafe_code)]
+
+mod agent;
+mod assets;
+mod details;
+mod ground;
+mod history;
+mod pages;
+mod records;
+mod status;
+mod viewer;
+mod wire;
+mod world;
+
+use std::io::Write as _;
+use std::net::{SocketAddr, TcpListener};
+
+use anyhow::Context as _;
+use configuration::{Config, Display, Process};
+use messages::FrameOrigin;
+use outgoing::Technology;
+use runtime::Now;
+use web::{Guard, Server};
+
+use crate::pages::Shared;
+use crate::world::{SourceFact, World};
+
+/// Runs the display until the process is told to stop.
+///
+/// # Errors
+/// If the configuration has no display, no port is free, or shared memory fails.
+pub fn run(process: &Process) -> anyhow::Result<()> {
+    let path = process.config.path.display();
+    let display = process.config.display.as_ref();
+    let display = display.with_context(|| format!("{path}: display.listen is not given"))?;
+    let overlays = display
+        .overlays
+        .iter()
+        .map(|file| process.options.data.join(file))
+        .collect();
+    let mut world = World::new(
+        &process.options.instance,
+        process.config.sources.iter().map(source).collect(),
+        display.history_s,
+        display.history_octets,
+    );
+    world.place(&origin(&process.config));
+    let shared = Shared::new(world, overlays, Now::read);
+    let server = serve(display, &shared)?;
+    say(&server, display);
+    let refused = server.counts().clone();
+    let mut agent = agent::DisplayAgent::new(&process.config, &process.bus, process.incarnation, shared, refused)?;
+    runtime::service::run(process, &mut agent)
+}
+
+/// Serves what `shared` has on the first port that is free.
+fn serve(display: &Display, shared: &std::sync::Arc<Shared>) -> anyhow::Result<Server> {
+    let guard = Guard {
+        hosts: display.hosts.clone(),
+        token: display.token.clone(),
+    };
+    let listener = listen(display)?;
+    Server::start_on("pages", listener, guard, pages::router(shared.clone())).context("serving pages")
+}
+
+fn listen(display: &Display) -> anyhow::Result<TcpListener> {
+    let first = display.listen;
+    let ports = (u32::from(first.port())..=u32::from(u16::MAX)).take(1 + display.more_ports as usize);
+    let mut refusal = None;
+    for port in ports {
+        match web::listen(SocketAddr::new(first.ip(), port as u16)) {
+            Ok(listener) => return Ok(listener),
+            Err(error) => refusal = refusal.or(Some(error)),
+        }
+    }
+    Err(refusal.map_or_else(|| anyhow::anyhow!("no port"), anyhow::Error::from)).context("display.listen")
+}
+
+/// Says where the display is.
+fn say(server: &Server, display: &Display) {
+    let token = display.token.as_ref().map_or("", |_| "?token=…");
+    // Standard error may be closed; that is no reason to end a display.
+    let _ = writeln!(
+        std::io::stderr(),
+        "koseki: the picture is at http://{}/{token}",
+        server.address()
+    );
+}
+
+fn origin(config: &Config) -> FrameOrigin {
+    let place = config.frame.to_geodetic([0.0; 3]);
+    FrameOrigin {
+        latitude_deg: place.latitude_deg(),
+        longitude_deg: place.longitude_deg(),
+        height_m: place.height_m(),
+    }
+}
+
+fn source(source: &configuration::Source) -> SourceFact {
+    SourceFact {
+        number: source.number,
+        name: source.name.clone(),
+        kind: match source.technology {
+            Technology::Primary | Technology::Secondary | Technology::ModeS => "radar",
+            Technology::Multilateration => "mlat",
+            Technology::AdsB => "adsb",
+            Technology::Other => "other",
+        },
+        adapter: source.adapter.clone(),
+        site_m: Some(source.model.frame.place()),
+    }
+}

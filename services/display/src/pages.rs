@@ -1,0 +1,366 @@
+//! What is served: the page, its socket, and JSON for scripts.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use frames::SystemFrame;
+use runtime::Now;
+use serde_json::{Value, json};
+use web::axum::Router;
+use web::axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
+use web::axum::extract::{Path, State};
+use web::axum::http::{StatusCode, header};
+use web::axum::response::{IntoResponse, Response};
+use web::axum::routing::get;
+use web::tokio::time::{MissedTickBehavior, interval, timeout};
+
+use crate::assets::asset;
+use crate::details;
+use crate::ground;
+use crate::status::{self, Audience};
+use crate::viewer::Viewer;
+use crate::wire::{LAYER_AGE_S, MESSAGE_MAX, RATE_HZ, SELECT_MAX, Wish};
+use crate::world::World;
+
+/// Most pages that look on at a time.
+pub(crate) const PAGES_MAX: u64 = 32;
+/// Time that a message may take to leave, and a picture to be acknowledged. A page that is not looked at is slow, not
+/// dead.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// Longest message that may wait to be sent, octets, beside what the operating system takes.
+const WAITING_MAX: usize = 16 << 20;
+/// Time between two words on how the deployment is, nanoseconds.
+const STATUS_NS: i64 = 1_000_000_000;
+
+/// What the agent and the server share.
+#[derive(Debug)]
+pub(crate) struct Shared {
+    world: Mutex<World>,
+    overlays: Vec<PathBuf>,
+    /// Reads the clocks.
+    pub(crate) clock: fn() -> Now,
+    pub(crate) traffic: Traffic,
+}
+
+/// Counts of pages and pictures.
+#[derive(Debug, Default)]
+pub(crate) struct Traffic {
+    pub(crate) pages: AtomicU64,
+    pub(crate) sent: AtomicU64,
+    pub(crate) skipped: AtomicU64,
+    /// Pages that were refused or closed: too many, malformed, too slow.
+    pub(crate) refused: AtomicU64,
+}
+
+impl Shared {
+    /// A world to be served, with files of overlays.
+    pub(crate) fn new(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now) -> Arc<Self> {
+        Arc::new(Self {
+            world: Mutex::new(world),
+            overlays,
+            clock,
+            traffic: Traffic::default(),
+        })
+    }
+
+    /// The world, for as long as it is held.
+    pub(crate) fn world(&self) -> MutexGuard<'_, World> {
+        // A page that brought down its task has changed nothing.
+        self.world.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn audience(&self) -> Audience {
+        Audience {
+            clients: self.traffic.pages.load(Ordering::Relaxed),
+            skipped: self.traffic.skipped.load(Ordering::Relaxed),
+        }
+    }
+}
+
+/// A page that looks on, as long as it lives.
+struct Seat(Arc<Shared>);
+
+impl Seat {
+    /// `None` if there is none left.
+    fn take(shared: &Arc<Shared>) -> Option<Self> {
+        let pages = &shared.traffic.pages;
+        let taken = pages.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |pages| {
+            (pages < PAGES_MAX).then_some(pages + 1)
+        });
+        taken.ok().map(|_| Self(Arc::clone(shared)))
+    }
+}
+
+impl Drop for Seat {
+    fn drop(&mut self) {
+        self.0.traffic.pages.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Everything that is served of `shared`.
+pub(crate) fn router(shared: Arc<Shared>) -> Router {
+    let text = |of: fn(&World, Now) -> Value| {
+        move |State(shared): State<Arc<Shared>>| async move {
+            let now = (shared.clock)();
+            answer(&of(&shared.world(), now))
+        }
+    };
+    Router::new()
+        .route("/", get(|| async { file("index.html") }))
+        .route("/{name}", get(|Path(name): Path<String>| async move { file(&name) }))
+        .route("/ws", get(socket))
+        .route("/coast", get(coast))
+        .route("/api/overlays.json", get(overlays))
+        .route("/api/tracks.json", get(text(details::tracks)))
+        .route("/api/sources.json", get(text(status::sources)))
+        .route("/api/history/{file}", get(history))
+        .route("/data/aircraft.json", get(text(details::aircraft)))
+        .route("/data/receiver.json", get(text(|world, _| details::receiver(world))))
+        .fallback(|| async { not_found() })
+        .with_state(shared)
+}
+
+fn not_found() -> Response {
+    (StatusCode::NOT_FOUND, "There is nothing of this name here.\n").into_response()
+}
+
+fn file(name: &str) -> Response {
+    match asset(name) {
+        Some((_, media_type, octets)) => octets_of(media_type, *octets),
+        None => not_found(),
+    }
+}
+
+fn octets_of(media_type: &'static str, octets: impl IntoResponse) -> Response {
+    // Another version of this executable has other files under the same names.
+    (
+        [(header::CONTENT_TYPE, media_type), (header::CACHE_CONTROL, "no-cache")],
+        octets,
+    )
+        .into_response()
+}
+
+fn answer(value: &Value) -> Response {
+    octets_of("application/json", value.to_string())
+}
+
+async fn history(State(shared): State<Arc<Shared>>, Path(file): Path<String>) -> Response {
+    let number = file.strip_suffix(".json").and_then(|number| number.parse().ok());
+    let found = number.and_then(|number| details::history(&shared.world(), number, i64::MAX));
+    found.as_ref().map_or_else(not_found, answer)
+}
+
+async fn coast(State(shared): State<Arc<Shared>>) -> Response {
+    let frame = shared.world().frame;
+    let made = frame.and_then(|frame| ground::coast(asset("coast.bin")?.2, &frame));
+    made.map_or_else(not_found, |octets| octets_of("application/octet-stream", octets))
+}
+
+async fn overlays(State(shared): State<Arc<Shared>>) -> Response {
+    let frame = shared.world().frame;
+    let made = frame.map(|frame| {
+        shared
+            .overlays
+            .iter()
+            .map(|path| overlay(path, &frame))
+            .collect::<Vec<_>>()
+    });
+    answer(&json!({"overlays": made.unwrap_or_default()}))
+}
+
+fn overlay(path: &std::path::Path, frame: &SystemFrame) -> Value {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string());
+    let made = text.and_then(|text| ground::overlay(&name, &text, frame));
+    made.unwrap_or_else(|error| json!({"name": name, "features": [], "error": error}))
+}
+
+async fn socket(State(shared): State<Arc<Shared>>, upgrade: WebSocketUpgrade) -> Response {
+    let Some(seat) = Seat::take(&shared) else {
+        shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
+        return (StatusCode::SERVICE_UNAVAILABLE, "Too many pages look on.\n").into_response();
+    };
+    upgrade
+        .max_message_size(MESSAGE_MAX)
+        .max_frame_size(MESSAGE_MAX)
+        .read_buffer_size(MESSAGE_MAX)
+        .max_write_buffer_size(WAITING_MAX)
+        .on_upgrade(move |socket| async move {
+            if look_on(socket, &seat.0).await == Parting::Refused {
+                shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
+            }
+        })
+}
+
+/// How a page left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Parting {
+    /// By itself.
+    Left,
+    /// It was too slow, or what it said could not be read.
+    Refused,
+}
+
+/// Serves one page until it leaves.
+async fn look_on(mut socket: WebSocket, shared: &Shared) -> Parting {
+    let mut page = Page::new(shared);
+    let mut ticks = ticks(page.viewer.rate_hz());
+    loop {
+        let done = web::tokio::select! {
+            message = socket.recv() => match message {
+                Some(Ok(Message::Text(text))) => {
+                    let rate_hz = page.viewer.rate_hz();
+                    let heard = page.hear(text.as_str());
+                    if page.viewer.rate_hz() != rate_hz {
+                        ticks = self::ticks(page.viewer.rate_hz());
+                    }
+                    heard
+                }
+                Some(Ok(Message::Binary(_))) => Err("messages are text".to_owned()),
+                Some(Ok(Message::Ping(_) | Message::Pong(_))) => Ok(()),
+                Some(Ok(Message::Close(_))) | None => return Parting::Left,
+                // Too long, or no frame at all; a connection that broke is none of these, but tells nobody which.
+                Some(Err(_)) => return Parting::Refused,
+            },
+            _ = ticks.tick() => match page.show(&mut socket).await {
+                Ok(()) => Ok(()),
+                Err(parting) => return parting,
+            },
+        };
+        if let Err(error) = done {
+            let refused = json!({"type": "refused", "error": error}).to_string();
+            let close = CloseFrame {
+                code: close_code::POLICY,
+                reason: "".into(),
+            };
+            for message in [Message::text(refused), Message::Close(Some(close))] {
+                let _ = timeout(PATIENCE, socket.send(message)).await;
+            }
+            return Parting::Refused;
+        }
+    }
+}
+
+fn ticks(rate_hz: f64) -> web::tokio::time::Interval {
+    let mut ticks = interval(Duration::from_secs_f64(1.0 / rate_hz));
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    ticks
+}
+
+/// One page on its way through time.
+struct Page<'a> {
+    shared: &'a Shared,
+    viewer: Viewer,
+    /// Selected tracks whose past it has.
+    remembered: Vec<u32>,
+    /// Whether it knows where the frame lies; `None`: it knows nothing yet.
+    greeted: Option<bool>,
+    /// When the next status is due, monotonic, nanoseconds.
+    status_due_ns: i64,
+    /// Until when the picture that is on its way must be acknowledged.
+    ack_until_ns: i64,
+}
+
+impl<'a> Page<'a> {
+    fn new(shared: &'a Shared) -> Self {
+        Self {
+            shared,
+            viewer: Viewer::default(),
+            remembered: Vec::new(),
+            greeted: None,
+            status_due_ns: i64::MIN,
+            ack_until_ns: i64::MAX,
+        }
+    }
+
+    fn hear(&mut self, text: &str) -> Result<(), String> {
+        let wish = Wish::read(text)?;
+        self.viewer.wish(wish, (self.shared.clock)());
+        let selected = &self.viewer.selected;
+        self.remembered.retain(|number| selected.contains(number));
+        Ok(())
+    }
+
+    /// Sends what is due.
+    async fn show(&mut self, socket: &mut WebSocket) -> Result<(), Parting> {
+        let messages = self.due()?;
+        for message in messages {
+            match timeout(PATIENCE, socket.send(message)).await {
+                Ok(Ok(())) => {}
+                Ok(Err(_)) => return Err(Parting::Left),
+                Err(_) => return Err(Parting::Refused),
+            }
+        }
+        Ok(())
+    }
+
+    fn due(&mut self) -> Result<Vec<Message>, Parting> {
+        let (shared, now) = (self.shared, (self.shared.clock)());
+        let mut messages = Vec::new();
+        if self.viewer.is_behind() {
+            shared.traffic.skipped.fetch_add(1, Ordering::Relaxed);
+            return if now.mono_ns > self.ack_until_ns {
+                Err(Parting::Refused)
+            } else {
+                Ok(messages)
+            };
+        }
+        let world = shared.world();
+        if self.greeted != Some(world.frame.is_some()) {
+            self.greeted = Some(world.frame.is_some());
+            messages.push(hello(&world));
+        }
+        messages.push(Message::binary(self.viewer.picture(&world, now)));
+        self.ack_until_ns = now.mono_ns + PATIENCE.as_nanos() as i64;
+        shared.traffic.sent.fetch_add(1, Ordering::Relaxed);
+        if !self.viewer.selected.is_empty() {
+            let time_ns = self.viewer.past_ns(&world, now).unwrap_or_else(|| world.time_ns(now));
+            for number in &self.viewer.selected {
+                if !self.remembered.contains(number) {
+                    self.remembered.push(*number);
+                    let past = details::history(&world, *number, time_ns);
+                    messages.extend(past.map(|past| Message::text(past.to_string())));
+                }
+            }
+            let selected = details::selected(&world, &self.viewer, time_ns);
+            messages.push(Message::text(selected.to_string()));
+        }
+        if now.mono_ns >= self.status_due_ns {
+            self.status_due_ns = now.mono_ns + STATUS_NS;
+            let status = status::status(&world, shared.audience(), now);
+            messages.push(Message::text(status.to_string()));
+        }
+        Ok(messages)
+    }
+}
+
+fn hello(world: &World) -> Message {
+    let sources = world.sources.iter().map(
+        |source| json!({"number": source.number, "name": source.name, "kind": source.kind, "site_m": source.site_m}),
+    );
+    let origin = world.origin.map(|origin| {
+        json!({
+            "latitude_deg": origin.latitude_deg,
+            "longitude_deg": origin.longitude_deg,
+            "height_m": origin.height_m,
+        })
+    });
+    let hello = json!({
+        "type": "hello",
+        "version": env!("CARGO_PKG_VERSION"),
+        "instance": world.instance,
+        "origin": origin,
+        "sources": sources.collect::<Vec<_>>(),
+        "history_s": world.history_s,
+        "layer_age_s": LAYER_AGE_S,
+        "recording": world.recording,
+        "limits": {"rate_hz": RATE_HZ, "select": SELECT_MAX},
+    });
+    Message::text(hello.to_string())
+}
+
+#[cfg(test)]
+#[path = "pages_tests.rs"]
+mod tests;

@@ -1,0 +1,330 @@
+//! The display's server over real sockets.
+
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use std::sync::Arc;
+use std::time::Duration;
+
+use messages::layout::Sample as _;
+use messages::picture::{PictureHeader, PictureTrack, picture_bits};
+use messages::{BatchHeader, Contribution, FrameOrigin, Identity, SystemTrack, TrackState};
+use serde_json::{Value, json};
+use web::{Guard, Server};
+
+use super::*;
+use crate::world::SourceFact;
+
+/// How long a test waits for what must come.
+const LONG: Duration = Duration::from_secs(30);
+
+fn now() -> Now {
+    Now {
+        mono_ns: 5_000_000_000,
+        utc_ns: 1_700_000_000_000_000_000,
+    }
+}
+
+/// World of two tracks, and a server of it.
+fn served() -> (Arc<Shared>, Server) {
+    let sources = vec![SourceFact {
+        number: 0,
+        name: "radar".to_owned(),
+        kind: "radar",
+        adapter: "radar".to_owned(),
+        site_m: Some([100.0, 200.0]),
+    }];
+    let mut world = World::new("test", sources, 600, 1_000_000);
+    world.place(&FrameOrigin {
+        latitude_deg: 41.0,
+        longitude_deg: 2.0,
+        height_m: 0.0,
+    });
+    world.receive(&header(1), &[track(7, 1_000.0), track(9, -1_000.0)], now());
+    let shared = Shared::new(world, Vec::new(), now);
+    let router = router(Arc::clone(&shared));
+    let server = Server::start("pages", "127.0.0.1:0".parse().unwrap(), Guard::default(), router).unwrap();
+    (shared, server)
+}
+
+fn header(incarnation: u64) -> BatchHeader {
+    BatchHeader {
+        incarnation,
+        ..BatchHeader::default()
+    }
+}
+
+fn track(number: u32, east_m: f64) -> SystemTrack {
+    let mut track = SystemTrack {
+        track_number: number,
+        reference_time_ns: now().utc_ns,
+        state: TrackState::Confirmed as u8,
+        position_m: [east_m, 2_000.0, 300.0],
+        velocity_mps: [100.0, 0.0, 0.0],
+        height_valid: 1,
+        contribution_count: 1,
+        source_count: 1,
+        selected_source: 0,
+        identity: Identity::default().with_address(0x4c_a7b3).with_callsign(*b"KOSEKI1 "),
+        ..SystemTrack::default()
+    };
+    track.contributions[0] = Contribution {
+        weight: 1.0,
+        accuracy: 0.1 + 0.2,
+        track_number: 3,
+        time_of_measurement_ns: now().utc_ns - 250_000_000,
+        ..Contribution::default()
+    };
+    track
+}
+
+fn ask(server: &Server, request: &str) -> (String, Vec<u8>) {
+    let mut stream = TcpStream::connect(server.address()).unwrap();
+    stream.set_read_timeout(Some(LONG)).unwrap();
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).unwrap();
+    let end = answer.windows(4).position(|octets| octets == b"\r\n\r\n").unwrap() + 4;
+    let text = String::from_utf8_lossy(&answer[..end]).to_lowercase();
+    (text, answer.split_off(end))
+}
+
+fn get_json(server: &Server, path: &str) -> Value {
+    let (head, body) = ask(server, &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+    assert!(head.starts_with("http/1.1 200"), "{path}: {head}");
+    serde_json::from_slice(&body).unwrap()
+}
+
+/// A page that speaks WebSocket by hand.
+struct Socket(TcpStream);
+
+impl Socket {
+    fn open(server: &Server) -> Result<Self, String> {
+        let mut stream = TcpStream::connect(server.address()).unwrap();
+        stream.set_read_timeout(Some(LONG)).unwrap();
+        let request = "GET /ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+                       Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut head = Vec::new();
+        while !head.ends_with(b"\r\n\r\n") {
+            let mut octet = [0];
+            stream.read_exact(&mut octet).unwrap();
+            head.push(octet[0]);
+        }
+        let head = String::from_utf8_lossy(&head).into_owned();
+        if head.starts_with("HTTP/1.1 101") {
+            Ok(Self(stream))
+        } else {
+            Err(head)
+        }
+    }
+
+    /// The next message: its kind, and what it says. `None` at the end.
+    fn receive(&mut self) -> Option<(u8, Vec<u8>)> {
+        let mut head = [0; 2];
+        self.0.read_exact(&mut head).ok()?;
+        let length = match head[1] {
+            126 => self.number::<2>()?,
+            127 => self.number::<8>()?,
+            short => u64::from(short),
+        };
+        let mut octets = vec![0; length as usize];
+        self.0.read_exact(&mut octets).ok()?;
+        Some((head[0] & 15, octets))
+    }
+
+    fn number<const OCTETS: usize>(&mut self) -> Option<u64> {
+        let mut octets = [0; OCTETS];
+        self.0.read_exact(&mut octets).ok()?;
+        Some(octets.iter().fold(0, |number, octet| number << 8 | u64::from(*octet)))
+    }
+
+    /// The next text of this type, and the pictures before it.
+    fn until(&mut self, kind: &str) -> Value {
+        loop {
+            let (code, octets) = self.receive().expect("the server is there");
+            if code == 1 {
+                let value: Value = serde_json::from_slice(&octets).unwrap();
+                if value["type"] == kind {
+                    return value;
+                }
+            }
+        }
+    }
+
+    fn picture(&mut self) -> (PictureHeader, Vec<u8>) {
+        loop {
+            let (code, mut octets) = self.receive().expect("the server is there");
+            if code == 2 {
+                let rest = octets.split_off(PictureHeader::LAYOUT.size);
+                return (PictureHeader::of_octets(&octets).unwrap(), rest);
+            }
+        }
+    }
+
+    fn send(&mut self, code: u8, octets: &[u8]) {
+        let mut frame = vec![0x80 | code];
+        match octets.len() {
+            short @ ..126 => frame.push(0x80 | short as u8),
+            long => {
+                frame.push(0x80 | 126);
+                frame.extend((long as u16).to_be_bytes());
+            }
+        }
+        // The mask is 0.
+        frame.extend([0; 4]);
+        frame.extend(octets);
+        // It may have closed already.
+        let _ = self.0.write_all(&frame);
+    }
+
+    fn wish(&mut self, wish: &Value) {
+        self.send(1, wish.to_string().as_bytes());
+    }
+}
+
+fn until(what: &str, condition: impl Fn() -> bool) {
+    for _ in 0..3_000 {
+        if condition() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("{what}");
+}
+
+#[test]
+fn a_page_gets_all_tracks_then_what_has_changed_once_it_has_acknowledged() {
+    let (shared, server) = served();
+    let mut page = Socket::open(&server).unwrap();
+    let hello = page.until("hello");
+    assert_eq!(
+        (&hello["instance"], &hello["origin"]["latitude_deg"]),
+        (&json!("test"), &json!(41.0))
+    );
+    let (header, records) = page.picture();
+    assert_eq!(
+        (header.flags & picture_bits::FULL, header.tracks, header.identities),
+        (1, 2, 2)
+    );
+    let first = PictureTrack::of_octets(&records[..64]).unwrap();
+    assert_eq!((first.number, first.east_m, first.measured_age_ms), (7, 1_000.0, 250));
+    shared.world().receive(&self::header(1), &[track(7, 1_100.0)], now());
+    page.wish(&json!({"ack": header.sequence, "rate_hz": 10, "select": [7]}));
+    let (header, records) = page.picture();
+    assert_eq!(
+        (header.flags & picture_bits::FULL, header.tracks, header.identities),
+        (0, 1, 0)
+    );
+    assert_eq!(PictureTrack::of_octets(&records[..64]).unwrap().east_m, 1_100.0);
+    let history = page.until("history");
+    assert_eq!(history["rows"].as_array().unwrap().len(), 2);
+    let selected = page.until("selected");
+    let part = &selected["tracks"][0]["contributions"][0];
+    assert_eq!(
+        (&part["weight"], &part["accuracy"], &part["name"]),
+        (&json!(1.0), &json!(0.1 + 0.2), &json!("radar"))
+    );
+    let ended = SystemTrack {
+        state: TrackState::Terminated as u8,
+        ..track(9, 0.0)
+    };
+    shared.world().receive(&self::header(1), &[ended], now());
+    page.wish(&json!({"ack": header.sequence, "view": [0, 0, 5000, 5000]}));
+    let (header, records) = page.picture();
+    assert_eq!((header.removed, header.tracks), (1, 0));
+    assert_eq!(records[..4], 9_u32.to_le_bytes());
+    page.wish(&json!({"ack": header.sequence, "filter": {"text": "nobody"}}));
+    let (header, records) = page.picture();
+    assert_eq!((header.removed, &records[..4]), (1, &7_u32.to_le_bytes()[..]));
+    page.wish(&json!({"ack": header.sequence, "filter": null, "past": {"time_s": 1_700_000_000, "speed": 0}}));
+    let (header, _) = page.picture();
+    let flags = picture_bits::FULL | picture_bits::PAST | picture_bits::PAUSED;
+    assert_eq!(
+        (header.flags & flags, header.tracks),
+        (flags, 1),
+        "the past, in what is in view"
+    );
+}
+
+#[test]
+fn a_page_that_does_not_acknowledge_is_sent_nothing_and_disturbs_nobody() {
+    let (shared, server) = served();
+    let deaf = Socket::open(&server).unwrap();
+    let mut page = Socket::open(&server).unwrap();
+    for _ in 0..5 {
+        let (header, _) = page.picture();
+        page.wish(&json!({"ack": header.sequence, "rate_hz": 10}));
+    }
+    until("skipped pictures are counted", || {
+        shared.traffic.skipped.load(Ordering::Relaxed) > 0
+    });
+    drop((deaf, page));
+    until("seats are free again", || {
+        shared.traffic.pages.load(Ordering::Relaxed) == 0
+    });
+}
+
+#[test]
+fn what_no_page_would_say_is_refused_and_counted() {
+    let (shared, server) = served();
+    let messages: [(u8, Vec<u8>); 5] = [
+        (1, b"{\"rate\": 1}".to_vec()),
+        (1, vec![b' '; MESSAGE_MAX + 1]),
+        (1, vec![0xff, 0xfe]),
+        (2, b"{}".to_vec()),
+        (7, Vec::new()),
+    ];
+    for (count, (code, octets)) in (1..).zip(messages) {
+        let mut page = Socket::open(&server).unwrap();
+        page.send(code, &octets);
+        while page.receive().is_some() {}
+        until("it is counted", || {
+            shared.traffic.refused.load(Ordering::Relaxed) == count
+        });
+    }
+}
+
+#[test]
+fn there_are_only_so_many_seats() {
+    let (shared, server) = served();
+    let pages: Vec<Socket> = (0..PAGES_MAX).map(|_| Socket::open(&server).unwrap()).collect();
+    let refused = Socket::open(&server).err().unwrap();
+    assert!(refused.starts_with("HTTP/1.1 503"), "{refused}");
+    assert_eq!(shared.traffic.refused.load(Ordering::Relaxed), 1);
+    drop(pages);
+    until("seats are free again", || {
+        shared.traffic.pages.load(Ordering::Relaxed) == 0
+    });
+    assert!(Socket::open(&server).is_ok());
+}
+
+#[test]
+fn scripts_get_json_and_nothing_but_what_is_there() {
+    let (_shared, server) = served();
+    let tracks = get_json(&server, "/api/tracks.json");
+    assert_eq!(tracks["tracks"].as_array().unwrap().len(), 2);
+    assert_eq!(get_json(&server, "/api/sources.json")["sources"][0]["name"], "radar");
+    assert_eq!(get_json(&server, "/api/history/7.json")["number"], 7);
+    let aircraft = get_json(&server, "/data/aircraft.json");
+    let one = &aircraft["aircraft"][0];
+    assert_eq!((&one["hex"], &one["flight"]), (&json!("4ca7b3"), &json!("KOSEKI1 ")));
+    assert!((one["track"].as_f64().unwrap() - 90.0).abs() < 1e-9 && one["lat"].as_f64().unwrap() > 41.0);
+    assert_eq!(get_json(&server, "/data/receiver.json")["lat"], 41.0);
+    for path in [
+        "/../Cargo.toml",
+        "/..%2f..%2fCargo.toml",
+        "/%2e%2e/src/lib.rs",
+        "//etc/passwd",
+        "/api/history/0.json",
+        "/api/history/..%2f7.json",
+        "/nothing",
+    ] {
+        let (head, _) = ask(&server, &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+        assert!(head.starts_with("http/1.1 404"), "{path}: {head}");
+    }
+    let (head, octets) = ask(&server, "GET /wire.js HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    assert!(
+        head.contains("content-type: text/javascript") && octets.len() > 1_000,
+        "{head}"
+    );
+}

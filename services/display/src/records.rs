@@ -1,0 +1,281 @@
+//! Records of a picture, made from samples.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use messages::picture::{
+    NO_CODE, PictureArea, PictureAreaKind, PictureBearing, PictureDetection, PictureIdentity, PictureSensorTrack,
+    PictureTrack, picture_track_bits,
+};
+use messages::{
+    Covariance, Cue, DetectionKind, Quantity, SensorBearing, SensorDetection, SensorTrack, SystemTrack, WideArea,
+    sensor_track_bits,
+};
+
+/// Sources whose contribution a record tells.
+const SOURCES_TOLD: u16 = 64;
+
+/// Record of a state; its ages are left to whoever knows the time.
+pub(crate) fn track(track: &SystemTrack) -> PictureTrack {
+    let [east, north, up] = track.position_m;
+    let [east_mps, north_mps, up_mps] = track.velocity_mps.map(|speed| speed as f32);
+    let [semi_major_m, semi_minor_m, semi_major_rad] = ellipse(&track.covariance);
+    let told = track.contributions().iter().map(|part| part.source);
+    let sources = told
+        .filter(|source| *source < SOURCES_TOLD)
+        .fold(0_u64, |sources, source| sources | 1 << source);
+    let has_height = track.height_valid != 0;
+    let flag = |is_set: bool, bit: u8| if is_set { bit } else { 0 };
+    PictureTrack {
+        number: track.track_number,
+        east_m: east as f32,
+        north_m: north as f32,
+        up_m: if has_height { up as f32 } else { f32::NAN },
+        east_mps,
+        north_mps,
+        up_mps,
+        semi_major_m,
+        semi_minor_m,
+        semi_major_rad,
+        sources_low: sources as u32,
+        sources_high: (sources >> 32) as u32,
+        main_source: track.selected_source,
+        source_count: u8::try_from(track.source_count).unwrap_or(u8::MAX),
+        members: u8::try_from(track.members).unwrap_or(u8::MAX),
+        state: track.state,
+        kind: track.kind,
+        alerts: track.alerts,
+        flags: picture_track_bits::VELOCITY
+            | flag(has_height, picture_track_bits::HEIGHT)
+            | flag(track.on_ground != 0, picture_track_bits::ON_GROUND),
+        ..PictureTrack::default()
+    }
+}
+
+/// Time of the latest measurement behind a state, UTC, nanoseconds; that of the state if none is known.
+pub(crate) fn measured_ns(track: &SystemTrack) -> i64 {
+    let measured = track.contributions().iter().map(|part| part.time_of_measurement_ns);
+    measured.max().unwrap_or(track.reference_time_ns)
+}
+
+/// Ellipse of one standard deviation: longer and shorter half axis, metres, and direction of the longer one, radians
+/// clockwise from north; zeros if the covariance is none.
+fn ellipse(covariance: &Covariance) -> [f32; 3] {
+    let [east, both, north] = [(0, 0), (0, 1), (1, 1)].map(|(row, column)| covariance.get(row, column));
+    let (mean, half) = ((east + north) / 2.0, ((east - north) / 2.0).hypot(both));
+    let axes = [mean + half, mean - half];
+    if !(axes[1] > 0.0 && axes[0].is_finite()) {
+        return [0.0; 3];
+    }
+    let from_east = 0.5 * (2.0 * both).atan2(east - north);
+    [
+        axes[0].sqrt() as f32,
+        axes[1].sqrt() as f32,
+        (FRAC_PI_2 - from_east).rem_euclid(PI) as f32,
+    ]
+}
+
+/// Record of a track's identity and type.
+pub(crate) fn identity(track: &SystemTrack) -> PictureIdentity {
+    let (identity, target_type) = (&track.identity, &track.target_type);
+    PictureIdentity {
+        number: track.track_number,
+        address: identity.address,
+        mode_3a: identity.mode_3a,
+        kind: identity.kind,
+        valid: identity.valid,
+        callsign: identity.callsign,
+        name: identity.name,
+        type_name: if target_type.is_known() {
+            target_type.name
+        } else {
+            [b' '; 12]
+        },
+        type_confidence: if target_type.is_known() {
+            target_type.confidence
+        } else {
+            0.0
+        },
+    }
+}
+
+/// Record of a report; its age, and the system track, are left to whoever knows.
+pub(crate) fn sensor_track(report: &SensorTrack) -> PictureSensorTrack {
+    let [east, north, up] = report.position_m;
+    let [east_mps, north_mps, _] = report.velocity_mps;
+    let bits = [
+        (sensor_track_bits::ON_GROUND, picture_track_bits::ON_GROUND),
+        (sensor_track_bits::HEIGHT, picture_track_bits::HEIGHT),
+        (sensor_track_bits::VELOCITY, picture_track_bits::VELOCITY),
+    ];
+    let set = bits.into_iter().filter(|(bit, _)| report.has(*bit));
+    PictureSensorTrack {
+        track_number: report.track_number,
+        east_m: east as f32,
+        north_m: north as f32,
+        up_m: if report.has(sensor_track_bits::HEIGHT) {
+            up as f32
+        } else {
+            f32::NAN
+        },
+        east_mps: east_mps as f32,
+        north_mps: north_mps as f32,
+        source: report.source,
+        mode_3a: report.identity.mode_3a().unwrap_or(NO_CODE),
+        state: report.state,
+        flags: set.fold(0, |flags, (_, flag)| flags | flag),
+        ..PictureSensorTrack::default()
+    }
+}
+
+/// Place of a detection, or the ray on which its target is, if only a direction was measured.
+pub(crate) enum Place {
+    /// A point.
+    Spot(PictureDetection),
+    /// A direction.
+    Ray(PictureBearing),
+}
+
+/// Record of a detection; `None` if its kind is not known.
+pub(crate) fn detection(detection: &SensorDetection) -> Option<Place> {
+    let quantities = DetectionKind::from_code(detection.kind)?.quantities();
+    let value = |wanted: Quantity| {
+        let place = quantities.iter().position(|quantity| *quantity == wanted)?;
+        Some((detection.values[place], detection.sigmas[place]))
+    };
+    let [from_east, from_north, from_up] = detection.platform_m;
+    let elevation = value(Quantity::Elevation).map_or(0.0, |(elevation, _)| elevation);
+    let (east, north, up) = match (value(Quantity::Range), value(Quantity::Bearing)) {
+        (Some((range, _)), Some((bearing, _))) => {
+            let ground = range * elevation.cos();
+            let up = value(Quantity::Elevation).map(|_| from_up + range * elevation.sin());
+            (
+                from_east + ground * bearing.sin(),
+                from_north + ground * bearing.cos(),
+                up,
+            )
+        }
+        (None, Some((bearing, sigma))) => {
+            return Some(Place::Ray(PictureBearing {
+                east_m: from_east as f32,
+                north_m: from_north as f32,
+                bearing_rad: bearing as f32,
+                sigma_rad: sigma as f32,
+                source: detection.source,
+                ..PictureBearing::default()
+            }));
+        }
+        _ => {
+            let up = value(Quantity::Up).map(|(up, _)| up);
+            (value(Quantity::East)?.0, value(Quantity::North)?.0, up)
+        }
+    };
+    Some(Place::Spot(PictureDetection {
+        east_m: east as f32,
+        north_m: north as f32,
+        up_m: up.map_or(f32::NAN, |up| up as f32),
+        source: detection.source,
+        ..PictureDetection::default()
+    }))
+}
+
+/// Record of a bearing.
+pub(crate) fn bearing(bearing: &SensorBearing) -> PictureBearing {
+    PictureBearing {
+        east_m: bearing.platform_m[0] as f32,
+        north_m: bearing.platform_m[1] as f32,
+        bearing_rad: bearing.bearing_rad as f32,
+        sigma_rad: bearing.sigma_rad as f32,
+        source: bearing.source,
+        ..PictureBearing::default()
+    }
+}
+
+/// Record of a count.
+pub(crate) fn count(count: &WideArea) -> PictureArea {
+    PictureArea {
+        east_m: count.position_m[0] as f32,
+        north_m: count.position_m[1] as f32,
+        east_mps: count.velocity_mps[0] as f32,
+        north_mps: count.velocity_mps[1] as f32,
+        number: count.targets,
+        sensor: count.sensor,
+        kind: PictureAreaKind::Count.code(),
+        ..PictureArea::default()
+    }
+}
+
+/// Record of a cue.
+pub(crate) fn cue(cue: &Cue) -> PictureArea {
+    PictureArea {
+        east_m: cue.position_m[0] as f32,
+        north_m: cue.position_m[1] as f32,
+        east_mps: cue.velocity_mps[0] as f32,
+        north_mps: cue.velocity_mps[1] as f32,
+        semi_major_m: cue.half_axes_m[0] as f32,
+        semi_minor_m: cue.half_axes_m[1] as f32,
+        semi_major_rad: cue.orientation_rad as f32,
+        number: cue.track_number,
+        sensor: cue.source,
+        kind: PictureAreaKind::Cue.code(),
+        ..PictureArea::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ellipse_lies_as_the_covariance_says() {
+        let mut covariance = Covariance::diagonal([30.0, 10.0, 1.0], [1.0; 3]);
+        let near = |found: [f32; 3], expected: [f32; 3]| {
+            let pairs = found.into_iter().zip(expected);
+            assert!(
+                pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-3),
+                "{found:?} {expected:?}"
+            );
+        };
+        near(ellipse(&covariance), [30.0, 10.0, std::f32::consts::FRAC_PI_2]);
+        covariance = Covariance::diagonal([10.0, 30.0, 1.0], [1.0; 3]);
+        let [.., direction] = ellipse(&covariance);
+        assert!(
+            direction.min(std::f32::consts::PI - direction) < 1e-3,
+            "north: {direction}"
+        );
+        // Half way between north and east: variances alike, covariance positive.
+        covariance = Covariance::diagonal([10.0, 10.0, 1.0], [1.0; 3]);
+        covariance.set(0, 1, 50.0);
+        near(
+            ellipse(&covariance),
+            [150_f32.sqrt(), 50_f32.sqrt(), std::f32::consts::FRAC_PI_4],
+        );
+        covariance.set(0, 1, f64::NAN);
+        assert_eq!(ellipse(&covariance), [0.0; 3]);
+    }
+
+    #[test]
+    fn detections_are_where_they_were_measured_from() {
+        let measured = |kind: DetectionKind, values: [f64; 3]| {
+            let platform_m = [100.0, 200.0, 10.0];
+            detection(&SensorDetection {
+                kind: kind as u8,
+                values,
+                platform_m,
+                ..SensorDetection::default()
+            })
+        };
+        let east = std::f64::consts::FRAC_PI_2;
+        match measured(DetectionKind::RangeBearing, [1_000.0, east, 0.0]) {
+            Some(Place::Spot(spot)) => {
+                assert!((spot.east_m - 1_100.0).abs() < 1e-3 && (spot.north_m - 200.0).abs() < 1e-3);
+                assert!(spot.up_m.is_nan());
+            }
+            _ => panic!("a spot"),
+        }
+        assert!(
+            matches!(measured(DetectionKind::Bearing, [east, 0.0, 0.0]), Some(Place::Ray(ray)) if ray.east_m == 100.0)
+        );
+        let place = measured(DetectionKind::Position3, [1.0, 2.0, 3.0]);
+        assert!(matches!(place, Some(Place::Spot(spot)) if [spot.east_m, spot.north_m, spot.up_m] == [1.0, 2.0, 3.0]));
+    }
+}

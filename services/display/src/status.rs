@@ -1,0 +1,231 @@
+//! How the deployment is, as JSON: the figures of `koseki top`.
+//!
+//! - `sources`: `number`, `name`, `kind`, `adapter`, `rate_hz`, `heard_s`, `reports`, `lost`, `rejected` {reason:
+//!   count}, `registration` {`comparisons`, `offset_m` [2], `offset_sigma_m` [2], `time_offset_s`, `range_bias_m`,
+//!   `azimuth_bias_deg`, `removed`}, `inflation`, `clock_offset_s`
+//! - `alarms`: `code`, `name`, `severity`, `event`, `text`, `remedy`, `raised_s`, `changed_s`, `times`, `process`,
+//!   `source`
+//! - `latency`: `stage`, `count`, `p50_us`, `p99_us`, `p999_us`, `max_us`, `buckets` [[upper bound in µs, count]]:
+//!   since the display began
+//! - `processes`: `kind`, `name`, `state`, `pid`, `restarts`, `heard_s`, `note`, `figures` [[name, value]]
+
+use std::collections::BTreeMap;
+
+use alarms::AlarmKind;
+use messages::{Counter, CounterClass, NO_SOURCE, ProcessKind, registration_bits};
+use runtime::Now;
+use serde_json::{Value, json};
+use telemetry::{BUCKET_BOUNDS_NS, Buckets, Span, Stage};
+
+use crate::details::seconds;
+use crate::world::{SourceFact, World};
+
+/// Pages that look on.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Audience {
+    /// How many there are.
+    pub(crate) clients: u64,
+    /// Pictures that were not made, since their readers were behind.
+    pub(crate) skipped: u64,
+}
+
+/// The status.
+pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
+    let fusion = if world.is_fusion_silent(now) {
+        "silent"
+    } else {
+        "running"
+    };
+    let history = world
+        .history
+        .span_ns()
+        .map(|[from_ns, to_ns]| json!({"from_s": seconds(from_ns), "to_s": seconds(to_ns)}));
+    let sources: Vec<Value> = world.sources.iter().map(|fact| source(world, fact)).collect();
+    json!({
+        "type": "status",
+        "time_s": seconds(world.time_ns(now)),
+        "fusion": fusion,
+        "history": history,
+        "clients": audience.clients,
+        "skipped": audience.skipped,
+        "sources": sources,
+        "alarms": alarms(world, now),
+        "latency": latency(world),
+        "processes": processes(world, now),
+        "system": system(world, audience),
+    })
+}
+
+/// The sources alone.
+pub(crate) fn sources(world: &World, now: Now) -> Value {
+    let sources: Vec<Value> = world.sources.iter().map(|fact| source(world, fact)).collect();
+    json!({"time_s": seconds(world.time_ns(now)), "sources": sources})
+}
+
+/// UTC of a monotonic time, seconds.
+fn utc_s(mono_ns: i64, now: Now) -> f64 {
+    seconds(now.utc_ns - (now.mono_ns - mono_ns))
+}
+
+fn source(world: &World, fact: &SourceFact) -> Value {
+    let number = fact.number;
+    let book = &world.book;
+    let adapter = book.adapter(&fact.adapter, number);
+    let fusion = book.service(ProcessKind::Fusion, number);
+    let refused = Counter::of(CounterClass::Rejection).map(|counter| (counter, adapter[counter]));
+    let not_used = Counter::of(CounterClass::FusionRejection).map(|counter| (counter, fusion[counter]));
+    let rejected: BTreeMap<String, u64> = refused
+        .chain(not_used)
+        .filter(|(_, count)| *count > 0)
+        .map(|(counter, count)| (counter.label().trim_start_matches("rejected_").replace('_', " "), count))
+        .collect();
+    let heard = world
+        .sensor_tracks
+        .range((number, 0)..=(number, u32::MAX))
+        .map(|(_, heard)| heard.time_ns)
+        .max();
+    let known = book.registration(number);
+    let horizontal = registration_bits::EAST | registration_bits::NORTH;
+    let registration = (known.comparisons > 0.0).then(|| {
+        json!({
+            "comparisons": known.comparisons,
+            "offset_m": known.offset_m[..2],
+            "offset_sigma_m": known.offset_sigma_m[..2],
+            "time_offset_s": known.time_offset_s,
+            "range_bias_m": known.range_bias_m,
+            "azimuth_bias_deg": known.azimuth_bias_rad.to_degrees(),
+            "removed": known.removes(horizontal) || known.removes(registration_bits::RANGE | registration_bits::AZIMUTH),
+        })
+    });
+    json!({
+        "number": number,
+        "name": fact.name,
+        "kind": fact.kind,
+        "adapter": fact.adapter,
+        "rate_hz": world.rates.of(number),
+        "heard_s": heard.map(seconds),
+        "reports": fusion[Counter::Taken],
+        "lost": fusion[Counter::Lost],
+        "rejected": rejected,
+        "registration": registration,
+        "inflation": known.covariance_inflation,
+        "clock_offset_s": (known.clock_offset_sigma_s > 0.0).then_some(known.clock_offset_s),
+    })
+}
+
+fn alarms(world: &World, now: Now) -> Vec<Value> {
+    let standing = world.alarms.at(now.mono_ns).unwrap_or_default().iter();
+    let rows = standing.filter_map(|alarm| {
+        let kind = AlarmKind::from_code(alarm.code)?;
+        Some(json!({
+            "code": alarm.code,
+            "name": kind.word(),
+            "severity": kind.severity().word(),
+            "event": alarm.event()?.word(),
+            "text": alarm.text(),
+            "remedy": kind.remedy(),
+            "raised_s": seconds(alarm.raised_ns),
+            "changed_s": seconds(alarm.time_ns),
+            "times": alarm.times,
+            "process": alarm.process(),
+            "source": Some(alarm.source).filter(|source| *source != NO_SOURCE),
+        }))
+    });
+    rows.collect()
+}
+
+fn latency(world: &World) -> Vec<Value> {
+    let stages = &world.stages;
+    let measured = Stage::ALL
+        .into_iter()
+        .filter(|stage| stage.is_measured(stages.journey().end));
+    let rows = measured.filter_map(|stage| {
+        let histogram = stages.histogram(stage, None, Span::Total)?;
+        let summary = stages.summary(stage, None, Span::Total);
+        let us = |ns: u64| ns as f64 / 1e3;
+        let counts = Buckets::from(histogram).counts;
+        let bounds = BUCKET_BOUNDS_NS.iter().map(|bound_ns| us(*bound_ns)).zip(counts);
+        let buckets: Vec<(f64, u64)> = bounds.filter(|(_, count)| *count > 0).collect();
+        Some(json!({
+            "stage": stage.key(),
+            "count": summary.count,
+            "p50_us": us(summary.p50_ns),
+            "p99_us": us(summary.p99_ns),
+            "p999_us": us(summary.p999_ns),
+            "max_us": us(summary.max_ns),
+            "buckets": buckets,
+        }))
+    });
+    rows.collect()
+}
+
+fn processes(world: &World, now: Now) -> Vec<Value> {
+    let book = &world.book;
+    let figure = |kind: ProcessKind, name: &str| {
+        let Some(said) = book.whole(kind, name) else {
+            return Vec::new();
+        };
+        let counters = said.counters();
+        let figures = [
+            Counter::Published,
+            Counter::Taken,
+            Counter::Lost,
+            Counter::RowsWritten,
+            Counter::DatagramsSent,
+        ];
+        let shown = figures.into_iter().filter(|counter| counters[*counter] > 0);
+        shown
+            .map(|counter| (counter.label().replace('_', " "), counters[counter].to_string()))
+            .collect()
+    };
+    let known = book.processes(&[], now.mono_ns).into_iter().map(|process| {
+        let heard = book
+            .whole(process.kind, &process.name)
+            .map(|said| utc_s(said.said_ns(), now));
+        let notes = [process.last_end.as_str(), &process.note].join(" ");
+        json!({
+            "kind": process.kind.word(),
+            "name": process.name,
+            "state": process.state,
+            "pid": process.pid,
+            "restarts": process.restarts,
+            "heard_s": heard,
+            "note": notes.trim(),
+            "figures": figure(process.kind, &process.name),
+        })
+    });
+    let silent = book.silent_children().map(|child| {
+        json!({
+            "kind": "",
+            "name": child.name,
+            "state": child.life.word(),
+            "pid": child.pid,
+            "restarts": child.restarts,
+            "heard_s": null,
+            "note": child.last_end,
+            "figures": [],
+        })
+    });
+    known.chain(silent).collect()
+}
+
+fn system(world: &World, audience: Audience) -> Vec<(&'static str, String)> {
+    let fusion = world.book.service(ProcessKind::Fusion, NO_SOURCE);
+    let figures = [
+        ("tracks", Counter::LiveTracks),
+        ("coasted", Counter::CoastedTracks),
+        ("tentative", Counter::TentativeTracks),
+        ("started", Counter::TracksStarted),
+        ("ended", Counter::TracksTerminated),
+        ("merged", Counter::TracksMerged),
+        ("split", Counter::ContributionsSplit),
+        ("hand-overs", Counter::HandOvers),
+        ("dropped, table full", Counter::DroppedTable),
+    ];
+    let epoch = world.tracks.values().next().map_or(0, |live| live.track.epoch);
+    let mut system = vec![("instance", world.instance.clone()), ("epoch", epoch.to_string())];
+    system.extend(figures.map(|(name, counter)| (name, fusion[counter].to_string())));
+    system.push(("pages", audience.clients.to_string()));
+    system.push(("pictures skipped", audience.skipped.to_string()));
+    system
+}

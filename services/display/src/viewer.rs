@@ -1,0 +1,397 @@
+//! What one page has been shown, and the next picture for it.
+
+use messages::layout::Sample;
+use messages::picture::{PictureHeader, PictureIdentity, PictureTrack, picture_bits};
+use messages::{Identity, TrackState};
+use runtime::Now;
+use rustc_hash::FxHashMap;
+
+use crate::history::Then;
+use crate::wire::{Filter, Layer, Past, Wish};
+use crate::world::{Heard, World};
+
+const NS_PER_MS: i64 = 1_000_000;
+
+/// One page's view of the world.
+#[derive(Debug)]
+pub(crate) struct Viewer {
+    rate_hz: f64,
+    view: Option<[f32; 4]>,
+    filter: Option<Filter>,
+    pub(crate) selected: Vec<u32>,
+    past: Option<PastView>,
+    layers: LayerStamps,
+    /// Tracks that the page has, in the order of their numbers, each with the stamp of the state that it has.
+    shown: Vec<(u32, u64)>,
+    /// Stamps of the identities that it has.
+    named: FxHashMap<u32, u64>,
+    /// Whether the next picture begins anew.
+    full: bool,
+    sequence: u32,
+    /// Picture that has not been acknowledged.
+    outstanding: Option<u32>,
+}
+
+/// For each layer that is asked for, the stamp of the latest thing of it that was sent.
+#[derive(Clone, Copy, Debug, Default)]
+struct LayerStamps {
+    sensor_tracks: Option<u64>,
+    detections: Option<u64>,
+    bearings: Option<u64>,
+    areas: Option<u64>,
+}
+
+/// A page that looks at the past.
+#[derive(Debug)]
+struct PastView {
+    asked: Past,
+    /// When it asked, monotonic, nanoseconds.
+    since_ns: i64,
+    then: Then,
+}
+
+/// A state as a picture is made of it.
+struct Shown<'a> {
+    number: u32,
+    stamp: u64,
+    time_ns: i64,
+    measured_ns: i64,
+    record: &'a PictureTrack,
+}
+
+impl Default for Viewer {
+    fn default() -> Self {
+        Self {
+            rate_hz: 4.0,
+            view: None,
+            filter: None,
+            selected: Vec::new(),
+            past: None,
+            layers: LayerStamps::default(),
+            shown: Vec::new(),
+            named: FxHashMap::default(),
+            full: true,
+            sequence: 0,
+            outstanding: None,
+        }
+    }
+}
+
+impl Viewer {
+    /// Takes a wish.
+    pub(crate) fn wish(&mut self, wish: Wish, now: Now) {
+        if let Some(rate_hz) = wish.rate_hz {
+            self.rate_hz = rate_hz;
+        }
+        if let Some(view) = wish.view {
+            self.view = view;
+        }
+        if let Some(filter) = wish.filter {
+            self.filter = filter;
+        }
+        if let Some(select) = wish.select {
+            self.selected = select;
+        }
+        if let Some(layers) = wish.layers {
+            let keep = |layer: Layer, stamp: Option<u64>| layers.contains(&layer).then(|| stamp.unwrap_or(0));
+            self.layers = LayerStamps {
+                sensor_tracks: keep(Layer::SensorTracks, self.layers.sensor_tracks),
+                detections: keep(Layer::Detections, self.layers.detections),
+                bearings: keep(Layer::Bearings, self.layers.bearings),
+                areas: keep(Layer::Areas, self.layers.areas),
+            };
+        }
+        if let Some(past) = wish.past {
+            // Stamps of the present and numbers of the past are not to be taken for each other.
+            self.full |= past.is_some() != self.past.is_some();
+            let then = self.past.take().map(|view| view.then).unwrap_or_default();
+            self.past = past.map(|asked| PastView {
+                asked,
+                since_ns: now.mono_ns,
+                then,
+            });
+        }
+        // An acknowledgement of an earlier picture says nothing of the one that is on its way.
+        self.outstanding = self.outstanding.filter(|sequence| wish.ack != Some(*sequence));
+    }
+
+    /// Pictures a second.
+    pub(crate) fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// Whether the page still owes an acknowledgement.
+    pub(crate) fn is_behind(&self) -> bool {
+        self.outstanding.is_some()
+    }
+
+    /// Moment of the past that is shown, UTC, nanoseconds; `None`: the present.
+    pub(crate) fn past_ns(&self, world: &World, now: Now) -> Option<i64> {
+        let past = self.past.as_ref()?;
+        let wanted_s = past.asked.time_s + past.asked.speed * (now.mono_ns - past.since_ns) as f64 / messages::NS_PER_S;
+        let [from_ns, to_ns] = world.history.span_ns().unwrap_or([i64::MIN; 2]);
+        Some(frames::time::ns(wanted_s).clamp(from_ns, to_ns.max(from_ns)))
+    }
+
+    /// States of the past that are shown, by number; `None`: the present is shown.
+    pub(crate) fn then(&self) -> Option<&Then> {
+        self.past.as_ref().map(|past| &past.then)
+    }
+
+    /// The next picture, all of it that has changed.
+    pub(crate) fn picture(&mut self, world: &World, now: Now) -> Vec<u8> {
+        let past_ns = self.past_ns(world, now);
+        let time_ns = past_ns.unwrap_or_else(|| world.time_ns(now));
+        if let Some(past) = &mut self.past {
+            world.history.go_to(&mut past.then, time_ns);
+        }
+        if std::mem::take(&mut self.full) {
+            self.shown.clear();
+            self.named.clear();
+            self.sequence = self.sequence.wrapping_add(1);
+            return self.compose(world, now, time_ns, picture_bits::FULL);
+        }
+        self.sequence = self.sequence.wrapping_add(1);
+        self.compose(world, now, time_ns, 0)
+    }
+
+    fn compose(&mut self, world: &World, now: Now, time_ns: i64, full: u32) -> Vec<u8> {
+        let mut blocks = Blocks::new(time_ns);
+        let before = std::mem::take(&mut self.shown);
+        let mut before = before.into_iter().peekable();
+        let mut shown = Vec::with_capacity(world.tracks.len());
+        let states: &mut dyn Iterator<Item = Shown<'_>> = match &self.past {
+            None => &mut world.tracks.iter().map(|(number, live)| Shown {
+                number: *number,
+                stamp: live.stamp,
+                time_ns: live.track.reference_time_ns,
+                measured_ns: live.measured_ns,
+                record: &live.record,
+            }),
+            Some(past) => &mut past.then.states.iter().filter_map(|(number, state)| {
+                let moment = world.history.moment(*state)?;
+                Some(Shown {
+                    number: *number,
+                    stamp: *state,
+                    time_ns: moment.time_ns,
+                    measured_ns: moment.measured_ns,
+                    record: &moment.track,
+                })
+            }),
+        };
+        for state in states {
+            let identity = world.identities.get(&state.number);
+            if !self
+                .view
+                .is_none_or(|view| contains(view, state.record.east_m, state.record.north_m))
+                || !self
+                    .filter
+                    .as_ref()
+                    .is_none_or(|filter| filter.admits(state.record, identity))
+            {
+                continue;
+            }
+            while let Some((gone, _)) = before.next_if(|(number, _)| *number < state.number) {
+                blocks.remove(gone);
+            }
+            let had = before
+                .next_if(|(number, _)| *number == state.number)
+                .map(|(_, stamp)| stamp);
+            if had != Some(state.stamp) {
+                blocks.track(&state);
+            }
+            if let Some(identity) = identity
+                && self.named.get(&state.number) != Some(&identity.stamp)
+            {
+                self.named.insert(state.number, identity.stamp);
+                blocks.identities.push(identity.record);
+            }
+            shown.push((state.number, state.stamp));
+        }
+        before.for_each(|(gone, _)| blocks.remove(gone));
+        for gone in &blocks.removed {
+            self.named.remove(gone);
+        }
+        self.shown = shown;
+        self.layers(world, &mut blocks);
+        let is_paused = self.past.as_ref().is_some_and(|past| past.asked.speed == 0.0);
+        let flags = [
+            (self.past.is_some(), picture_bits::PAST),
+            (is_paused, picture_bits::PAUSED),
+            (
+                world.recording.is_none() && world.is_fusion_silent(now),
+                picture_bits::FUSION_SILENT,
+            ),
+        ];
+        let flags = flags
+            .into_iter()
+            .filter(|(is_set, _)| *is_set)
+            .fold(full, |flags, (_, bit)| flags | bit);
+        self.outstanding = Some(self.sequence);
+        blocks.octets(self.sequence, flags)
+    }
+
+    /// Adds what has come of the layers that are asked for; of the past, only the system tracks are kept.
+    fn layers(&mut self, world: &World, blocks: &mut Blocks) {
+        if self.past.is_some() {
+            return;
+        }
+        let (view, time_ns) = (self.view, blocks.time_ns);
+        let in_view = |east_m, north_m| view.is_none_or(|view| contains(view, east_m, north_m));
+        if let Some(stamp) = &mut self.layers.sensor_tracks {
+            let new = world.sensor_tracks.values().filter(|heard| heard.stamp > *stamp);
+            for heard in new.filter(|heard| in_view(heard.record.east_m, heard.record.north_m)) {
+                let mut record = heard.record;
+                record.age_ms = age_ms(time_ns, heard.time_ns);
+                blocks.sensor_tracks.push(record);
+            }
+            *stamp = world.stamp;
+        }
+        if let Some(stamp) = &mut self.layers.detections {
+            for heard in
+                since(&world.detections, *stamp).filter(|heard| in_view(heard.record.east_m, heard.record.north_m))
+            {
+                let mut record = heard.record;
+                record.age_ms = age_ms(time_ns, heard.time_ns);
+                blocks.detections.push(record);
+            }
+            *stamp = world.stamp;
+        }
+        if let Some(stamp) = &mut self.layers.bearings {
+            for heard in since(&world.bearings, *stamp) {
+                let mut record = heard.record;
+                record.age_ms = age_ms(time_ns, heard.time_ns);
+                blocks.bearings.push(record);
+            }
+            *stamp = world.stamp;
+        }
+        if let Some(stamp) = &mut self.layers.areas {
+            for heard in since(&world.areas, *stamp) {
+                let mut record = heard.record;
+                record.age_ms = age_ms(time_ns, heard.time_ns);
+                blocks.areas.push(record);
+            }
+            *stamp = world.stamp;
+        }
+    }
+}
+
+/// What came after `stamp`, the latest first.
+fn since<T>(recent: &std::collections::VecDeque<Heard<T>>, stamp: u64) -> impl Iterator<Item = &Heard<T>> {
+    recent.iter().rev().take_while(move |heard| heard.stamp > stamp)
+}
+
+fn contains([west, south, east, north]: [f32; 4], east_m: f32, north_m: f32) -> bool {
+    (west..=east).contains(&east_m) && (south..=north).contains(&north_m)
+}
+
+/// Milliseconds from `then_ns` to `time_ns`, as far as they fit.
+fn age_ms(time_ns: i64, then_ns: i64) -> i32 {
+    let age_ms = time_ns.saturating_sub(then_ns) / NS_PER_MS;
+    age_ms.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+}
+
+impl Filter {
+    /// Whether a track is shown.
+    fn admits(&self, track: &PictureTrack, identity: Option<&Heard<PictureIdentity>>) -> bool {
+        let state = TrackState::from_code(track.state);
+        let states = self.states.as_ref();
+        let told = u64::from(track.sources_high) << 32 | u64::from(track.sources_low);
+        let contributes = |source: &u16| 1_u64.checked_shl(u32::from(*source)).is_some_and(|bit| told & bit != 0);
+        let [least, most] = self.up_m.unwrap_or_default();
+        let text = self.text.as_deref().unwrap_or_default();
+        states.is_none_or(|states| state.is_some_and(|state| states.contains(&state)))
+            && self
+                .sources
+                .as_ref()
+                .is_none_or(|sources| sources.iter().any(contributes))
+            && !least.is_some_and(|least| track.up_m < least)
+            && !most.is_some_and(|most| track.up_m > most)
+            && (text.is_empty() || is_called(track.number, identity.map(|known| &known.record), text))
+    }
+}
+
+/// Whether number, callsign, address, code or name contains `text`.
+fn is_called(number: u32, identity: Option<&PictureIdentity>, text: &str) -> bool {
+    let identity = identity.map_or_else(Identity::default, |known| Identity {
+        address: known.address,
+        mode_3a: known.mode_3a,
+        kind: known.kind,
+        valid: known.valid,
+        callsign: known.callsign,
+        name: known.name,
+        ..Identity::default()
+    });
+    let known = format!("{number} {identity}");
+    known.to_ascii_uppercase().contains(&text.to_ascii_uppercase())
+}
+
+/// Blocks of a picture.
+struct Blocks {
+    time_ns: i64,
+    removed: Vec<u32>,
+    tracks: Vec<PictureTrack>,
+    identities: Vec<PictureIdentity>,
+    sensor_tracks: Vec<messages::picture::PictureSensorTrack>,
+    detections: Vec<messages::picture::PictureDetection>,
+    bearings: Vec<messages::picture::PictureBearing>,
+    areas: Vec<messages::picture::PictureArea>,
+}
+
+impl Blocks {
+    fn new(time_ns: i64) -> Self {
+        Self {
+            time_ns,
+            removed: Vec::new(),
+            tracks: Vec::new(),
+            identities: Vec::new(),
+            sensor_tracks: Vec::new(),
+            detections: Vec::new(),
+            bearings: Vec::new(),
+            areas: Vec::new(),
+        }
+    }
+
+    fn remove(&mut self, number: u32) {
+        self.removed.push(number);
+    }
+
+    fn track(&mut self, state: &Shown<'_>) {
+        self.tracks.push(PictureTrack {
+            age_ms: age_ms(self.time_ns, state.time_ns),
+            measured_age_ms: age_ms(self.time_ns, state.measured_ns),
+            ..*state.record
+        });
+    }
+
+    /// The picture as it is sent; this machine is little-endian, as all that run shared memory here.
+    fn octets(&self, sequence: u32, flags: u32) -> Vec<u8> {
+        let header = PictureHeader {
+            time_ns: self.time_ns,
+            sequence,
+            flags,
+            removed: self.removed.len() as u32,
+            tracks: self.tracks.len() as u32,
+            identities: self.identities.len() as u32,
+            sensor_tracks: self.sensor_tracks.len() as u32,
+            detections: self.detections.len() as u32,
+            bearings: self.bearings.len() as u32,
+            areas: self.areas.len() as u32,
+            ..PictureHeader::default()
+        };
+        let removed: Vec<u8> = self.removed.iter().flat_map(|number| number.to_le_bytes()).collect();
+        [
+            PictureHeader::octets(&[header]),
+            &removed,
+            Sample::octets(&self.tracks),
+            Sample::octets(&self.identities),
+            Sample::octets(&self.sensor_tracks),
+            Sample::octets(&self.detections),
+            Sample::octets(&self.bearings),
+            Sample::octets(&self.areas),
+        ]
+        .concat()
+    }
+}
+
+const _: () = assert!(cfg!(target_endian = "little"), "pictures are little-endian");
