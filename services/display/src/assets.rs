@@ -11,6 +11,27 @@ macro_rules! assets {
 
 /// The files, all in one folder.
 pub(crate) const ASSETS: &[Asset] = assets! {
+    "app.js"
+    "coast.bin"
+    "colours.js"
+    "connection.js"
+    "controls.js"
+    "coverage.js"
+    "display.css"
+    "dom.js"
+    "favicon.svg"
+    "geodesy.js"
+    "ground.js"
+    "index.html"
+    "labels.js"
+    "main.js"
+    "painter.js"
+    "panels.js"
+    "picture.js"
+    "plots.js"
+    "settings.js"
+    "table.js"
+    "view.js"
     "wire.js"
 };
 

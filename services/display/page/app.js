@@ -1,0 +1,714 @@
+/**
+ * The display: settings, picture and selection, and what happens when something of them changes.
+ *
+ * What comes from the server is put in through `hello`, `changes`, `details` and `learn`; nothing here knows how it
+ * travels. What is on the screen follows: the map in the next frame, the panels about twice a second.
+ */
+
+import { COLOURS, countColour, SCALE_TOP_M } from "./colours.js";
+import { Coverage } from "./coverage.js";
+import { byId, clock, dayAndClock, grouped, h, setText } from "./dom.js";
+import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
+import { paintGround } from "./ground.js";
+import { labelOf } from "./labels.js";
+import { measured, Painter } from "./painter.js";
+import { alarmsPanel, latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
+import { blankTrack, Picture, sourcesOf, Trail } from "./picture.js";
+import { filterOf, read, write } from "./settings.js";
+import { TrackTable } from "./table.js";
+import { View } from "./view.js";
+
+/** @typedef {import("./picture.js").Track} Track */
+/** @typedef {import("./settings.js").Settings} Settings */
+/** @typedef {import("./painter.js").Share} Share */
+/** @typedef {import("./panels.js").Known} Known */
+/** @typedef {import("./panels.js").History} History */
+/** @typedef {import("./picture.js").Spot} Spot */
+/** @typedef {import("./picture.js").Ray} Ray */
+/** @typedef {import("./picture.js").Area} Area */
+/** @typedef {Partial<Omit<Track, "trail" | "mains">> & {number: number}} Change */
+
+const TABS = /** @type {const} */ ([
+  ["tracks", "Tracks"],
+  ["track", "Selected"],
+  ["sources", "Sources"],
+  ["alarms", "Alarms"],
+  ["latency", "Latency"],
+  ["system", "System"],
+  ["view", "View"],
+]);
+
+/** Points that the plots of a selected track keep. */
+const HISTORY_MAX = 3000;
+/** Seconds for which a source must not have been the main one, for its becoming so to be a hand-over. */
+const HAND_OVER_AFTER_S = 30;
+/** Seconds without a picture, or without news in it, after which the picture is called old. */
+const STALE_S = 4;
+
+export class App {
+  /** @param {() => void} asked What is wanted of the server has changed. */
+  constructor(asked) {
+    this.asked = asked;
+    this.settings = read(location.hash);
+    this.view = new View();
+    this.picture = new Picture();
+    this.painter = new Painter();
+    this.coverage = new Coverage();
+    /** @type {Set<number>} */
+    this.selected = new Set();
+    /** @type {Map<number, Share[]>} */
+    this.shares = new Map();
+    /** @type {Map<number, History>} */
+    this.histories = new Map();
+    /** @type {Map<number, import("./panels.js").Facts>} */
+    this.facts = new Map();
+    /** @type {Known} */
+    this.known = {
+      origin: { latitude_deg: 0, longitude_deg: 0, height_m: 0 },
+      sources: [],
+      alarms: [],
+      stages: [],
+      processes: [],
+      system: [],
+      time: 0,
+    };
+    /** @type {Map<number, import("./panels.js").Source>} */
+    this.sourceOf = new Map();
+    /** @type {import("./ground.js").Ground} */
+    this.ground = { land: [], borders: [] };
+    /** @type {import("./ground.js").Overlay[]} */
+    this.overlays = [];
+    /** @type {{from: [number, number], to: [number, number]} | null} */
+    this.measure = null;
+    this.matches = /** @type {(track: Track) => boolean} */ (() => true);
+    /** State of the connection, and when the last picture came (milliseconds of the page's clock). */
+    this.connected = false;
+    this.pictureAt = 0;
+    this.newsAt = 0;
+    this.liveTime = 0;
+    this.historyFrom = 0;
+    /** Fusion as the server sees it: running, silent, absent. */
+    this.fusion = "";
+    this.fusionSilent = false;
+    /** Rises when another time is wanted. */
+    this.pastEdition = 0;
+    /** Called when the origin of the frame is known. */
+    this.onOrigin = () => {};
+    /** Figures that tests and curious people read. */
+    this.stats = { pictures: 0, frames: 0, frameMs: /** @type {number[]} */ ([]) };
+    this.pendingFit = this.settings.scale === 0;
+    this.groundKey = "";
+    this.dirty = true;
+    this.panelDue = 0;
+    this.hashDue = 0;
+
+    this.map = byId("map");
+    this.groundCanvas = /** @type {HTMLCanvasElement} */ (byId("ground"));
+    this.trackCanvas = /** @type {HTMLCanvasElement} */ (byId("tracks"));
+    this.groundContext = context(this.groundCanvas, false);
+    this.trackContext = context(this.trackCanvas, true);
+    this.table = new TrackTable(byId("panel"), {
+      sortBy: (column) => this.set({ sort: this.settings.sort === column ? `-${column}` : column }),
+      select: (number, more) => this.select(number, more),
+      centre: (number) => this.centre(number),
+    });
+    /** @type {TrackPanel | null} */
+    this.trackPanel = null;
+    this.mounted = "";
+    for (const [tab, title] of TABS)
+      byId("tabs").append(
+        h(
+          "button",
+          { role: "tab", "data-tab": tab, click: () => this.set({ tab: this.settings.tab === tab ? "" : tab }) },
+          title,
+        ),
+      );
+    this.readSettings();
+    window.addEventListener("hashchange", () => {
+      this.settings = read(location.hash);
+      this.pendingFit = this.settings.scale === 0;
+      this.pastEdition++;
+      this.readSettings();
+      this.asked();
+    });
+    new ResizeObserver(() => this.resize()).observe(this.map);
+    this.resize();
+    const frame = () => {
+      this.frame();
+      requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  }
+
+  // ---- Settings
+
+  /** Takes over what the settings say, after they were read from the address. */
+  readSettings() {
+    const { settings, view } = this;
+    view.east = settings.e;
+    view.north = settings.n;
+    view.up = (settings.up * Math.PI) / 180;
+    if (settings.scale > 0) view.scale = settings.scale;
+    this.selected = new Set(
+      settings.sel
+        .split(",")
+        .filter((word) => /^\d{1,9}$/.test(word))
+        .map(Number),
+    );
+    this.settled();
+  }
+
+  /** Changes settings. @param {Partial<Settings>} patch */
+  set(patch) {
+    const units = this.settings.units;
+    Object.assign(this.settings, patch);
+    if (patch.at !== undefined || patch.speed !== undefined) this.pastEdition++;
+    if (patch.up !== undefined) this.view.up = (patch.up * Math.PI) / 180;
+    if (this.settings.units !== units) for (const track of this.picture.system.values()) this.relabel(track);
+    this.settled();
+    this.asked();
+  }
+
+  settled() {
+    const { settings } = this;
+    document.body.dataset.theme = settings.theme;
+    this.matches = filterOf(settings.filter, (source) => this.sourceName(source));
+    const field = /** @type {HTMLInputElement} */ (byId("filter"));
+    if (document.activeElement !== field) field.value = settings.filter;
+    this.showTab();
+    this.showLegend();
+    this.keepAddress();
+    this.dirty = true;
+    this.panelDue = 0;
+  }
+
+  /** Writes the address soon: not with every pixel that the map is moved. */
+  keepAddress() {
+    if (this.hashDue === 0) this.hashDue = performance.now() + 250;
+  }
+
+  writeAddress() {
+    const { view, settings } = this;
+    if (!this.pendingFit) {
+      settings.e = Math.round(view.east);
+      settings.n = Math.round(view.north);
+      settings.scale = Number(view.scale.toPrecision(4));
+    }
+    settings.up = Number(((view.up * 180) / Math.PI).toFixed(1));
+    settings.sel = [...this.selected].join(",");
+    const address = write(settings);
+    if (address !== location.hash) history.replaceState(null, "", address);
+  }
+
+  // ---- What the server says
+
+  /**
+   * @param {{instance: string, origin: import("./geodesy.js").Place | null, recording?: string | null}} what
+   *   An origin that is not known yet is said later.
+   */
+  hello({ instance, origin, recording }) {
+    setText(byId("instance"), recording ? `recording ${recording}` : instance);
+    document.title = `Koseki ${recording ?? instance}`;
+    if (origin && JSON.stringify(origin) !== JSON.stringify(this.known.origin)) {
+      this.known.origin = origin;
+      this.onOrigin();
+    }
+    this.dirty = true;
+  }
+
+  /**
+   * Puts a picture in: all of it, or what has changed.
+   * @param {{time: number, full: boolean, tracks: Change[], removed: number[], identities?: Change[], sensor?: Spot[],
+   *   detections?: Spot[], bearings?: Ray[], areas?: Area[], layerAge?: number}} what
+   *   `layerAge`: seconds for which sensor tracks and detections are shown.
+   */
+  changes({ time, full, tracks, removed, identities, sensor, detections, bearings, areas, layerAge = 15 }) {
+    const { picture } = this;
+    const before = picture.time;
+    picture.time = time;
+    if (full) {
+      const present = new Set(tracks.map((track) => track.number));
+      for (const number of picture.system.keys()) if (!present.has(number)) picture.system.delete(number);
+    }
+    if (full) picture.clearLayers();
+    for (const number of removed) picture.system.delete(number);
+    for (const change of tracks) {
+      let track = picture.system.get(change.number);
+      const known = track !== undefined;
+      if (!track) picture.system.set(change.number, (track = blankTrack()));
+      const main = track.source;
+      Object.assign(track, change);
+      if (track.source >= 0) {
+        // Two sources that are worth the same take turns; that is no hand-over.
+        const last = track.mains.get(track.source) ?? -Infinity;
+        if (known && main >= 0 && time >= before && track.time - last > HAND_OVER_AFTER_S) track.handOver = time;
+        track.mains.set(track.source, track.time);
+      }
+      track.trail.add(track.time, track.east, track.north);
+      this.relabel(track);
+      for (const source of sourcesOf(track)) {
+        const { east, north } = this.siteOf(source);
+        this.coverage.add(source, track.east - (east || 0), track.north - (north || 0));
+      }
+    }
+    for (const identity of identities ?? []) {
+      const track = picture.system.get(identity.number);
+      if (track) this.relabel(Object.assign(track, identity));
+    }
+    picture.addLayers(time - layerAge, sensor ?? [], detections ?? [], bearings ?? [], areas ?? []);
+    this.stats.pictures++;
+    this.pictureAt = performance.now();
+    if (tracks.length > 0 || time > before) this.newsAt = this.pictureAt;
+    if (this.settings.at === 0) this.liveTime = time;
+    else if (this.settings.speed > 0) this.played(time);
+    if (this.pendingFit && picture.system.size > 0) this.fit();
+    if (this.settings.follow) this.follow();
+    this.dirty = true;
+  }
+
+  /** Keeps up with a past that is played, to where it is the present. @param {number} time */
+  played(time) {
+    if (this.liveTime > 0 && time >= this.liveTime - 0.5) return this.set({ at: 0, speed: 0 });
+    this.settings.at = time;
+    this.keepAddress();
+  }
+
+  /**
+   * Details of a selected track.
+   * @param {number} number @param {string} stateTime Time of the state that they belong to, nanoseconds UTC.
+   * @param {Share[]} shares @param {number} nis NaN: unknown.
+   * @param {[string, string][]} facts @param {{time_s: number, kind: string, text: string}[]} decisions
+   */
+  details(number, stateTime, shares, nis, facts, decisions) {
+    this.shares.set(number, shares);
+    this.facts.set(number, { stateTime, facts, decisions });
+    const track = this.picture.system.get(number);
+    if (track) this.remember(number, track.time, track.up, Math.hypot(track.speedEast, track.speedNorth), shares, nis);
+    // Map and panel speak of the same instant.
+    if (this.settings.tab === "track") this.panelDue = 0;
+    this.dirty = true;
+  }
+
+  /**
+   * What the server remembers of a track that has just been selected.
+   * @param {number} number
+   * @param {{time: number, east: number, north: number, up: number, speed: number, nis: number,
+   *   weights: {source: number, name: string, weight: number}[]}[]} rows
+   */
+  past(number, rows) {
+    this.histories.delete(number);
+    for (const row of rows) this.remember(number, row.time, row.up, row.speed, row.weights, row.nis);
+    const track = this.picture.system.get(number);
+    if (track && rows.length > 0) {
+      track.trail = new Trail();
+      for (const row of rows) track.trail.add(row.time, row.east, row.north);
+    }
+    this.dirty = true;
+  }
+
+  /**
+   * @param {number} number @param {number} time @param {number} up @param {number} speed
+   * @param {{source: number, name: string, weight: number}[]} shares @param {number} nis
+   */
+  remember(number, time, up, speed, shares, nis) {
+    const history = this.historyOf(number);
+    const last = history.times.at(-1) ?? -Infinity;
+    if (time <= last) return;
+    history.times.push(time);
+    history.heights.push(up);
+    history.speeds.push(speed);
+    history.nis.push(nis);
+    for (const share of shares)
+      if (!history.weights.has(share.source))
+        history.weights.set(share.source, { name: share.name, weights: history.times.slice(1).map(() => NaN) });
+    for (const [source, { weights }] of history.weights)
+      weights.push(shares.find((share) => share.source === source)?.weight ?? NaN);
+    if (history.times.length > HISTORY_MAX) {
+      for (const list of [history.times, history.heights, history.speeds, history.nis]) list.shift();
+      for (const { weights } of history.weights.values()) weights.shift();
+    }
+  }
+
+  /** @param {number} number @returns {History} */
+  historyOf(number) {
+    let history = this.histories.get(number);
+    if (!history) {
+      history = { times: [], heights: [], speeds: [], nis: [], weights: new Map() };
+      this.histories.set(number, history);
+    }
+    return history;
+  }
+
+  /** What is known of the system besides its tracks. @param {Partial<Known>} what */
+  learn(what) {
+    Object.assign(this.known, what);
+    if (what.sources) {
+      const fewer = this.sourceOf.size !== what.sources.length;
+      this.sourceOf = new Map(what.sources.map((source) => [source.number, source]));
+      if (fewer) this.showLegend();
+    }
+    this.dirty = true;
+  }
+
+  /** Site of a source, which only the greeting says. @param {number} number */
+  siteOf(number) {
+    const known = this.sourceOf.get(number);
+    return { east: known?.east ?? NaN, north: known?.north ?? NaN };
+  }
+
+  /** @param {number} source -1: none. */
+  sourceName(source) {
+    return source < 0 ? "" : (this.sourceOf.get(source)?.name ?? `source ${source + 1}`);
+  }
+
+  /** @param {Track} track */
+  mainName(track) {
+    return this.sourceName(track.source);
+  }
+
+  /** @param {Track} track */
+  relabel(track) {
+    track.label = labelOf(track, this.settings.units, this.mainName(track));
+  }
+
+  // ---- Selection and view
+
+  /** Selects a track; none by -1. @param {number} number @param {boolean} [more] Beside those that are selected. */
+  select(number, more = false) {
+    if (!more) this.selected = new Set(number >= 0 ? [number] : []);
+    else if (!this.selected.delete(number)) this.selected.add(number);
+    for (const map of [this.shares, this.histories, this.facts])
+      for (const known of map.keys()) if (!this.selected.has(known)) map.delete(known);
+    this.settings.sel = [...this.selected].join(",");
+    if (this.selected.size === 0) this.settings.follow = false;
+    if (number >= 0 && this.selected.has(number) && this.settings.tab === "tracks" && !more)
+      this.settings.tab = "track";
+    this.settled();
+    this.asked();
+  }
+
+  /** Puts a track into the middle. @param {number} number */
+  centre(number) {
+    const track = this.picture.system.get(number);
+    if (track) this.moved(() => Object.assign(this.view, { east: track.east, north: track.north }));
+  }
+
+  follow() {
+    const track = this.picture.system.get([...this.selected].at(-1) ?? -1);
+    if (track) Object.assign(this.view, { east: track.east, north: track.north });
+  }
+
+  /** Shows all tracks. */
+  fit() {
+    const tracks = [...this.picture.system.values()];
+    if (tracks.length === 0) return;
+    const east = tracks.map((track) => track.east).sort((a, b) => a - b);
+    const north = tracks.map((track) => track.north).sort((a, b) => a - b);
+    // A few far away shall not make all others small.
+    const [low, high] = [Math.floor(tracks.length * 0.02), Math.ceil(tracks.length * 0.98) - 1];
+    this.moved(() => this.view.show(east[low], north[low], east[high], north[high]));
+  }
+
+  /** Does what moves the view. @param {() => void} action */
+  moved(action) {
+    action();
+    this.pendingFit = false;
+    this.keepAddress();
+    this.dirty = true;
+    this.asked();
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.map;
+    const ratio = window.devicePixelRatio || 1;
+    Object.assign(this.view, { width: Math.max(1, width), height: Math.max(1, height) });
+    for (const [canvas, ctx] of /** @type {const} */ ([
+      [this.groundCanvas, this.groundContext],
+      [this.trackCanvas, this.trackContext],
+    ])) {
+      canvas.width = Math.round(width * ratio);
+      canvas.height = Math.round(height * ratio);
+      ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+    }
+    this.groundKey = "";
+    this.dirty = true;
+  }
+
+  // ---- Frame
+
+  frame() {
+    const now = performance.now();
+    if (this.hashDue > 0 && now >= this.hashDue) {
+      this.hashDue = 0;
+      this.writeAddress();
+    }
+    if (now >= this.panelDue) {
+      this.panelDue = now + 500;
+      this.showPanel();
+      this.showTop();
+    }
+    if (!this.dirty) return;
+    this.dirty = false;
+    this.paint();
+    this.stats.frames++;
+    this.stats.frameMs.push(performance.now() - now);
+    if (this.stats.frameMs.length > 240) this.stats.frameMs.shift();
+  }
+
+  paint() {
+    const { view, settings } = this;
+    const colours = COLOURS[settings.theme];
+    const key = [
+      view.east,
+      view.north,
+      view.scale,
+      view.up,
+      view.width,
+      view.height,
+      settings.theme,
+      settings.rings,
+      settings.dim,
+    ]
+      .concat([this.ground.land.length, this.overlays.length])
+      .join();
+    if (key !== this.groundKey) {
+      this.groundKey = key;
+      paintGround(this.groundContext, view, colours, this.ground, this.overlays, settings);
+      this.showScale();
+    }
+    this.painter.paint(this.trackContext, {
+      view,
+      settings,
+      colours,
+      picture: this.picture,
+      selected: this.selected,
+      shares: this.shares,
+      matches: this.matches,
+      kindOf: (source) => this.sourceOf.get(source)?.kind ?? "tracker",
+      sites: this.known.sources,
+      coverage: this.coverage,
+      measure: this.measure,
+    });
+  }
+
+  // ---- Round the map
+
+  showScale() {
+    const wanted = 110 * this.view.scale;
+    const metric = this.settings.units === "metric";
+    const unit = metric || wanted < NAUTICAL_MILE_M / 4 ? 1 : NAUTICAL_MILE_M;
+    const power = 10 ** Math.floor(Math.log10(wanted / unit));
+    const step = [5, 2, 1].map((s) => s * power).find((s) => s * unit <= wanted) ?? power;
+    const bar = /** @type {HTMLElement} */ (byId("scale").firstElementChild);
+    bar.style.width = `${(step * unit) / this.view.scale}px`;
+    const text =
+      unit > 1
+        ? `${Number(step.toPrecision(2))} NM`
+        : step >= 1000
+          ? `${step / 1000} km`
+          : `${Number(step.toPrecision(2))} m`;
+    setText(/** @type {Element} */ (byId("scale").lastElementChild), text);
+  }
+
+  showLegend() {
+    const { settings } = this;
+    const colours = COLOURS[settings.theme];
+    /** @type {[string, string, string][]} Sign, its colour, what it says. */
+    const lines = [];
+    if (settings.colour === "height") {
+      const step = SCALE_TOP_M / colours.scale.length;
+      const metric = settings.units === "metric";
+      colours.scale.forEach((colour, k) => {
+        const from = metric
+          ? `${Math.round(k * step)} m`
+          : `FL ${String(Math.round((k * step) / 30.48)).padStart(3, "0")}`;
+        lines.unshift(["■", colour, from]);
+      });
+    } else if (settings.colour === "main") {
+      for (const { number, name } of this.known.sources)
+        lines.push(["■", colours.sources[number % colours.sources.length], name]);
+    } else if (settings.colour === "source") {
+      for (const count of [1, 2, 3, 4])
+        lines.push(["■", countColour(colours, count), `${count} source${count > 1 ? "s" : ""}`]);
+    }
+    const state = settings.colour === "state";
+    lines.push(
+      ["◉", state ? colours.confirmed : colours.unknown, "confirmed"],
+      ["○", state ? colours.tentative : colours.unknown, "tentative"],
+      ["⊗", state ? colours.coasted : colours.unknown, "coasted"],
+      ["⬡", state ? colours.confirmed : colours.unknown, "group"],
+      ["□", state ? colours.confirmed : colours.unknown, "on ground"],
+    );
+    if (settings.sensors)
+      lines.push(
+        ["+", colours.sensor.radar, "radar"],
+        ["△", colours.sensor.multilateration, "multilateration"],
+        ["□", colours.sensor["ads-b"], "ADS-B"],
+        ["◇", colours.sensor.tracker, "other sensor"],
+      );
+    if (settings.detections) lines.push(["·", colours.sensor.detection, "detection"]);
+    const legend = byId("legend");
+    legend.replaceChildren(
+      ...lines.flatMap(([sign, colour, text]) => {
+        const mark = h("b", {}, sign);
+        mark.style.color = colour;
+        return [mark, h("span", {}, text)];
+      }),
+    );
+  }
+
+  /** Where the cursor is. @param {number} x @param {number} y */
+  showCursor(x, y) {
+    const [east, north] = this.view.toGround(x, y);
+    const place = placeOf(this.known.origin, east, north);
+    const fromOrigin = measured([0, 0], [east, north], this.settings.units).replace(/ \/ \S+/, "");
+    const signed = (/** @type {number} */ v) => `${v < 0 ? "−" : "+"}${grouped(Math.abs(v))}`;
+    const where = place
+      ? `${sexagesimal(place.latitude_deg, "N", "S")} ${sexagesimal(place.longitude_deg, "E", "W")}`
+      : "beyond the horizon";
+    setText(byId("cursor"), `${where}\nE ${signed(east)} m  N ${signed(north)} m  ${fromOrigin}`);
+  }
+
+  showTop() {
+    const { picture, settings } = this;
+    const past = settings.at > 0;
+    setText(byId("clock"), picture.time > 0 ? clock(picture.time) : "--:--:--");
+    byId("clock").setAttribute("title", picture.time > 0 ? `${dayAndClock(picture.time)} UTC` : "");
+    setText(byId("mode"), past ? (settings.speed > 0 ? `PLAY ×${settings.speed}` : "PAUSED") : "LIVE");
+    byId("mode").classList.toggle("past", past);
+    this.map.classList.toggle("past", past);
+    const states = { confirmed: 0, tentative: 0, coasted: 0 };
+    for (const track of picture.system.values())
+      states[/** @type {keyof typeof states} */ (track.state)] =
+        (states[/** @type {keyof typeof states} */ (track.state)] ?? 0) + 1;
+    const counts = byId("counts");
+    const text = `${picture.system.size} tracks · ${states.tentative} tentative · ${states.coasted} coasted`;
+    if (counts.dataset.text !== text) {
+      counts.dataset.text = text;
+      counts.replaceChildren(
+        h("b", {}, grouped(picture.system.size)),
+        ` tracks · ${grouped(states.tentative)} tentative · ${grouped(states.coasted)} coasted`,
+      );
+    }
+    const old = (performance.now() - this.newsAt) / 1000;
+    let banner = "";
+    if (!this.connected) banner = "NO CONNECTION TO THE DISPLAY PROCESS: THE PICTURE STANDS STILL";
+    else if (!past && this.newsAt > 0 && old > STALE_S) banner = `NO NEW PICTURE FOR ${Math.round(old)} s`;
+    const silent = this.fusion !== "" && (this.fusion !== "running" || this.fusionSilent);
+    if (this.connected && !past && silent)
+      banner = `FUSION ${this.fusion === "absent" ? "ABSENT" : "SILENT"}: THE TRACKS ARE NOT BEING UPDATED`;
+    byId("banner").hidden = banner === "";
+    this.map.classList.toggle("stale", banner !== "");
+    setText(byId("banner"), banner);
+    const standing = this.known.alarms.filter((alarm) => !alarm.cleared);
+    const worst = standing.some((alarm) => alarm.severity !== "warning") ? "bad" : "warn";
+    const restarts = this.known.processes
+      .filter((process) => process.kind === "fusion")
+      .reduce((sum, process) => sum + process.restarts, 0);
+    const pills = [
+      /** @type {[string, string]} */ ([
+        this.connected ? "connected" : "not connected",
+        this.connected ? "good" : "bad",
+      ]),
+      ...(this.fusion === ""
+        ? []
+        : [
+            /** @type {[string, string]} */ ([
+              silent
+                ? `fusion ${this.fusion === "running" ? "silent" : this.fusion}`
+                : `fusion running${restarts > 0 ? `, ${restarts} restart${restarts > 1 ? "s" : ""}` : ""}`,
+              silent ? "bad" : "good",
+            ]),
+          ]),
+      ...(standing.length > 0
+        ? [/** @type {[string, string]} */ ([`${standing.length} alarm${standing.length > 1 ? "s" : ""}`, worst])]
+        : []),
+    ];
+    const line = JSON.stringify(pills);
+    if (byId("pills").dataset.text !== line) {
+      byId("pills").dataset.text = line;
+      byId("pills").replaceChildren(...pills.map(([word, severity]) => h(`span.pill.${severity}`, {}, word)));
+    }
+    const alarmTab = document.querySelector('[data-tab="alarms"]');
+    if (alarmTab) {
+      alarmTab.className = standing.length > 0 ? worst : "";
+      setText(alarmTab, standing.length > 0 ? `Alarms ${standing.length}` : "Alarms");
+    }
+  }
+
+  // ---- Panel
+
+  showTab() {
+    const { tab } = this.settings;
+    byId("side").classList.toggle("closed", tab === "");
+    byId("panel").hidden = tab === "";
+    for (const button of byId("tabs").children)
+      button.setAttribute("aria-selected", String(button.getAttribute("data-tab") === tab));
+    if (this.mounted !== tab) {
+      this.mounted = tab;
+      this.trackPanel = null;
+      byId("panel").replaceChildren();
+      byId("panel").scrollTop = 0;
+      if (tab === "tracks") this.table.mount();
+    }
+  }
+
+  /** Tracks that the table lists. */
+  listed() {
+    const { view, settings } = this;
+    const tracks = [...this.picture.system.values()].filter((track) => this.matches(track));
+    if (!settings.inview) return tracks;
+    return tracks.filter((track) => {
+      const [x, y] = view.toScreen(track.east, track.north);
+      return x >= 0 && y >= 0 && x <= view.width && y <= view.height;
+    });
+  }
+
+  showPanel() {
+    const { settings, known } = this;
+    const panel = byId("panel");
+    // Figures that somebody is marking or changing are left alone.
+    const busy = panel.contains(document.activeElement) && settings.tab === "view";
+    if (settings.tab === "" || busy || (settings.tab !== "tracks" && !getSelection()?.isCollapsed)) return;
+    const scroll = panel.scrollTop;
+    if (settings.tab === "tracks") {
+      this.table.update(this.listed(), settings.sort, this.selected, settings.units, (track) => this.mainName(track));
+    } else if (settings.tab === "track") this.showTrack(panel);
+    else if (settings.tab === "sources") panel.replaceChildren(sourcesPanel(known.sources, known.time));
+    else if (settings.tab === "alarms") panel.replaceChildren(alarmsPanel(known.alarms, known.time));
+    else if (settings.tab === "latency") panel.replaceChildren(latencyPanel(known.stages));
+    else if (settings.tab === "system") panel.replaceChildren(systemPanel(known.processes, known.system, known.time));
+    else if (settings.tab === "view") panel.replaceChildren(viewPanel(settings, (patch) => this.set(patch)));
+    if (settings.tab !== "tracks") panel.scrollTop = scroll;
+  }
+
+  /** @param {HTMLElement} panel */
+  showTrack(panel) {
+    const number = [...this.selected].at(-1);
+    const track = number === undefined ? undefined : this.picture.system.get(number);
+    if (number === undefined || !track) {
+      this.trackPanel = null;
+      const text =
+        number === undefined ? "Select a track on the map or in the table." : `Track ${number} is not in the picture.`;
+      panel.replaceChildren(h("div.pad.soft", {}, text));
+      return;
+    }
+    this.trackPanel ??= new TrackPanel(panel);
+    this.trackPanel.update(
+      track,
+      this.shares.get(number) ?? [],
+      this.historyOf(number),
+      this.facts.get(number) ?? { stateTime: "", facts: [], decisions: [] },
+      this.known,
+      this.settings.units,
+      COLOURS[this.settings.theme].sources,
+    );
+  }
+}
+
+/** @param {HTMLCanvasElement} canvas @param {boolean} alpha */
+function context(canvas, alpha) {
+  const ctx = canvas.getContext("2d", { alpha });
+  if (!ctx) throw new Error("this browser has no canvas");
+  return ctx;
+}

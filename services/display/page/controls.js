@@ -1,0 +1,301 @@
+/** Mouse, fingers, keyboard, and the bar of time. */
+
+import { byId, clock, h, setText } from "./dom.js";
+import { CHOICES, DEFAULTS } from "./settings.js";
+
+/** @typedef {import("./app.js").App} App */
+
+/** Keys as tar1090 has them, as far as it has them. @type {[string, string, (app: App) => void][]} */
+const KEYS = [
+  ["l", "labels on and off", (app) => app.set({ labels: app.settings.labels > 0 ? 0 : DEFAULTS.labels })],
+  ["o", "labels longer, in turn", (app) => app.set({ labels: (app.settings.labels + 1) % 4 })],
+  ["k", "labels may cover each other", (app) => app.set({ declutter: !app.settings.declutter })],
+  ["t", "trails of all tracks", (app) => app.set({ trails: !app.settings.trails })],
+  ["y", "trails: 60 s, 300 s, all, none", (app) => app.set({ trail: next([60, 300, -1, 0], app.settings.trail) })],
+  [
+    "u",
+    "speed vectors: 60 s, 120 s, 180 s, none",
+    (app) => app.set({ vector: next([60, 120, 180, 0], app.settings.vector) }),
+  ],
+  ["g", "accuracy ellipses: 1, 2, 3 sigmas, none", (app) => app.set({ sigma: next([1, 2, 3, 0], app.settings.sigma) })],
+  ["n", "sensor tracks", (app) => app.set({ sensors: !app.settings.sensors })],
+  ["j", "detections", (app) => app.set({ detections: !app.settings.detections })],
+  [
+    "m",
+    "bearings, wide-area counts and cues",
+    (app) => app.set({ bearings: !app.settings.bearings, areas: !app.settings.bearings }),
+  ],
+  ["z", "sites and learned offsets", (app) => app.set({ biases: !app.settings.biases })],
+  [",", "coverage of each source", (app) => app.set({ coverage: !app.settings.coverage })],
+  ["x", "range rings", (app) => app.set({ rings: !app.settings.rings })],
+  ["b", "map dimmed", (app) => app.set({ dim: !app.settings.dim })],
+  ["p", "colours: night, day, print", (app) => app.set({ theme: next(CHOICES.theme, app.settings.theme) })],
+  [
+    ";",
+    "tracks coloured by state, height, sources, main source",
+    (app) => app.set({ colour: next(CHOICES.colour, app.settings.colour) }),
+  ],
+  ["v", "table shows the map's tracks only", (app) => app.set({ inview: !app.settings.inview })],
+  ["i", "selected tracks only", (app) => app.set({ isolate: !app.settings.isolate })],
+  ["f", "follow the selected track", (app) => app.set({ follow: !app.settings.follow && app.selected.size > 0 })],
+  ["r", "follow a track at random", followAny],
+  ["h", "show all tracks", (app) => app.fit()],
+  ["c", "select nothing (also Escape)", clear],
+  ["w", "", (app) => app.moved(() => app.view.pan(0, 80))],
+  ["s", "", (app) => app.moved(() => app.view.pan(0, -80))],
+  ["a", "", (app) => app.moved(() => app.view.pan(80, 0))],
+  ["d", "", (app) => app.moved(() => app.view.pan(-80, 0))],
+  ["q", "", (app) => zoomMiddle(app, 1 / 1.25)],
+  ["e", "", (app) => zoomMiddle(app, 1.25)],
+  ["[", "", (app) => app.moved(() => app.view.turn(-Math.PI / 36))],
+  ["]", "", (app) => app.moved(() => app.view.turn(Math.PI / 36))],
+  ["\\", "north up", (app) => app.moved(() => Object.assign(app.view, { up: 0 }))],
+  ["/", "to the filter", () => byId("filter").focus()],
+  ["?", "this help", () => toggleHelp()],
+];
+
+const ENTRIES = KEYS.filter(([, about]) => about !== "").map(([key, about]) => `${key} ${about}`);
+const HALF = Math.ceil(ENTRIES.length / 2);
+
+const HELP = `${ENTRIES.slice(0, HALF)
+  .map((entry, k) => `${entry.padEnd(48)}${ENTRIES[HALF + k] ?? ""}`)
+  .join("\n")}
+
+w a s d   move          q e  smaller, larger
+[ ]       turn          Esc  select nothing
+space     pause, play   ← →  a second back, ahead   Home  back to live
+
+drag      move the map            shift+drag   turn it
+wheel     smaller, larger         right drag   bearing and distance
+click     select                  ctrl+click   select one more
+double click: put a track into the middle and follow it
+
+filter    BAW  fl>100  kt<200  sources>2  state=coasted  kind=group
+          main=NAME  source=NAME  type=A320  /^EC/  -word: not so`;
+
+/** @template T @param {readonly T[]} list @param {T} value @returns {T} */
+function next(list, value) {
+  return list[(list.indexOf(value) + 1) % list.length];
+}
+
+/** @param {App} app @param {number} factor */
+function zoomMiddle(app, factor) {
+  app.moved(() => app.view.zoom(factor, app.view.width / 2, app.view.height / 2));
+}
+
+/** @param {App} app */
+function followAny(app) {
+  const numbers = [...app.picture.system.keys()];
+  if (numbers.length === 0) return;
+  const number = numbers[Math.floor(Math.random() * numbers.length)];
+  app.select(number);
+  app.centre(number);
+  app.set({ follow: true });
+}
+
+/** @param {App} app */
+function clear(app) {
+  byId("help").hidden = true;
+  app.measure = null;
+  app.settings.isolate = false;
+  app.select(-1);
+}
+
+function toggleHelp() {
+  const help = byId("help");
+  help.textContent = HELP;
+  help.hidden = !help.hidden;
+}
+
+/** Makes the page answer. @param {App} app */
+export function control(app) {
+  controlKeys(app);
+  controlPointer(app);
+  controlTime(app);
+  const filter = /** @type {HTMLInputElement} */ (byId("filter"));
+  filter.addEventListener("input", () => app.set({ filter: filter.value.trim() }));
+  filter.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" || event.key === "Enter") filter.blur();
+    event.stopPropagation();
+  });
+  const tools = /** @type {[string, string][]} */ ([
+    ["e", "+"],
+    ["q", "−"],
+    ["h", "⌂"],
+    ["o", "L"],
+    ["t", "T"],
+    ["n", "S"],
+    ["g", "σ"],
+    ["p", "◐"],
+    ["?", "?"],
+  ]);
+  for (const [key, sign] of tools) {
+    const entry = KEYS.find(([own]) => own === key);
+    if (!entry) continue;
+    const title = `${entry[1] || (key === "e" ? "larger" : "smaller")} (${key})`;
+    byId("tools").append(h("button", { title, "aria-label": title, click: () => entry[2](app) }, sign));
+  }
+}
+
+/** @param {App} app */
+function controlKeys(app) {
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const target = event.target;
+    if (target instanceof HTMLInputElement && target.type !== "range" && target.type !== "checkbox") return;
+    if (target instanceof HTMLSelectElement) return;
+    if (event.key === "Escape") clear(app);
+    else if (event.key === " ") togglePlay(app);
+    else if (event.key === "Home") goLive(app);
+    else if (event.key === "ArrowLeft") step(app, -1);
+    else if (event.key === "ArrowRight") step(app, 1);
+    else {
+      const entry = KEYS.find(([key]) => key === event.key.toLowerCase());
+      if (!entry) return;
+      entry[2](app);
+    }
+    event.preventDefault();
+  });
+}
+
+/** @param {App} app */
+function controlPointer(app) {
+  const canvas = app.trackCanvas;
+  /** @type {Map<number, [number, number]>} */
+  const fingers = new Map();
+  let action = "";
+  let moved = 0;
+  const where = (/** @type {MouseEvent} */ event) => {
+    const box = canvas.getBoundingClientRect();
+    return /** @type {[number, number]} */ ([event.clientX - box.left, event.clientY - box.top]);
+  };
+  /** Point under the cursor, or the track there. @param {number} x @param {number} y @returns {[number, number]} */
+  const target = (x, y) => {
+    const track = app.painter.at(x, y);
+    return track ? [track.east, track.north] : app.view.toGround(x, y);
+  };
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.focus({ preventScroll: true });
+    canvas.setPointerCapture(event.pointerId);
+    const [x, y] = where(event);
+    fingers.set(event.pointerId, [x, y]);
+    moved = 0;
+    action = event.button === 2 ? "measure" : event.shiftKey ? "turn" : "pan";
+    if (action === "measure") {
+      const at = target(x, y);
+      app.measure = { from: at, to: at };
+    }
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const [x, y] = where(event);
+    app.showCursor(x, y);
+    const last = fingers.get(event.pointerId);
+    if (!last) {
+      canvas.style.cursor = app.painter.at(x, y) ? "pointer" : "crosshair";
+      return;
+    }
+    const [dx, dy] = [x - last[0], y - last[1]];
+    moved += Math.abs(dx) + Math.abs(dy);
+    if (fingers.size === 2) {
+      const [other] = [...fingers.entries()].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+      const before = Math.hypot(last[0] - other[0], last[1] - other[1]);
+      const after = Math.hypot(x - other[0], y - other[1]);
+      if (before > 0) app.moved(() => app.view.zoom(after / before, (x + other[0]) / 2, (y + other[1]) / 2));
+    } else if (action === "measure" && app.measure) {
+      app.measure = { from: app.measure.from, to: target(x, y) };
+      app.dirty = true;
+    } else if (action === "turn") {
+      const [middleX, middleY] = [app.view.width / 2, app.view.height / 2];
+      const angle = Math.atan2(y - middleY, x - middleX) - Math.atan2(last[1] - middleY, last[0] - middleX);
+      app.moved(() => app.view.turn(angle));
+    } else if (moved > 3) {
+      app.settings.follow = false;
+      app.moved(() => app.view.pan(dx, dy));
+    }
+    fingers.set(event.pointerId, [x, y]);
+  });
+  const ended = (/** @type {PointerEvent} */ event) => {
+    fingers.delete(event.pointerId);
+    const [x, y] = where(event);
+    if (action === "measure" && moved <= 3) {
+      app.measure = null;
+      app.dirty = true;
+    }
+    if (action !== "pan" || moved > 3 || event.type === "pointercancel") return;
+    const track = app.painter.at(x, y);
+    app.select(track ? track.number : -1, event.ctrlKey || event.metaKey);
+  };
+  canvas.addEventListener("pointerup", ended);
+  canvas.addEventListener("pointercancel", ended);
+  canvas.addEventListener("dblclick", (event) => {
+    const track = app.painter.at(...where(event));
+    if (!track) return;
+    app.centre(track.number);
+    app.set({ follow: true });
+  });
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      const [x, y] = where(event);
+      const lines = event.deltaMode === 1 ? event.deltaY * 16 : event.deltaY;
+      app.moved(() => app.view.zoom(Math.exp(-lines / 400), x, y));
+      app.showCursor(x, y);
+    },
+    { passive: false },
+  );
+}
+
+// ---- Time
+
+const SPEEDS = [0.5, 1, 2, 5, 10, 30];
+
+/** @param {App} app */
+function togglePlay(app) {
+  const { settings } = app;
+  if (settings.at === 0) app.set({ at: app.picture.time, speed: 0 });
+  else app.set({ speed: settings.speed > 0 ? 0 : Number(/** @type {HTMLSelectElement} */ (byId("speed")).value) });
+}
+
+/** @param {App} app */
+function goLive(app) {
+  app.set({ at: 0, speed: 0 });
+}
+
+/** @param {App} app @param {number} seconds */
+function step(app, seconds) {
+  const at = (app.settings.at || app.picture.time) + seconds;
+  if (at >= app.liveTime) goLive(app);
+  else app.set({ at: Math.max(app.historyFrom, at), speed: 0 });
+}
+
+/** @param {App} app */
+function controlTime(app) {
+  const scrub = /** @type {HTMLInputElement} */ (byId("scrub"));
+  const speed = /** @type {HTMLSelectElement} */ (byId("speed"));
+  for (const times of SPEEDS) speed.append(h("option", { value: times, selected: times === 1 }, `×${times}`));
+  byId("play").addEventListener("click", () => togglePlay(app));
+  byId("live").addEventListener("click", () => goLive(app));
+  speed.addEventListener("change", () => {
+    if (app.settings.speed > 0) app.set({ speed: Number(speed.value) });
+  });
+  let held = false;
+  scrub.addEventListener("pointerdown", () => (held = true));
+  scrub.addEventListener("pointerup", () => (held = false));
+  scrub.addEventListener("input", () => {
+    const at = Number(scrub.value);
+    if (at >= Math.floor(app.liveTime)) goLive(app);
+    else app.set({ at, speed: 0 });
+  });
+  setInterval(() => {
+    const { settings, picture } = app;
+    const paused = settings.at > 0 && settings.speed === 0;
+    setText(byId("play"), paused ? "▶" : "❚❚");
+    scrub.min = String(Math.floor(app.historyFrom || app.liveTime));
+    scrub.max = String(Math.floor(app.liveTime));
+    if (!held) scrub.value = String(Math.floor(settings.at > 0 ? picture.time : app.liveTime));
+    const behind = settings.at > 0 ? ` (−${Math.max(0, Math.round(app.liveTime - picture.time))} s)` : "";
+    setText(byId("shown"), picture.time > 0 ? `${clock(picture.time)}${behind}` : "");
+  }, 200);
+}

@@ -1,0 +1,73 @@
+/**
+ * Latitude and longitude of a point of the system frame, and bearings and distances for people.
+ *
+ * The frame is the plane that touches WGS-84 at the origin. A point of the map is taken to lie on the ellipsoid: the
+ * line through it, parallel to the origin's vertical, meets the ellipsoid where a quadratic equation says.
+ */
+
+const SEMI_MAJOR_M = 6378137;
+const FLATTENING = 1 / 298.257223563;
+const SEMI_MINOR_M = SEMI_MAJOR_M * (1 - FLATTENING);
+const ECCENTRICITY_2 = FLATTENING * (2 - FLATTENING);
+
+export const NAUTICAL_MILE_M = 1852;
+export const FOOT_M = 0.3048;
+export const KNOT_MPS = NAUTICAL_MILE_M / 3600;
+
+/** @typedef {{latitude_deg: number, longitude_deg: number, height_m: number}} Place */
+
+/**
+ * Place on the ellipsoid above or below a point of the system frame; `null` beyond the horizon of the map.
+ * @param {Place} origin @param {number} east metres @param {number} north metres
+ * @returns {{latitude_deg: number, longitude_deg: number} | null}
+ */
+export function placeOf(origin, east, north) {
+  const latitude = (origin.latitude_deg * Math.PI) / 180;
+  const longitude = (origin.longitude_deg * Math.PI) / 180;
+  const [sinLat, cosLat] = [Math.sin(latitude), Math.cos(latitude)];
+  const [sinLon, cosLon] = [Math.sin(longitude), Math.cos(longitude)];
+  const prime = SEMI_MAJOR_M / Math.sqrt(1 - ECCENTRICITY_2 * sinLat * sinLat);
+  const up = [cosLat * cosLon, cosLat * sinLon, sinLat];
+  const point = [
+    (prime + origin.height_m) * up[0] - sinLon * east - sinLat * cosLon * north,
+    (prime + origin.height_m) * up[1] + cosLon * east - sinLat * sinLon * north,
+    (prime * (1 - ECCENTRICITY_2) + origin.height_m) * up[2] + cosLat * north,
+  ];
+  const axes = [SEMI_MAJOR_M, SEMI_MAJOR_M, SEMI_MINOR_M];
+  let square = 0;
+  let half = 0;
+  let rest = -1;
+  for (let k = 0; k < 3; k++) {
+    const axis = axes[k] * axes[k];
+    square += (up[k] * up[k]) / axis;
+    half += (up[k] * point[k]) / axis;
+    rest += (point[k] * point[k]) / axis;
+  }
+  const root = half * half - square * rest;
+  if (!(root >= 0)) return null;
+  const lift = (-half + Math.sqrt(root)) / square;
+  const [x, y, z] = point.map((value, k) => value + lift * up[k]);
+  return {
+    latitude_deg: (Math.atan2(z, (1 - ECCENTRICITY_2) * Math.hypot(x, y)) * 180) / Math.PI,
+    longitude_deg: (Math.atan2(y, x) * 180) / Math.PI,
+  };
+}
+
+/**
+ * Bearing, degrees clockwise from north in [0, 360), of a difference in metres.
+ * @param {number} east @param {number} north
+ */
+export function bearing(east, north) {
+  return ((Math.atan2(east, north) * 180) / Math.PI + 360) % 360;
+}
+
+/**
+ * Degrees, minutes and seconds: 41°17′49″N.
+ * @param {number} degrees @param {string} positive @param {string} negative
+ */
+export function sexagesimal(degrees, positive, negative) {
+  const seconds = Math.round(Math.abs(degrees) * 3600);
+  const two = (/** @type {number} */ n) => String(n).padStart(2, "0");
+  const whole = `${Math.floor(seconds / 3600)}°${two(Math.floor(seconds / 60) % 60)}′${two(seconds % 60)}″`;
+  return whole + (degrees >= 0 ? positive : negative);
+}

@@ -1,0 +1,23 @@
+/** Start of the page. */
+
+import { App } from "./app.js";
+import { Connection } from "./connection.js";
+import { control } from "./controls.js";
+import { groundOf, overlaysOf } from "./ground.js";
+
+const connection = new Connection();
+const app = new App(() => connection.ask());
+control(app);
+connection.start(app);
+// For the browser's console, and for tests.
+Object.assign(globalThis, { koseki: app });
+
+/** Fetches what lies under the tracks; the page works without. */
+async function fetchGround() {
+  const ground = await fetch("coast");
+  if (ground.ok) app.ground = groundOf(await ground.arrayBuffer());
+  const overlays = await fetch("api/overlays.json");
+  if (overlays.ok) app.overlays = (await overlays.json()).overlays.flatMap(overlaysOf);
+  app.dirty = true;
+}
+app.onOrigin = () => void fetchGround().catch((error) => console.error(error));

@@ -1,0 +1,663 @@
+/**
+ * The upper canvas: tracks with their symbols, vectors, trails, ellipses and labels, and what is known of the selected.
+ *
+ * What has one colour is one path, so that thousands of tracks cost a handful of strokes; only the texts are drawn one
+ * by one. Nothing needs WebGL. Order is that of meaning: sensor tracks and detections beneath, dim; system tracks
+ * above, bright; the selected last.
+ */
+
+import { countColour, heightColour } from "./colours.js";
+import { bearing, NAUTICAL_MILE_M } from "./geodesy.js";
+import { FONT, LabelGrid, LINE_HEIGHT, place } from "./labels.js";
+import { isGrave } from "./picture.js";
+
+/** Seconds for which a change of the main source is shown. */
+const HAND_OVER_S = 3;
+/** How many times longer than they are learned offsets are drawn. */
+const OFFSETS_ENLARGED = 100;
+
+/** Length of a bar that stands for a weight of 1, pixels. */
+const SHARE_BAR = 60;
+/** Width and height of a symbol's image, pixels. */
+const SYMBOL_SIZE = 20;
+
+/** @typedef {import("./picture.js").Track} Track */
+/** @typedef {import("./labels.js").Placed} Placed */
+
+/**
+ * One source's part in the selected track.
+ * @typedef {object} Share
+ * @property {number} source @property {string} name @property {string} kind
+ * @property {number} track Number of the sensor track at its source.
+ * @property {number} weight @property {number} accuracy NaN: the rule has none.
+ * @property {boolean} fresh The source has reported lately.
+ * @property {number} east @property {number} north Where its sensor track is, metres; NaN: unknown.
+ */
+
+/**
+ * @typedef {object} Scene
+ * @property {import("./view.js").View} view
+ * @property {import("./settings.js").Settings} settings
+ * @property {import("./colours.js").Colours} colours
+ * @property {import("./picture.js").Picture} picture
+ * @property {Set<number>} selected Numbers of system tracks.
+ * @property {Map<number, Share[]>} shares Contributors of the selected tracks.
+ * @property {(track: Track) => boolean} matches
+ * @property {(source: number) => string} kindOf
+ * @property {import("./panels.js").Source[]} sites Sensors.
+ * @property {import("./coverage.js").Coverage} coverage
+ * @property {{from: [number, number], to: [number, number]} | null} measure Measured line, metres.
+ */
+
+/** Collects, by colour, what is stroked together. */
+class Batch {
+  constructor() {
+    /** @type {Map<string, Path2D>} */
+    this.paths = new Map();
+  }
+
+  /** @param {string} colour */
+  of(colour) {
+    let path = this.paths.get(colour);
+    if (!path) this.paths.set(colour, (path = new Path2D()));
+    return path;
+  }
+
+  /** @param {CanvasRenderingContext2D} ctx */
+  stroke(ctx) {
+    for (const [colour, path] of this.paths) {
+      ctx.strokeStyle = colour;
+      ctx.stroke(path);
+    }
+  }
+}
+
+export class Painter {
+  constructor() {
+    this.glyph = 0;
+    this.grid = new LabelGrid(1, 1);
+    /** @type {Map<string, ImageBitmap>} */
+    this.symbols = new Map();
+    /** @type {{track: Track, x: number, y: number}[]} What was drawn last, for finding what was clicked. */
+    this.drawn = [];
+    /** @type {Placed[]} */
+    this.labels = [];
+  }
+
+  /**
+   * Colour of a system track under the settings.
+   * @param {Scene} scene @param {Track} track
+   */
+  colourOf({ settings, colours, selected }, track) {
+    if (selected.has(track.number)) return colours.selected;
+    if (isGrave(track)) return colours.alert;
+    if (settings.colour === "height") return heightColour(colours, track.up);
+    if (settings.colour === "main")
+      return track.source < 0 ? colours.unknown : colours.sources[track.source % colours.sources.length];
+    if (settings.colour === "source") return countColour(colours, track.sourceCount);
+    if (track.state === "tentative") return colours.tentative;
+    return track.state === "confirmed" ? colours.confirmed : colours.coasted;
+  }
+
+  /**
+   * Paints the scene.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
+   */
+  paint(ctx, scene) {
+    const { view, settings, picture, selected } = scene;
+    ctx.clearRect(0, 0, view.width, view.height);
+    ctx.lineCap = "butt";
+    if (settings.detections) this.paintDetections(ctx, scene);
+    if (settings.sensors) this.paintSensorTracks(ctx, scene);
+    if (settings.areas) this.paintAreas(ctx, scene);
+    if (settings.bearings) this.paintBearings(ctx, scene);
+    if (settings.coverage) this.paintCoverage(ctx, scene);
+    if (settings.biases) this.paintSites(ctx, scene);
+
+    this.drawn = [];
+    const m = view.matrix();
+    const margin = 40;
+    for (const track of picture.system.values()) {
+      const isSelected = selected.has(track.number);
+      if (!isSelected && (settings.isolate ? selected.size > 0 : false)) continue;
+      if (!isSelected && !scene.matches(track)) continue;
+      const x = m.a * track.east + m.c * track.north + m.x0;
+      const y = m.b * track.east + m.d * track.north + m.y0;
+      if (settings.trails || isSelected) this.drawn.push({ track, x, y });
+      else if (x > -margin && y > -margin && x < view.width + margin && y < view.height + margin)
+        this.drawn.push({ track, x, y });
+    }
+    this.paintTrails(ctx, scene);
+    this.drawn = this.drawn.filter(
+      ({ x, y }) => x > -margin && y > -margin && x < view.width + margin && y < view.height + margin,
+    );
+    if (settings.sigma > 0) this.paintEllipses(ctx, scene);
+    if (settings.vector > 0) this.paintVectors(ctx, scene);
+    this.paintShares(ctx, scene);
+    this.paintSymbols(ctx, scene);
+    this.paintLabels(ctx, scene);
+    if (scene.measure) this.paintMeasure(ctx, scene, scene.measure);
+  }
+
+  /** @param {CanvasRenderingContext2D} ctx @param {Scene} scene */
+  paintDetections(ctx, { view, picture, colours }) {
+    const m = view.matrix();
+    ctx.fillStyle = colours.sensor.detection;
+    for (const { east, north } of picture.detections) {
+      const x = m.a * east + m.c * north + m.x0;
+      const y = m.b * east + m.d * north + m.y0;
+      ctx.fillRect(x - 1, y - 1, 2, 2);
+    }
+  }
+
+  /**
+   * Sensor tracks: a cross for radars, a triangle for multilateration, a square for ADS-B, a rhomb for the rest.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
+   */
+  paintSensorTracks(ctx, { view, picture, colours, kindOf }) {
+    const m = view.matrix();
+    const batch = new Batch();
+    for (const track of picture.sensor.values()) {
+      const x = m.a * track.east + m.c * track.north + m.x0;
+      const y = m.b * track.east + m.d * track.north + m.y0;
+      if (x < -9 || y < -9 || x > view.width + 9 || y > view.height + 9) continue;
+      const kind = kindOf(track.source);
+      sensorSymbol(batch.of(colours.sensor[kind] ?? colours.sensor.tracker), kind, x, y);
+    }
+    ctx.lineWidth = 1.2;
+    batch.stroke(ctx);
+  }
+
+  /**
+   * Bearings of direction finders, as far as the map reaches, each with its standard deviation to either side.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
+   */
+  paintBearings(ctx, { view, picture, colours }) {
+    const reach = 1.5 * Math.hypot(view.width, view.height);
+    const middle = new Path2D();
+    const sides = new Path2D();
+    for (const ray of picture.bearings) {
+      const [x, y] = view.toScreen(ray.east, ray.north);
+      for (const side of [-1, 0, 1]) {
+        const angle = ray.bearing + side * ray.sigma - view.up;
+        const path = side === 0 ? middle : sides;
+        path.moveTo(x, y);
+        path.lineTo(x + reach * Math.sin(angle), y - reach * Math.cos(angle));
+      }
+    }
+    ctx.lineWidth = 1;
+    ctx.strokeStyle = colours.sensor.tracker;
+    ctx.stroke(middle);
+    ctx.globalAlpha = 0.4;
+    ctx.stroke(sides);
+    ctx.globalAlpha = 1;
+  }
+
+  /**
+   * Areas in which wide-area sensors have counted targets, with their numbers, and cues.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
+   */
+  paintAreas(ctx, { view, picture, colours }) {
+    ctx.font = FONT;
+    ctx.lineWidth = 1.2;
+    for (const area of picture.areas) {
+      const [x, y] = view.toScreen(area.east, area.north);
+      ctx.strokeStyle = ctx.fillStyle = area.cue ? colours.sensor["ads-b"] : colours.sensor.tracker;
+      const turn = area.bearing - view.up - Math.PI / 2;
+      ctx.setLineDash(area.cue ? [5, 3] : []);
+      ctx.beginPath();
+      ctx.ellipse(
+        x,
+        y,
+        Math.max(7, area.major / view.scale),
+        Math.max(7, area.minor / view.scale),
+        turn,
+        0,
+        2 * Math.PI,
+      );
+      ctx.stroke();
+      ctx.setLineDash([]);
+      ctx.fillText(area.cue ? `cue ${area.targets}` : String(area.targets), x - 4, y + 4);
+    }
+  }
+
+  /**
+   * Outlines of what each source has seen.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
+   */
+  paintCoverage(ctx, { view, colours, sites, coverage }) {
+    ctx.font = FONT;
+    ctx.lineWidth = 1.2;
+    for (const site of sites) {
+      const outline = coverage.outline(site.number);
+      if (outline.length < 3) continue;
+      ctx.strokeStyle = ctx.fillStyle = colours.sources[site.number % colours.sources.length];
+      ctx.beginPath();
+      const corners = outline.map(([east, north]) => view.toScreen((site.east || 0) + east, (site.north || 0) + north));
+      for (const [x, y] of corners) ctx.lineTo(x, y);
+      ctx.closePath();
+      ctx.globalAlpha = 0.06;
+      ctx.fill();
+      ctx.globalAlpha = 0.6;
+      ctx.stroke();
+      const [x, y] = corners.reduce((a, b) => (b[1] < a[1] ? b : a));
+      ctx.fillText(site.name, x + 4, y - 4);
+      ctx.globalAlpha = 1;
+    }
+  }
+
+  /**
+   * Sensors' sites, and their learned offsets a hundred times enlarged.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
+   */
+  paintSites(ctx, { view, colours, sites }) {
+    ctx.lineWidth = 1.5;
+    ctx.font = FONT;
+    sites.forEach((site) => {
+      if (!Number.isFinite(site.east)) return;
+      const [x, y] = view.toScreen(site.east, site.north);
+      const [tipX, tipY] = view.toScreen(site.east + site.offset[0], site.north + site.offset[1]);
+      const toX = x + (tipX - x) * OFFSETS_ENLARGED;
+      const toY = y + (tipY - y) * OFFSETS_ENLARGED;
+      ctx.strokeStyle = ctx.fillStyle = colours.sources[site.number % colours.sources.length];
+      ctx.strokeRect(x - 4, y - 4, 8, 8);
+      arrow(ctx, x, y, toX, toY);
+      const length = Math.hypot(site.offset[0], site.offset[1]);
+      ctx.fillText(`${site.name} ${length.toFixed(1)} m`, x + 8, y + 14 + 13 * (site.number % 3));
+    });
+  }
+
+  /** @param {CanvasRenderingContext2D} ctx @param {Scene} scene */
+  paintTrails(ctx, scene) {
+    const { view, settings, picture } = scene;
+    if (settings.trail === 0) return;
+    const m = view.matrix();
+    const since = settings.trail < 0 ? -Infinity : picture.time - settings.trail;
+    const batch = new Batch();
+    for (const { track, x, y } of this.drawn) {
+      const trail = track.trail;
+      if (trail.length === 0) continue;
+      const path = batch.of(this.colourOf(scene, track));
+      path.moveTo(x, y);
+      let lastX = x;
+      let lastY = y;
+      let next = track.time;
+      for (let k = trail.length - 1; k >= 0; k--) {
+        const at = trail.at(k);
+        const time = trail.timeOf(at);
+        if (time < since) break;
+        if (time > picture.time + 1) continue;
+        const pointX = m.a * trail.east[at] + m.c * trail.north[at] + m.x0;
+        const pointY = m.b * trail.east[at] + m.d * trail.north[at] + m.y0;
+        if (Math.abs(pointX - lastX) + Math.abs(pointY - lastY) < 1.5) continue;
+        // A gap of half a minute is no trail.
+        if (next - time > 30) path.moveTo(pointX, pointY);
+        else path.lineTo(pointX, pointY);
+        lastX = pointX;
+        lastY = pointY;
+        next = time;
+      }
+    }
+    ctx.globalAlpha = 0.42;
+    ctx.lineWidth = 1.3;
+    batch.stroke(ctx);
+    ctx.globalAlpha = 1;
+  }
+
+  /** @param {CanvasRenderingContext2D} ctx @param {Scene} scene */
+  paintEllipses(ctx, scene) {
+    const { view, settings } = scene;
+    const batch = new Batch();
+    for (const { track, x, y } of this.drawn) {
+      const major = (track.sigmaMajor * settings.sigma) / view.scale;
+      const minor = (track.sigmaMinor * settings.sigma) / view.scale;
+      if (!(major > 1.5)) continue;
+      const path = batch.of(this.colourOf(scene, track));
+      const turn = track.sigmaBearing - view.up - Math.PI / 2;
+      path.moveTo(x + major * Math.cos(turn), y + major * Math.sin(turn));
+      path.ellipse(x, y, major, Math.max(0.5, minor), turn, 0, 2 * Math.PI);
+    }
+    ctx.globalAlpha = 0.7;
+    ctx.lineWidth = 1;
+    batch.stroke(ctx);
+    ctx.globalAlpha = 1;
+  }
+
+  /** @param {CanvasRenderingContext2D} ctx @param {Scene} scene */
+  paintVectors(ctx, scene) {
+    const { view, settings } = scene;
+    const m = view.matrix();
+    const batch = new Batch();
+    for (const { track, x, y } of this.drawn) {
+      const dx = (m.a * track.speedEast + m.c * track.speedNorth) * settings.vector;
+      const dy = (m.b * track.speedEast + m.d * track.speedNorth) * settings.vector;
+      if (Math.abs(dx) + Math.abs(dy) < 6) continue;
+      const path = batch.of(this.colourOf(scene, track));
+      path.moveTo(x, y);
+      path.lineTo(x + dx, y + dy);
+    }
+    ctx.globalAlpha = 0.8;
+    ctx.lineWidth = 1.2;
+    batch.stroke(ctx);
+    ctx.globalAlpha = 1;
+  }
+
+  /**
+   * Lines from the selected tracks to the sensor tracks that make them, each as wide as its weight.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
+   */
+  paintShares(ctx, { view, picture, colours, shares, selected }) {
+    ctx.font = FONT;
+    for (const number of selected) {
+      const track = picture.system.get(number);
+      if (!track) continue;
+      const [x, y] = view.toScreen(track.east, track.north);
+      for (const share of shares.get(number) ?? []) {
+        if (!Number.isFinite(share.east)) continue;
+        const [toX, toY] = view.toScreen(share.east, share.north);
+        ctx.strokeStyle = ctx.fillStyle = colours.measure;
+        ctx.lineWidth = 0.8 + 4 * share.weight;
+        ctx.beginPath();
+        ctx.moveTo(x, y);
+        ctx.lineTo(toX, toY);
+        ctx.stroke();
+        const symbol = new Path2D();
+        sensorSymbol(symbol, share.kind, toX, toY);
+        ctx.lineWidth = 1.4;
+        ctx.stroke(symbol);
+        if (Math.hypot(toX - x, toY - y) > 30) {
+          const text = `${share.name} ${share.weight.toFixed(2)}`;
+          ctx.fillText(text, toX + 7, toY + 4);
+        }
+      }
+    }
+  }
+
+  /**
+   * Symbols of the system tracks. Each form in each colour is drawn once and then copied to whole pixels, which costs a
+   * third of drawing thousands of circles.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
+   */
+  paintSymbols(ctx, scene) {
+    const { colours, picture, selected } = scene;
+    const ratio = ctx.getTransform().a;
+    const marks = new Batch();
+    for (const { track, x, y } of this.drawn) {
+      const symbol = this.symbolOf(track, this.colourOf(scene, track), ratio);
+      const [left, top] = [x - SYMBOL_SIZE / 2, y - SYMBOL_SIZE / 2];
+      ctx.drawImage(
+        symbol,
+        Math.round(left * ratio) / ratio,
+        Math.round(top * ratio) / ratio,
+        SYMBOL_SIZE,
+        SYMBOL_SIZE,
+      );
+      if (track.handOver > 0 && picture.time - track.handOver < HAND_OVER_S) {
+        const path = marks.of(colours.measure);
+        path.moveTo(x + 11, y);
+        path.arc(x, y, 11, 0, 2 * Math.PI);
+      }
+      if (selected.has(track.number)) brackets(marks.of(colours.selected), x, y, 11);
+      if (isGrave(track)) marks.of(colours.alert).rect(x - 10, y - 10, 20, 20);
+    }
+    ctx.lineWidth = 1.5;
+    marks.stroke(ctx);
+  }
+
+  /**
+   * Image of a track's symbol.
+   * @param {Track} track @param {string} colour @param {number} ratio Pixels of the screen in one of CSS.
+   */
+  symbolOf(track, colour, ratio) {
+    const key = `${track.state} ${track.kind} ${track.onGround} ${colour} ${ratio}`;
+    let image = this.symbols.get(key);
+    if (!image) {
+      const size = Math.ceil(SYMBOL_SIZE * ratio);
+      const canvas = new OffscreenCanvas(size, size);
+      const ctx = canvas.getContext("2d");
+      if (!ctx) throw new Error("this browser has no canvas");
+      ctx.scale(size / SYMBOL_SIZE, size / SYMBOL_SIZE);
+      const [line, dot] = [new Path2D(), new Path2D()];
+      systemSymbol(line, dot, track, SYMBOL_SIZE / 2, SYMBOL_SIZE / 2);
+      ctx.strokeStyle = ctx.fillStyle = colour;
+      ctx.lineWidth = 1.5;
+      ctx.stroke(line);
+      ctx.fill(dot);
+      this.symbols.set(key, (image = canvas.transferToImageBitmap()));
+    }
+    return image;
+  }
+
+  /** @param {CanvasRenderingContext2D} ctx @param {Scene} scene */
+  paintLabels(ctx, scene) {
+    const { view, settings, colours, selected, shares } = scene;
+    this.labels = [];
+    if (settings.labels === 0 && selected.size === 0) return;
+    ctx.font = FONT;
+    if (this.glyph === 0) this.glyph = ctx.measureText("M").width;
+    const columns = Math.ceil(view.width / 6) + 1;
+    if (this.grid.columns !== columns || this.grid.rows !== Math.ceil(view.height / 6) + 1)
+      this.grid = new LabelGrid(view.width, view.height);
+    this.grid.clear();
+    const grid = settings.declutter ? this.grid : null;
+    if (grid) for (const { x, y } of this.drawn) grid.mark(x - 5, y - 5, 10, 10);
+
+    const rank = (/** @type {Track} */ track) =>
+      (selected.has(track.number) ? 4 : 0) + (isGrave(track) ? 2 : 0) + (track.state === "tentative" ? 0 : 1);
+    const order = grid ? [...this.drawn].sort((a, b) => rank(b.track) - rank(a.track)) : this.drawn;
+    for (const { track, x, y } of order) {
+      const full = selected.has(track.number);
+      const lines = full ? 3 : settings.labels;
+      // Whoever was selected is labelled whatever stands there.
+      const placed =
+        place(grid, track, x, y, lines, this.glyph) ?? (full ? place(null, track, x, y, lines, this.glyph) : null);
+      if (!placed) continue;
+      if (full && grid) grid.mark(placed.left, placed.top, placed.width, placed.height);
+      this.labels.push(placed);
+      const list = full && grid ? shares.get(track.number) : undefined;
+      if (list)
+        grid?.mark(placed.left, placed.top + placed.height, this.barsWidth(list), list.length * LINE_HEIGHT + 6);
+    }
+    const leaders = new Batch();
+    if (grid) {
+      ctx.fillStyle = colours.halo;
+      for (const { left, top, width, height } of this.labels) ctx.fillRect(left, top, width, height);
+      for (const { track, x, y, left, top, width, height } of this.labels) {
+        const toX = left > x ? left : left + width < x ? left + width : x;
+        const toY = Math.min(top + height, Math.max(top, top > y ? top : top + height < y ? top + height : y));
+        const reach = Math.hypot(toX - x, toY - y);
+        if (reach < 8) continue;
+        const path = leaders.of(this.colourOf(scene, track));
+        path.moveTo(x + ((toX - x) * 6) / reach, y + ((toY - y) * 6) / reach);
+        path.lineTo(toX, toY);
+      }
+      ctx.globalAlpha = 0.5;
+      ctx.lineWidth = 1;
+      leaders.stroke(ctx);
+      ctx.globalAlpha = 1;
+    }
+    let colour = "";
+    for (const { track, left, top, lines } of this.labels) {
+      const own = this.colourOf(scene, track);
+      if (own !== colour) ctx.fillStyle = colour = own;
+      for (let k = 0; k < lines; k++) ctx.fillText(track.label[k], left + 2, top + (k + 1) * LINE_HEIGHT - 3);
+    }
+    for (const label of this.labels) {
+      const list = shares.get(label.track.number);
+      if (selected.has(label.track.number) && list) this.paintShareBars(ctx, scene, label, list);
+    }
+  }
+
+  /** Left edge of the bars: they grow away from the symbol. @param {Placed} label @param {Share[]} list */
+  barsLeft(label, list) {
+    return label.left < label.x ? label.left + label.width - this.barsWidth(list) : label.left;
+  }
+
+  /** Width of the bars with their names. @param {Share[]} list */
+  barsWidth(list) {
+    return (Math.max(10, ...list.map((share) => share.name.length)) + 5) * this.glyph + SHARE_BAR + 10;
+  }
+
+  /**
+   * Weights of a selected track's contributors, as bars below its label.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene @param {Placed} label @param {Share[]} list
+   */
+  paintShareBars(ctx, { colours }, label, list) {
+    const wide = this.barsWidth(list) - SHARE_BAR - 5 * this.glyph - 10;
+    const bar = SHARE_BAR;
+    const left = this.barsLeft(label, list);
+    const top = label.top + label.height + 2;
+    ctx.fillStyle = colours.halo;
+    ctx.fillRect(left, top, this.barsWidth(list), list.length * LINE_HEIGHT + 4);
+    list.forEach((share, k) => {
+      const base = top + (k + 1) * LINE_HEIGHT - 2;
+      ctx.fillStyle = colours.confirmed;
+      ctx.fillText(share.name, left + 2, base);
+      ctx.fillStyle = colours.measure;
+      ctx.fillRect(left + wide + 6, base - 8, Math.max(1, bar * share.weight), 8);
+      ctx.fillStyle = colours.confirmed;
+      ctx.fillText(share.weight.toFixed(2), left + wide + bar + 10, base);
+    });
+  }
+
+  /**
+   * Line that is being measured: bearing there and back, and its length.
+   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
+   * @param {{from: [number, number], to: [number, number]}} line
+   */
+  paintMeasure(ctx, { view, colours, settings }, { from, to }) {
+    const [x, y] = view.toScreen(...from);
+    const [toX, toY] = view.toScreen(...to);
+    ctx.strokeStyle = colours.measure;
+    ctx.lineWidth = 1.5;
+    ctx.setLineDash([6, 3]);
+    ctx.beginPath();
+    ctx.moveTo(x, y);
+    ctx.lineTo(toX, toY);
+    ctx.stroke();
+    ctx.setLineDash([]);
+    ctx.font = FONT;
+    const text = measured(from, to, settings.units);
+    const width = ctx.measureText(text).width;
+    const middleX = (x + toX) / 2 + 8;
+    const middleY = (y + toY) / 2 - 8;
+    ctx.fillStyle = colours.halo;
+    ctx.fillRect(middleX - 3, middleY - 11, width + 6, 15);
+    ctx.fillStyle = colours.measure;
+    ctx.fillText(text, middleX, middleY);
+  }
+
+  /**
+   * System track nearest to a pixel, its symbol or label; `null` if none is near.
+   * @param {number} x @param {number} y
+   */
+  at(x, y) {
+    let best = null;
+    let least = 14;
+    for (const { track, x: ownX, y: ownY } of this.drawn) {
+      const distance = Math.hypot(ownX - x, ownY - y);
+      if (distance < least) [best, least] = [track, distance];
+    }
+    if (best) return best;
+    const label = this.labels.find(
+      ({ left, top, width, height }) => x >= left && y >= top && x <= left + width && y <= top + height,
+    );
+    return label ? label.track : null;
+  }
+}
+
+/**
+ * Bearing and length of a line, and what they are from its other end.
+ * @param {[number, number]} from @param {[number, number]} to @param {string} units
+ */
+export function measured(from, to, units) {
+  const [east, north] = [to[0] - from[0], to[1] - from[1]];
+  const length = Math.hypot(east, north);
+  const degrees = (/** @type {number} */ b) => `${b.toFixed(1).padStart(5, "0")}°`;
+  const distance =
+    units === "metric" ? `${(length / 1000).toFixed(2)} km` : `${(length / NAUTICAL_MILE_M).toFixed(2)} NM`;
+  const near = length < 2000 ? `${length.toFixed(0)} m` : distance;
+  return `${degrees(bearing(east, north))} / ${degrees(bearing(-east, -north))}  ${near}`;
+}
+
+/**
+ * @param {Path2D} line @param {Path2D} dot @param {Track} track @param {number} x @param {number} y
+ */
+function systemSymbol(line, dot, track, x, y) {
+  const radius = track.state === "tentative" ? 3.5 : 5;
+  if (track.kind === "group") {
+    for (let k = 0; k <= 6; k++) {
+      const angle = (k * Math.PI) / 3;
+      const [cornerX, cornerY] = [x + 8 * Math.cos(angle), y + 8 * Math.sin(angle)];
+      if (k === 0) line.moveTo(cornerX, cornerY);
+      else line.lineTo(cornerX, cornerY);
+    }
+  } else if (track.onGround) {
+    line.rect(x - radius + 0.5, y - radius + 0.5, 2 * radius - 1, 2 * radius - 1);
+  } else {
+    line.moveTo(x + radius, y);
+    line.arc(x, y, radius, 0, 2 * Math.PI);
+  }
+  if (track.state === "coasted") {
+    line.moveTo(x - 7, y - 7);
+    line.lineTo(x + 7, y + 7);
+    line.moveTo(x + 7, y - 7);
+    line.lineTo(x - 7, y + 7);
+  } else if (track.state !== "tentative") {
+    dot.moveTo(x + 2.2, y);
+    dot.arc(x, y, 2.2, 0, 2 * Math.PI);
+  }
+}
+
+/** @param {Path2D} path @param {string} kind @param {number} x @param {number} y */
+function sensorSymbol(path, kind, x, y) {
+  if (kind === "radar") {
+    path.moveTo(x - 4, y);
+    path.lineTo(x + 4, y);
+    path.moveTo(x, y - 4);
+    path.lineTo(x, y + 4);
+  } else if (kind === "multilateration") {
+    path.moveTo(x, y - 4);
+    path.lineTo(x + 4, y + 3);
+    path.lineTo(x - 4, y + 3);
+    path.closePath();
+  } else if (kind === "ads-b") {
+    path.rect(x - 3.5, y - 3.5, 7, 7);
+  } else {
+    path.moveTo(x, y - 4.5);
+    path.lineTo(x + 4.5, y);
+    path.lineTo(x, y + 4.5);
+    path.lineTo(x - 4.5, y);
+    path.closePath();
+  }
+}
+
+/** @param {Path2D} path @param {number} x @param {number} y @param {number} size */
+function brackets(path, x, y, size) {
+  for (const [right, down] of [
+    [-1, -1],
+    [1, -1],
+    [1, 1],
+    [-1, 1],
+  ]) {
+    path.moveTo(x + right * size, y + down * (size - 5));
+    path.lineTo(x + right * size, y + down * size);
+    path.lineTo(x + right * (size - 5), y + down * size);
+  }
+}
+
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} x @param {number} y @param {number} toX @param {number} toY
+ */
+function arrow(ctx, x, y, toX, toY) {
+  const angle = Math.atan2(toY - y, toX - x);
+  ctx.beginPath();
+  ctx.moveTo(x, y);
+  ctx.lineTo(toX, toY);
+  for (const side of [-1, 1]) {
+    ctx.moveTo(toX, toY);
+    ctx.lineTo(toX - 8 * Math.cos(angle + side * 0.4), toY - 8 * Math.sin(angle + side * 0.4));
+  }
+  ctx.stroke();
+}

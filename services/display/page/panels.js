@@ -1,0 +1,389 @@
+/**
+ * Panels beside the map: the selected track, sources, alarms, latency, the processes, and the settings of the view.
+ */
+
+import { clock, grouped, h, latency, span } from "./dom.js";
+import { bearing, placeOf, sexagesimal } from "./geodesy.js";
+import { heightText, speedText } from "./labels.js";
+import { ALERTS, nameOf } from "./picture.js";
+import { histogram, plot } from "./plots.js";
+import { CHOICES } from "./settings.js";
+
+/**
+ * @typedef {object} Source
+ * @property {number} number @property {string} name @property {string} kind
+ * @property {number} rate Reports a second. @property {number} lastHeard Seconds UTC; 0: never.
+ * @property {number} lost @property {[string, number][]} rejected Count by reason, those that are not 0.
+ * @property {number} comparisons 0: nothing is known of its errors.
+ * @property {[number, number]} offset Learned offset east and north, metres. @property {number} offsetSigma
+ * @property {boolean} removed Whether the offset is being removed.
+ * @property {number} inflation @property {number} clockOffset Seconds; NaN: unknown.
+ * @property {number} east @property {number} north Its site, metres; NaN: unknown.
+ */
+
+/**
+ * @typedef {object} Alarm
+ * @property {number} code @property {string} severity @property {string} text @property {number} raised seconds UTC
+ * @property {string} process @property {number} times @property {boolean} cleared @property {string} remedy
+ */
+
+/**
+ * What else is known of the selected track; `stateTime`: time of the state that it belongs to, nanoseconds UTC.
+ * @typedef {{stateTime: string, facts: [string, string][],
+ *   decisions: {time_s: number, kind: string, text: string}[]}} Facts
+ */
+
+/**
+ * @typedef {object} Stage
+ * @property {string} name @property {number} count
+ * @property {number} p50 @property {number} p99 @property {number} p999 @property {number} max microseconds
+ * @property {[number, number][]} buckets Upper edge in microseconds, count.
+ */
+
+/**
+ * @typedef {object} Process
+ * @property {string} name @property {string} kind @property {string} state @property {number} pid
+ * @property {number} restarts @property {number} heard Seconds UTC; 0: never.
+ * @property {string} note @property {[string, string][]} figures
+ */
+
+/**
+ * @typedef {object} History
+ * @property {number[]} times seconds UTC
+ * @property {number[]} heights @property {number[]} speeds @property {number[]} nis
+ * @property {Map<number, {name: string, weights: number[]}>} weights By source; NaN where it does not contribute.
+ */
+
+/**
+ * What the panels show.
+ * @typedef {object} Known
+ * @property {import("./geodesy.js").Place} origin
+ * @property {Source[]} sources @property {Alarm[]} alarms @property {Stage[]} stages @property {Process[]} processes
+ * @property {[string, string][]} system Figures of the instance as a whole.
+ * @property {number} time When this was said, seconds UTC.
+ */
+
+const ALARM_CLASS = /** @type {Record<string, string>} */ ({ critical: "bad", major: "bad", warning: "warn" });
+
+/** @param {string} label @param {string} value */
+function figure(label, value) {
+  return h("div", {}, h("small", {}, label), h("span", {}, value));
+}
+
+/** @param {string[]} titles @param {Node[]} rows */
+function tableOf(titles, rows) {
+  const head = h(
+    "tr",
+    {},
+    ...titles.map((title) => h(title.startsWith(">") ? "th.num" : "th", {}, title.replace(">", ""))),
+  );
+  return h("table", {}, h("thead", {}, head), h("tbody", {}, ...rows));
+}
+
+/** @param {string} name */
+function css(name) {
+  return getComputedStyle(document.body).getPropertyValue(name).trim();
+}
+
+export class TrackPanel {
+  /** @param {HTMLElement} parent */
+  constructor(parent) {
+    this.head = h("div");
+    this.shares = h("div");
+    this.plots = ["Height", "Speed", "Weight of each source", "NIS"].map((title) => ({
+      title: h("h2", {}, title),
+      canvas: /** @type {HTMLCanvasElement} */ (h("canvas.plot")),
+    }));
+    this.facts = h("div");
+    const parts = this.plots.flatMap(({ title, canvas }) => [title, canvas]);
+    parent.replaceChildren(h("div.pad", {}, this.head, this.shares, ...parts, this.facts));
+  }
+
+  /**
+   * @param {import("./picture.js").Track} track
+   * @param {import("./painter.js").Share[]} shares @param {History} history @param {Facts} facts
+   * @param {Known} known @param {string} units @param {string[]} palette
+   */
+  update(track, shares, history, facts, known, units, palette) {
+    const place = placeOf(known.origin, track.east, track.north);
+    const speed = Math.hypot(track.speedEast, track.speedNorth);
+    const alerts = ALERTS.filter(([bit]) => (track.alerts & bit) !== 0).map(([, word]) => word);
+    const unit = units === "metric" ? "" : " kt";
+    this.head.replaceChildren(
+      h("h1", {}, nameOf(track), track.kind === "group" ? ` ×${track.members}` : ""),
+      h("div.soft", {}, `system track ${track.number} · ${track.state}${track.onGround ? " · on ground" : ""} `),
+      h("div.bad", {}, alerts.join(" ")),
+      h(
+        "div.grid",
+        {},
+        figure("callsign", track.callsign || "–"),
+        figure("address", track.address || "–"),
+        figure("code", track.code || "–"),
+        figure("type", track.type || "–"),
+        figure(units === "metric" ? "height" : "level", heightText(track, units)),
+        figure("speed", `${speedText(track, units)}${unit}`),
+        figure(
+          "track angle",
+          speed > 0.5 ? `${bearing(track.speedEast, track.speedNorth).toFixed(0).padStart(3, "0")}°` : "–",
+        ),
+        figure("climb", Number.isFinite(track.up) ? `${track.speedUp.toFixed(1)} m/s` : "–"),
+        figure("latitude", place ? sexagesimal(place.latitude_deg, "N", "S") : "–"),
+        figure("longitude", place ? sexagesimal(place.longitude_deg, "E", "W") : "–"),
+        figure(
+          "accuracy 1σ",
+          track.sigmaMajor > 0 ? `${track.sigmaMajor.toFixed(1)} × ${track.sigmaMinor.toFixed(1)} m` : "–",
+        ),
+        figure("state of", clock(track.time)),
+      ),
+    );
+    this.shares.replaceChildren(
+      h("h2", {}, "Contributors"),
+      tableOf(
+        ["Source", ">Track", "Weight", ">", ">λ"],
+        shares.map((share) => {
+          const bar = h("i");
+          bar.style.width = `${100 * share.weight}%`;
+          return h(
+            "tr",
+            {
+              "data-source": share.source,
+              "data-weight": share.weight,
+              "data-track": share.track,
+              "data-accuracy": share.accuracy,
+            },
+            h("td", {}, share.name),
+            h("td.num", {}, share.track),
+            h("td", {}, h("span.bar", {}, bar)),
+            h("td.num", {}, share.weight.toFixed(3)),
+            h("td.num", {}, Number.isFinite(share.accuracy) ? share.accuracy.toPrecision(3) : "–"),
+          );
+        }),
+      ),
+    );
+    const until = history.times.at(-1) ?? track.time;
+    const since = Math.max(until - 300, Math.min(history.times[0] ?? until, until - 30));
+    const [text, line, accent] = [css("--soft"), css("--line"), css("--accent")];
+    const axes = { since, until, text, line };
+    const one = (/** @type {number[]} */ values) => [{ name: "", colour: accent, times: history.times, values }];
+    const [metres, speeds] = units === "metric" ? [1, 1] : [1 / 30.48, 3600 / 1852];
+    const canvases = this.plots.map(({ canvas }) => canvas);
+    plot(canvases[0], one(history.heights.map((v) => v * metres)), { ...axes, unit: units === "metric" ? "m" : "FL" });
+    plot(canvases[1], one(history.speeds.map((v) => v * speeds)), {
+      ...axes,
+      unit: units === "metric" ? "m/s" : "kt",
+      low: 0,
+    });
+    const weights = [...history.weights.entries()].map(([source, own]) => ({
+      name: own.name,
+      colour: palette[source % palette.length],
+      times: history.times,
+      values: own.weights,
+    }));
+    plot(canvases[2], weights, { ...axes, unit: "η", low: 0, high: 1 });
+    const known95 = history.nis.some(Number.isFinite);
+    this.plots[3].title.hidden = canvases[3].hidden = !known95;
+    if (known95) plot(canvases[3], one(history.nis), { ...axes, unit: "χ²", low: 0, bands: [[5.99, "95 %"]] });
+    this.shares.dataset.stateTime = facts.stateTime;
+    const decisions = facts.decisions.map(({ time_s, kind, text }) =>
+      h("tr", {}, h("td.num.soft", {}, clock(time_s)), h("td", {}, text || kind)),
+    );
+    this.facts.replaceChildren(
+      ...(decisions.length > 0 ? [h("h2", {}, "Decisions"), tableOf(["UTC", ""], decisions.reverse())] : []),
+      h("h2", {}, "More"),
+      h("div.grid", {}, ...facts.facts.map(([label, value]) => figure(label, value))),
+    );
+  }
+}
+
+/** @param {Source[]} sources @param {number} now seconds UTC */
+export function sourcesPanel(sources, now) {
+  const rows = sources.flatMap((source) => {
+    const silent = source.lastHeard > 0 ? now - source.lastHeard : Infinity;
+    const late = silent > 10 ? "bad" : silent > 5 ? "warn" : "";
+    const rejected = source.rejected.map(([reason, count]) => `${reason} ${grouped(count)}`).join(", ");
+    const offset = Math.hypot(...source.offset);
+    const told = [
+      source.comparisons > 0
+        ? `bias ${offset.toFixed(1)} ± ${source.offsetSigma.toFixed(1)} m at ${bearing(...source.offset)
+            .toFixed(0)
+            .padStart(3, "0")}°${source.removed ? " removed" : ""}`
+        : "not compared with another source yet",
+      source.inflation > 1 ? `covariances × ${source.inflation.toFixed(1)}` : "",
+      Number.isFinite(source.clockOffset) ? `clock ${(source.clockOffset * 1000).toFixed(0)} ms` : "",
+      rejected ? `rejected: ${rejected}` : "",
+    ].filter((text) => text !== "");
+    return [
+      h(
+        "tr",
+        { "data-source": source.number },
+        h("td", {}, h("b", {}, source.name), ` `, h("span.soft", {}, source.kind)),
+        h("td.num", {}, source.rate.toFixed(1)),
+        h(`td.num.${late}`, {}, silent === Infinity ? "never" : span(silent)),
+        h(source.lost > 0 ? "td.num.warn" : "td.num", {}, grouped(source.lost)),
+      ),
+      h("tr", {}, h("td.soft", { colspan: 4 }, told.join(" · "))),
+    ];
+  });
+  return h("div.pad", {}, h("h2", {}, "Sources"), tableOf(["Source", ">reports/s", ">heard", ">lost"], rows));
+}
+
+/** @param {Alarm[]} alarms @param {number} now seconds UTC */
+export function alarmsPanel(alarms, now) {
+  if (alarms.length === 0) return h("div.pad", {}, h("h2", {}, "Alarms"), h("p.good", {}, "No alarm stands."));
+  const rows = alarms.map((alarm) =>
+    h(
+      "tr",
+      {},
+      h(
+        `td.${alarm.cleared ? "soft" : (ALARM_CLASS[alarm.severity] ?? "warn")}`,
+        {},
+        alarm.cleared ? "cleared" : alarm.severity,
+      ),
+      h(
+        "td",
+        {},
+        alarm.text,
+        ...(alarm.remedy ? [h("div", {}, "→ ", alarm.remedy)] : []),
+        h(
+          "div.soft",
+          {},
+          [`alarm ${alarm.code}`, alarm.process, `since ${clock(alarm.raised)} (${span(now - alarm.raised)})`]
+            .filter((word) => word !== "")
+            .join(" · "),
+        ),
+      ),
+    ),
+  );
+  return h("div.pad", {}, h("h2", {}, "Alarms"), tableOf(["", ""], rows));
+}
+
+/** @param {Stage[]} stages */
+export function latencyPanel(stages) {
+  const rows = stages.map((stage) =>
+    h(
+      "tr",
+      {},
+      h("td", {}, stage.name),
+      h("td.num", {}, grouped(stage.count)),
+      h("td.num", {}, latency(stage.p50)),
+      h("td.num", {}, latency(stage.p99)),
+      h("td.num", {}, latency(stage.p999)),
+      h("td.num", {}, latency(stage.max)),
+    ),
+  );
+  const panel = h(
+    "div.pad",
+    {},
+    h("h2", {}, "Latency by stage"),
+    tableOf(["Stage", ">n", ">p50", ">p99", ">p99.9", ">max"], rows),
+  );
+  const [bar, text, line] = [css("--accent"), css("--soft"), css("--line")];
+  for (const stage of stages.filter((one) => one.buckets.length > 0)) {
+    const canvas = /** @type {HTMLCanvasElement} */ (h("canvas.plot"));
+    panel.append(h("h2", {}, stage.name), canvas);
+    requestAnimationFrame(() => histogram(canvas, stage.buckets, { bar, text, line }));
+  }
+  return panel;
+}
+
+/** @param {Process[]} processes @param {[string, string][]} system @param {number} now seconds UTC */
+export function systemPanel(processes, system, now) {
+  const rows = processes.flatMap((process) => {
+    const bad = !/^(running|ok|alive|healthy|ready)$/i.test(process.state);
+    return [
+      h(
+        "tr",
+        {},
+        h(
+          "td",
+          {},
+          h("b", {}, process.name),
+          " ",
+          h("span.soft", {}, process.kind === process.name ? "" : process.kind),
+        ),
+        h(`td.${bad ? "bad" : "good"}`, {}, process.state),
+        h(process.restarts > 0 ? "td.num.warn" : "td.num", {}, process.restarts),
+        h("td.num", {}, process.heard > 0 ? span(now - process.heard) : "–"),
+      ),
+      ...(process.figures.length > 0 || process.note
+        ? [
+            h(
+              "tr",
+              {},
+              h(
+                "td.soft",
+                { colspan: 4 },
+                [process.note, ...process.figures.map(([name, value]) => `${name} ${value}`)]
+                  .filter(Boolean)
+                  .join(" · "),
+              ),
+            ),
+          ]
+        : []),
+    ];
+  });
+  return h(
+    "div.pad",
+    {},
+    h("h2", {}, "Processes"),
+    tableOf(["Process", "State", ">restarts", ">heard"], rows),
+    h("h2", {}, "System"),
+    h("div.grid", {}, ...system.map(([label, value]) => figure(label, value))),
+  );
+}
+
+/** @type {[keyof import("./settings.js").Settings, string][]} */
+const VIEW_SETTINGS = [
+  ["theme", "Colours"],
+  ["colour", "Tracks coloured by"],
+  ["units", "Units"],
+  ["labels", "Label lines (0–3)"],
+  ["declutter", "Labels keep clear of each other"],
+  ["vector", "Speed vector, seconds"],
+  ["trails", "Trails of all tracks"],
+  ["trail", "Trail, seconds (−1: all)"],
+  ["sigma", "Accuracy ellipse, sigmas (0: none)"],
+  ["sensors", "Sensor tracks"],
+  ["detections", "Detections"],
+  ["bearings", "Bearings"],
+  ["areas", "Wide-area counts and cues"],
+  ["biases", "Sites and learned offsets × 100"],
+  ["coverage", "Coverage of each source, as seen"],
+  ["rings", "Range rings"],
+  ["dim", "Map dimmed"],
+  ["up", "Bearing that points up, degrees"],
+  ["isolate", "Selected tracks only"],
+  ["follow", "Follow the selected track"],
+  ["inview", "Table shows the map's tracks only"],
+];
+
+/**
+ * @param {import("./settings.js").Settings} settings
+ * @param {(patch: Partial<import("./settings.js").Settings>) => void} set
+ */
+export function viewPanel(settings, set) {
+  const rows = VIEW_SETTINGS.map(([key, title]) => {
+    const value = settings[key];
+    const choices = /** @type {Record<string, string[]>} */ (CHOICES)[key];
+    let control;
+    if (choices) {
+      control = h("select", { "data-setting": key }, ...choices.map((c) => h("option", { selected: c === value }, c)));
+      control.addEventListener("change", (event) =>
+        set({ [key]: /** @type {HTMLSelectElement} */ (event.target).value }),
+      );
+    } else if (typeof value === "boolean") {
+      control = h("input", { type: "checkbox", checked: value, "data-setting": key });
+      control.addEventListener("change", (event) =>
+        set({ [key]: /** @type {HTMLInputElement} */ (event.target).checked }),
+      );
+    } else {
+      control = h("input", { type: "number", value: String(value), "data-setting": key, step: "any" });
+      control.addEventListener("change", (event) => {
+        const number = /** @type {HTMLInputElement} */ (event.target).valueAsNumber;
+        if (Number.isFinite(number)) set({ [key]: number });
+      });
+    }
+    return h("label.setting", {}, title, control);
+  });
+  return h("div.pad", {}, h("h2", {}, "View"), ...rows);
+}

@@ -1,0 +1,211 @@
+/**
+ * The picture: every track the page knows of, with where it was before.
+ */
+
+import { ALERT } from "./wire.js";
+
+/**
+ * @typedef {object} Track
+ * @property {number} number System-track number, or the sensor's own.
+ * @property {number} source Main source of a system track; source of a sensor track; -1: none.
+ * @property {string} state tentative, confirmed, coasted
+ * @property {string} kind single or group
+ * @property {number} members Expected members of a group.
+ * @property {number} time Time of the state, seconds UTC.
+ * @property {number} east @property {number} north metres
+ * @property {number} up Metres; NaN: height unknown.
+ * @property {number} speedEast @property {number} speedNorth @property {number} speedUp metres per second
+ * @property {number} sourceCount
+ * @property {number} sourcesLow Bit n: source n contributes. @property {number} sourcesHigh The same of source 32 + n.
+ * @property {number} alerts Bits, as the messages have them.
+ * @property {boolean} onGround
+ * @property {string} callsign @property {string} address @property {string} code
+ * @property {string} type
+ * @property {number} sigmaMajor @property {number} sigmaMinor Axes of the 1-sigma ellipse, metres; 0: unknown.
+ * @property {number} sigmaBearing Direction of the larger axis, radians clockwise from north.
+ * @property {number} handOver When another source became the main one last, seconds; 0: never.
+ * @property {Map<number, number>} mains When each source was the main one last, seconds.
+ * @property {Trail} trail
+ * @property {string[]} label Lines of its label, longest form.
+ * @property {number} place Where its label was put last.
+ */
+
+/**
+ * Sensor track or detection.
+ * @typedef {object} Spot
+ * @property {number} number Number at its source; 0 for a detection.
+ * @property {number} source
+ * @property {number} time seconds UTC
+ * @property {number} east @property {number} north metres
+ */
+
+/**
+ * Bearing from a platform; angles in radians, clockwise from north.
+ * @typedef {{source: number, time: number, east: number, north: number, bearing: number, sigma: number}} Ray
+ */
+
+/**
+ * Place in which a wide-area sensor has counted targets, or a cue.
+ * @typedef {{source: number, time: number, east: number, north: number, targets: number, cue: boolean, major: number,
+ *   minor: number, bearing: number}} Area
+ */
+
+/** Points that a trail keeps, and seconds between two: eight minutes. */
+const TRAIL_MAX = 240;
+const TRAIL_STEP_S = 2;
+
+/** Past positions of one track: a ring, whole from the start, so that memory stays what it is. */
+export class Trail {
+  constructor() {
+    this.east = new Float32Array(TRAIL_MAX);
+    this.north = new Float32Array(TRAIL_MAX);
+    /** Seconds after `base`. */
+    this.after = new Float32Array(TRAIL_MAX);
+    this.base = 0;
+    this.start = 0;
+    this.length = 0;
+  }
+
+  /** @param {number} time @param {number} east @param {number} north */
+  add(time, east, north) {
+    const last = this.length > 0 ? this.timeOf(this.at(this.length - 1)) : -Infinity;
+    // A clock that starts again (another recording) starts the trail again; a look into the past does not.
+    if (time < last - 3600) this.length = 0;
+    else if (time - last < TRAIL_STEP_S) return;
+    if (this.length === 0) this.base = time;
+    if (this.length === TRAIL_MAX) this.start = (this.start + 1) % TRAIL_MAX;
+    else this.length++;
+    const k = this.at(this.length - 1);
+    this.east[k] = east;
+    this.north[k] = north;
+    this.after[k] = time - this.base;
+  }
+
+  /** Place in the arrays of the point with number `k`, oldest first. @param {number} k */
+  at(k) {
+    return (this.start + k) % TRAIL_MAX;
+  }
+
+  /** Time of the point at a place in the arrays, seconds UTC. @param {number} k */
+  timeOf(k) {
+    return this.base + this.after[k];
+  }
+}
+
+/** Alerts, the gravest first, and what a label says of each. */
+export const ALERTS = /** @type {const} */ ([
+  [ALERT.UNLAWFUL_INTERFERENCE, "HIJACK"],
+  [ALERT.EMERGENCY, "EMERG"],
+  [ALERT.COMMUNICATION_FAILURE, "RCF"],
+  [ALERT.RESOLUTION_ADVISORY, "ACAS RA"],
+  [ALERT.MINIMUM_FUEL, "MINFUEL"],
+  [ALERT.MEDICAL, "MEDICAL"],
+  [ALERT.SPECIAL_IDENTIFICATION, "SPI"],
+]);
+/** Alerts that turn a track to the colour of alarm. */
+const GRAVE =
+  ALERT.UNLAWFUL_INTERFERENCE |
+  ALERT.EMERGENCY |
+  ALERT.COMMUNICATION_FAILURE |
+  ALERT.RESOLUTION_ADVISORY |
+  ALERT.MINIMUM_FUEL;
+
+/** @param {Track} track */
+export function isGrave(track) {
+  return (track.alerts & GRAVE) !== 0;
+}
+
+/** @returns {Track} */
+export function blankTrack() {
+  return {
+    number: 0,
+    source: -1,
+    state: "confirmed",
+    kind: "single",
+    members: 0,
+    time: 0,
+    east: 0,
+    north: 0,
+    up: NaN,
+    speedEast: 0,
+    speedNorth: 0,
+    speedUp: 0,
+    sourceCount: 0,
+    sourcesLow: 0,
+    sourcesHigh: 0,
+    alerts: 0,
+    onGround: false,
+    callsign: "",
+    address: "",
+    code: "",
+    type: "",
+    sigmaMajor: 0,
+    sigmaMinor: 0,
+    sigmaBearing: 0,
+    handOver: 0,
+    mains: new Map(),
+    trail: new Trail(),
+    label: [],
+    place: 0,
+  };
+}
+
+/** What a person calls a track. @param {Track} track */
+export function nameOf(track) {
+  return track.callsign || track.code || track.address || `#${track.number}`;
+}
+
+/** Numbers of the sources that contribute, of the first 64. @param {Track} track */
+export function sourcesOf(track) {
+  const sources = [];
+  for (let bits = track.sourcesLow; bits !== 0; bits &= bits - 1) sources.push(31 - Math.clz32(bits & -bits));
+  for (let bits = track.sourcesHigh; bits !== 0; bits &= bits - 1) sources.push(63 - Math.clz32(bits & -bits));
+  return sources;
+}
+
+export class Picture {
+  constructor() {
+    /** Time of the picture, seconds UTC; 0 before the first. */
+    this.time = 0;
+    /** @type {Map<number, Track>} System tracks by number. */
+    this.system = new Map();
+    /** @type {Map<number, Spot>} Sensor tracks by source and number. */
+    this.sensor = new Map();
+    /** @type {Spot[]} Detections, bearings and areas, the oldest first. */
+    this.detections = [];
+    /** @type {Ray[]} */
+    this.bearings = [];
+    /** @type {Area[]} */
+    this.areas = [];
+  }
+
+  clearLayers() {
+    this.sensor.clear();
+    this.detections = [];
+    this.bearings = [];
+    this.areas = [];
+  }
+
+  /**
+   * Adds what has come of the lower layers, and drops what is older than `since`.
+   * @param {number} since @param {Spot[]} sensor @param {Spot[]} detections @param {Ray[]} bearings
+   * @param {Area[]} areas
+   */
+  addLayers(since, sensor, detections, bearings, areas) {
+    // Numbers of tracks have 32 bits, those of sources 16: together they are a whole number that is still exact.
+    for (const spot of sensor) this.sensor.set(spot.source * 2 ** 32 + spot.number, spot);
+    for (const [key, spot] of this.sensor) if (spot.time < since) this.sensor.delete(key);
+    this.detections = recent(this.detections, detections, since);
+    this.bearings = recent(this.bearings, bearings, since);
+    this.areas = recent(this.areas, areas, since);
+  }
+}
+
+/** Most detections, bearings or areas that are kept. */
+const LAYER_MAX = 40_000;
+
+/** @template {{time: number}} T @param {T[]} known @param {T[]} added @param {number} since @returns {T[]} */
+function recent(known, added, since) {
+  if (known.length === 0 && added.length === 0) return known;
+  return [...known, ...added].filter((item) => item.time >= since).slice(-LAYER_MAX);
+}
