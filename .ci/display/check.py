@@ -1,0 +1,394 @@
+#!/usr/bin/env python3
+"""Drives the real page of `koseki demo` in headless Chromium without WebGL, as a person would, and compares what it
+shows with what the recorder wrote.
+
+    .ci/display/check.py KOSEKI FOLDER [--picture docs/display.png]
+
+FOLDER gets the recording and the screenshots. Needs Debian's `chromium` and PyPI's `playwright`.
+"""
+
+import argparse
+import csv
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import time
+
+from playwright.sync_api import sync_playwright
+
+PATIENCE_S = 30
+
+# Luminance (WCAG 2) of the brightest pixel of the canvas of tracks, over the ground below it.
+BRIGHTEST = """() => {
+  const [ground, tracks] = ["ground", "tracks"].map((id) => document.getElementById(id));
+  const both = new OffscreenCanvas(tracks.width, tracks.height).getContext("2d");
+  both.drawImage(tracks, 0, 0);
+  const cover = both.getImageData(0, 0, tracks.width, tracks.height).data;
+  both.globalCompositeOperation = "destination-over";
+  both.drawImage(ground, 0, 0);
+  const data = both.getImageData(0, 0, tracks.width, tracks.height).data;
+  const linear = (v) => ((v /= 255) <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+  let most = 0, drawn = 0;
+  for (let k = 0; k < data.length; k += 4) {
+    if (cover[k + 3] === 0) continue;
+    drawn++;
+    most = Math.max(most, 0.2126 * linear(data[k]) + 0.7152 * linear(data[k + 1]) + 0.0722 * linear(data[k + 2]));
+  }
+  return { most, drawn };
+}"""
+
+# What the page knows of its selected track at one instant.
+SELECTED = """() => {
+  const number = [...koseki.selected][0];
+  const facts = koseki.facts.get(number);
+  return facts && {
+    number,
+    stateTime: facts.stateTime,
+    shares: koseki.shares.get(number).map(({ source, track, weight, accuracy }) =>
+      ({ source, track, weight, accuracy: Number.isFinite(accuracy) ? accuracy : null })),
+  };
+}"""
+
+TRACKS = """() => [...koseki.picture.system.values()].map(({ number, time, east, north, state }) =>
+  ({ number, time, east, north, state }))"""
+
+
+def until(page, expression, argument=None):
+    """Waits until a JavaScript expression holds. Playwright's own way of waiting evaluates texts in the page, which its
+    security policy forbids."""
+    end = time.monotonic() + PATIENCE_S
+    while not page.evaluate(expression, argument):
+        if time.monotonic() > end:
+            raise AssertionError(f"after {PATIENCE_S} s it still does not hold: {expression} {argument or ''}")
+        time.sleep(0.1)
+
+
+def check(holds, text):
+    if not holds:
+        raise AssertionError(text)
+    print(f"  {text}")
+
+
+class Recorded:
+    """Rows of the recorder's system tracks by track number and time of day."""
+
+    def __init__(self, path):
+        self.rows = {}
+        with open(path, newline="", encoding="utf-8") as file:
+            for row in csv.DictReader(file):
+                self.rows.setdefault(int(row["system_track_id"]), []).append(row)
+
+    def at(self, number, seconds):
+        """Rows of a track at a time, seconds since 1970; the recording says the time of day."""
+        day = seconds % 86400
+        return [row for row in self.rows.get(number, []) if abs(float(row["time_s"]) - day) < 0.0015]
+
+
+def listed(text):
+    return [word for word in text.split("|") if word != ""] if text else []
+
+
+class Demo:
+    def __init__(self, koseki, folder):
+        self.log = open(folder / "demo.txt", "w+", encoding="utf-8")
+        self.records = folder / "records"
+        command = [koseki, "demo", "--instance", "ci-display", "--out", self.records, "--set", "recorder.enabled=true"]
+        self.process = subprocess.Popen(command, stdout=self.log, stderr=subprocess.STDOUT)
+
+    def address(self):
+        """Address that the demonstration prints."""
+        end = time.monotonic() + 30
+        while time.monotonic() < end:
+            found = re.search(r"http://127\.0\.0\.1:\d+\S*", pathlib.Path(self.log.name).read_text(encoding="utf-8"))
+            if found:
+                return found[0]
+            if self.process.poll() is not None:
+                break
+            time.sleep(0.05)
+        raise AssertionError("the demonstration prints no address: " + pathlib.Path(self.log.name).read_text()[-2000:])
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+        self.process.wait(timeout=60)
+        self.log.close()
+
+
+def drive(page, url, folder, demo):
+    began = time.monotonic()
+    page.goto(url)
+    until(page, "globalThis.koseki?.picture.system.size >= 40")
+    print(f"tracks on the map {time.monotonic() - began:.1f} s after the page was asked for")
+    until(page, "koseki.ground.land.length > 0")
+
+    print("the cursor's inverse formula against the projection in Rust")
+    worst = page.evaluate("""async () => {
+          const { placeOf } = await import("./geodesy.js");
+          let worst = 0, count = 0;
+          for (const { points } of [...koseki.ground.land, ...koseki.ground.borders])
+            for (let k = 0; k < points.length; k += 2) {
+              if (Math.hypot(points[k], points[k + 1]) > 1e6) continue;
+              const place = placeOf(koseki.known.origin, points[k], points[k + 1]);
+              // The file has whole steps of 0.0025 degrees; f32 metres and a sphere of a million metres spoil little.
+              for (const degrees of [place.latitude_deg, place.longitude_deg]) {
+                const steps = degrees / 0.0025;
+                worst = Math.max(worst, Math.abs(steps - Math.round(steps)));
+                count++;
+              }
+            }
+          return [worst * 0.0025, count];
+        }""")
+    check(worst[1] > 1000 and worst[0] < 5e-6, f"{worst[1]} coordinates come back within {worst[0]:.1e} degrees")
+
+    print("a track is clicked")
+    # Let the picture settle: tracks confirmed, several sources each.
+    until(
+        page,
+        "[...koseki.picture.system.values()].filter((t) => t.state === 'confirmed' && t.sourceCount >= 3).length >= 3",
+    )
+    page.wait_for_timeout(8000)
+    # One that stands alone, so that the click is meant for it.
+    spot = page.evaluate("""() => {
+          const box = document.getElementById("tracks").getBoundingClientRect();
+          const free = ({ track, x, y }) => track.sourceCount >= 3 && track.state === "confirmed" &&
+            x > 60 && y > 60 && x < box.width - 60 && y < box.height - 80 &&
+            koseki.painter.drawn.every((other) => other.track === track || Math.hypot(other.x - x, other.y - y) > 20);
+          const found = koseki.painter.drawn.find(free);
+          return found && { number: found.track.number, x: found.x + box.left, y: found.y + box.top };
+        }""")
+    check(spot is not None, "some track of three sources stands alone")
+    page.mouse.click(spot["x"], spot["y"])
+    until(page, "koseki.shares.size === 1")
+    number = page.evaluate("[...koseki.selected][0]")
+    check(number == spot["number"], f"system track {number} is selected")
+    page.wait_for_selector("#panel tr[data-source]")
+    seen = {}
+    end = time.monotonic() + 6
+    while time.monotonic() < end:
+        said = page.evaluate(SELECTED)
+        if said and said["shares"]:
+            seen[said["stateTime"]] = said
+        page.wait_for_timeout(100)
+    check(len(seen) >= 5, f"its contributors were read at {len(seen)} instants")
+    text = page.inner_text("#panel")
+    check(
+        all(title in text.upper() for title in ["CONTRIBUTORS", "HEIGHT", "WEIGHT OF EACH"]), "the panel has its parts"
+    )
+
+    print("sensor tracks are switched on")
+    page.keyboard.press("c")
+    page.evaluate("koseki.set({ labels: 0, trails: false, vector: 0 })")
+    page.wait_for_timeout(400)
+    bright = page.evaluate(BRIGHTEST)
+    page.keyboard.press("n")
+    until(page, "koseki.picture.sensor.size >= 40")
+    page.evaluate("koseki.set({ filter: 'nothing-is-called-so' })")
+    page.wait_for_timeout(400)
+    dim = page.evaluate(BRIGHTEST)
+    check(dim["drawn"] > 200, f"{dim['drawn']} pixels of sensor tracks")
+    check(
+        dim["most"] <= bright["most"] / 2,
+        f"luminance {dim['most']:.3f} of sensor tracks, {bright['most']:.3f} of system tracks",
+    )
+    page.evaluate("koseki.set({ filter: '', sensors: false, labels: 2, trails: true, vector: 60 })")
+
+    print("pause, scrub, resume")
+    page.keyboard.press(" ")
+    until(page, "document.getElementById('mode').textContent === 'PAUSED'")
+    page.wait_for_timeout(800)
+    held = page.evaluate("koseki.picture.time")
+    page.wait_for_timeout(1500)
+    check(page.evaluate("koseki.picture.time") == held, "time stands still")
+    past = [page.evaluate(TRACKS)]
+    for _ in range(4):
+        page.keyboard.press("ArrowLeft")
+    until(page, "held => koseki.picture.time < held - 3", argument=held)
+    page.wait_for_timeout(300)
+    past.append(page.evaluate(TRACKS))
+    scrub = page.locator("#scrub")
+    earliest = float(scrub.get_attribute("min"))
+    scrub.evaluate(
+        "(bar, at) => { bar.value = at; bar.dispatchEvent(new Event('input')); }", max(earliest, int(held) - 8)
+    )
+    until(page, "held => koseki.picture.time < held - 5", argument=held)
+    page.wait_for_timeout(300)
+    past.append(page.evaluate(TRACKS))
+    scrubbed = page.evaluate("koseki.picture.time")
+    page.keyboard.press(" ")
+    until(page, "then => koseki.picture.time > then + 1", argument=scrubbed)
+    check("PLAY" in page.inner_text("#mode"), "the past is played")
+    page.keyboard.press("Home")
+    until(page, "held => koseki.picture.time > held", argument=held)
+    check(page.inner_text("#mode") == "LIVE", "back to live")
+
+    print("filters, address, keyboard")
+    page.keyboard.press("/")
+    page.keyboard.type("fl>50 sources>1")
+    page.keyboard.press("Enter")
+    page.wait_for_timeout(500)
+    drawn = page.evaluate("koseki.painter.drawn.map(({ track }) => [track.up, track.sourceCount])")
+    whole = page.evaluate("koseki.picture.system.size")
+    check(
+        0 < len(drawn) < whole and all(up > 50 * 30.48 and n > 1 for up, n in drawn),
+        f"{len(drawn)} of {whole} tracks pass",
+    )
+    for key in ["o", "q", "]", "d"]:
+        page.keyboard.press(key)
+    page.wait_for_timeout(700)
+    address = page.url
+    check(
+        "fl%3E50" in address and "labels=3" in address and "up=" in address,
+        f"the address says it: {address.split('#')[1]}",
+    )
+    before = page.evaluate("JSON.stringify([koseki.settings, koseki.view.up])")
+    other = page.context.browser.new_page(viewport=page.viewport_size)
+    other.goto(address)
+    until(other, "globalThis.koseki?.picture.system.size >= 20")
+    other.wait_for_timeout(600)
+    check(other.evaluate("JSON.stringify([koseki.settings, koseki.view.up])") == before, "another page shows the same")
+    other.close()
+    page.keyboard.press("?")
+    check("range rings" in page.inner_text("#help"), "help")
+    page.keyboard.press("Escape")
+    page.evaluate("koseki.set({ filter: '', labels: 2, up: 0 })")
+
+    print("fusion is killed")
+    page.evaluate("koseki.set({ tab: 'system' })")
+    until(page, "koseki.known.processes.some((p) => p.kind === 'fusion' && p.pid > 0)")
+    pid = page.evaluate("koseki.known.processes.find((p) => p.kind === 'fusion').pid")
+    page.evaluate("""() => {
+          globalThis.said = [];
+          const banner = document.getElementById("banner");
+          const note = () => said.push(banner.hidden ? "" : banner.textContent);
+          new MutationObserver(note).observe(banner, { attributes: true, childList: true });
+        }""")
+    killed = page.evaluate("koseki.picture.time")
+    os.kill(int(pid), signal.SIGKILL)
+    until(
+        page,
+        "pid => koseki.known.processes.some((p) => p.kind === 'fusion' && (p.restarts > 0 || p.pid !== pid))",
+        argument=pid,
+    )
+    until(
+        page,
+        "then => [...koseki.picture.system.values()].filter((t) => t.time > then + 5).length >= 20 && "
+        "document.getElementById('banner').hidden",
+        argument=killed,
+    )
+    said = [text for text in page.evaluate("said") if text]
+    print(f"  banner while it was away: {said[0] if said else 'none: it was back before a second had passed'}")
+    check("restart" in page.inner_text("#pills"), "the page tells of the restart, and goes on without a reload")
+    return seen, past
+
+
+def compare(recorded, seen, past):
+    print("what the page showed, against the recording")
+    shares = 0
+    for said in seen.values():
+        rows = recorded.at(said["number"], int(said["stateTime"]) / 1e9)
+        check_row = [row for row in rows if same_shares(row, said["shares"])]
+        if not check_row:
+            raise AssertionError(f"shown {said}\nrecorded {[dict(r, **{}) for r in rows]}")
+        shares += len(said["shares"])
+    check(shares > 0, f"contributors, weights and accuracy values of {len(seen)} instants are the recorded ones")
+    states = missing = 0
+    for picture in past:
+        for track in picture:
+            rows = recorded.at(track["number"], track["time"])
+            near = [
+                r
+                for r in rows
+                if abs(float(r["x"]) - track["east"]) < 0.05 and abs(float(r["y"]) - track["north"]) < 0.05
+            ]
+            states += bool(near)
+            missing += not near
+    check(missing == 0 and states > 0, f"{states} states of {len(past)} paused pictures are recorded ones")
+
+
+def same_shares(row, shares):
+    if row["sources"] == "":
+        return not shares
+    sources, weights, accuracy = (listed_fields(row[key]) for key in ("sources", "weights", "lambda"))
+    tracks = listed_fields(row["sensor_track_ids"])
+    # Files number the sources from 1.
+    if [int(s) - 1 for s in sources] != [share["source"] for share in shares]:
+        return False
+    for k, share in enumerate(shares):
+        if abs(float(weights[k]) - share["weight"]) > 6e-5 or int(tracks[k]) != share["track"]:
+            return False
+        if (accuracy[k] == "") != (share["accuracy"] is None):
+            return False
+        if accuracy[k] != "" and abs(float(accuracy[k]) - share["accuracy"]) > 1e-3 * max(1.0, abs(share["accuracy"])):
+            return False
+    return True
+
+
+def listed_fields(text):
+    return text.split("|")
+
+
+def pictures(page, url, folder, target, metres):
+    """A screenshot of somebody at work: a track selected, sensor tracks beneath, so many metres a pixel."""
+    page.goto(url)
+    until(page, "globalThis.koseki?.ground.land.length > 0 && koseki.picture.system.size >= 40")
+    page.wait_for_timeout(3000)
+    page.evaluate(
+        """(metres) => {
+          const flying = [...koseki.picture.system.values()].filter((t) => t.state === "confirmed" && !t.onGround);
+          const crowd = (t) => flying.filter((o) => Math.hypot(o.east - t.east, o.north - t.north) < 250 * metres).length;
+          const chosen = flying.sort((a, b) => b.sourceCount - a.sourceCount || crowd(b) - crowd(a))[0];
+          koseki.select(chosen.number);
+          koseki.moved(() => Object.assign(koseki.view, { east: chosen.east, north: chosen.north, scale: metres }));
+          koseki.set({ sensors: true, trail: 300 });
+        }""",
+        metres,
+    )
+    page.wait_for_timeout(9000)
+    page.screenshot(path=folder / target)
+
+
+def main():
+    options = argparse.ArgumentParser()
+    options.add_argument("koseki")
+    options.add_argument("folder", type=pathlib.Path)
+    options.add_argument("--picture", type=pathlib.Path)
+    given = options.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    demo = Demo(given.koseki, given.folder)
+    try:
+        url = demo.address()
+        print(url)
+        with sync_playwright() as play:
+            browser = play.chromium.launch(
+                executable_path="/usr/bin/chromium",
+                args=["--no-sandbox", "--disable-gpu", "--disable-software-rasterizer"],
+            )
+            errors = []
+            page = browser.new_page(viewport={"width": 1280, "height": 800})
+            page.on("pageerror", lambda error: errors.append(str(error)))
+            page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+            page.on("request", lambda r: errors.append(f"asks for {r.url}") if "127.0.0.1" not in r.url else None)
+            check(page.evaluate("!document.createElement('canvas').getContext('webgl')"), "this browser has no WebGL")
+            seen, past = drive(page, url, given.folder, demo)
+            pictures(page, url, given.folder, "1280x800.png", 75)
+            page.close()
+            large = browser.new_page(viewport={"width": 1920, "height": 1080}, device_scale_factor=2)
+            pictures(large, url, given.folder, "3840x2160.png", 60)
+            browser.close()
+        if errors:
+            raise AssertionError("the page complains: " + json.dumps(errors[:5]))
+    finally:
+        demo.stop()
+    found = sorted(demo.records.glob("**/system_tracks.csv"))
+    compare(Recorded(found[-1]), seen, past)
+    if given.picture:
+        given.picture.write_bytes((given.folder / "1280x800.png").read_bytes())
+        check(given.picture.stat().st_size <= 400_000, "the README's picture is small")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,206 @@
+/** Tests of the page's modules that need no browser: node --test .ci/display/modules.mjs */
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+const page = new URL("../../services/display/page/", import.meta.url);
+const module = (name) => import(new URL(name, page));
+const { Coverage } = await module("coverage.js");
+const { bearing, placeOf, sexagesimal } = await module("geodesy.js");
+const { groundOf, overlaysOf, ringStep } = await module("ground.js");
+const { LabelGrid, labelOf, place } = await module("labels.js");
+const { blankTrack, Picture, sourcesOf, Trail } = await module("picture.js");
+const { DEFAULTS, filterOf, read, write } = await module("settings.js");
+const { View } = await module("view.js");
+
+const near = (a, b, limit = 1e-6) => assert.ok(Math.abs(a - b) <= limit, `${a} is not ${b}`);
+
+test("a point goes to the screen and comes back, turned and enlarged", () => {
+  const view = Object.assign(new View(), { width: 800, height: 600, east: 1200, north: -50, scale: 12.5, up: 1.1 });
+  for (const [east, north] of [
+    [0, 0],
+    [5000, -70],
+    [-3, 9000],
+  ]) {
+    const back = view.toGround(...view.toScreen(east, north));
+    near(back[0], east);
+    near(back[1], north);
+  }
+  const under = view.toGround(100, 200);
+  view.zoom(3, 100, 200);
+  const still = view.toGround(100, 200);
+  near(still[0], under[0]);
+  near(still[1], under[1]);
+  // The bearing that points up does so.
+  const [x, y] = view.toScreen(view.east + 100 * Math.sin(1.1), view.north + 100 * Math.cos(1.1));
+  near(x, 400);
+  assert.ok(y < 300);
+});
+
+test("the map shows what it is told to show", () => {
+  const view = Object.assign(new View(), { width: 1000, height: 500 });
+  view.show(-40_000, -10_000, 60_000, 90_000);
+  const [west, south, east, north] = view.bounds();
+  assert.ok(west < -40_000 && south < -10_000 && east > 60_000 && north > 90_000);
+});
+
+test("origin, north pole's direction and the horizon", () => {
+  const origin = { latitude_deg: 41.3, longitude_deg: 2.1, height_m: 0 };
+  const there = placeOf(origin, 0, 0);
+  near(there.latitude_deg, 41.3, 1e-9);
+  near(there.longitude_deg, 2.1, 1e-9);
+  assert.ok(placeOf(origin, 0, 1000).latitude_deg > 41.3);
+  assert.equal(placeOf(origin, 7e6, 0), null);
+  assert.equal(sexagesimal(-2.5, "E", "W"), "2°30′00″W");
+  near(bearing(-1, 0), 270);
+});
+
+test("settings survive the address, and nonsense in it does not count", () => {
+  const settings = {
+    ...DEFAULTS,
+    theme: "day",
+    filter: "fl>100 -GND",
+    labels: 3,
+    sensors: true,
+    declutter: false,
+    at: 12.5,
+  };
+  assert.deepEqual(read(write(settings)), settings);
+  assert.equal(write({ ...DEFAULTS }), "#");
+  assert.deepEqual(read("#labels=&theme=pink&constructor=1&scale=NaN&__proto__=1"), { ...DEFAULTS });
+});
+
+test("filters", () => {
+  const track = Object.assign(blankTrack(), {
+    number: 42,
+    callsign: "BAW12",
+    address: "4CA123",
+    code: "2345",
+    type: "A320",
+    up: 3048,
+    speedEast: 100,
+    source: 1,
+    sourceCount: 2,
+    sourcesLow: 0b110,
+    sourcesHigh: 1,
+  });
+  const name = (source) => ["west", "mlat", "ads-b"][source] ?? "";
+  for (const text of [
+    "",
+    "baw",
+    "BAW 4ca",
+    "#42",
+    "fl>99 fl<101",
+    "fl=100",
+    "kt>190",
+    "sources=2",
+    "/^BAW\\d+$/",
+    "-VLG",
+  ])
+    assert.ok(filterOf(text, name)(track), text);
+  for (const text of ["type=a320", "main=mlat", "source=ads-b", "-source=west", "state=confirmed", "kind=single"])
+    assert.ok(filterOf(text, name)(track), text);
+  for (const text of ["vlg", "fl>100", "-baw", "/[/", "source=west", "state=coasted", "members>1"])
+    assert.ok(!filterOf(text, name)(track), text);
+  assert.deepEqual(sourcesOf(track), [1, 2, 32]);
+});
+
+test("labels that keep clear of each other do not overlap, and unknown heights are no numbers", () => {
+  const grid = new LabelGrid(300, 200);
+  const placed = [];
+  for (let k = 0; k < 60; k++) {
+    const track = Object.assign(blankTrack(), { number: k, callsign: `ABC${k}`, up: k % 2 ? 1000 : NaN });
+    track.label = labelOf(track, "aviation", "west");
+    assert.ok(track.label[1].startsWith(k % 2 ? "033" : "---"));
+    const label = place(grid, track, (k * 37) % 300, (k * 53) % 200, 3, 7);
+    if (label) placed.push(label);
+  }
+  assert.ok(placed.length > 5 && placed.length < 60);
+  const inside = placed.filter(
+    ({ left, top, width, height }) => left > 0 && top > 0 && left + width < 300 && top + height < 200,
+  );
+  for (const a of inside)
+    for (const b of inside)
+      assert.ok(
+        a === b ||
+          a.left + a.width <= b.left ||
+          b.left + b.width <= a.left ||
+          a.top + a.height <= b.top ||
+          b.top + b.height <= a.top,
+      );
+});
+
+test("a trail is bounded, in order, and takes no point twice", () => {
+  const trail = new Trail();
+  for (let k = 0; k < 5000; k++) trail.add(1.7e9 + k, k, -k);
+  trail.add(1.7e9 + 4000, 0, 0);
+  assert.ok(trail.length < 1000);
+  let before = -Infinity;
+  for (let k = 0; k < trail.length; k++) {
+    const at = trail.at(k);
+    assert.ok(trail.timeOf(at) > before);
+    near(trail.east[at], trail.timeOf(at) - 1.7e9, 0.01);
+    before = trail.timeOf(at);
+  }
+  near(before, 1.7e9 + 4999, 2.1);
+});
+
+test("layers forget what is old", () => {
+  const picture = new Picture();
+  const spot = (source, number, time) => ({ source, number, time, east: 0, north: 0 });
+  picture.addLayers(0, [spot(1, 7, 10), spot(2, 7, 20)], [spot(1, 0, 10)], [], []);
+  picture.addLayers(5, [spot(1, 7, 12)], [spot(1, 0, 20)], [], []);
+  assert.equal(picture.sensor.size, 2);
+  picture.addLayers(15, [], [], [], []);
+  assert.equal(picture.sensor.size, 1);
+  assert.equal(picture.detections.length, 1);
+});
+
+test("land, borders and overlays", () => {
+  const values = [0, 0, 1, 0, 1, 1, NaN, NaN, Infinity, Infinity, 5, 5, 6, 6, 7, 5, NaN, NaN];
+  const ground = groundOf(new Float32Array(values).buffer);
+  assert.deepEqual([ground.land.length, ground.borders.length], [1, 1]);
+  assert.deepEqual([ground.borders[0].west, ground.borders[0].north], [5, 6]);
+  const feature = (type, coordinates) => ({ properties: { name: type }, geometry: { type, coordinates } });
+  const square = [
+    [0, 0],
+    [1, 0],
+    [1, 1],
+    [0, 0],
+  ];
+  const features = [
+    feature("Point", [1, 2]),
+    feature("MultiPoint", square),
+    feature("LineString", square),
+    feature("Polygon", [square]),
+    feature("MultiPolygon", [[square], [square]]),
+    feature("Nothing", []),
+    null,
+  ];
+  assert.deepEqual(
+    overlaysOf({ features }).map(({ lines, closed }) => [lines.length, closed]),
+    [
+      [1, false],
+      [4, false],
+      [1, false],
+      [1, true],
+      [2, true],
+      [0, false],
+    ],
+  );
+  assert.deepEqual(overlaysOf(7), []);
+});
+
+test("range rings stand apart at every scale, and coverage keeps the farthest", () => {
+  for (const scale of [0.05, 3, 77, 900, 30_000]) {
+    const pixels = (ringStep(scale) * 1852) / scale;
+    assert.ok(pixels >= 119 && pixels <= 301, `${pixels}`);
+  }
+  const coverage = new Coverage();
+  coverage.add(3, 0, 1000);
+  coverage.add(3, 1, 4000);
+  coverage.add(3, -2000, 0);
+  const reach = coverage.outline(3).map(([east, north]) => Math.round(Math.hypot(east, north)));
+  assert.deepEqual(reach, [4000, 2000]);
+  assert.deepEqual(coverage.outline(9), []);
+});
