@@ -66,8 +66,9 @@ impl Accuracies {
             settings.sources[usize::from(source)].adjustment * s
         };
         match settings.rule.reference_source.as_ref().map(|source| source.number) {
-            Some(reference) => alpha(source) / alpha(reference),
-            None => alpha(source),
+            // A reference that is without error now, by its condition or as estimated, can be no unit.
+            Some(reference) if alpha(reference) > 0.0 => alpha(source) / alpha(reference),
+            _ => alpha(source),
         }
     }
 
@@ -121,6 +122,19 @@ mod tests {
             (alpha([1000.0, 40_000.0, 0.0]) - 100.0).abs() < 1e-9,
             "30 m along, 40 m across"
         );
+    }
+
+    #[test]
+    fn a_reference_without_error_is_no_unit() {
+        let mut settings = test_settings(2);
+        settings.rule.reference_source = Some(1.into());
+        settings.sources[1].accuracy.conditions = vec![("calm".to_owned(), 0.0)];
+        let mut accuracies = Accuracies::new(2);
+        let here = target([0.0; 3], 0.0);
+        assert_eq!(accuracies.alpha(&settings, 0, &here, 0.0), 1.0);
+        assert!(accuracies.set_condition(&settings, "calm"));
+        let alphas = [0, 1].map(|source| accuracies.alpha(&settings, source, &here, 0.0));
+        assert_eq!(alphas, [10.0, 0.0]);
     }
 
     #[test]

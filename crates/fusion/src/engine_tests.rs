@@ -88,6 +88,27 @@ fn sources_of(track: &SystemTrack) -> Vec<u16> {
 }
 
 #[test]
+fn more_sources_than_a_message_can_list_are_counted() {
+    for rule in [messages::FusionRule::Auto, messages::FusionRule::InverseTrace] {
+        let mut settings = test_settings(20);
+        settings.rule.name.0 = rule;
+        let mut harness = Harness::new(settings);
+        let mut last = None;
+        for step in 0..3 {
+            // Those that come last are of the first sources.
+            for source in (0..20).rev() {
+                let time_s = f64::from(step) + 0.01 * f64::from(20 - source);
+                let aside = [0.1 * f64::from(source), 0.0];
+                last = harness.take(&report(source, 1, time_s, aside, [20.0, 0.0]));
+            }
+        }
+        let track = last.unwrap();
+        assert_eq!((track.source_count, track.contribution_count), (20, 16), "{rule:?}");
+        assert_eq!(sources_of(&track), (0..16).collect::<Vec<u16>>(), "{rule:?}");
+    }
+}
+
+#[test]
 fn alerts_and_ground_come_from_whoever_contributes() {
     let mut harness = Harness::new(test_settings(2));
     let place = [0.0, 0.0];

@@ -64,7 +64,7 @@ pub(crate) fn write(
     message.position_m = entry.state.position_m;
     message.velocity_mps = entry.state.velocity_mps;
     message.covariance = entry.state.covariance;
-    message.source_count = members.len() as u16;
+    message.source_count = weighed.map_or(0, Weighed::contributing);
     message.state = entry.life as u8;
     message.height_valid = u8::from(entry.state.has_height);
     message.rule = settings.rule.name.0.code();

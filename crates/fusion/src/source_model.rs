@@ -226,3 +226,59 @@ impl SourceModel {
         self.detection = (self.detection + (seen - self.detection) / 256.0).clamp(0.5, 0.98);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Normalised innovations squared of a source whose covariances are `factor` times too small, by their quantiles.
+    fn innovations(factor: f64) -> impl Iterator<Item = f64> {
+        // In an order that favours none.
+        (0..2000u32).map(move |step| -2.0 * factor * (1.0 - (f64::from(step * 617 % 2000) + 0.5) / 2000.0).ln())
+    }
+
+    #[test]
+    fn a_covariance_that_claims_too_much_is_inflated_by_what_it_lacks() {
+        for (factor, least, most) in [(1.0, 1.0, 1.0), (0.25, 1.0, 1.0), (4.0, 2.5, 6.4), (100.0, 62.0, 160.0)] {
+            let mut model = SourceModel::default();
+            // What is inflated already is seen less.
+            innovations(factor).for_each(|squared| model.learn_consistency(squared / model.inflation()));
+            let inflation = model.inflation();
+            assert!((least..=most).contains(&inflation), "{factor}: {inflation}");
+        }
+    }
+
+    #[test]
+    fn what_is_inflated_comes_down_again_and_stays_below_a_maximum() {
+        let mut model = SourceModel::default();
+        (0..100_000).for_each(|_| model.learn_consistency(1e12));
+        assert!((model.inflation() - INFLATION_MAX).abs() < 1e-6);
+        (0..1000).for_each(|_| model.learn_consistency(0.0));
+        assert_eq!(model.inflation(), 1.0);
+    }
+
+    #[test]
+    fn detection_points_apart_are_told_from_noise() {
+        let learned = |apart_m2: f64| {
+            let mut model = SourceModel::default();
+            for squared in innovations(1.0).take(1000) {
+                // The mean of two axes of noise, and of points that lie so far apart.
+                model.learn_spread(0.5 * squared * (2.0 * 9.0 + 2.0 * apart_m2), 2.0 * 9.0, 25.0);
+            }
+            model
+        };
+        assert_eq!(learned(0.0).spread_m2(), 0.0);
+        let model = learned(400.0);
+        assert!((300.0..520.0).contains(&model.spread_m2()), "{}", model.spread_m2());
+        assert!(model.sees_points(2.0) && !model.sees_points(10.0));
+    }
+
+    #[test]
+    fn how_often_a_source_sees_is_followed_within_limits() {
+        let mut model = SourceModel::default();
+        (0..4000).for_each(|scan| model.learn_detection(scan % 4 != 0));
+        assert!((model.detection - 0.75).abs() < 0.03, "{}", model.detection);
+        (0..10_000).for_each(|_| model.learn_detection(false));
+        assert_eq!(model.detection, 0.5);
+    }
+}

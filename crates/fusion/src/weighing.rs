@@ -32,6 +32,8 @@ pub(crate) struct Weighed {
     candidates: [Candidate; CONTRIBUTIONS_MAX],
     shares: [Share; CONTRIBUTIONS_MAX],
     len: usize,
+    /// All that contribute, also those for which there is no room.
+    contributing: u16,
 }
 
 impl Default for Weighed {
@@ -41,6 +43,7 @@ impl Default for Weighed {
             candidates: [Candidate::default(); CONTRIBUTIONS_MAX],
             shares: [Share::default(); CONTRIBUTIONS_MAX],
             len: 0,
+            contributing: 0,
         }
     }
 }
@@ -49,6 +52,11 @@ impl Weighed {
     /// The contributing sensor tracks, in the order of their sources.
     pub(crate) fn members(&self) -> &[SensorSlot] {
         &self.members[..self.len]
+    }
+
+    /// Number of all contributing sensor tracks. Of more than can be held those of the first sources are.
+    pub(crate) fn contributing(&self) -> u16 {
+        self.contributing
     }
 
     /// One per member.
@@ -96,7 +104,11 @@ impl Weighed {
         let place = self
             .candidates()
             .partition_point(|other| other.source < candidate.source);
-        self.len += 1;
+        self.contributing += 1;
+        if place == CONTRIBUTIONS_MAX {
+            return;
+        }
+        self.len = (self.len + 1).min(CONTRIBUTIONS_MAX);
         self.members[place..self.len].rotate_right(1);
         self.candidates[place..self.len].rotate_right(1);
         self.members[place] = member;
@@ -107,7 +119,7 @@ impl Weighed {
 impl Weigher<'_> {
     /// Gathers the contributions to `system` at `reference_ns`.
     pub(crate) fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        weighed.len = 0;
+        (weighed.len, weighed.contributing) = (0, 0);
         match self.method {
             Method::Filter => self.gather_shares(system, reference_ns, weighed),
             Method::Candidates(_) => self.gather_states(system, reference_ns, weighed),
@@ -117,8 +129,15 @@ impl Weigher<'_> {
     /// The contributions to `system` in the order of their sources, with nothing but their share in the filter.
     fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let sensors = &self.tracks.sensors;
-        for member in self.tracks.contributing(system, reference_ns).take(CONTRIBUTIONS_MAX) {
+        for member in self.tracks.contributing(system, reference_ns) {
             let source = sensors.get(member).source;
+            weighed.contributing += 1;
+            if weighed.len == CONTRIBUTIONS_MAX {
+                if sensors.get(weighed.members[CONTRIBUTIONS_MAX - 1]).source < source {
+                    continue;
+                }
+                weighed.len -= 1;
+            }
             let mut place = weighed.len;
             while place > 0 && sensors.get(weighed.members[place - 1]).source > source {
                 weighed.members[place] = weighed.members[place - 1];
@@ -136,8 +155,7 @@ impl Weigher<'_> {
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
     fn gather_states(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        let fresh = self.tracks.contributing(system, reference_ns);
-        for member in fresh.take(CONTRIBUTIONS_MAX) {
+        for member in self.tracks.contributing(system, reference_ns) {
             weighed.push(member, self.candidate(member, reference_ns));
         }
         if self.settings.rule.hand_over.drop_out == DropOut::Blend {
