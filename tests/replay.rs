@@ -124,14 +124,25 @@ fn begin(to: &Path, facts: &Facts) -> Writer<BufWriter<File>> {
     Writer::begin(BufWriter::new(File::create(to).unwrap()), facts).unwrap()
 }
 
-/// The demonstration works in order `arrival`, recordings in order `time`.
 #[test]
-fn recordings_through_kills_are_fused_again_to_the_bit() {
+fn recordings_through_kills_are_fused_again_in_order_of_time() {
+    recordings_through_kills("time");
+}
+
+#[test]
+fn recordings_through_kills_are_fused_again_in_order_of_arrival() {
+    recordings_through_kills("arrival");
+}
+
+fn recordings_through_kills(order: &str) {
     let Some(data) = recordings("lebl2016") else { return };
     let home = Home::new();
     let config = repository("config/barcelona.toml");
     let (config, data) = (config.to_str().unwrap(), data.to_str().unwrap());
-    let up = ["up", config, "--data", data, "--speed", "400", "--out", "out"];
+    let order = format!("time.order=\"{order}\"");
+    let up = [
+        "up", config, "--data", data, "--speed", "400", "--out", "out", "--set", &order,
+    ];
     let running = home.start(&[&up[..], &ALL_TOPICS].concat());
     until("there are rows", || rows(&home) > 1000);
     for name in ["fusion", "ads-b", "fusion"] {

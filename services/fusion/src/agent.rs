@@ -367,6 +367,11 @@ impl<S: Transport> Agent for FusionAgent<S> {
             None => self.work_on_arrival(now)?,
         };
         if let Some(reached) = &mut self.reached {
+            for (index, input) in self.inputs.iter_mut().enumerate() {
+                for (header, next_sequence) in input.passed.drain(..) {
+                    reached.done(index, &header, next_sequence);
+                }
+            }
             reached.say(now)?;
         }
         if self.end_sent && self.output.all_received()? {

@@ -29,6 +29,9 @@ pub(crate) struct Input<S: Transport> {
     pub(crate) time: SourceTime,
     /// Whether it has said that nothing follows.
     pub(crate) has_ended: bool,
+    /// Order `arrival`, recordings: slices that were worked off, and the number that follows; until somebody is told.
+    pub(crate) passed: Vec<(BatchHeader, u64)>,
+    next_number: u64,
     /// Order `arrival`: how far a fusion before this one had worked its reports off.
     done: Option<Position>,
     /// What was sent before this by other publishers than that one, it had worked off, too (monotonic, nanoseconds).
@@ -80,6 +83,8 @@ impl<S: Transport> Input<S> {
                 in_hand: None,
                 time: SourceTime::of(source, speed),
                 has_ended: false,
+                passed: Vec::new(),
+                next_number: 0,
                 done: None,
                 done_ns: i64::MIN,
                 publishers: VecDeque::with_capacity(topic.capacity.publishers),
@@ -150,6 +155,9 @@ impl<S: Transport> Input<S> {
         }
         self.progress_ns = self.progress_ns.max(header.progress_ns);
         self.has_ended |= header.flags & BatchHeader::END != 0;
+        if self.time.is_of_recording() {
+            self.passed.push((*header, self.next_number));
+        }
     }
 
     /// When the slice in hand was sent, monotonic, nanoseconds.
@@ -165,6 +173,7 @@ impl<S: Transport> Input<S> {
         let (sent_ns, publisher) = (header.sent_ns, header.incarnation);
         let sequence = header.first_sequence.wrapping_add(hand.next as u64);
         let mut report = stamped(reports.get(hand.next)?, self.source, hand.taken_ns);
+        self.next_number = report.sequence.wrapping_add(1);
         hand.next += 1;
         let last = hand.next == reports.len();
         self.time.begin(report.time_of_measurement_ns, sent_ns);

@@ -48,6 +48,11 @@ impl SourceTime {
         }
     }
 
+    /// Whether it is that of a recording, which waits for its readers.
+    pub(crate) fn is_of_recording(&self) -> bool {
+        matches!(self, Self::Paced { .. } | Self::Unpaced)
+    }
+
     /// A slice was sent at `sent_ns` (monotonic) that says or shows that the source has come to `time_ns`.
     pub(crate) fn begin(&mut self, time_ns: i64, sent_ns: i64) {
         if let Self::Paced { began, .. } = self {
