@@ -381,7 +381,6 @@ fn fusion(raw: FusionTable, checkpoint: CheckpointTable, sources: Vec<SourceSett
         rests: raw.rests,
         checkpoint: checkpoint.enabled.then_some(Checkpoint {
             max_age_ns: checkpoint.max_age_s.ns(),
-            durable: checkpoint.durable,
         }),
         standby: raw.standby.then_some(Standby {
             core: raw.standby_core,

@@ -283,8 +283,6 @@ pub struct Fusion {
 pub struct Checkpoint {
     /// Age beyond which its tracks are not gone on with, nanoseconds.
     pub max_age_ns: i64,
-    /// Whether a copy is written to disk.
-    pub durable: bool,
 }
 
 impl Config {

@@ -416,8 +416,6 @@ settings::settings! {
         enabled: bool = true;
         /// Age beyond which its tracks are not gone on with: each is told ended.
         max_age_s: Seconds = Seconds::of(10.0), in [0.1, 3600];
-        /// A copy of it is written to the folder for recordings every second, for a start after the machine has failed.
-        durable: bool = false;
     }
 
     /// The launcher, which starts and watches the others.

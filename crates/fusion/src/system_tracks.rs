@@ -63,6 +63,8 @@ pub(crate) struct SystemEntry {
     pub(crate) description: Description,
     /// Number of the system track it was merged into; 0 if it was not.
     pub(crate) merged_into: u32,
+    /// Time of the state that was kept last; `i64::MIN` if another change has not been kept yet.
+    pub(crate) kept_ns: i64,
 }
 
 /// One system track as a checkpoint keeps it.
@@ -199,6 +201,7 @@ impl SystemEntry {
             on_ground: false,
             description: Description::default(),
             merged_into: 0,
+            kept_ns: i64::MIN,
             filter,
         }
     }
@@ -315,7 +318,9 @@ impl SystemTracks {
     }
 
     pub(crate) fn set_life(&mut self, slot: SystemSlot, life: TrackState) {
-        let before = std::mem::replace(&mut self.entries[slot as usize].life, life);
+        let entry = &mut self.entries[slot as usize];
+        entry.kept_ns = i64::MIN;
+        let before = std::mem::replace(&mut entry.life, life);
         self.in_state[before as usize] -= 1;
         self.in_state[life as usize] += 1;
     }
@@ -355,7 +360,10 @@ impl SystemTracks {
         } else if let Some(address) = merged.unique_number() {
             self.by_address.entry(address).or_insert(slot);
         }
-        entry.identity = merged;
+        if merged != entry.identity {
+            entry.identity = merged;
+            entry.kept_ns = i64::MIN;
+        }
     }
 
     /// Makes the system track invisible to searches: it has ended. Its place is freed when its deadline comes up.

@@ -26,6 +26,8 @@ pub(crate) struct Tracks {
     remembered: Remembered,
 }
 
+/// Time between two states of a system track that are kept, nanoseconds.
+const KEPT_EVERY_NS: i64 = 100_000_000;
 /// Numbers of system tracks that are reserved at a time.
 const NUMBERS: u32 = 256;
 
@@ -91,11 +93,16 @@ impl Tracks {
         (entry.number == number && entry.life != TrackState::Terminated).then_some(system)
     }
 
-    /// Writes what there is to be kept of a system track into the checkpoint.
+    /// Writes what there is to be kept of a system track into the checkpoint, unless that has just been done: nobody
+    /// loses anything by a state that is a little older.
     #[inline]
     pub(crate) fn keep(&mut self, system: SystemSlot) {
         if let Some(checkpoint) = &mut self.checkpoint {
-            checkpoint.write(Kind::Systems, system as usize, &self.systems.get(system).kept());
+            let entry = self.systems.get_mut(system);
+            if entry.state.time_ns >= entry.kept_ns.saturating_add(KEPT_EVERY_NS) {
+                entry.kept_ns = entry.state.time_ns;
+                checkpoint.write(Kind::Systems, system as usize, &entry.kept());
+            }
         }
     }
 

@@ -9,7 +9,7 @@
 //! | numbers | the numbers that are reserved | before the first of a block is used |
 //! | clock | the time that has passed, the process, and the state of its clocks | by the caller, in each turn |
 //! | positions | each source: how far its reports have been worked off | with each report |
-//! | systems | each system track: number, state, covariance, life, identity | whenever subscribers are told of it |
+//! | systems | each system track: number, state, life, identity | when it changes; the state each tenth of a second |
 //! | members | each sensor track that belongs to a system track | when it joins or leaves |
 //! | remembered | each member from before the last start that has not reported since | at the start |
 //! | sources | what was learned of each source | in turn |
@@ -190,6 +190,8 @@ pub(crate) struct Checkpoint {
     begins: [usize; KINDS.len()],
     /// What is written in turn: which of the kinds, and which place of it, comes next.
     turn: (usize, usize),
+    /// The record that is being written.
+    words: Box<[u64; RECORD_MAX]>,
 }
 
 impl Checkpoint {
@@ -209,6 +211,7 @@ impl Checkpoint {
             times: vec![0; places],
             begins,
             turn: (0, 0),
+            words: Box::new([0; RECORD_MAX]),
         }
     }
 
@@ -218,18 +221,15 @@ impl Checkpoint {
         self.write_with(kind, place, |to| record.put(to));
     }
 
-    /// Writes the record of `kind` at `place` as `put` gives its words; what it leaves is 0.
+    /// Writes the record of `kind` at `place` as `put` gives its words, all of them.
     #[inline]
     pub(crate) fn write_with(&mut self, kind: Kind, place: usize, put: impl FnOnce(&mut Put<'_>)) {
         let area = self.layout.area(kind);
-        let mut words = [0; RECORD_MAX];
-        put(&mut Put {
-            words: &mut words,
-            at: 0,
-        });
+        let words = &mut self.words[..area.words];
+        put(&mut Put { words, at: 0 });
         let times = &mut self.times[self.begins[kind as usize] + place];
         *times = times.wrapping_add(1).max(1);
-        area.write(self.memory.words(), place, u64::from(*times), &words[..area.words]);
+        area.write(self.memory.words(), place, u64::from(*times), words);
     }
 
     /// The next record of these kinds, round and round.

@@ -133,7 +133,7 @@ impl Deployment {
                 self.signal_process(pid, signal);
                 return Ok(pid);
             }
-            anyhow::ensure!(begun.elapsed() < PATIENCE, "there is no {name}");
+            anyhow::ensure!(instant() - begun < PATIENCE, "there is no {name}");
             std::thread::sleep(PAUSE);
         }
     }
@@ -153,7 +153,7 @@ impl Deployment {
             if let Some(pid) = self.children()?.get(name).filter(|pid| **pid != dead) {
                 return Ok(*pid);
             }
-            anyhow::ensure!(begun.elapsed() < PATIENCE, "{name} is not started again");
+            anyhow::ensure!(instant() - begun < PATIENCE, "{name} is not started again");
             self.watch(PAUSE)?;
         }
     }
@@ -174,7 +174,7 @@ impl Deployment {
         let begun = instant();
         loop {
             self.look()?;
-            if begun.elapsed() >= time {
+            if instant() - begun >= time {
                 return Ok(());
             }
             std::thread::sleep(PAUSE.min(time));
@@ -210,7 +210,7 @@ impl Deployment {
             if missing.is_empty() && self.tally.latest_ns() > begun_ns {
                 return Ok(None);
             }
-            if begun.elapsed() > patience {
+            if instant() - begun > patience {
                 return Ok(Some(format!(
                     "not back after {} s: missing {missing:?}, last state {:.1} s ago",
                     patience.as_secs(),
@@ -229,7 +229,7 @@ impl Deployment {
                 anyhow::bail!("the deployment does not start ({status}): {}", self.said());
             }
             anyhow::ensure!(
-                begun.elapsed() < PATIENCE,
+                instant() - begun < PATIENCE,
                 "the deployment does not start: {}",
                 self.said()
             );
@@ -238,7 +238,7 @@ impl Deployment {
         let shown = self.tally.states();
         while self.tally.states() == shown {
             self.look()?;
-            anyhow::ensure!(begun.elapsed() < PATIENCE, "no track is shown: {}", self.said());
+            anyhow::ensure!(instant() - begun < PATIENCE, "no track is shown: {}", self.said());
             std::thread::sleep(PAUSE);
         }
         Ok(())
@@ -257,7 +257,7 @@ impl Deployment {
         let begun = instant();
         while self.launcher.try_wait()?.is_none() {
             anyhow::ensure!(
-                begun.elapsed() < PATIENCE,
+                instant() - begun < PATIENCE,
                 "the deployment does not stop: {}",
                 self.said()
             );

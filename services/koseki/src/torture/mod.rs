@@ -78,11 +78,11 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
     let possible: Vec<&Fault> = FAULTS.iter().filter(|fault| deployment.has(fault.needs)).collect();
     let mut epochs = BTreeSet::new();
     let mut settled_s = 0.0;
-    while begun.elapsed() < end && report.wrong.is_empty() {
+    while instant() - begun < end && report.wrong.is_empty() {
         let pause = PAUSE + Duration::from_millis(random.random_range(0..PAUSE_DRAWN_MS));
         deployment.watch(pause)?;
         let fault = possible[random.random_range(0..possible.len())];
-        let at_s = begun.elapsed().as_secs_f64();
+        let at_s = (instant() - begun).as_secs_f64();
         let before = deployment.tally().clone();
         let caused = instant();
         let what = (fault.cause)(&mut deployment, &mut random).with_context(|| fault.name)?;
@@ -95,7 +95,7 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
             false => Vec::new(),
         };
         epochs.insert(deployment.tally().epoch());
-        let back_s = caused.elapsed().as_secs_f64();
+        let back_s = (instant() - caused).as_secs_f64();
         println!("{at_s:7.1} s  {:<20} {what}; back after {back_s:.2} s", fault.name);
         if !renumbered.is_empty() {
             println!("           renumbered (address, before, now): {renumbered:?}");
@@ -116,7 +116,7 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
     (report.states, report.late, report.reused) = (tally.states(), tally.late(), tally.reused().len());
     report.epochs = epochs.len();
     report.left_behind = deployment.stop()?;
-    report.seconds = begun.elapsed().as_secs_f64();
+    report.seconds = (instant() - begun).as_secs_f64();
     judge(&mut report);
     conclude(torture, &report)
 }
