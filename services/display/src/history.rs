@@ -91,6 +91,7 @@ impl History {
             return;
         }
         let contribution = self.first_contribution + self.contributions.len() as u64;
+        self.contributions.extend(track.contributions());
         let number = self.push(Moment {
             at_ns,
             time_ns: track.reference_time_ns,
@@ -99,7 +100,6 @@ impl History {
             contribution,
             previous,
         });
-        self.contributions.extend(track.contributions());
         match record.state == TrackState::Terminated as u8 {
             true => self.latest.remove(&record.number),
             false => self.latest.insert(record.number, number),

@@ -4,9 +4,9 @@
 //!
 //! A picture is made of the records of [`messages::picture`], as many as its header counts; `page/wire.js`, which is
 //! written from the same tables, reads it. A picture is a delta: it has the records of what has changed since the one
-//! before, and the numbers of the tracks that have gone. One that is `FULL` begins anew: on connecting, and whenever
-//! view, filter or time change. A track that leaves view or filter has gone, too. The next picture is made when the one
-//! before was acknowledged: a slow reader skips, and misses nothing that still holds.
+//! before, and the numbers of the tracks that have gone. One that is `FULL` begins anew: on connecting, and when a page
+//! turns to the past or back to the present. A track that leaves view or filter has gone, too. The next picture is made
+//! when the one before was acknowledged: a slow reader skips, and misses nothing that still holds.
 //!
 //! An identity comes with a track that is new to the reader and when it changes. A sensor track comes when a report is
 //! newer; whoever has heard nothing of one for `layer_age_s` forgets it. Detections, bearings and areas are those that
