@@ -12,6 +12,7 @@ Positions are metres east, north and up in the system frame, velocities metres p
 from __future__ import annotations
 
 import asyncio
+import os
 import re
 from collections.abc import AsyncIterator, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BorrowLimit", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning", "Publisher",
     "SchemaMismatch", "Subscription", "Tracks", "compare", "decode", "describe", "fuse", "locate", "offline", "publish",
-    "score", "simulate", "subscribe", "track",
+    "read", "score", "simulate", "subscribe", "track",
 ]
 
 _NUMBERS = {"f64": "<f8", "f32": "<f4"} | {f"{s}{8 * n}": f"<{s}{n}" for s in "ui" for n in (1, 2, 4, 8)}
@@ -208,6 +209,17 @@ def subscribe(instance: str, topic: str = "system/tracks", *, borrow: bool = Fal
     copies; with `borrow` they lie in shared memory, can only be read, and no more than two may be held at a time.
     """
     return Subscription(instance, topic, borrow=borrow)
+
+
+def read(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
+    """All samples of a recording of all topics (a file of MCAP that the recorder wrote), as a record array a topic.
+
+    Raises SchemaMismatch where it was recorded with another version of the samples, ValueError where it is no recording.
+    """
+    topics = _koseki.read(path)
+    if not topics:
+        raise ValueError(f"{os.fspath(path)} is no recording of all topics")
+    return {topic: np.frombuffer(octets, DTYPES[sample]) for topic, (sample, octets) in topics.items()}
 
 
 class Publisher:

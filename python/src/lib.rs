@@ -3,8 +3,11 @@
 //! A slice is handed out as a buffer: numpy reads it where it lies, and it is given back when the last array over it is
 //! gone. Waiting lets other Python threads run.
 
+use std::collections::BTreeMap;
 use std::ffi::{CStr, c_int, c_void};
+use std::fs::File;
 use std::os::fd::AsRawFd as _;
+use std::path::PathBuf;
 use std::ptr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -15,6 +18,7 @@ use koseki_client::{Error, ErrorKind, Root};
 use pyo3::exceptions::{PyBufferError, PyValueError};
 use pyo3::ffi;
 use pyo3::prelude::*;
+use recording::{Item, RecordingError};
 
 /// Longest wait before Python may look whether somebody has pressed Ctrl-C.
 const SIGNALS: Duration = Duration::from_millis(200);
@@ -58,6 +62,50 @@ fn fields(layout: &Layout) -> (Vec<Field>, usize) {
 #[pyfunction]
 fn layouts() -> Vec<(&'static str, (Vec<Field>, usize))> {
     ALL.iter().map(|layout| (layout.name, fields(layout))).collect()
+}
+
+/// Samples of a recording of all topics: the layout's name and all octets of each topic.
+#[pyfunction]
+fn read(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMap<String, (&'static str, Vec<u8>)>> {
+    py.detach(|| {
+        let mut file = File::open(&path)?;
+        let mut topics = BTreeMap::new();
+        let shown = recording::read(&mut file, |item| {
+            match item {
+                Item::Topic { name, fingerprint, .. } => {
+                    let same = |layout: &&Layout| format!("{:016x}", layout.fingerprint()) == fingerprint;
+                    let Some(layout) = ALL.iter().find(same) else {
+                        return Err(Unreadable::Schema(name.to_owned()));
+                    };
+                    topics.insert(name.to_owned(), (layout.name, Vec::new()));
+                }
+                Item::Sample { topic, octets } => {
+                    let known = topics.get_mut(topic);
+                    known
+                        .into_iter()
+                        .for_each(|(_, all): &mut (_, Vec<u8>)| all.extend_from_slice(octets));
+                }
+                Item::Facts(_) | Item::Slice { .. } => {}
+            }
+            Ok(())
+        });
+        match shown {
+            Ok(_) => Ok(topics),
+            Err(Unreadable::Schema(topic)) => Err(failed(Error::Schema { topic })),
+            Err(Unreadable::File(error)) => Err(PyValueError::new_err(format!("{}: {error}", path.display()))),
+        }
+    })
+}
+
+enum Unreadable {
+    Schema(String),
+    File(RecordingError),
+}
+
+impl From<RecordingError> for Unreadable {
+    fn from(error: RecordingError) -> Self {
+        Self::File(error)
+    }
 }
 
 /// Reader of a topic.
@@ -226,5 +274,6 @@ fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Subscription>()?;
     module.add_class::<Slice>()?;
     module.add_class::<Publisher>()?;
-    module.add_function(wrap_pyfunction!(layouts, module)?)
+    module.add_function(wrap_pyfunction!(layouts, module)?)?;
+    module.add_function(wrap_pyfunction!(read, module)?)
 }

@@ -200,6 +200,19 @@ def test_what_a_command_refuses_is_a_value_error():
         koseki.fuse({"time_s": [0.0]}, rule="nonsense")
 
 
+def test_a_recording_of_all_topics_has_what_was_published(tmp_path):
+    options = ["--for", "3", "--instance", "recorded", "--set", 'recorder.format=["mcap", "csv"]', "--set", "recorder.enabled=true"]
+    koseki.offline._run(["demo", "--out", tmp_path, *options])
+    states = [koseki.read(file)["system/tracks"] for file in sorted(tmp_path.glob("latest/*.mcap"))]
+    states = np.concatenate(states)
+    assert len(states) == len(_read(tmp_path / "latest/system_tracks.csv")["time_s"]) > 0
+    np.testing.assert_array_equal(states["sequence"], np.arange(len(states)))
+    with pytest.raises(ValueError):
+        koseki.read(__file__)
+    with pytest.raises(FileNotFoundError):
+        koseki.read(tmp_path / "nothing.mcap")
+
+
 def test_records_of_a_recording_are_dicts():
     recording = next((TOP / "examples/data").glob("*.ast"))
     records = list(koseki.decode(recording))
