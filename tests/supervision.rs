@@ -368,12 +368,12 @@ fn a_service_manager_is_told_that_it_runs_how_it_is_and_that_the_launcher_lives(
     };
     let mut command = home.command(&["demo"]);
     let demo = home.start_command(command.env("NOTIFY_SOCKET", &path).env("WATCHDOG_USEC", "4000000"));
-    hear("STATUS=9 processes run");
+    hear("STATUS=10 processes run");
     hear("READY=1");
     hear("WATCHDOG=1");
     kill(home.status_row("ads-b").pid, Signal::KILL);
     hear("STATUS=down: adapter ads-b was killed by SIGKILL");
-    hear("STATUS=9 processes run");
+    hear("STATUS=10 processes run");
     hear("WATCHDOG=1");
     stop(&home, demo);
     hear("STOPPING=1");
