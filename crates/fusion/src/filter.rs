@@ -19,7 +19,10 @@
 //! the weighing down.
 
 use estimation::{AxisNoise, Gaussian, NearlyConstantVelocity, Symmetric3};
-use messages::{AXES, NS_PER_S, STATE_LEN, SensorTrack, sensor_track_bits};
+use messages::{
+    AXES, HorizontalMovement, LongitudinalMovement, Movement, NS_PER_S, STATE_LEN, SensorTrack, VerticalMovement,
+    movement_bits, sensor_track_bits,
+};
 
 use crate::checkpoint::kept::kept;
 use crate::measurement::{Measurement, gaussian_of};
@@ -35,6 +38,10 @@ const STEADY: f64 = 4e-4;
 const DURATION_S: [f64; MODES] = [200.0, 20.0];
 /// Probabilities of the models at the start.
 const PRIOR: [f64; MODES] = [0.8, 0.2];
+/// Rate of climb below which a target flies level, m/s.
+const LEVEL_MPS: f64 = 1.5;
+/// Time over which changes of velocity are averaged, seconds.
+const ACCELERATION_S: f64 = 6.0;
 /// Smallest probability of a model: it must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-4;
 /// Probabilities of a turn below which a target surely flies straight, and above which it surely turns.
@@ -50,6 +57,8 @@ pub(crate) struct Filter {
     pub(crate) has_height: bool,
     modes: [Gaussian; MODES],
     probability: [f64; MODES],
+    /// Change of the estimated velocity over the last seconds, m/s².
+    acceleration_mps2: [f64; AXES],
 }
 
 /// A filter as a checkpoint keeps it.
@@ -97,6 +106,7 @@ impl Filter {
             has_height,
             modes: [estimate; MODES],
             probability: PRIOR,
+            acceleration_mps2: [0.0; AXES],
         }
     }
 
@@ -213,6 +223,8 @@ impl Filter {
         turns: &NearlyConstantVelocity,
         use_it: bool,
     ) -> Option<Innovation> {
+        let before_mps = self.estimate.velocity_mps();
+        let passed_s = (time_ns - self.time_ns).max(0) as f64 / NS_PER_S;
         let mut behind = self.advance_models(time_ns, turns);
         if behind {
             // All that a measurement is compared with; the rest follows when it has been used.
@@ -243,7 +255,50 @@ impl Filter {
         if behind && !(use_it && innovation.is_some()) {
             self.combine::<STATE_LEN>();
         }
+        let fading = 1.0 / (1.0 + passed_s / ACCELERATION_S);
+        for (axis, acceleration) in self.acceleration_mps2.iter_mut().enumerate() {
+            let change_mps = self.estimate.mean[axis + AXES] - before_mps[axis];
+            *acceleration = (*acceleration + change_mps / ACCELERATION_S) * fading;
+        }
         innovation
+    }
+
+    /// How the target moves, as far as that is sure.
+    pub(crate) fn movement(&self) -> Movement {
+        let [vx, vy, climb_mps] = self.estimate.velocity_mps();
+        let [ax, ay, _] = self.acceleration_mps2;
+        let speed_mps = vx.hypot(vy).max(f64::MIN_POSITIVE);
+        let (along, to_left) = ((vx * ax + vy * ay) / speed_mps, (vx * ay - vy * ax) / speed_mps);
+        let mut movement = Movement::default();
+        let turn = self.probability[1];
+        if turn < SURELY_STRAIGHT {
+            movement.horizontal = HorizontalMovement::Straight as u8;
+            movement.longitudinal = LongitudinalMovement::Constant as u8;
+            movement.valid = movement_bits::ACCELERATION;
+        } else if turn > SURELY_TURNING {
+            movement.acceleration_mps2 = [ax as f32, ay as f32, 0.0];
+            movement.valid = movement_bits::ACCELERATION;
+            // One of the two is what the target surely does; the other may be noise.
+            if to_left.abs() >= along.abs() {
+                let is_left = to_left > 0.0;
+                let turns = [HorizontalMovement::TurnRight, HorizontalMovement::TurnLeft];
+                movement.horizontal = turns[usize::from(is_left)] as u8;
+            } else {
+                let changes = [LongitudinalMovement::Decreasing, LongitudinalMovement::Increasing];
+                movement.longitudinal = changes[usize::from(along > 0.0)] as u8;
+            }
+        }
+        if self.has_height {
+            let uncertain_mps = 2.0 * self.estimate.velocity_covariance()[5].max(0.0).sqrt();
+            let vertical = match climb_mps {
+                climb if climb > uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Climb,
+                climb if climb < -uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Descend,
+                climb if climb.abs() < LEVEL_MPS && uncertain_mps < 2.0 * LEVEL_MPS => VerticalMovement::Level,
+                _ => VerticalMovement::Unknown,
+            };
+            movement.vertical = vertical as u8;
+        }
+        movement
     }
 
     fn update<const D: usize>(&mut self, z: [f64; AXES], mut r: Symmetric3, use_it: bool) -> Option<Innovation> {

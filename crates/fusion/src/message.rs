@@ -1,6 +1,8 @@
 //! A system track as subscribers are told of it.
 
-use messages::{AXES, Contribution, NO_SOURCE, SensorTrack, StageTimes, SystemTrack, contribution_bits};
+use messages::{
+    AXES, Contribution, Movement, NO_SOURCE, SensorTrack, StageTimes, SystemTrack, TrackState, contribution_bits,
+};
 
 use crate::explanation::Sink;
 use crate::outlet::Outlet;
@@ -64,6 +66,10 @@ pub(crate) fn write(
     message.position_m = entry.state.position_m;
     message.velocity_mps = entry.state.velocity_mps;
     message.covariance = entry.state.covariance;
+    message.movement = match entry.life {
+        TrackState::Tentative | TrackState::Confirmed => entry.filter.movement(),
+        TrackState::Coasted | TrackState::Terminated => Movement::default(),
+    };
     message.source_count = weighed.map_or(0, Weighed::contributing);
     message.state = entry.life as u8;
     message.height_valid = u8::from(entry.state.has_height);

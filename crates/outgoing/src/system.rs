@@ -9,13 +9,14 @@
 //! | 100, 105 | `position_m` | in the system's own plane, which touches the earth at its origin, and on the ellipsoid |
 //! | 130 or 135, 220 | height, where a source observes it | geometric or barometric, see [`HeightReference`] |
 //! | 185 | `velocity_mps` | towards east and north at the target, as the document wants |
+//! | 200, 210 | `movement` | 200 as far as a mode is known; 210 where the acceleration is |
 //! | 060, 380 ADR and ID | `identity` | |
 //! | 290 | contributions | ages of the last update by each kind of source |
 //! | 500 | `covariance` | positions in the plane, height, velocity, rate of climb; not APW, the same in degrees |
 //!
 //! **I062/245** stays out: from ed 1.16 on the document says that it shall not be used, since I062/380 has the call
 //! sign. **I062/136**, the last flight level measured, stays out since a fused height is calculated; I062/135 is for
-//! that. **I062/200** stays out: fusion estimates no acceleration. **I062/510** is for systems that share tracks.
+//! that. **I062/510** is for systems that share tracks.
 //!
 //! # Track status
 //!
@@ -33,7 +34,10 @@
 
 use frames::SystemFrame;
 use frames::time::NS_PER_S;
-use messages::{SystemTrack, TrackState, contribution_bits};
+use messages::{
+    HorizontalMovement, LongitudinalMovement, Movement, SystemTrack, TrackState, VerticalMovement, contribution_bits,
+    movement_bits,
+};
 
 use super::items;
 use super::place::{self, Place};
@@ -56,6 +60,11 @@ const TRACK_NUMBER: Elements<1> = whole(CAT062, "040");
 const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT062, "130");
 /// Altitude not corrected by the local pressure.
 const BAROMETRIC_ALTITUDE: Elements<1> = elements(CAT062, "135", ["CTB"]);
+const MOVEMENT: Frn = item(CAT062, "200");
+const TRANS: Field = field(CAT062, &["200", "TRANS"]);
+const LONG: Field = field(CAT062, &["200", "LONG"]);
+const VERT: Field = field(CAT062, &["200", "VERT"]);
+const ACCELERATION: Elements<2> = elements(CAT062, "210", ["AX", "AY"]);
 const CLIMB: Elements<1> = whole(CAT062, "220");
 
 const AIRCRAFT: Frn = item(CAT062, "380");
@@ -374,6 +383,12 @@ impl Form {
         let [east, north] = report.place.horizontal(has_height);
         let velocity = [east, north].map(|axis| place::along(axis, track.velocity_mps));
         items::quantities(record, &VELOCITY, velocity);
+        let movement = &track.movement;
+        if movement.valid & movement_bits::ACCELERATION != 0 {
+            let acceleration = movement.acceleration_mps2.map(f64::from);
+            let towards = [east, north].map(|axis| place::along(axis, acceleration));
+            items::quantities(record, &ACCELERATION, towards);
+        }
         if let Some(code) = track.identity.mode_3a() {
             record.item(MODE_3A).put(CODE, code & 0o7777);
         }
@@ -381,6 +396,7 @@ impl Form {
         record.write(&TRACK_NUMBER, [i64::from(report.number)]);
         self.status(report, record);
         ages(report, record);
+        mode_of_movement(movement, record);
         if has_height {
             self.vertical(report, record);
         }
@@ -465,6 +481,36 @@ impl Form {
                 .subitem(ACCURACIES, ARC)
                 .put(SIGMA_CLIMB, quantity::capped_deviation(SIGMA_CLIMB, climb));
         }
+    }
+}
+
+/// I062/200, where some mode is known.
+fn mode_of_movement(movement: &Movement, record: &mut RecordWriter) {
+    const UNDETERMINED: i64 = 3;
+    let horizontal = match HorizontalMovement::from_code(movement.horizontal) {
+        Some(HorizontalMovement::Straight) => 0,
+        Some(HorizontalMovement::TurnRight) => 1,
+        Some(HorizontalMovement::TurnLeft) => 2,
+        _ => UNDETERMINED,
+    };
+    let longitudinal = match LongitudinalMovement::from_code(movement.longitudinal) {
+        Some(LongitudinalMovement::Constant) => 0,
+        Some(LongitudinalMovement::Increasing) => 1,
+        Some(LongitudinalMovement::Decreasing) => 2,
+        _ => UNDETERMINED,
+    };
+    let vertical = match VerticalMovement::from_code(movement.vertical) {
+        Some(VerticalMovement::Level) => 0,
+        Some(VerticalMovement::Climb) => 1,
+        Some(VerticalMovement::Descend) => 2,
+        _ => UNDETERMINED,
+    };
+    if [horizontal, longitudinal, vertical] != [UNDETERMINED; 3] {
+        record
+            .item(MOVEMENT)
+            .put(TRANS, horizontal)
+            .put(LONG, longitudinal)
+            .put(VERT, vertical);
     }
 }
 

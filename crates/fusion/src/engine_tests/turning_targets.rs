@@ -1,6 +1,6 @@
 //! Targets that turn, whatever their sources say of themselves.
 
-use messages::FusionRule;
+use messages::{FusionRule, HorizontalMovement, LongitudinalMovement, VerticalMovement};
 use test_support::Random;
 
 use super::*;
@@ -29,14 +29,14 @@ fn truth(time_s: f64) -> ([f64; 2], [f64; 2]) {
 }
 
 /// Root of the mean square of the distance of the published positions from the truth, from `since_s` to `until_s`,
-/// metres, with two sources that give constant covariances, as ASTERIX mostly does.
-fn error_m(since_s: f64, until_s: f64) -> f64 {
+/// metres, and the last of them, with two sources that give constant covariances, as ASTERIX mostly does.
+fn error_m(since_s: f64, until_s: f64) -> (f64, SystemTrack) {
     let mut settings = test_settings(2);
     settings.rule.name = RuleName(FusionRule::Auto);
     let mut harness = Harness::new(settings);
     let mut random = Random::new(5);
     let mut normal = || (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
-    let (mut sum, mut count) = (0.0, 0.0);
+    let (mut sum, mut count, mut last) = (0.0, 0.0, None);
     for step in 0..240 {
         let time_s = 0.5 * f64::from(step);
         let (place, velocity) = truth(time_s);
@@ -57,16 +57,37 @@ fn error_m(since_s: f64, until_s: f64) -> f64 {
                 let [east, north, _] = track.position_m;
                 sum += (east - far_m - place[0]).powi(2) + (north - place[1]).powi(2);
                 count += 1.0;
+                last = Some(track);
             }
         }
     }
-    f64::sqrt(sum / count)
+    (f64::sqrt(sum / count), last.unwrap())
 }
 
 #[test]
 fn a_turn_is_followed_though_nobody_says_how_targets_move() {
-    let straight_m = error_m(40.0, TURN_S[0]);
+    let (straight_m, _) = error_m(40.0, TURN_S[0]);
     assert!(straight_m < 0.5 * SIGMA_M, "{straight_m}");
-    let turning_m = error_m(TURN_S[0], TURN_S[1]);
+    let (turning_m, _) = error_m(TURN_S[0], TURN_S[1]);
     assert!(turning_m < 1.2 * SIGMA_M, "{turning_m}");
+}
+
+#[test]
+fn a_turn_is_told_with_its_side_and_acceleration() {
+    let (_, straight) = error_m(40.0, TURN_S[0]);
+    assert_eq!(straight.movement.horizontal, HorizontalMovement::Straight as u8);
+    assert_eq!(straight.movement.longitudinal, LongitudinalMovement::Constant as u8);
+    assert_eq!(
+        straight.movement.vertical,
+        VerticalMovement::Unknown as u8,
+        "nobody observes height"
+    );
+    let (_, turning) = error_m(TURN_S[0], TURN_S[0] + 20.0);
+    assert_eq!(turning.movement.horizontal, HorizontalMovement::TurnRight as u8);
+    let [east, north, _] = turning.movement.acceleration_mps2;
+    let acceleration_mps2 = f64::from(east.hypot(north));
+    assert!(
+        (0.5..1.5).contains(&(acceleration_mps2 / ACCELERATION_MPS2)),
+        "{acceleration_mps2}"
+    );
 }

@@ -2,7 +2,8 @@
 
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{
-    CONTRIBUTIONS_MAX, Contribution, Covariance, Identity, SensorTrack, SystemTrack, TrackState, contribution_bits,
+    CONTRIBUTIONS_MAX, Contribution, Covariance, Identity, Movement, SensorTrack, SystemTrack, TrackState,
+    contribution_bits,
 };
 use proptest::prelude::*;
 
@@ -204,19 +205,28 @@ fn contribution(reference_ns: i64) -> impl Strategy<Value = Contribution> {
 }
 
 prop_compose! {
+    fn movement()(
+        acceleration_mps2 in prop::array::uniform3(-20.0..20.0f32), horizontal in 0..4u8, vertical in 0..4u8,
+        longitudinal in 0..4u8, valid in 0..4u8,
+    ) -> Movement {
+        Movement { acceleration_mps2, horizontal, vertical, longitudinal, valid }
+    }
+}
+
+prop_compose! {
     /// A system track with one of a few numbers, so that histories come about.
     pub(crate) fn system_track()(reference_ns in time_ns())(
         track_number in prop_oneof![1..6u32, Just(65_536 + 3), any::<u32>()],
         position_m in position(400e3), velocity_mps in velocity(), covariance in covariance(), identity in identity(),
         state in state(), alerts in prop_oneof![Just(0), any::<u8>()], height_valid in 0..2u8, on_ground in 0..2u8,
-        contributions in prop::collection::vec(contribution(reference_ns), 0..4),
+        contributions in prop::collection::vec(contribution(reference_ns), 0..4), movement in movement(),
         reference_time_ns in Just(reference_ns),
     ) -> SystemTrack {
         let mut listed = [Contribution::default(); CONTRIBUTIONS_MAX];
         listed[..contributions.len()].copy_from_slice(&contributions);
         SystemTrack {
             reference_time_ns, track_number, identity, position_m, velocity_mps, covariance, state, alerts,
-            height_valid, on_ground,
+            height_valid, on_ground, movement,
             contributions: listed,
             contribution_count: contributions.len() as u16,
             source_count: contributions.len() as u16,

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use asterix::table::Edition;
 use asterix::{Category, registry};
-use messages::{SystemTrack, TrackState, alert_bits, contribution_bits};
+use messages::{Movement, SystemTrack, TrackState, alert_bits, contribution_bits, movement_bits};
 use outgoing::{HeightReference, SystemReports, SystemSource, Technology};
 use proptest::prelude::*;
 
@@ -63,6 +63,18 @@ struct Case {
     height: HeightReference,
     has_kind: Vec<bool>,
     with_tentative: bool,
+}
+
+/// I062/200 has its own codes: 0 for what is constant, 3 for what is not known.
+fn check_movement(sent: &Sent<'_>, movement: &Movement) {
+    let modes = [movement.horizontal, movement.longitudinal, movement.vertical];
+    assert_eq!(sent.has(&["200", "TRANS"]), modes != [0; 3], "{}", sent.table);
+    if modes == [0; 3] {
+        return;
+    }
+    sent.is(&["200", "TRANS"], [3u64, 0, 2, 1][usize::from(movement.horizontal)]);
+    sent.is(&["200", "LONG"], [3u64, 0, 1, 2][usize::from(movement.longitudinal)]);
+    sent.is(&["200", "VERT"], [3u64, 0, 1, 2][usize::from(movement.vertical)]);
 }
 
 impl Case {
@@ -159,12 +171,18 @@ impl Case {
         sent.near(&["185", "VX"], east, 0.25);
         sent.near(&["185", "VY"], north, 0.25);
         sent.near_if(&["220"], has_height.then_some(up * 60.0 / FOOT_M), 6.25);
+        let acceleration = track.movement.acceleration_mps2.map(f64::from);
+        let [east, north, _] = self.world.velocity(track.position_m, acceleration, has_height);
+        let is_known = track.movement.valid & movement_bits::ACCELERATION != 0;
+        sent.near_if(&["210", "AX"], is_known.then_some(east), 0.25);
+        sent.near_if(&["210", "AY"], is_known.then_some(north), 0.25);
+        check_movement(sent, &track.movement);
         self.check_height(sent, track);
         self.check_identity(sent, track);
         self.check_status(sent, expected);
         self.check_ages(sent, expected);
         self.check_accuracies(sent, track);
-        for absent in ["015", "136", "200", "210", "295", "340", "390", "510", "RE", "SP"] {
+        for absent in ["015", "136", "295", "340", "390", "510", "RE", "SP"] {
             assert!(!sent.has(&[absent]), "{}: {absent}", sent.table);
         }
     }
