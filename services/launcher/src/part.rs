@@ -152,10 +152,10 @@ mod tests {
         let overrides = ["recorder.enabled=true".to_owned()];
         let config = Config::read(Path::new(BUILT_IN_DEMO), &overrides).unwrap();
         let kinds: Vec<ProcessKind> = parts(&config).iter().map(|part| part.kind).collect();
-        use ProcessKind::{Adapter, Fusion, Keeper, Monitor, Recorder};
-        assert_eq!(kinds[..5], [Keeper, Monitor, Recorder, Fusion, Adapter]);
-        assert_eq!(kinds.len(), 4 + config.sources.len() + 1, "and the simulator");
-        assert_eq!(STOP_ORDER[5..], [Monitor, Keeper]);
+        use ProcessKind::{Adapter, Display, Fusion, Keeper, Monitor, Recorder};
+        assert_eq!(kinds[..6], [Keeper, Monitor, Recorder, Display, Fusion, Adapter]);
+        assert_eq!(kinds.len(), 5 + config.sources.len() + 1, "and the simulator");
+        assert_eq!(STOP_ORDER[6..], [Monitor, Keeper]);
     }
 
     #[test]

@@ -19,13 +19,14 @@ fn collect(url: &str) -> BTreeMap<String, f64> {
     let mut answer = String::new();
     stream.read_to_string(&mut answer).unwrap();
     let (head, body) = answer.split_once("\r\n\r\n").unwrap();
-    assert!(head.starts_with("HTTP/1.1 200 OK\r\n"), "{head}");
+    let head = head.to_ascii_lowercase();
+    assert!(head.starts_with("http/1.1 200 ok\r\n"), "{head}");
     assert!(
-        head.contains("\r\nContent-Type: application/openmetrics-text; version=1.0.0"),
+        head.contains("\r\ncontent-type: application/openmetrics-text; version=1.0.0"),
         "{head}"
     );
     assert!(
-        head.contains(&format!("\r\nContent-Length: {}\r\n", body.len())),
+        head.contains(&format!("\r\ncontent-length: {}\r\n", body.len())),
         "{head}"
     );
     assert!(body.ends_with("# EOF\n"));
