@@ -74,7 +74,8 @@ fn ended(signal: Signal, times: usize, pause: Duration, seed: u64, arguments: &[
     for _ in 0..times {
         watcher.watch(pause + Duration::from_millis(random.random_range(0..500)));
         let before = watcher.tally.clone();
-        kill(home.status_row("fusion").pid, signal);
+        let leads = home.leading_fusion("demo");
+        kill(leads.unwrap_or_else(|| home.status_row("fusion").pid), signal);
         let begun = Instant::now();
         until("another fusion speaks", || {
             watcher.look();

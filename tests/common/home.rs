@@ -6,6 +6,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::ops::Deref;
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::{Arc, Mutex};
@@ -189,9 +190,37 @@ impl Home {
         let lock = root.base().join(format!("{instance}.lock"));
         assert!(!lock.exists(), "{} is left", lock.display());
         assert!(
-            root.outlasting("checkpoint").unwrap().is_none(),
+            root.outlasting(runtime::instance::CHECKPOINT).unwrap().is_none(),
             "the checkpoint is left"
         );
+    }
+}
+
+impl Home {
+    /// Process that holds the lock of the fusion that leads; `None` while there is none. After a take-over it is not
+    /// the one that the launcher calls so.
+    pub(crate) fn leading_fusion(&self, instance: &str) -> Option<u32> {
+        let lock = fs::metadata(self.root(instance).path().join("fusion-leads"))
+            .ok()?
+            .ino();
+        let locks = fs::read_to_string("/proc/locks").ok()?;
+        locks.lines().find_map(|line| {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let of_file = words.get(5)?.ends_with(&format!(":{lock}"));
+            words.get(4)?.parse().ok().filter(|_| of_file)
+        })
+    }
+
+    /// Removes what instances whose launcher was killed keep for their successors.
+    fn forget_checkpoints(&self) {
+        let base = self.base();
+        let entries = fs::read_dir(&base).into_iter().flatten().flatten();
+        let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+        for instance in names.filter_map(|name| Some(name.strip_suffix(".checkpoint")?.to_owned())) {
+            if let Ok(root) = Root::in_base(&base, &instance) {
+                root.remove_outlasting(runtime::instance::CHECKPOINT);
+            }
+        }
     }
 }
 
@@ -199,6 +228,7 @@ impl Drop for Home {
     /// A test that failed has killed its deployment, and must not leave memory behind either.
     fn drop(&mut self) {
         if !thread::panicking() {
+            self.forget_checkpoints();
             return;
         }
         let start = Instant::now();
@@ -208,6 +238,7 @@ impl Drop for Home {
         for name in self.shared_memory() {
             let _ = fs::remove_file(Path::new("/dev/shm").join(name));
         }
+        self.forget_checkpoints();
     }
 }
 
