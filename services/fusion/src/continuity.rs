@@ -72,7 +72,9 @@ impl Start {
             _ => 0,
         };
         Self {
-            epoch: process.incarnation.max(last.saturating_add(1)),
+            // Of the time at which it leads, not of its start: the one before may have started later than one that has
+            // stood by since, and what that one's epoch was may be lost.
+            epoch: (now.mono_ns as u64).max(last.saturating_add(1)),
             root: root.clone(),
             layout,
             found,
