@@ -46,7 +46,7 @@ typedef struct {
   size_t count;              /* May be 0: then only the header says something. */
   const KosekiBatchHeader *header; /* What their publisher says of them. */
   uint64_t lost;             /* Samples missing between the slice before and this one. */
-  int starts_epoch;          /* 1: fusion has started anew, or this is the first slice; track numbers begin again. */
+  int starts_epoch;          /* 1: fusion has started anew (of recorded inputs: numbers begin again), or the first slice. */
   void *kept;                /* The library's own. */
 } koseki_slice;
 

@@ -69,7 +69,7 @@ class Tracks(np.ndarray):
     """A slice of samples: a record array that knows what is missing before it.
 
     `lost` is the number of samples between the slice before and this one that never came; `starts_epoch` says that
-    fusion has started anew, so that track numbers begin again, or that this is the first slice.
+    fusion has started anew, so that with recorded inputs track numbers begin again, or that this is the first slice.
     """
 
     lost: int = 0

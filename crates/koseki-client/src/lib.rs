@@ -19,8 +19,9 @@
 //! ```
 //!
 //! - A reader holds up nobody. One that is too slow loses its oldest slices, and is told how many samples.
-//! - When fusion is started anew, its slices have a higher *epoch*, and track numbers begin again: see
-//!   [`Slice::starts_epoch`]. What still comes from an older one is dropped, and counted.
+//! - When fusion is started anew, its slices have a higher *epoch*: see [`Slice::starts_epoch`]. Live, tracks go on
+//!   under their numbers, or are told ended; with recorded inputs, numbers begin again. What still comes from an older
+//!   one is dropped, and counted.
 //! - When the deployment ends, or is replaced by another of the same name, that is an error ([`ErrorKind::Ended`]):
 //!   drop the subscription and open it again. Its memory can only be cleared when all have left it.
 //! - A publisher built from another version of the samples is an error, too ([`ErrorKind::Schema`]).
