@@ -16,7 +16,7 @@
 //! | pairs | the sums of registration of each pair of sources | in turn |
 //! | cells | where on the ground each source follows targets | in turn |
 //!
-//! How a record is written so that a kill costs one at most, [`image`] tells. Its writing takes no system call, no lock
+//! How a record is written so that a kill costs one at most, `image` tells. Its writing takes no system call, no lock
 //! and no allocation; the size is fixed at the start ([`Layout::len`]).
 //!
 //! What is not kept is learned again within seconds: sensor tracks' own reports and histories. The first report of a
