@@ -34,7 +34,7 @@ fn kill_and_wait(home: &Home, name: &str) {
     until("there are new rows", || rows(home) > had + 100);
 }
 
-/// What verification says, after it has found no difference.
+/// Words of a verification, after it has found no difference.
 fn verified(home: &Home) -> String {
     let output = home.run(&["replay", "out/latest", "--verify"]);
     let said = String::from_utf8(output.stdout).unwrap();

@@ -1,7 +1,7 @@
 //! Memory that outlasts the processes of an instance, and the instance's other memory with them.
 //!
-//! What a process must leave to its successor, even where the launcher dies too and the next start removes all remains,
-//! lies in a file of its own: `/dev/shm/kept_<of the instance>_<random>`, to which the link
+//! Memory that a process leaves to its successor, even where the launcher dies too and the next start removes all
+//! remains, lies in a file of its own: `/dev/shm/kept_<of the instance>_<random>`, to which the link
 //! `<base>/<instance>.<name>` leads. The base folder is private, so whoever follows the link finds what this user's
 //! processes have made; the name of the file itself, which lies where every user can make some, proves nothing. A
 //! successor fills a file of its own and then has the link lead there, which happens at once or not at all.

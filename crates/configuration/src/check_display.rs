@@ -39,7 +39,7 @@ pub(super) fn check_display(raw: &DisplayTable) -> Checked<Option<Display>> {
     }))
 }
 
-/// What an address that other machines can reach needs beside it.
+/// Needs of an address that other machines can reach.
 fn public(raw: &DisplayTable, listen: SocketAddr) -> Checked<()> {
     if !raw.insecure {
         let what = format!(

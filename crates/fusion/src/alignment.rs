@@ -112,7 +112,7 @@ impl Seen {
     }
 }
 
-/// What one kind of error explained of two sources, over the collections in a row that found it.
+/// Success of one kind of error in explaining two sources, over the collections in a row that found it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
     value: [f64; 2],
@@ -120,7 +120,7 @@ struct Found {
     windows: u32,
 }
 
-/// What is known of two sources.
+/// Knowledge of two sources.
 #[derive(Clone, Copy, Debug, Default)]
 struct PairState {
     found: [Found; HYPOTHESES.len()],
@@ -138,7 +138,7 @@ impl PairState {
     }
 }
 
-/// What is being done.
+/// Stage of the search.
 #[derive(Clone, Copy, Debug)]
 enum Phase {
     /// Nothing until then, nanoseconds.
@@ -156,7 +156,7 @@ enum Job {
     AsTheyAre,
     /// Which errors do pairs of tracks imply?
     Vote,
-    /// What is the error more exactly?
+    /// Refinement of an error that was found roughly.
     Refine(usize),
     /// How well do they fit without it?
     Try(usize),
@@ -218,7 +218,7 @@ pub(crate) struct Alignment {
     reference: Option<usize>,
     removes: bool,
     places_m: Vec<Option<[f64; 2]>>,
-    /// What was collected of each source.
+    /// Tracks collected of each source.
     seen: Vec<Vec<Seen>>,
     phase: Phase,
     /// Middle and half-width of the part of the area that is looked at.
@@ -240,7 +240,7 @@ pub(crate) struct Alignment {
     amiss: usize,
     /// Error of each source that is believed.
     errors: Vec<Option<GrossError>>,
-    /// What is taken off each source's reports.
+    /// Errors that are taken off each source's reports.
     removed: Vec<Option<(GrossKind, [f64; 2])>>,
     /// How often that has changed.
     epochs: Vec<u8>,

@@ -120,7 +120,7 @@ impl Coverage {
         }
     }
 
-    /// What is known of a source in general.
+    /// Knowledge of a source in general.
     pub(crate) fn general_mut(&mut self, source: usize) -> &mut Tally {
         &mut self.general[source]
     }

@@ -1,4 +1,4 @@
-//! Who is told what fusion does, and why (BF-4).
+//! Listeners to what fusion does, and why (BF-4).
 //!
 //! Each new state of a system track, and each decision on the way to it, is handed out as one record to whoever wants
 //! it.

@@ -118,7 +118,7 @@ impl Filter {
         }
     }
 
-    /// What a checkpoint keeps of it.
+    /// Part of it that a checkpoint keeps.
     #[inline]
     pub(crate) fn kept(&self) -> KeptFilter {
         KeptFilter {

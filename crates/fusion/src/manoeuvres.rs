@@ -62,14 +62,14 @@ impl Class {
     }
 }
 
-/// What is known of all classes.
+/// Knowledge of all classes.
 #[derive(Debug)]
 pub(crate) struct Manoeuvres {
     classes: [Class; CLASSES],
 }
 
 impl Manoeuvres {
-    /// What is assumed where nothing is known: `density_m2ps3`, of fast targets at least [`FAST_M2PS3`].
+    /// Assumption where nothing is known: `density_m2ps3`, of fast targets at least [`FAST_M2PS3`].
     pub(crate) fn new(density_m2ps3: f64) -> Self {
         Self {
             classes: [density_m2ps3, density_m2ps3.max(FAST_M2PS3)].map(Class::new),

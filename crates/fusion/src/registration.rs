@@ -172,7 +172,7 @@ kept!(SourceErrors {
     removed: [bool; ERRORS]
 });
 
-/// What a checkpoint keeps of one source's errors, beside the [`Pair`]s.
+/// Part of one source's errors that a checkpoint keeps, beside the [`Pair`]s.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptErrors {
     known: SourceErrors,
@@ -231,7 +231,7 @@ impl Registration {
         }
     }
 
-    /// What a checkpoint keeps of the source with this number.
+    /// Part that a checkpoint keeps, of the source with this number.
     pub(crate) fn kept(&self, source: usize) -> KeptErrors {
         KeptErrors {
             known: self.sources[source],

@@ -1,4 +1,4 @@
-//! What the engine keeps in its checkpoint, and how it starts from one.
+//! Content of the engine's checkpoint, and how it starts from one.
 //!
 //! Tracks write themselves when they change ([`Tracks::keep`](crate::tracks::Tracks)); what was learned of the sources
 //! is written in turn, whenever the caller has time ([`Engine::keep_learned`]), and changes nothing else.

@@ -39,7 +39,7 @@ const CASES: [Case; 4] = [
     },
 ];
 
-/// What so many radars report of `seconds` of one world, in the order of the times they came; one has the error.
+/// Reports of so many radars of `seconds` of one world, in the order of the times they came; one has the error.
 fn reports(seed: u64, radars: usize, seconds: f64, case: Option<Case>) -> Vec<(i64, SensorTrack)> {
     let world = ScenarioSettings {
         targets: 30,

@@ -60,7 +60,7 @@ pub enum Error {
     Bus(#[from] BusError),
 }
 
-/// What a program can do about an error. The numbers are those of the C interface.
+/// Kind of an error, by what a program can do about it. The numbers are those of the C interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum ErrorKind {

@@ -18,7 +18,7 @@ pub struct Subscription<T: Payload = SystemTrack> {
     waiter: Waiter<Medium>,
     // After the ports.
     connection: Connection,
-    /// That of the latest slice; 0 before the first one, and on topics that fusion does not write.
+    /// Epoch of the latest slice; 0 before the first one, and on topics that fusion does not write.
     epoch: u64,
     of_older_epochs: u64,
     /// Lost samples that were told with a slice.

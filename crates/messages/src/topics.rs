@@ -171,7 +171,7 @@ streamed! {
 
 /// An operation on a topic of whatever samples: see [`visit`].
 pub trait Visitor {
-    /// What it leads to.
+    /// Result of the visit.
     type Output;
 
     /// Does it.

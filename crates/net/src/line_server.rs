@@ -16,14 +16,14 @@ use crate::NetError;
 /// Most readers at a time.
 pub const READERS_MAX: usize = 64;
 
-/// What has been counted since the socket was opened.
+/// Counts since the socket was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LineServerCounters {
     /// Readers that have connected.
     pub readers: u64,
-    /// Of these, those that were let go since they did not keep up.
+    /// Readers of these that were let go since they did not keep up.
     pub slow: u64,
-    /// Of these, those that were turned away since there were too many.
+    /// Readers of these that were turned away since there were too many.
     pub refused: u64,
 }
 
@@ -178,7 +178,7 @@ impl LineServer {
         });
     }
 
-    /// What it has counted.
+    /// Counts so far.
     pub fn counters(&self) -> LineServerCounters {
         self.counters
     }

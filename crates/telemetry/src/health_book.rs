@@ -321,7 +321,7 @@ impl<'a> Latest<'a> {
         self.0.latest.name()
     }
 
-    /// What it has counted, its earlier incarnations included.
+    /// Counts, those of its earlier incarnations included.
     pub fn counters(&self) -> Counters {
         self.0.earlier.followed_by(&self.0.latest.counters)
     }

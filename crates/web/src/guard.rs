@@ -1,4 +1,4 @@
-//! Who is answered: the checks that each request passes before anybody else sees it.
+//! Checks that each request passes before anybody else sees it.
 
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -89,7 +89,7 @@ impl Server {
         self.address
     }
 
-    /// What it has refused so far.
+    /// Refusals so far.
     pub fn counts(&self) -> &Arc<Counts> {
         &self.counts
     }

@@ -25,7 +25,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(5);
 /// The display as an agent; generic over the transport, so that tests drive it in process.
 pub(crate) struct DisplayAgent<S: Transport> {
     shared: Arc<Shared>,
-    /// What the server has refused.
+    /// Refusals of the server.
     refused: Arc<Counts>,
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,

@@ -192,7 +192,7 @@ fn named(record: &PictureIdentity) -> (Identity, TargetType) {
     (identity, target_type)
 }
 
-/// What is kept of the track `number` up to the time `until_ns`; `None` if nothing is.
+/// Past of the track `number` up to the time `until_ns`; `None` if nothing is.
 pub(crate) fn history(world: &World, number: u32, until_ns: i64) -> Option<Value> {
     let states = world.history.of_track(number, until_ns).take(ROWS_MAX);
     let mut rows: Vec<Value> = states

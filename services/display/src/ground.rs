@@ -1,4 +1,4 @@
-//! What lies under the tracks: coasts and borders of the world, and the operator's overlays, in metres of the system
+//! Ground under the tracks: coasts and borders of the world, and the operator's overlays, in metres of the system
 //! frame.
 //!
 //! The frame is the plane that touches the Earth at the origin; a place is mapped to the point of the plane to which

@@ -1,4 +1,4 @@
-//! What is served: the page, its socket, and JSON for scripts.
+//! Pages that are served: the picture, its socket, and JSON for scripts.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -34,7 +34,7 @@ const WAITING_MAX: usize = 16 << 20;
 /// Time between two words on how the deployment is, nanoseconds.
 const STATUS_NS: i64 = 1_000_000_000;
 
-/// What the agent and the server share.
+/// State that the agent and the server share.
 #[derive(Debug)]
 pub(crate) struct Shared {
     world: Mutex<World>,
@@ -199,7 +199,7 @@ async fn socket(State(shared): State<Arc<Shared>>, upgrade: WebSocketUpgrade) ->
 enum Parting {
     /// By itself.
     Left,
-    /// It was too slow, or what it said could not be read.
+    /// A browser that was too slow, or whose message could not be read.
     Refused,
 }
 

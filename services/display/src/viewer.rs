@@ -1,4 +1,4 @@
-//! What one page has been shown, and the next picture for it.
+//! State of one page: what it has been shown, and the next picture for it.
 
 use messages::layout::Sample;
 use messages::picture::{PictureHeader, PictureIdentity, PictureTrack, picture_bits};
@@ -276,7 +276,7 @@ impl Viewer {
     }
 }
 
-/// What came after `stamp`, the latest first.
+/// Samples after `stamp`, the latest first.
 fn since<T>(recent: &std::collections::VecDeque<Heard<T>>, stamp: u64) -> impl Iterator<Item = &Heard<T>> {
     recent.iter().rev().take_while(move |heard| heard.stamp > stamp)
 }

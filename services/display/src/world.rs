@@ -1,4 +1,4 @@
-//! What the display knows of a deployment. Pure: samples and times go in, pictures and texts are made of it.
+//! Knowledge that the display has of a deployment. Pure: samples and times go in, pictures and texts are made of it.
 //!
 //! Time in the picture is that of the data: it is where the latest state was, and goes on from there, so that a
 //! recording that is replayed is shown as what was live then. It never goes back, unless another fusion process begins

@@ -38,11 +38,11 @@ const DAY_S: i64 = 86_400;
 pub(crate) struct TakeOver {
     /// Another fusion had led before.
     pub(crate) from_another: bool,
-    /// It stood still.
+    /// The other one stood still.
     pub(crate) stood_still: bool,
 }
 
-/// What a fusion starts from.
+/// Start of a fusion.
 #[derive(Debug)]
 pub(crate) struct Start {
     pub(crate) epoch: u64,

@@ -179,7 +179,7 @@ impl Standby {
         }
     }
 
-    /// What it had ready, to lead with.
+    /// Engine and ports, ready to lead with.
     pub(crate) fn into_ready(self) -> Ready<SharedMemory> {
         self.ready
     }

@@ -12,7 +12,7 @@ pub(crate) struct Selection {
 }
 
 impl Selection {
-    /// What the user of `gateway` gets of tracks in `frame`.
+    /// Selection that the user of `gateway` gets of tracks in `frame`.
     pub(crate) fn new(gateway: &Gateway, frame: SystemFrame) -> Self {
         Self {
             frame,

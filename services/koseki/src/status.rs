@@ -73,7 +73,7 @@ struct InstanceStatus {
 enum InstanceState {
     Runs,
     StartsOrStops,
-    /// It runs, and what is in its shared memory cannot be meant.
+    /// Running, and what is in its shared memory cannot be meant.
     Unreadable,
     /// It does not run, and the run before was killed.
     Killed,

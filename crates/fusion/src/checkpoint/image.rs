@@ -38,7 +38,7 @@ pub(crate) struct Area {
 /// A record, as a reader finds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
-    /// It was never written.
+    /// A record that was never written.
     Nothing,
     /// Its newest copy is whole, and the other one, too.
     Whole,

@@ -188,7 +188,7 @@ pub(crate) struct Checkpoint {
     times: Vec<u32>,
     /// Where each area begins there.
     begins: [usize; KINDS.len()],
-    /// What is written in turn: which of the kinds, and which place of it, comes next.
+    /// Place in the round: which of the kinds, and which place of it, comes next.
     turn: (usize, usize),
     /// The record that is being written.
     words: Box<[u64; RECORD_MAX]>,
@@ -253,9 +253,9 @@ impl Checkpoint {
 /// A checkpoint that cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refused {
-    /// It is none, or one of other settings, sources or another build.
+    /// Not a checkpoint, or one of other settings, sources or another build.
     Foreign,
-    /// It was damaged: so many records are not whole.
+    /// A damaged one: so many records are not whole.
     Damaged(usize),
 }
 
@@ -270,7 +270,7 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-/// What a fusion starts from: all that was found in a checkpoint.
+/// Start of a fusion: all that was found in a checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Snapshot {
     layout: Layout,

@@ -23,11 +23,11 @@ const FILES_WANTED: u64 = 4096;
 codes! {
     /// Worth of what was found.
     enum Verdict {
-        /// It is as wanted.
+        /// As wanted.
         Good, "good";
         /// Koseki runs, and would run better with what is wanted.
         Improvable, "improvable";
-        /// What the configuration asks for cannot be had.
+        /// Impossible here, and the configuration asks for it.
         Lacking, "lacking";
     }
 }
@@ -49,7 +49,7 @@ struct Finding {
     mend: Option<String>,
 }
 
-/// What a deployment asks of its machine.
+/// Demands of a deployment on its machine.
 #[derive(Clone, Debug)]
 struct Wants {
     core: Option<usize>,

@@ -15,7 +15,7 @@ use messages::{Restored, SensorTrack, StepKind, SystemTrack, WorkStep, sensor_tr
 /// A report that is not in the recording so long after its step is missing, nanoseconds.
 const PATIENCE_NS: u64 = 10_000_000_000;
 
-/// What comes of the work.
+/// Result of the work.
 #[derive(Debug)]
 pub(crate) enum Outcome<'a> {
     /// Fusion begins, with this start-up number.

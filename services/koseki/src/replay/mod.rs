@@ -96,7 +96,7 @@ enum Topic {
     Steps,
     /// States of system tracks.
     States,
-    /// What a fusion starts from.
+    /// Start of a fusion.
     Restored,
 }
 

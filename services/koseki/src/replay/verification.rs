@@ -45,7 +45,7 @@ impl Verification {
         self.runs.entry(epoch).or_default().is_whole = true;
     }
 
-    /// What follows of the latest run is not given.
+    /// End of the latest run: what follows of it is not given.
     pub(crate) fn break_off(&mut self) {
         if let Some(mut latest) = self.runs.last_entry() {
             latest.get_mut().is_whole = false;

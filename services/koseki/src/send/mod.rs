@@ -161,7 +161,7 @@ fn sleep_until(due_ns: i64, stop: &Stop) -> bool {
     }
 }
 
-/// What has been sent.
+/// Counts of what has been sent.
 #[derive(Debug, Default)]
 struct Sent {
     pieces: u64,

@@ -13,7 +13,7 @@ use crate::args::ChosenEdition;
 /// Nanoseconds in a tick of ASTERIX.
 const TICK_NS: i64 = NS_PER_S / TICKS_PER_S as i64;
 
-/// What a recording is made of.
+/// Kind of pieces that a recording is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Data blocks.

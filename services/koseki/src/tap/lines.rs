@@ -17,7 +17,7 @@ impl Lines {
         Self { layout, format }
     }
 
-    /// What stands before the lines.
+    /// Head before the lines.
     pub(super) fn head(&self) -> Vec<u8> {
         match self.format {
             LineFormat::Json => Vec::new(),

@@ -244,7 +244,7 @@ impl Deployment {
         Ok(())
     }
 
-    /// What the launcher of the present start has said.
+    /// Words of the launcher of the present start.
     fn said(&self) -> String {
         fs::read_to_string(self.folder.path().join(format!("said{}", self.starts - 1))).unwrap_or_default()
     }

@@ -13,7 +13,7 @@ use rustix::process::Signal;
 
 use super::deployment::Deployment;
 
-/// What a deployment must have for a fault.
+/// Needs of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Needs {
     Nothing,

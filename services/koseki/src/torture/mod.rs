@@ -47,7 +47,7 @@ struct Report {
     late: u64,
     /// Files, memory and processes that were left at the end.
     left_behind: Vec<String>,
-    /// What was not as it must be; empty if all was.
+    /// Faults of the deployment: what was not as it must be; empty if all was.
     wrong: Vec<String>,
 }
 
