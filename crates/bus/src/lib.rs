@@ -78,6 +78,7 @@ mod service;
 mod space;
 mod subscriber;
 mod transport;
+mod unborn;
 mod waiter;
 
 pub use bare::{BareReceiver, BareSender, BareSettings};
@@ -97,4 +98,5 @@ pub use subscriber::{Heard, Received, Slice, Subscriber, SubscriberCounts};
 #[cfg(feature = "any-thread")]
 pub use transport::SharedMemoryAnyThread;
 pub use transport::{InProcess, Payload, SharedMemory};
+pub use unborn::Unborn;
 pub use waiter::{BACKSTOP, WATCHED_MAX, WaitMode, Waiter, Woken};

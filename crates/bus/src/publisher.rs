@@ -150,6 +150,12 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         }
     }
 
+    /// Passes over the next `count` sequence numbers: of samples that were lost before they got here, which subscribers
+    /// count as lost with the next slice.
+    pub fn pass_over(&mut self, count: u64) {
+        self.header.first_sequence += count;
+    }
+
     /// Name of the topic.
     pub fn topic(&self) -> &str {
         &self.topic

@@ -56,7 +56,7 @@ const NODES: &str = "nodes";
 const COUNTER_SUFFIX: &str = ".global_mgmt";
 /// How long iceoryx2 waits for another process that is about to create something. It is also the longest time that a
 /// publisher can be held up by a subscriber that was killed in the middle of connecting to it.
-const CREATION_TIMEOUT: Duration = Duration::from_millis(250);
+pub(crate) const CREATION_TIMEOUT: Duration = Duration::from_millis(250);
 
 /// An instance: its name and its places. Making one touches no file.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -14,6 +14,7 @@ use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
 use super::check_display::check_display;
+use super::check_link::check_hosts;
 use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
 use super::tables::{
@@ -86,9 +87,19 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
     check_company(&sources, &wide_area_sensors)?;
     let receivers = network.receivers(&sources, &wide_area_sensors)?;
     let gateways = check_gateways(&raw.gateways, &sources, &wide_area_sensors)?;
+    let links = check_hosts(&raw.links, &sources, &wide_area_sensors)?;
     let first_day_ns = first_day(&raw, &sources)?;
     let scenario = check_scenario(&raw, &sources, &wide_area_sensors)?;
-    let external = sources.iter().any(|source| matches!(source.input, Input::External));
+    // What a link brings has its source's progress with it.
+    let is_linked = |source: &Source| {
+        let topic = messages::sensor_tracks(&source.name).name;
+        links
+            .iter()
+            .flat_map(|link| &link.receive)
+            .any(|remote| remote.into == topic.as_str())
+    };
+    let is_live = |source: &Source| matches!(source.input, Input::External) && !is_linked(source);
+    let external = sources.iter().any(is_live);
     if (external || !receivers.is_empty()) && raw.time.order == Order::Time {
         return Err(SettingsError::new(
             "time.order",
@@ -110,6 +121,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         wide_area_sensors,
         receivers,
         gateways,
+        links,
         scenario,
         recording: check_recording(&raw.recorder)?,
         recorder: raw.recorder.enabled,

@@ -7,9 +7,11 @@
 
 mod check;
 mod check_display;
+mod check_link;
 mod check_monitor;
 mod check_network;
 mod deployment;
+mod link;
 mod locating;
 mod network;
 mod offline;
@@ -36,6 +38,7 @@ use settings::{Document, SettingsError, Table, Value};
 use sources::{Processing, TrackerSettings};
 use tables::DeploymentTable;
 
+pub use link::{Link, LinkTls, RemoteTopic};
 pub use locating::locating_settings;
 pub use network::{Area, Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};
@@ -77,6 +80,8 @@ pub struct Config {
     pub receivers: Vec<Receiver>,
     /// The outputs to the network; each is a gateway process.
     pub gateways: Vec<Gateway>,
+    /// The links to deployments on other hosts; each is a process.
+    pub links: Vec<Link>,
     /// The simulated world, if there are simulated sources.
     pub scenario: Option<scenario::ScenarioSettings>,
     /// The fusion process.
@@ -435,6 +440,11 @@ impl Config {
     /// The receiver called `name`.
     pub fn receiver(&self, name: &str) -> Option<&Receiver> {
         self.receivers.iter().find(|receiver| receiver.name == name)
+    }
+
+    /// The link called `name`.
+    pub fn link(&self, name: &str) -> Option<&Link> {
+        self.links.iter().find(|link| link.name == name)
     }
 
     /// The gateway called `name`.

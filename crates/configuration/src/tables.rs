@@ -32,6 +32,8 @@ settings::settings! {
         wide_area_sensors as "wide_area_sensor": Vec<WideAreaSensorTable> = Vec::new();
         /// Network output: one gateway process.
         gateways as "gateway": Vec<GatewayTable> = Vec::new();
+        /// Link to deployments on other hosts: one process, `koseki-link`.
+        links as "link": Vec<LinkTable> = Vec::new();
         /// World that simulated sources observe.
         scenario: Option<scenario::ScenarioSettings> = None;
         /// Fusion process.
@@ -297,6 +299,45 @@ settings::settings! {
         block_bytes: usize = 1472, in [256, 65_507];
         /// Reference of the heights of its tracks, and so the items that carry them.
         heights: HeightReference = HeightReference::Barometric;
+    }
+
+    /// A link to deployments on other hosts.
+    pub struct LinkTable {
+        /// Name of the link process.
+        name: String;
+        /// Endpoints at which links of other hosts reach this one, as in `"tls/[::]:7447"` or `"tcp/127.0.0.1:7447"`.
+        listen: Vec<String> = Vec::new();
+        /// Endpoints of links on other hosts.
+        connect: Vec<String> = Vec::new();
+        /// Topics that others may have, such as `"sensor/NAME/tracks"`.
+        send: Vec<String> = vec!["system/tracks".to_owned()];
+        /// Topics of other deployments that this one takes.
+        receive: Vec<RemoteTopicTable> = Vec::new();
+        /// Octets that wait for the network at most, megabytes. When they are full, a newer state of a system track
+        /// takes the place of an older one; of other samples the newest are dropped. Both are counted.
+        queue_mb: u32 = 16, in [1, 4096];
+        /// Certificate of the authority that signed the others' certificates, a file in PEM.
+        authority: Option<String> = None;
+        /// Certificate that this host shows, a file in PEM.
+        certificate: Option<String> = None;
+        /// Private key of the certificate, a file in PEM.
+        private_key: Option<String> = None;
+        /// User that this host is, where the others ask for one.
+        user: Option<String> = None;
+        /// File whose first line is the user's password.
+        password_file: Option<String> = None;
+        /// Allows TCP to other machines, without encryption: whoever is on the way sees and changes what is exchanged.
+        insecure: bool = false;
+    }
+
+    /// A topic of another deployment.
+    pub struct RemoteTopicTable {
+        /// Name of the other deployment.
+        deployment: String;
+        /// Topic there, as in `"sensor/radar/tracks"`.
+        topic: String;
+        /// Topic here, of a source or wide-area sensor that is `external`.
+        into: Option<String> = None, usually "the same name";
     }
 
     /// The fusion process.

@@ -130,6 +130,7 @@
 #define KOSEKI_PROCESS_GATEWAY UINT64_C(0x6) /* Sends tracks to other systems over the network. */
 #define KOSEKI_PROCESS_KEEPER UINT64_C(0x7) /* Holds the topics for the launcher, which maps no shared memory itself. */
 #define KOSEKI_PROCESS_DISPLAY UINT64_C(0x8) /* Shows the picture in browsers. */
+#define KOSEKI_PROCESS_LINK UINT64_C(0x9) /* Exchanges topics with deployments on other hosts. */
 #define KOSEKI_LIFE_STARTING UINT64_C(0x0) /* Opening its topics. */
 #define KOSEKI_LIFE_RUNNING UINT64_C(0x1) /* Doing its work. */
 #define KOSEKI_LIFE_FINISHED UINT64_C(0x2) /* Done: all its input has been worked off, and it will exit by itself. */

@@ -132,6 +132,7 @@ PROCESS_SIMULATOR = 0x5  # Sends what the simulated sensors observe over the net
 PROCESS_GATEWAY = 0x6  # Sends tracks to other systems over the network.
 PROCESS_KEEPER = 0x7  # Holds the topics for the launcher, which maps no shared memory itself.
 PROCESS_DISPLAY = 0x8  # Shows the picture in browsers.
+PROCESS_LINK = 0x9  # Exchanges topics with deployments on other hosts.
 LIFE_STARTING = 0x0  # Opening its topics.
 LIFE_RUNNING = 0x1  # Doing its work.
 LIFE_FINISHED = 0x2  # Done: all its input has been worked off, and it will exit by itself.

@@ -177,7 +177,7 @@ counters! {
         "Bytes of blocks that could not be explained and were skipped.";
     BlocksRejected = "blocks_rejected", AdapterRemark by [Adapter],
         "Blocks that could not be explained, wholly or in part.";
-    Published = "published", Flow by [Adapter, Fusion],
+    Published = "published", Flow by [Adapter, Fusion, Link],
         "Samples published.";
     Reports = "reports", Flow by [Adapter],
         "Reports of targets that passed every check.";
@@ -211,15 +211,15 @@ counters! {
         "Reports of tracks dropped because the adapter's table was full.";
     WaitedForConsumers = "waited_for_consumers", Flow by [Adapter],
         "Times a recorded source waited for its consumers so that nothing is lost.";
-    Taken = "taken", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display],
+    Taken = "taken", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display, Link],
         "Samples taken from the source's topic.";
-    Lost = "lost", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display],
+    Lost = "lost", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display, Link],
         "Samples missing from the source's sequence: dropped because the reader fell behind.";
     RejectedOutOfOrder = "rejected_out_of_order", FusionRejection by [Fusion, Monitor],
         "Samples not newer than one already worked off: repeated, or out of order.";
     RejectedInvalid = "rejected_invalid", FusionRejection by [Fusion, Monitor],
         "Samples rejected because a value is not finite or beyond its limit, or a code unknown.";
-    RejectedSchema = "rejected_schema", FusionRejection by [Fusion, Monitor, Recorder, Gateway, Simulator, Display],
+    RejectedSchema = "rejected_schema", FusionRejection by [Fusion, Monitor, Recorder, Gateway, Simulator, Display, Link],
         "Batches rejected because their publisher was built with another layout.";
     DroppedQueue = "dropped_queue", FusionRejection by [Fusion],
         "Reports dropped because the source's queue in fusion was full, oldest first.";
@@ -267,7 +267,7 @@ counters! {
         "Datagrams that the kernel dropped because the receiver's buffer was full.";
     Connections = "connections", Network by [Adapter],
         "Connections to a feed that were made.";
-    RecordsSent = "records_sent", Network by [Gateway, Simulator],
+    RecordsSent = "records_sent", Network by [Gateway, Simulator, Link],
         "Records sent to other systems.";
     DatagramsSent = "datagrams_sent", Network by [Gateway, Simulator],
         "Datagrams sent to other systems.";
@@ -351,6 +351,14 @@ counters! {
         "Pictures that were not made because the page that they were for was still behind.";
     RequestsRejected = "requests_rejected", Process by [Display],
         "Requests and connections of browsers and scripts that were turned away.";
+    Conflated = "conflated", Process by [Link],
+        "States that were not sent to other hosts because a newer one of the same track took their place.";
+    MessagesRejected = "messages_rejected", Process by [Link],
+        "Messages of other hosts that were rejected: malformed, too long, or of another layout.";
+    LostOnTheWay = "lost_on_the_way", Process by [Link],
+        "Samples of other hosts that were sent and did not arrive; subscribers here count them as lost.";
+    Unsent = "unsent", Process by [Link],
+        "Samples that were not sent to other hosts because the network is slower than they come.";
 }
 
 #[cfg(test)]

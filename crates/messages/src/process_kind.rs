@@ -23,5 +23,7 @@ codes! {
         Keeper = 7, "keeper";
         /// Shows the picture in browsers.
         Display = 8, "display";
+        /// Exchanges topics with deployments on other hosts.
+        Link = 9, "link";
     }
 }

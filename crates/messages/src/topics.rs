@@ -196,6 +196,9 @@ pub trait Outgoing: Streamed + ZeroCopySend + fmt::Debug + Default + 'static {
 
     /// Says in the sample when what it was made of came in (monotonic, nanoseconds).
     fn came_in(&mut self, ingested_ns: i64);
+
+    /// Time at which what it was made of came in (monotonic, nanoseconds).
+    fn ingested_ns(&self) -> i64;
 }
 
 macro_rules! outgoing {
@@ -208,6 +211,10 @@ macro_rules! outgoing {
 
             fn came_in(&mut self, ingested_ns: i64) {
                 self.stages.ingested_ns = ingested_ns;
+            }
+
+            fn ingested_ns(&self) -> i64 {
+                self.stages.ingested_ns
             }
         })*
     };

@@ -69,6 +69,11 @@ impl Instance {
         Ok(Self { claim, say })
     }
 
+    /// Its places.
+    pub fn root(&self) -> &Root {
+        self.claim.root()
+    }
+
     /// Removes the shared memory, for topics that are going to be held anew. For a deployment whose memory is corrupt
     /// and whose own processes have ended; others keep what they have mapped, and hear nothing any more.
     ///

@@ -24,6 +24,7 @@ mod encode;
 mod files;
 mod fuse;
 mod generate;
+mod link;
 mod locate;
 mod offline;
 mod picture;
@@ -152,6 +153,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             recorder::run(process, args::VERSION)
         }),
         Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, gateway::run),
+        Command::Link(serve) => link::run(serve),
         Command::Display(serve) => run_service(ProcessKind::Display, serve, display::run),
         Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, simulator::run),
     }
@@ -192,18 +194,21 @@ fn run_service(
     options.launcher = serve.launcher;
     let name = process_name(kind, serve.name, &config)?;
     let named = |error: anyhow::Error| match kind {
-        ProcessKind::Adapter | ProcessKind::Gateway => error.context(format!("{} {name}", kind.word())),
+        ProcessKind::Adapter | ProcessKind::Gateway | ProcessKind::Link => {
+            error.context(format!("{} {name}", kind.word()))
+        }
         _ => error.context(name.clone()),
     };
     let process = Process::connect(config, options, kind, &name).map_err(named)?;
     service(&process).map_err(named)
 }
 
-/// Adapters and gateways have the names that the configuration gives them; the others may have any, or that of their
-/// kind.
+/// Adapters, gateways and links have the names that the configuration gives them; the others may have any, or that of
+/// their kind.
 fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Result<String, Usage> {
     let names: Vec<&str> = match kind {
         ProcessKind::Adapter => config.adapters(),
+        ProcessKind::Link => config.links.iter().map(|link| link.name.as_str()).collect(),
         ProcessKind::Gateway => config.gateways.iter().map(|gateway| gateway.name.as_str()).collect(),
         _ => return Ok(given.unwrap_or_else(|| kind.word().to_owned())),
     };

@@ -25,7 +25,8 @@
 //! health message is made by its loop and published, where the loop must not make a system call, by its housekeeping
 //! thread; so a new message is a sign of life of both. A child has stood still when the keeper has looked for
 //! `launcher.watchdog_s` without finding a new one. Time in which the launcher or the keeper did not run themselves
-//! does not count: on a machine that stalls, everybody stands still.
+//! does not count: on a machine that stalls, everybody stands still. Nor does a child stand still for long over shared
+//! memory that another one had only begun when it was killed: the launcher removes such files ([`bus::Unborn`]).
 //!
 //! How often each child was restarted, why, and whether it runs is part of the launcher's own health messages, which
 //! the keeper publishes, so every monitor and status display can show it. Standard error gets one line per event;

@@ -32,6 +32,7 @@ pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
         ProcessKind::Recorder,
         ProcessKind::Gateway,
         ProcessKind::Display,
+        ProcessKind::Link,
         ProcessKind::Fusion,
     ],
     &[ProcessKind::Adapter],
@@ -40,13 +41,14 @@ pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
 
 /// Kinds in the order in which they are stopped: sources first, then the monitor, so that it sees the others end, and
 /// last the keeper, in whose topics all of them speak.
-pub(crate) const STOP_ORDER: [ProcessKind; 8] = [
+pub(crate) const STOP_ORDER: [ProcessKind; 9] = [
     ProcessKind::Simulator,
     ProcessKind::Adapter,
     ProcessKind::Fusion,
     ProcessKind::Recorder,
     ProcessKind::Gateway,
     ProcessKind::Display,
+    ProcessKind::Link,
     ProcessKind::Monitor,
     ProcessKind::Keeper,
 ];
@@ -56,12 +58,10 @@ pub(crate) fn parts(config: &Config) -> Vec<Part> {
     let service = Part::service;
     let mut parts = vec![service(ProcessKind::Keeper), service(ProcessKind::Monitor)];
     parts.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
-    parts.extend(config.gateways.iter().map(|gateway| Part {
-        kind: ProcessKind::Gateway,
-        name: gateway.name.clone(),
-        source: NO_SOURCE,
-        required: false,
-    }));
+    let gateways = config.gateways.iter().map(|gateway| &gateway.name);
+    parts.extend(gateways.map(|name| Part::named(ProcessKind::Gateway, name)));
+    let links = config.links.iter().map(|link| &link.name);
+    parts.extend(links.map(|name| Part::named(ProcessKind::Link, name)));
     parts.extend(config.display.iter().map(|_| service(ProcessKind::Display)));
     parts.push(Part::leader());
     parts.extend(config.standby().map(|_| Part {
@@ -91,9 +91,14 @@ fn adapter(config: &Config, name: &str) -> Part {
 impl Part {
     /// A service of which there is one.
     fn service(kind: ProcessKind) -> Self {
+        Self::named(kind, kind.word())
+    }
+
+    /// A service of which there may be several.
+    fn named(kind: ProcessKind, name: &str) -> Self {
         Self {
             kind,
-            name: kind.word().to_owned(),
+            name: name.to_owned(),
             source: NO_SOURCE,
             required: false,
         }
@@ -107,7 +112,9 @@ impl Part {
     /// What it is called in messages.
     pub(crate) fn title(&self) -> String {
         match self.kind {
-            ProcessKind::Adapter | ProcessKind::Gateway => format!("{} {}", self.kind.word(), self.name),
+            ProcessKind::Adapter | ProcessKind::Gateway | ProcessKind::Link => {
+                format!("{} {}", self.kind.word(), self.name)
+            }
             _ => self.name.clone(),
         }
     }
@@ -155,7 +162,7 @@ mod tests {
         use ProcessKind::{Adapter, Display, Fusion, Keeper, Monitor, Recorder};
         assert_eq!(kinds[..6], [Keeper, Monitor, Recorder, Display, Fusion, Adapter]);
         assert_eq!(kinds.len(), 5 + config.sources.len() + 1, "and the simulator");
-        assert_eq!(STOP_ORDER[6..], [Monitor, Keeper]);
+        assert_eq!(STOP_ORDER[7..], [Monitor, Keeper]);
     }
 
     #[test]

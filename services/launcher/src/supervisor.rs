@@ -5,6 +5,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
+use bus::Unborn;
 use configuration::Config;
 use messages::{LifeState, ProcessKind};
 use runtime::clock::{instant, mono_ns};
@@ -64,6 +65,9 @@ pub(crate) struct Supervisor<'a> {
     /// When the launcher last looked, and when the keeper last had.
     looked: Instant,
     keeper_looked: Instant,
+    /// Memory whose maker was killed, and when it was last looked for.
+    unborn: Unborn,
+    swept: Instant,
     suspicion: Suspicion,
     /// Why the deployment has to be rebuilt, if it has to.
     corrupt: Option<String>,
@@ -125,6 +129,8 @@ impl<'a> Supervisor<'a> {
             told: now,
             looked: now,
             keeper_looked: now,
+            unborn: Unborn::new(instance.root()),
+            swept: now,
             suspicion: Suspicion::default(),
             corrupt: None,
             rebuilding: Backoff::new(),
@@ -189,6 +195,7 @@ impl<'a> Supervisor<'a> {
             }
         }
         self.tell(now, urgent);
+        self.sweep(now);
         let status = self.status();
         self.service_manager.sign(status);
         Ok(())
@@ -235,6 +242,22 @@ impl<'a> Supervisor<'a> {
             self.keeper_looked = now;
         }
         is_back
+    }
+
+    /// Removes memory whose maker was killed, over which others stand still.
+    fn sweep(&mut self, now: Instant) {
+        if now.duration_since(self.swept) < Unborn::PERIOD {
+            return;
+        }
+        self.swept = now;
+        match self.unborn.remove() {
+            Ok(0) => {}
+            Ok(files) => say(&format!(
+                "removed shared memory that a killed process had only begun ({files} in number)"
+            )),
+            // Another look follows.
+            Err(error) => say(&format!("looking for what killed processes had begun: {error}")),
+        }
     }
 
     /// Tells the keeper how the children are, if it is time to, or if it is `urgent`.

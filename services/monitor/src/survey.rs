@@ -464,6 +464,8 @@ fn expected(config: &Config, monitor: &str) -> Vec<(ProcessKind, String)> {
         .iter()
         .map(|gateway| (ProcessKind::Gateway, gateway.name.clone()));
     expected.extend(gateways);
+    let links = config.links.iter().map(|link| (ProcessKind::Link, link.name.clone()));
+    expected.extend(links);
     expected.extend(config.is_simulated().then(|| service(ProcessKind::Simulator)));
     expected.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
     expected.push((ProcessKind::Monitor, monitor.to_owned()));

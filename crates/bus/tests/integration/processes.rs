@@ -3,7 +3,7 @@
 //! The other processes are this very test program: it starts itself with a role in its environment, and runs nothing
 //! but the test [`role`], which plays it.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -13,7 +13,7 @@ use std::time::Duration;
 use crate::common::{
     Home, Line, PATIENCE, memory_of, send, shared_memory, take_all, topic, track, until, without_hanging,
 };
-use bus::{Bus, BusError, Life, Mark, Root, SharedMemory, Subscriber, WaitMode};
+use bus::{Bus, BusError, Life, Mark, Root, SharedMemory, Subscriber, Unborn, WaitMode};
 use messages::{BatchHeader, SensorTrack};
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -365,6 +365,34 @@ fn a_killed_subscriber_does_not_hold_the_publisher_up() {
         assert_eq!(taken, 50 + 15 * DEPTH);
         assert_eq!(living.counts().lost, 0);
         assert_eq!(publisher.counts().not_sent, 0);
+    });
+}
+
+#[test]
+fn a_subscriber_killed_before_its_memory_had_a_size_keeps_nobody_from_removing_it() {
+    let home = Home::new();
+    let root = home.root().clone();
+    without_hanging("the removal of a subscriber whose memory is empty", move || {
+        let topic = topic("a", DEPTH, SLICE_LEN);
+        let bus = Bus::<SharedMemory>::open(&root, "test").unwrap();
+        let _held = bus.hold(&topic).unwrap();
+        // It sends nothing, so that the subscriber alone has the connection.
+        let mut publisher = bus.publisher(&topic, 1).unwrap();
+        Other::start(&root, "subscriber").kill();
+        let mut connections = shared_memory(&root);
+        connections.retain(|name| name.ends_with(".connection"));
+        assert_eq!(connections.len(), 1);
+        let path = Path::new("/dev/shm").join(&connections[0]);
+        File::options().write(true).open(&path).unwrap().set_len(0).unwrap();
+
+        let launcher = thread::spawn(move || {
+            let mut unborn = Unborn::new(&root);
+            assert_eq!(unborn.remove().unwrap(), 0, "it may still get a size");
+            assert_eq!(unborn.remove().unwrap(), 1);
+        });
+        until("it is removed", || bus.remove_dead().removed == 1);
+        send(&mut publisher, 1);
+        launcher.join().unwrap();
     });
 }
 

@@ -173,6 +173,9 @@ pub(crate) enum Command {
     /// Run one gateway in a deployment that is up: tracks to other systems, in ASTERIX
     #[command(after_help = SERVE_EXAMPLES)]
     Gateway(Serve),
+    /// Run one link to deployments on other hosts, in a deployment that is up: finds and starts koseki-link
+    #[command(after_help = LINK_EXAMPLES)]
+    Link(Serve),
     /// Run the display in a deployment that is up: the picture in browsers
     #[command(after_help = SERVE_EXAMPLES)]
     Display(Serve),
@@ -478,14 +481,22 @@ microseconds. \"poll\" (the default where fusion spins): it looks every poll_ms 
 not measured then (shown as -), and end to end is taken to where fusion has published. `koseki bench`, or a monitor with
 wait = \"event\", measures it. prometheus = \"127.0.0.1:9464\" serves metrics at http://127.0.0.1:9464/metrics.";
 
-/// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `simulator`.
+const LINK_EXAMPLES: &str = "\
+Examples:
+  koseki link --config config/west.toml --name to-east
+
+`koseki up` starts one for each [[link]] of the configuration. The program is koseki-link, a workspace of its own
+(cargo build --release --manifest-path link/Cargo.toml); it is looked for at $KOSEKI_LINK, beside koseki, in
+link/target of the checkout that koseki was built in, and in PATH. docs/hosts.md says what can be linked, and how.";
+
+/// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `link`, `simulator`.
 #[derive(Debug, Args)]
 pub(crate) struct Serve {
     /// Configuration of the deployment, a TOML file
     #[arg(long, value_name = "CONFIG")]
     pub(crate) config: PathBuf,
-    /// Name of the process; for an adapter, of its source or receiver; for a gateway, its own [default: the command's
-    /// name]
+    /// Name of the process; for an adapter, of its source or receiver; for a gateway or link, its own [default: the
+    /// command's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
     #[command(flatten)]

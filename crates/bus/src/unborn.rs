@@ -1,0 +1,64 @@
+//! Memory that was begun and is never made.
+//!
+//! iceoryx2 makes a file of shared memory in two steps: it comes into being empty, and is then given its size. If a
+//! process is killed between the two, the file stays empty, and whoever opens it waits until it has a size: for ever,
+//! where permissions do not keep it out, as they do not keep out root (iceoryx2 0.10 limits the time of every later
+//! step, but not of this one). So one reader that dies in a wrong microsecond would stop the keeper that removes it and
+//! every publisher that it was about to read.
+//!
+//! Who waits tries again and again by the file's name, and goes on as soon as the file is gone. So somebody who opens
+//! none has to remove it: whoever runs the instance.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::os::unix::fs::MetadataExt as _;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crate::base;
+use crate::error::{BusError, io_error};
+use crate::root::{CREATION_TIMEOUT, Root};
+use crate::seal::SHARED_MEMORY_DIR;
+
+/// Empty files of an instance, as they were at the last look.
+#[derive(Debug)]
+pub struct Unborn {
+    root: Root,
+    /// With their inodes.
+    seen: BTreeSet<(PathBuf, u64)>,
+}
+
+impl Unborn {
+    /// Time between two looks: longer than iceoryx2 waits for anything else that is not ready.
+    pub const PERIOD: Duration = CREATION_TIMEOUT;
+
+    /// Nothing has been looked at yet.
+    pub fn new(root: &Root) -> Self {
+        Self {
+            root: root.clone(),
+            seen: BTreeSet::new(),
+        }
+    }
+
+    /// Removes the files that are empty now and were so at the last look; returns how many. Call it once in
+    /// [`Self::PERIOD`].
+    ///
+    /// # Errors
+    /// If the instance or the folder of shared memory cannot be read.
+    pub fn remove(&mut self) -> Result<usize, BusError> {
+        let Some(prefix) = self.root.prefix()? else {
+            return Ok(0);
+        };
+        let folder = PathBuf::from(SHARED_MEMORY_DIR);
+        let entries = fs::read_dir(&folder).map_err(io_error("read", &folder))?.flatten();
+        let named = entries.filter(|entry| entry.file_name().to_str().is_some_and(|name| name.starts_with(&prefix)));
+        let empty = named.filter_map(|entry| {
+            // One that is gone is not empty.
+            let found = entry.metadata().ok()?;
+            (found.len() == 0 && base::is_own(&found)).then(|| (entry.path(), found.ino()))
+        });
+        let seen = std::mem::replace(&mut self.seen, empty.collect());
+        let stale = self.seen.intersection(&seen);
+        Ok(stale.filter(|(path, _)| fs::remove_file(path).is_ok()).count())
+    }
+}

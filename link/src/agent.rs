@@ -1,0 +1,216 @@
+//! The duty cycle of a link.
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::anyhow;
+use bus::{Bus, Payload, SharedMemory, WaitMode, Waiter};
+use configuration::{Link, Process};
+use messages::{Counter, SystemTrack, Topic, Visitor};
+use runtime::{Agent, HealthEntry, Now, Turn};
+use zenoh::bytes::ZBytes;
+use zenoh::liveliness::LivelinessToken;
+use zenoh::qos::CongestionControl;
+use zenoh::query::{Query, Queryable};
+use zenoh::{Session, Wait as _};
+
+use crate::clocks::{self, Clocks};
+use crate::inbound::Inbound;
+use crate::keys;
+use crate::outbound::{self, Outbound, SharedPicture, Stream, Tracks};
+use crate::outbox::Outbox;
+use crate::session;
+use crate::wire::{Head, Message};
+
+/// Time between two comparisons of clocks, nanoseconds.
+const COMPARE_NS: i64 = 1_000_000_000;
+/// Longest sleep.
+const SLEEP: Duration = Duration::from_millis(50);
+
+/// A link as an agent.
+pub(crate) struct LinkAgent {
+    lanes: Vec<Box<dyn Outbound>>,
+    outbox: Outbox,
+    waiter: Waiter<SharedMemory>,
+    inbound: Inbound,
+    clocks: Clocks,
+    own_clock: String,
+    compare_ns: i64,
+    /// Deployments that something is to come from.
+    expected: Vec<String>,
+    /// Before the session.
+    _there: (Queryable<()>, Option<Queryable<()>>, LivelinessToken),
+    session: Session,
+}
+
+impl LinkAgent {
+    /// The link `link` of `process`'s deployment.
+    ///
+    /// # Errors
+    /// If an endpoint cannot be had, or shared memory fails.
+    pub(crate) fn new(process: &Process, link: &Link) -> anyhow::Result<Self> {
+        let deployment = process.config.name.as_str();
+        let session = session::open(link)?;
+        let refused = |what: &str, error: zenoh::Error| anyhow!("{what}: {error}");
+        let mut open = Open {
+            process,
+            waiter: process.bus.waiter(WaitMode::Event),
+            lanes: Vec::new(),
+            keys: Vec::new(),
+            picture: None,
+        };
+        for topic in &link.send {
+            messages::visit(topic, &mut open).ok_or_else(|| anyhow!("{topic} is no topic"))??;
+        }
+        let publishers = open.keys.iter().map(|key| {
+            let publisher = session.declare_publisher(key.clone());
+            // Whoever is slow loses messages, and counts them; others do not wait for it.
+            let publisher = publisher.congestion_control(CongestionControl::Drop);
+            publisher.wait().map_err(|error| refused(key, error))
+        });
+        let outbox = Outbox::open(link.queue_octets, publishers.collect::<anyhow::Result<_>>()?)?;
+        let picture = open.picture.map(|picture| tell_picture(&session, deployment, picture));
+        let picture = picture.transpose().map_err(|error| refused("the picture", error))?;
+        let own_clock = keys::clock(deployment, &link.name);
+        let clock = clocks::answer(&session, &own_clock, 0).map_err(|error| refused("the clock", error))?;
+        let token = session.liveliness().declare_token(own_clock.clone()).wait();
+        let token = token.map_err(|error| refused("the sign of life", error))?;
+        let clocks = Clocks::default();
+        let inbound = Inbound::open(&session, process.bus.root(), &link.receive, &clocks)?;
+        let mut expected: Vec<String> = link.receive.iter().map(|topic| topic.deployment.clone()).collect();
+        expected.dedup();
+        Ok(Self {
+            lanes: open.lanes,
+            outbox,
+            waiter: open.waiter,
+            inbound,
+            clocks,
+            own_clock,
+            compare_ns: i64::MIN,
+            expected,
+            _there: (clock, picture, token),
+            session,
+        })
+    }
+}
+
+/// Opens the topics that go out.
+struct Open<'a> {
+    process: &'a Process,
+    waiter: Waiter<SharedMemory>,
+    lanes: Vec<Box<dyn Outbound>>,
+    /// Keys of the lanes.
+    keys: Vec<String>,
+    picture: Option<SharedPicture>,
+}
+
+impl Visitor for &mut Open<'_> {
+    type Output = anyhow::Result<()>;
+
+    fn visit<T: Payload>(self, topic: Topic<T>) -> Self::Output {
+        let (bus, joined_ns): (&Bus<SharedMemory>, _) = (&self.process.bus, self.process.incarnation);
+        let lane = self.lanes.len();
+        let any: &dyn std::any::Any = &topic;
+        let outbound: Box<dyn Outbound> = match any.downcast_ref::<Topic<SystemTrack>>() {
+            Some(topic) => {
+                let picture = SharedPicture::default();
+                self.picture = Some(Arc::clone(&picture));
+                Box::new(Tracks::open(bus, topic, lane, joined_ns, picture)?)
+            }
+            None => Box::new(Stream::open(bus, &topic, lane, joined_ns)?),
+        };
+        self.waiter.watch(bus, &topic)?;
+        self.lanes.push(outbound);
+        self.keys
+            .push(keys::topic::<T>(&self.process.config.name, topic.name.as_str()));
+        Ok(())
+    }
+}
+
+/// Answers whoever asks for the picture as it is now.
+fn tell_picture(session: &Session, deployment: &str, picture: SharedPicture) -> zenoh::Result<Queryable<()>> {
+    let key = keys::picture::<SystemTrack>(deployment);
+    let of_answers = key.clone();
+    let answer = move |query: Query| {
+        let now = Now::read();
+        let mut message = Message::new();
+        outbound::lock(&picture).tell(&mut message);
+        let head = Head {
+            conflated: 0,
+            sent_utc_ns: now.utc_ns,
+            sent_mono_ns: now.mono_ns,
+        };
+        // Whoever asked is gone if it fails.
+        let _ = query
+            .reply(of_answers.as_str(), ZBytes::from(message.finish(head)))
+            .wait();
+    };
+    session.declare_queryable(key).callback(answer).wait()
+}
+
+impl Agent for LinkAgent {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        self.inbound.check()?;
+        if now.mono_ns >= self.compare_ns {
+            self.compare_ns = now.mono_ns + COMPARE_NS;
+            self.clocks.ask(&self.session, &self.own_clock);
+        }
+        let mut more = false;
+        for lane in &mut self.lanes {
+            more |= lane.turn(now, &self.outbox)?;
+        }
+        Ok(match more {
+            true => Turn::Worked,
+            false => Turn::Idle(SLEEP),
+        })
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        let lanes = &self.lanes;
+        self.waiter
+            .wait(at_most, || lanes.iter().any(|lane| lane.has_slices()))?;
+        Ok(())
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let mut entry = HealthEntry::default();
+        for counts in self.lanes.iter().map(|lane| lane.counts()) {
+            entry.counters.add(Counter::Taken, counts.taken);
+            entry.counters.add(Counter::Lost, counts.lost);
+            entry.counters.add(Counter::RejectedSchema, counts.schema_mismatch);
+            entry.counters.add(Counter::RecordsSent, counts.sent);
+            entry.counters.add(Counter::Unsent, counts.unsent);
+            entry.counters.add(Counter::Conflated, counts.conflated);
+        }
+        let came = self.inbound.counts();
+        entry.set(Counter::Published, came.published);
+        entry.set(Counter::LostOnTheWay, came.lost());
+        entry.set(Counter::MessagesRejected, came.rejected);
+        entry.note = note(&self.clocks.present(Now::read()), &self.expected);
+        entries.push(entry);
+    }
+}
+
+/// Peers that are there, how far away they are and how their clocks differ; and who is missing.
+fn note(present: &[(String, String, clocks::Comparison)], expected: &[String]) -> String {
+    let ms = |ns: i64| ns as f64 / 1e6;
+    let mut note = String::new();
+    for (deployment, _, comparison) in present {
+        let separator = if note.is_empty() { "" } else { ", " };
+        let (away, bound) = (ms(comparison.round_trip_ns), ms(comparison.round_trip_ns) / 2.0);
+        let _ = write!(
+            note,
+            "{separator}{deployment} {away:.1} ms away, its UTC {:+.1} ± {bound:.1} ms",
+            ms(comparison.utc_offset_ns)
+        );
+    }
+    for missing in expected
+        .iter()
+        .filter(|name| !present.iter().any(|(there, _, _)| there == *name))
+    {
+        let separator = if note.is_empty() { "" } else { ", " };
+        let _ = write!(note, "{separator}{missing} is not there");
+    }
+    note
+}

@@ -1,0 +1,92 @@
+//! `koseki-link`: exchanges topics of deployments between hosts (PL-13).
+//!
+//! A link is a process of its deployment like any other: it subscribes to what is to go out, and publishes what comes
+//! in for sources that are `external`. Between hosts, Eclipse Zenoh carries the slices as they lie in shared memory.
+//! Whatever happens to the network or to this process, fusion does not notice more than sources that are silent.
+
+mod agent;
+mod clocks;
+mod inbound;
+mod keys;
+mod outbound;
+mod outbox;
+mod picture;
+mod session;
+mod wire;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use clap::{Args, Parser, Subcommand};
+use configuration::{Config, ConfigError, Process};
+use messages::ProcessKind;
+use runtime::{Now, Options, Speed};
+
+/// Exchanges topics of Koseki deployments between hosts
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run one link of a deployment that is up; `koseki up` and `koseki link` call this
+    Join(Join),
+}
+
+#[derive(Debug, Args)]
+struct Join {
+    /// Configuration of the deployment, a TOML file
+    #[arg(long, value_name = "CONFIG")]
+    config: PathBuf,
+    /// Name of the link
+    #[arg(long, value_name = "NAME")]
+    name: String,
+    /// Name of the instance [default: the configuration's name]
+    #[arg(long, value_name = "NAME")]
+    instance: Option<String>,
+    /// Replace a value of the configuration (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Process number of the launcher, whose end this process follows
+    #[arg(long, value_name = "PID", hide = true)]
+    launcher: Option<u32>,
+}
+
+fn main() -> ExitCode {
+    let Cli { command } = Cli::parse();
+    let done = match command {
+        Command::Join(join) => run(join),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("koseki-link: {error:#}");
+            ExitCode::from(if error.is::<ConfigError>() { 2 } else { 1 })
+        }
+    }
+}
+
+fn run(join: Join) -> anyhow::Result<()> {
+    let config = Config::read(&join.config, &join.set)?;
+    let options = Options {
+        overrides: join.set,
+        instance: join.instance.unwrap_or_else(|| config.name.clone()),
+        data: PathBuf::new(),
+        out: PathBuf::new(),
+        speed: Speed::Factor(1.0),
+        seed: 1,
+        scenario_start_ns: Now::read().utc_ns,
+        launcher: join.launcher,
+    };
+    let process = Process::connect(config, options, ProcessKind::Link, &join.name)?;
+    let link = process.config.link(&process.name).with_context(|| {
+        let path = process.config.path.display();
+        format!("{path}: no link is named \"{}\"", process.name)
+    })?;
+    let mut agent = agent::LinkAgent::new(&process, link)?;
+    runtime::service::run(&process, &mut agent)
+}

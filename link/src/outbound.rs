@@ -1,0 +1,241 @@
+//! What goes out: topics of this deployment, to whoever asks for them.
+//!
+//! Slices are taken from shared memory as any subscriber takes them, put together into messages of some tens of
+//! kilobytes, and handed to the [`Outbox`]. Where that is full, the network is slower than what comes. Then the newest
+//! samples of an ordinary topic are left out; of system tracks, the newest state of each track takes the place of older
+//! ones, so that a slow reader sees all targets where they are now, only less often. Either is counted.
+
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use bus::{Bus, Payload, SharedMemory, Subscriber};
+use messages::{BatchHeader, SystemTrack, Topic};
+use runtime::Now;
+
+use crate::outbox::Outbox;
+use crate::picture::Picture;
+use crate::wire::{Head, Message};
+
+/// Slices taken in one turn: as many as can wait.
+const SLICES_PER_TURN: usize = 256;
+/// Size at which a message goes out.
+const MESSAGE_OCTETS: usize = 60_000;
+/// States that go out in one slice when they have been held back.
+const HELD_BACK_PER_SLICE: usize = 32;
+
+/// Counts of what goes out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Counts {
+    pub(crate) taken: u64,
+    pub(crate) lost: u64,
+    pub(crate) schema_mismatch: u64,
+    pub(crate) sent: u64,
+    pub(crate) unsent: u64,
+    pub(crate) conflated: u64,
+}
+
+/// A topic on its way out.
+pub(crate) trait Outbound {
+    /// Takes what has been published and offers it to the outbox; whether more may be waiting.
+    fn turn(&mut self, now: Now, outbox: &Outbox) -> anyhow::Result<bool>;
+
+    /// Whether slices are waiting.
+    fn has_slices(&self) -> bool;
+
+    fn counts(&self) -> Counts;
+}
+
+fn head(now: Now, conflated: u64) -> Head {
+    Head {
+        conflated,
+        sent_utc_ns: now.utc_ns,
+        sent_mono_ns: now.mono_ns,
+    }
+}
+
+/// A topic whose samples all go out.
+pub(crate) struct Stream<T: Payload> {
+    lane: usize,
+    subscriber: Subscriber<SharedMemory, T>,
+    counts: Counts,
+}
+
+impl<T: Payload> Stream<T> {
+    pub(crate) fn open(bus: &Bus<SharedMemory>, topic: &Topic<T>, lane: usize, joined_ns: u64) -> anyhow::Result<Self> {
+        Ok(Self {
+            lane,
+            subscriber: bus.subscriber(topic, || joined_ns)?,
+            counts: Counts::default(),
+        })
+    }
+}
+
+impl<T: Payload> Outbound for Stream<T> {
+    fn turn(&mut self, now: Now, outbox: &Outbox) -> anyhow::Result<bool> {
+        let (lane, counts) = (self.lane, &mut self.counts);
+        let mut message = Message::new();
+        let mut send = |message: Message| {
+            let samples = message.samples() as u64;
+            if outbox.has_room(message.octets()) {
+                counts.sent += samples;
+                outbox.put(lane, message.finish(head(now, 0)));
+            } else {
+                counts.unsent += samples;
+            }
+        };
+        let slices = self.subscriber.take(SLICES_PER_TURN, |header, samples| {
+            message.add(header, samples);
+            if message.octets() >= MESSAGE_OCTETS {
+                send(std::mem::replace(&mut message, Message::new()));
+            }
+        })?;
+        if !message.is_empty() {
+            send(message);
+        }
+        Ok(slices == SLICES_PER_TURN)
+    }
+
+    fn has_slices(&self) -> bool {
+        self.subscriber.has_slices()
+    }
+
+    fn counts(&self) -> Counts {
+        let taken = self.subscriber.counts();
+        Counts {
+            taken: taken.taken,
+            lost: taken.lost,
+            schema_mismatch: taken.schema_mismatch,
+            ..self.counts
+        }
+    }
+}
+
+/// The picture that is handed out to whoever joins late.
+pub(crate) type SharedPicture = Arc<Mutex<Picture>>;
+
+pub(crate) fn lock(picture: &SharedPicture) -> MutexGuard<'_, Picture> {
+    picture.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The system tracks: as they come, or the newest of each.
+pub(crate) struct Tracks {
+    stream: Stream<SystemTrack>,
+    picture: SharedPicture,
+    /// Tracks whose newest state has not gone out.
+    held_back: BTreeSet<u32>,
+    /// States that have been taken since something is held back.
+    conflated: u64,
+    /// Last words of tracks that ended meanwhile.
+    ended: Vec<SystemTrack>,
+    header: BatchHeader,
+}
+
+impl Tracks {
+    pub(crate) fn open(
+        bus: &Bus<SharedMemory>,
+        topic: &Topic<SystemTrack>,
+        lane: usize,
+        joined_ns: u64,
+        picture: SharedPicture,
+    ) -> anyhow::Result<Self> {
+        Ok(Self {
+            stream: Stream::open(bus, topic, lane, joined_ns)?,
+            picture,
+            held_back: BTreeSet::new(),
+            conflated: 0,
+            ended: Vec::new(),
+            header: BatchHeader::default(),
+        })
+    }
+
+    /// Sends what was held back, in the order of its numbers, as far as there is room.
+    fn catch_up(&mut self, now: Now, outbox: &Outbox) {
+        let picture = lock(&self.picture);
+        let held_back = self
+            .held_back
+            .iter()
+            .filter_map(|number| picture.state(*number).copied());
+        let mut states: Vec<SystemTrack> = held_back.chain(self.ended.iter().copied()).collect();
+        drop(picture);
+        states.sort_unstable_by_key(|state| state.sequence);
+        for states in states.chunks(HELD_BACK_PER_SLICE) {
+            let mut message = Message::new();
+            for state in states {
+                // Numbers that are missing between them are those that newer ones have replaced.
+                let header = BatchHeader {
+                    first_sequence: state.sequence,
+                    ..self.header
+                };
+                message.add(&header, std::slice::from_ref(state));
+            }
+            if !outbox.has_room(message.octets()) {
+                return;
+            }
+            self.conflated -= states.len() as u64;
+            self.stream.counts.sent += states.len() as u64;
+            for state in states {
+                self.held_back.remove(&state.track_number);
+                self.ended.retain(|ended| ended.track_number != state.track_number);
+            }
+            let conflated = self.stream.counts.conflated;
+            outbox.put(self.stream.lane, message.finish(head(now, conflated)));
+        }
+        // All that was taken meanwhile and has not gone out never will.
+        self.stream.counts.conflated += std::mem::take(&mut self.conflated);
+    }
+}
+
+impl Outbound for Tracks {
+    fn turn(&mut self, now: Now, outbox: &Outbox) -> anyhow::Result<bool> {
+        if !self.held_back.is_empty() || !self.ended.is_empty() {
+            self.catch_up(now, outbox);
+        }
+        let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
+        let stream = &mut self.stream;
+        let mut message = Message::new();
+        let (lane, counts) = (stream.lane, &mut stream.counts);
+        let (held_back, ended, waiting, last) = (
+            &mut self.held_back,
+            &mut self.ended,
+            &mut self.conflated,
+            &mut self.header,
+        );
+        let slices = stream.subscriber.take(SLICES_PER_TURN, |header, states| {
+            *last = *header;
+            picture.hear(header, states);
+            let octets = message.octets() + size_of_val(states) + 2 * size_of::<BatchHeader>();
+            if held_back.is_empty() && ended.is_empty() && outbox.has_room(octets) {
+                message.add(header, states);
+                if message.octets() >= MESSAGE_OCTETS {
+                    counts.sent += message.samples() as u64;
+                    let message = std::mem::replace(&mut message, Message::new());
+                    outbox.put(lane, message.finish(head(now, counts.conflated)));
+                }
+                return;
+            }
+            *waiting += states.len() as u64;
+            for state in states {
+                match picture.state(state.track_number) {
+                    Some(_) => drop(held_back.insert(state.track_number)),
+                    None => {
+                        held_back.remove(&state.track_number);
+                        ended.push(*state);
+                    }
+                }
+            }
+        })?;
+        if !message.is_empty() {
+            counts.sent += message.samples() as u64;
+            outbox.put(lane, message.finish(head(now, counts.conflated)));
+        }
+        Ok(slices == SLICES_PER_TURN)
+    }
+
+    fn has_slices(&self) -> bool {
+        self.stream.has_slices()
+    }
+
+    fn counts(&self) -> Counts {
+        self.stream.counts()
+    }
+}

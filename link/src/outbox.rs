@@ -1,0 +1,112 @@
+//! Messages that wait for the network, and the thread that hands them over.
+//!
+//! Zenoh's queues are bounded; where one is full, a message waits a millisecond and is dropped without a word. So that
+//! neither the wait nor the silence reaches the deployment, messages wait here first, for a thread of their own. What
+//! the outbox has no room for comes back to whoever offered it, who knows what can be left out.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use zenoh::Wait as _;
+use zenoh::pubsub::Publisher;
+
+/// Messages that wait for the network.
+#[derive(Debug)]
+pub(crate) struct Outbox {
+    shared: Arc<Shared>,
+    room: usize,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    waiting: Mutex<Waiting>,
+    came: Condvar,
+    failures: AtomicU64,
+    sent: AtomicU64,
+}
+
+#[derive(Debug, Default)]
+struct Waiting {
+    messages: VecDeque<(usize, Vec<u8>)>,
+    octets: usize,
+    is_closed: bool,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
+        // Whoever panicked in between has left it whole.
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Outbox {
+    /// An outbox of `room` octets for the lanes whose messages `publishers` take.
+    pub(crate) fn open(room: usize, publishers: Vec<Publisher<'static>>) -> anyhow::Result<Self> {
+        let shared = Arc::new(Shared::default());
+        let of_thread = Arc::clone(&shared);
+        let hand_over = move || hand_over(&of_thread, &publishers);
+        let thread = std::thread::Builder::new().name("outbox".to_owned()).spawn(hand_over)?;
+        Ok(Self {
+            shared,
+            room,
+            thread: Some(thread),
+        })
+    }
+
+    /// Whether a message of so many octets would find room now.
+    pub(crate) fn has_room(&self, octets: usize) -> bool {
+        self.shared.lock().octets + octets <= self.room
+    }
+
+    /// Takes a message of `lane`.
+    pub(crate) fn put(&self, lane: usize, message: Vec<u8>) {
+        let mut waiting = self.shared.lock();
+        waiting.octets += message.len();
+        waiting.messages.push_back((lane, message));
+        self.shared.came.notify_one();
+    }
+
+    /// Messages handed to the network.
+    pub(crate) fn sent(&self) -> u64 {
+        self.shared.sent.load(Ordering::Relaxed)
+    }
+
+    /// Messages that the network has refused.
+    pub(crate) fn failures(&self) -> u64 {
+        self.shared.failures.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Outbox {
+    fn drop(&mut self) {
+        self.shared.lock().is_closed = true;
+        self.shared.came.notify_one();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn hand_over(shared: &Shared, publishers: &[Publisher<'static>]) {
+    loop {
+        let mut waiting = shared.lock();
+        let (lane, message) = loop {
+            if let Some(next) = waiting.messages.pop_front() {
+                break next;
+            }
+            if waiting.is_closed {
+                return;
+            }
+            waiting = shared.came.wait(waiting).unwrap_or_else(PoisonError::into_inner);
+        };
+        waiting.octets -= message.len();
+        drop(waiting);
+        match publishers[lane].put(message).wait() {
+            Ok(()) => shared.sent.fetch_add(1, Ordering::Relaxed),
+            Err(_) => shared.failures.fetch_add(1, Ordering::Relaxed),
+        };
+    }
+}

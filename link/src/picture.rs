@@ -1,0 +1,81 @@
+//! The picture as it is now: the newest state of every system track.
+
+use std::collections::BTreeMap;
+
+use messages::{BatchHeader, SystemTrack, TrackState};
+
+use crate::wire::Message;
+
+/// Newest state of every system track that has not ended.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Picture {
+    states: BTreeMap<u32, SystemTrack>,
+    header: BatchHeader,
+}
+
+impl Picture {
+    /// Takes a slice of states. What comes from a fusion before the one heard last is left aside.
+    pub(crate) fn hear(&mut self, header: &BatchHeader, states: &[SystemTrack]) {
+        if header.epoch < self.header.epoch {
+            return;
+        }
+        self.header = *header;
+        for state in states {
+            if TrackState::from_code(state.state) == Some(TrackState::Terminated) {
+                self.states.remove(&state.track_number);
+            } else {
+                self.states.insert(state.track_number, *state);
+            }
+        }
+    }
+
+    /// The newest state of a track.
+    pub(crate) fn state(&self, number: u32) -> Option<&SystemTrack> {
+        self.states.get(&number)
+    }
+
+    /// All of it, as slices of at most so many states, each state under its own sequence number's header.
+    pub(crate) fn tell(&self, message: &mut Message) {
+        for state in self.states.values() {
+            let header = BatchHeader {
+                first_sequence: state.sequence,
+                ..self.header
+            };
+            message.add(&header, std::slice::from_ref(state));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state(track_number: u32, sequence: u64, state: TrackState) -> SystemTrack {
+        SystemTrack {
+            track_number,
+            sequence,
+            state: state as u8,
+            ..SystemTrack::default()
+        }
+    }
+
+    #[test]
+    fn the_picture_has_what_lives_and_nothing_of_an_older_fusion() {
+        let mut picture = Picture::default();
+        let header = |epoch| BatchHeader {
+            epoch,
+            ..BatchHeader::default()
+        };
+        picture.hear(
+            &header(2),
+            &[state(1, 0, TrackState::Confirmed), state(2, 1, TrackState::Confirmed)],
+        );
+        picture.hear(
+            &header(2),
+            &[state(1, 2, TrackState::Coasted), state(2, 3, TrackState::Terminated)],
+        );
+        picture.hear(&header(1), &[state(3, 9, TrackState::Confirmed)]);
+        assert_eq!(picture.state(1).map(|state| state.sequence), Some(2));
+        assert!(picture.state(2).is_none() && picture.state(3).is_none());
+    }
+}

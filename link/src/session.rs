@@ -1,0 +1,53 @@
+//! The session with links on other hosts.
+
+use anyhow::{Context as _, anyhow};
+use configuration::Link;
+use serde_json::json;
+use zenoh::{Config, Session, Wait as _};
+
+/// Joins the links that `link` names.
+///
+/// # Errors
+/// If an endpoint cannot be listened at, or a file for TLS or the password cannot be read.
+pub(crate) fn open(link: &Link) -> anyhow::Result<Session> {
+    let mut config = Config::default();
+    let mut set = |key: &str, value: serde_json::Value| {
+        let refused = |error| anyhow!("{key} = {value}: {error}");
+        config.insert_json5(key, &value.to_string()).map_err(refused)
+    };
+    set("mode", json!("peer"))?;
+    // Nobody is looked for: whom a link meets, its configuration says.
+    set("scouting/multicast/enabled", json!(false))?;
+    set("scouting/gossip/enabled", json!(false))?;
+    set("listen/endpoints", json!(link.listen))?;
+    set("connect/endpoints", json!(link.connect))?;
+    set("connect/timeout_ms", json!(-1))?;
+    set("connect/exit_on_failure", json!(false))?;
+    set(
+        "connect/retry",
+        json!({"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2}),
+    )?;
+    // A peer that is gone without a word is noticed after this time.
+    set("transport/link/tx/lease", json!(2000))?;
+    if let Some(tls) = &link.tls {
+        set("transport/link/tls/root_ca_certificate", json!(tls.authority))?;
+        set("transport/link/tls/enable_mtls", json!(true))?;
+        for side in ["listen", "connect"] {
+            set(
+                &format!("transport/link/tls/{side}_certificate"),
+                json!(tls.certificate),
+            )?;
+            set(&format!("transport/link/tls/{side}_private_key"), json!(tls.key))?;
+        }
+    }
+    if let Some((user, file)) = &link.user {
+        let text = std::fs::read_to_string(file).with_context(|| format!("reading {}", file.display()))?;
+        let password = text.lines().next().unwrap_or_default();
+        set("transport/auth/usrpwd/user", json!(user))?;
+        set("transport/auth/usrpwd/password", json!(password))?;
+    }
+    let at = || format!("{} {}", link.listen.join(" "), link.connect.join(" "));
+    zenoh::open(config)
+        .wait()
+        .map_err(|error| anyhow!("joining {}: {error}", at().trim()))
+}

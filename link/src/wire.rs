@@ -1,0 +1,171 @@
+//! The form in which slices travel between hosts.
+//!
+//! A message is a [`Head`] and then slices, each as it lies in shared memory: its [`BatchHeader`], the number of its
+//! samples in eight octets, and the samples. Which type they are is in the key that the message goes to, and in the
+//! header's fingerprint. Octets are in the order of the processors that Koseki runs on, little end first.
+
+use messages::BatchHeader;
+use messages::layout::Sample;
+
+/// Words with which every message begins.
+const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKI/1");
+/// Octets of a [`Head`].
+const HEAD: usize = 4 * 8;
+/// Octets before the samples of a slice.
+const SLICE_HEAD: usize = size_of::<BatchHeader>() + 8;
+
+/// Statements of a message besides its slices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Head {
+    /// Samples that the sender has left out so far because newer ones took their place.
+    pub(crate) conflated: u64,
+    /// When it was sent by the sender's clocks: UTC, nanoseconds.
+    pub(crate) sent_utc_ns: i64,
+    /// The same, monotonic.
+    pub(crate) sent_mono_ns: i64,
+}
+
+/// A message that is being written.
+#[derive(Clone, Debug)]
+pub(crate) struct Message {
+    octets: Vec<u8>,
+    samples: usize,
+}
+
+impl Message {
+    pub(crate) fn new() -> Self {
+        Self {
+            octets: vec![0; HEAD],
+            samples: 0,
+        }
+    }
+
+    /// Adds a slice.
+    pub(crate) fn add<T: Sample>(&mut self, header: &BatchHeader, samples: &[T]) {
+        self.octets
+            .extend_from_slice(BatchHeader::octets(std::slice::from_ref(header)));
+        self.octets.extend_from_slice(&(samples.len() as u64).to_le_bytes());
+        self.octets.extend_from_slice(T::octets(samples));
+        self.samples += samples.len();
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.octets.len() == HEAD
+    }
+
+    pub(crate) fn octets(&self) -> usize {
+        self.octets.len()
+    }
+
+    /// Number of samples in it.
+    pub(crate) fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// The whole message, with `head`.
+    pub(crate) fn finish(mut self, head: Head) -> Vec<u8> {
+        let words = [
+            MAGIC,
+            head.conflated,
+            head.sent_utc_ns.cast_unsigned(),
+            head.sent_mono_ns.cast_unsigned(),
+        ];
+        for (place, word) in self.octets.chunks_exact_mut(8).zip(words) {
+            place.copy_from_slice(&word.to_le_bytes());
+        }
+        self.octets
+    }
+}
+
+/// A slice of a message, its samples copied.
+pub(crate) type Slice<T> = (BatchHeader, Vec<T>);
+
+/// Reads a message. `None` if it is none, holds a slice of more than `slice_len` samples, or one of another layout than
+/// `T`.
+pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, Vec<Slice<T>>)> {
+    let (head, mut rest) = octets.split_at_checked(HEAD)?;
+    let mut words = head.chunks_exact(8).map(word);
+    if words.next()? != MAGIC {
+        return None;
+    }
+    let head = Head {
+        conflated: words.next()?,
+        sent_utc_ns: words.next()?.cast_signed(),
+        sent_mono_ns: words.next()?.cast_signed(),
+    };
+    let mut slices = Vec::new();
+    while !rest.is_empty() {
+        let (before, after) = rest.split_at_checked(SLICE_HEAD)?;
+        let (header, count) = before.split_at(size_of::<BatchHeader>());
+        let header = BatchHeader::of_octets(header)?;
+        let count = usize::try_from(word(count)).ok().filter(|count| *count <= slice_len)?;
+        if header.schema != T::SCHEMA {
+            return None;
+        }
+        let (samples, after) = after.split_at_checked(count * size_of::<T>())?;
+        let samples: Option<Vec<T>> = samples.chunks_exact(size_of::<T>()).map(T::of_octets).collect();
+        slices.push((header, samples?));
+        rest = after;
+    }
+    Some((head, slices))
+}
+
+fn word(octets: &[u8]) -> u64 {
+    octets.try_into().map_or(0, u64::from_le_bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::{SensorTrack, SystemTrack};
+
+    use super::*;
+
+    fn message() -> Vec<u8> {
+        let mut message = Message::new();
+        let header = BatchHeader {
+            schema: SensorTrack::SCHEMA,
+            first_sequence: 7,
+            ..BatchHeader::default()
+        };
+        let track = SensorTrack {
+            track_number: 3,
+            ..SensorTrack::default()
+        };
+        message.add(&header, &[track, track]);
+        message.add::<SensorTrack>(&header, &[]);
+        message.finish(Head {
+            conflated: 1,
+            sent_utc_ns: -2,
+            sent_mono_ns: 3,
+        })
+    }
+
+    #[test]
+    fn a_message_is_read_as_it_was_written() {
+        let (head, slices) = read::<SensorTrack>(&message(), 64).unwrap();
+        assert_eq!((head.conflated, head.sent_utc_ns, head.sent_mono_ns), (1, -2, 3));
+        assert_eq!(slices.len(), 2);
+        assert_eq!((slices[0].0.first_sequence, slices[0].1[1].track_number), (7, 3));
+        assert!(slices[1].1.is_empty());
+    }
+
+    #[test]
+    fn what_is_no_message_of_the_type_is_refused() {
+        let good = message();
+        assert!(read::<SystemTrack>(&good, 64).is_none(), "another layout");
+        assert!(read::<SensorTrack>(&good, 1).is_none(), "longer than a slice");
+        let whole: Vec<usize> = (0..=good.len())
+            .filter(|cut| read::<SensorTrack>(&good[..*cut], 64).is_some())
+            .collect();
+        let first = HEAD + SLICE_HEAD + 2 * size_of::<SensorTrack>();
+        assert_eq!(whole, [HEAD, first, first + SLICE_HEAD], "cut elsewhere");
+        for place in 0..good.len() {
+            let mut bad = good.clone();
+            bad[place] ^= 0x80;
+            // Whatever it is, nothing panics and nothing is longer than it may be.
+            if let Some((_, slices)) = read::<SensorTrack>(&bad, 64) {
+                assert!(slices.iter().all(|(_, samples)| samples.len() <= 64));
+            }
+        }
+    }
+}
