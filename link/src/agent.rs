@@ -7,7 +7,7 @@ use std::time::Duration;
 use anyhow::anyhow;
 use bus::{Bus, Payload, SharedMemory, WaitMode, Waiter};
 use configuration::{Link, Process};
-use messages::{Counter, SystemTrack, Topic, Visitor};
+use messages::{Counter, FrameOrigin, SystemTrack, Topic, Visitor};
 use runtime::{Agent, HealthEntry, Now, Turn};
 use zenoh::bytes::ZBytes;
 use zenoh::liveliness::LivelinessToken;
@@ -18,10 +18,10 @@ use zenoh::{Session, Wait as _};
 use crate::clocks::{self, Clocks};
 use crate::inbound::Inbound;
 use crate::keys;
-use crate::outbound::{self, Outbound, SharedPicture, Stream, Tracks};
+use crate::outbound::{self, Outbound, Sender, SharedPicture, Stream, Tracks};
 use crate::outbox::Outbox;
 use crate::session;
-use crate::wire::{Head, Message};
+use crate::wire::Message;
 
 /// Time between two comparisons of clocks, nanoseconds.
 const COMPARE_NS: i64 = 1_000_000_000;
@@ -51,6 +51,15 @@ impl LinkAgent {
     /// If an endpoint cannot be had, or shared memory fails.
     pub(crate) fn new(process: &Process, link: &Link) -> anyhow::Result<Self> {
         let deployment = process.config.name.as_str();
+        let place = process.config.frame.to_geodetic([0.0; 3]);
+        let sender = Sender {
+            frame: FrameOrigin {
+                latitude_deg: place.latitude_deg(),
+                longitude_deg: place.longitude_deg(),
+                height_m: place.height_m(),
+            },
+            origin: process.config.origin,
+        };
         let session = session::open(link)?;
         let refused = |what: &str, error: zenoh::Error| anyhow!("{what}: {error}");
         let mut open = Open {
@@ -59,6 +68,7 @@ impl LinkAgent {
             lanes: Vec::new(),
             keys: Vec::new(),
             picture: None,
+            sender,
         };
         for topic in &link.send {
             messages::visit(topic, &mut open).ok_or_else(|| anyhow!("{topic} is no topic"))??;
@@ -70,14 +80,16 @@ impl LinkAgent {
             publisher.wait().map_err(|error| refused(key, error))
         });
         let outbox = Outbox::open(link.queue_octets, publishers.collect::<anyhow::Result<_>>()?)?;
-        let picture = open.picture.map(|picture| tell_picture(&session, deployment, picture));
+        let picture = open
+            .picture
+            .map(|picture| tell_picture(&session, deployment, sender, picture));
         let picture = picture.transpose().map_err(|error| refused("the picture", error))?;
         let own_clock = keys::clock(deployment, &link.name);
         let clock = clocks::answer(&session, &own_clock, 0).map_err(|error| refused("the clock", error))?;
         let token = session.liveliness().declare_token(own_clock.clone()).wait();
         let token = token.map_err(|error| refused("the sign of life", error))?;
         let clocks = Clocks::default();
-        let inbound = Inbound::open(&session, process.bus.root(), &link.receive, &clocks)?;
+        let inbound = Inbound::open(&session, process, link, &clocks)?;
         let mut expected: Vec<String> = link.receive.iter().map(|topic| topic.deployment.clone()).collect();
         expected.dedup();
         Ok(Self {
@@ -103,6 +115,7 @@ struct Open<'a> {
     /// Keys of the lanes.
     keys: Vec<String>,
     picture: Option<SharedPicture>,
+    sender: Sender,
 }
 
 impl Visitor for &mut Open<'_> {
@@ -110,7 +123,7 @@ impl Visitor for &mut Open<'_> {
 
     fn visit<T: Payload>(self, topic: Topic<T>) -> Self::Output {
         let (bus, joined_ns): (&Bus<SharedMemory>, _) = (&self.process.bus, self.process.incarnation);
-        let lane = self.lanes.len();
+        let lane = (self.lanes.len(), self.sender);
         let any: &dyn std::any::Any = &topic;
         let outbound: Box<dyn Outbound> = match any.downcast_ref::<Topic<SystemTrack>>() {
             Some(topic) => {
@@ -129,21 +142,21 @@ impl Visitor for &mut Open<'_> {
 }
 
 /// Answers whoever asks for the picture as it is now.
-fn tell_picture(session: &Session, deployment: &str, picture: SharedPicture) -> zenoh::Result<Queryable<()>> {
+fn tell_picture(
+    session: &Session,
+    deployment: &str,
+    sender: Sender,
+    picture: SharedPicture,
+) -> zenoh::Result<Queryable<()>> {
     let key = keys::picture::<SystemTrack>(deployment);
     let of_answers = key.clone();
     let answer = move |query: Query| {
         let now = Now::read();
         let mut message = Message::new();
         outbound::lock(&picture).tell(&mut message);
-        let head = Head {
-            conflated: 0,
-            sent_utc_ns: now.utc_ns,
-            sent_mono_ns: now.mono_ns,
-        };
         // Whoever asked is gone if it fails.
         let _ = query
-            .reply(of_answers.as_str(), ZBytes::from(message.finish(head)))
+            .reply(of_answers.as_str(), ZBytes::from(message.finish(sender.head(now, 0))))
             .wait();
     };
     session.declare_queryable(key).callback(answer).wait()
@@ -186,7 +199,8 @@ impl Agent for LinkAgent {
         let came = self.inbound.counts();
         entry.set(Counter::Published, came.published);
         entry.set(Counter::LostOnTheWay, came.lost());
-        entry.set(Counter::MessagesRejected, came.rejected);
+        entry.set(Counter::MessagesRejected, came.rejected + self.inbound.overrun());
+        entry.set(Counter::SendFailures, self.outbox.failures());
         entry.note = note(&self.clocks.present(Now::read()), &self.expected);
         entries.push(entry);
     }

@@ -13,14 +13,16 @@ use std::time::Duration;
 
 use anyhow::{Context as _, anyhow};
 use bus::{Bus, Mark, Payload, Publisher, Root, SharedMemory};
-use configuration::RemoteTopic;
-use messages::{BatchHeader, Outgoing, PlatformState, SensorTrack, Topic, WideArea};
+use configuration::{Link, Process, RemoteTopic};
+use frames::{FrameChange, SystemFrame};
+use messages::{BatchHeader, FrameOrigin, Outgoing, Topic};
 use runtime::Now;
 use zenoh::pubsub::Subscriber;
 use zenoh::sample::Sample;
 use zenoh::{Session, Wait as _};
 
 use crate::clocks::Clocks;
+use crate::frame::{self, Placed};
 use crate::keys;
 use crate::wire;
 
@@ -64,19 +66,16 @@ pub(crate) struct Inbound {
 type Arrived = (usize, Vec<u8>);
 
 impl Inbound {
-    /// Receives `topics` over `session`, for the deployment at `root`.
-    pub(crate) fn open(
-        session: &Session,
-        root: &Root,
-        topics: &[RemoteTopic],
-        clocks: &Clocks,
-    ) -> anyhow::Result<Self> {
+    /// Receives over `session` what `link` names, for the deployment of `process`.
+    pub(crate) fn open(session: &Session, process: &Process, link: &Link, clocks: &Clocks) -> anyhow::Result<Self> {
+        let topics = &link.receive;
         let counts = Arc::new(Mutex::new(Counts::default()));
         let overrun = Arc::new(AtomicU64::new(0));
         let (sender, receiver) = sync_channel(WAITING);
         let work = Work {
-            root: root.clone(),
-            topics: topics.to_vec(),
+            root: process.bus.root().clone(),
+            frame: process.config.frame,
+            topics: topics.clone(),
             clocks: clocks.clone(),
             counts: Arc::clone(&counts),
         };
@@ -153,6 +152,7 @@ fn lock(counts: &Mutex<Counts>) -> MutexGuard<'_, Counts> {
 /// Business of the thread.
 struct Work {
     root: Root,
+    frame: SystemFrame,
     topics: Vec<RemoteTopic>,
     clocks: Clocks,
     counts: Arc<Mutex<Counts>>,
@@ -161,7 +161,7 @@ struct Work {
 impl Work {
     fn run(self, receiver: &Receiver<Arrived>) -> anyhow::Result<()> {
         let bus: Bus<SharedMemory> = Bus::open(&self.root, "link-inbound")?;
-        let inlets = self.topics.iter().map(|topic| inlet(&bus, topic));
+        let inlets = self.topics.iter().map(|topic| inlet(&bus, self.frame, topic));
         let mut inlets = inlets.collect::<anyhow::Result<Vec<_>>>()?;
         loop {
             match receiver.recv_timeout(SLEEP) {
@@ -187,20 +187,15 @@ trait Inlet {
     fn take(&mut self, message: &[u8], now: Now, offset_ns: Option<i64>, counts: &mut Counts) -> anyhow::Result<()>;
 }
 
-fn inlet<'a>(bus: &'a Bus<SharedMemory>, remote: &RemoteTopic) -> anyhow::Result<Box<dyn Inlet + 'a>> {
+fn inlet<'a>(
+    bus: &'a Bus<SharedMemory>,
+    frame: SystemFrame,
+    remote: &RemoteTopic,
+) -> anyhow::Result<Box<dyn Inlet + 'a>> {
     let name = || remote.into.split('/').nth(1).unwrap_or_default();
-    fn feed<'a, T: Outgoing + Payload>(bus: &'a Bus<SharedMemory>, topic: Topic<T>) -> Box<dyn Inlet + 'a> {
-        Box::new(Feed {
-            bus,
-            topic,
-            publisher: None,
-            conflated: 0,
-        })
-    }
     match remote.into.split('/').next() {
-        Some("sensor") => Ok(feed::<SensorTrack>(bus, messages::sensor_tracks(name()))),
-        Some("platform") => Ok(feed::<PlatformState>(bus, messages::platform_states(name()))),
-        Some("wide-area") => Ok(feed::<WideArea>(bus, messages::wide_area(name()))),
+        Some("sensor") => Ok(Feed::open(bus, frame, messages::sensor_tracks(name()))),
+        Some("wide-area") => Ok(Feed::open(bus, frame, messages::wide_area(name()))),
         _ => Err(anyhow!("{} is no topic that is fed from outside", remote.into)),
     }
 }
@@ -208,6 +203,9 @@ fn inlet<'a>(bus: &'a Bus<SharedMemory>, remote: &RemoteTopic) -> anyhow::Result
 struct Feed<'a, T: Payload> {
     bus: &'a Bus<SharedMemory>,
     topic: Topic<T>,
+    frame: SystemFrame,
+    /// Frame of what came last, and the change from there; `None` where it is this deployment's.
+    change: (FrameOrigin, Option<FrameChange>),
     publisher: Option<Open<T>>,
     /// Samples left out, as the sender said last.
     conflated: u64,
@@ -220,9 +218,20 @@ struct Open<T: Payload> {
     next_sequence: u64,
 }
 
-impl<T: Outgoing + Payload> Feed<'_, T> {
-    /// The publisher that stands for the one of `header`.
-    fn standing_for(&mut self, header: &BatchHeader, now: Now) -> anyhow::Result<&mut Open<T>> {
+impl<'a, T: Outgoing + Payload + Placed> Feed<'a, T> {
+    fn open(bus: &'a Bus<SharedMemory>, frame: SystemFrame, topic: Topic<T>) -> Box<dyn Inlet + 'a> {
+        Box::new(Self {
+            bus,
+            topic,
+            frame,
+            change: (FrameOrigin::default(), None),
+            publisher: None,
+            conflated: 0,
+        })
+    }
+
+    /// The publisher that stands for the one of `header`, in the deployment whose number is `origin`.
+    fn standing_for(&mut self, header: &BatchHeader, origin: u32, now: Now) -> anyhow::Result<&mut Open<T>> {
         if self
             .publisher
             .as_ref()
@@ -232,7 +241,7 @@ impl<T: Outgoing + Payload> Feed<'_, T> {
             self.publisher = None;
             let publisher = self.bus.publisher(&self.topic, now.mono_ns as u64)?;
             self.publisher = Some(Open {
-                publisher: publisher.of_sensor(header.sensor_uid),
+                publisher: publisher.of_sensor(header.sensor_uid).of_origin(origin),
                 incarnation: header.incarnation,
                 next_sequence: header.first_sequence,
             });
@@ -241,7 +250,7 @@ impl<T: Outgoing + Payload> Feed<'_, T> {
     }
 }
 
-impl<T: Outgoing + Payload> Inlet for Feed<'_, T> {
+impl<T: Outgoing + Payload + Placed> Inlet for Feed<'_, T> {
     fn take(&mut self, message: &[u8], now: Now, offset_ns: Option<i64>, counts: &mut Counts) -> anyhow::Result<()> {
         let Some((head, slices)) = wire::read::<T>(message, self.topic.capacity.slice_len) else {
             counts.rejected += 1;
@@ -250,8 +259,18 @@ impl<T: Outgoing + Payload> Inlet for Feed<'_, T> {
         counts.conflated += head
             .conflated
             .saturating_sub(std::mem::replace(&mut self.conflated, head.conflated));
+        if self.change.0 != head.frame {
+            self.change = match frame::change(&head.frame, &self.frame) {
+                Some(change) => (head.frame, change),
+                None => {
+                    counts.rejected += 1;
+                    return Ok(());
+                }
+            };
+        }
+        let change = self.change.1;
         for (header, mut samples) in slices {
-            let open = self.standing_for(&header, now)?;
+            let open = self.standing_for(&header, head.origin, now)?;
             let Some(missing) = header.first_sequence.checked_sub(open.next_sequence) else {
                 counts.rejected += 1;
                 continue;
@@ -263,6 +282,9 @@ impl<T: Outgoing + Payload> Inlet for Feed<'_, T> {
             for sample in &mut samples {
                 let here_ns = offset_ns.map(|offset_ns| sample.ingested_ns() - offset_ns);
                 sample.came_in(here_ns.unwrap_or(now.mono_ns));
+                if let Some(change) = &change {
+                    sample.change_frame(change);
+                }
             }
             let mark = Mark {
                 progress_ns: header.progress_ns,

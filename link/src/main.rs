@@ -6,6 +6,7 @@
 
 mod agent;
 mod clocks;
+mod frame;
 mod inbound;
 mod keys;
 mod outbound;

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bus::{Bus, Payload, SharedMemory, Subscriber};
-use messages::{BatchHeader, SystemTrack, Topic};
+use messages::{BatchHeader, FrameOrigin, SystemTrack, Topic};
 use runtime::Now;
 
 use crate::outbox::Outbox;
@@ -45,23 +45,39 @@ pub(crate) trait Outbound {
     fn counts(&self) -> Counts;
 }
 
-fn head(now: Now, conflated: u64) -> Head {
-    Head {
-        conflated,
-        sent_utc_ns: now.utc_ns,
-        sent_mono_ns: now.mono_ns,
+/// The deployment that sends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sender {
+    /// Origin of its frame.
+    pub(crate) frame: FrameOrigin,
+    /// Its number.
+    pub(crate) origin: u32,
+}
+
+impl Sender {
+    pub(crate) fn head(self, now: Now, conflated: u64) -> Head {
+        Head {
+            conflated,
+            sent_utc_ns: now.utc_ns,
+            sent_mono_ns: now.mono_ns,
+            frame: self.frame,
+            origin: self.origin,
+        }
     }
 }
 
+/// A lane: its place among those of the outbox, and who sends.
+pub(crate) type Lane = (usize, Sender);
+
 /// A topic whose samples all go out.
 pub(crate) struct Stream<T: Payload> {
-    lane: usize,
+    lane: Lane,
     subscriber: Subscriber<SharedMemory, T>,
     counts: Counts,
 }
 
 impl<T: Payload> Stream<T> {
-    pub(crate) fn open(bus: &Bus<SharedMemory>, topic: &Topic<T>, lane: usize, joined_ns: u64) -> anyhow::Result<Self> {
+    pub(crate) fn open(bus: &Bus<SharedMemory>, topic: &Topic<T>, lane: Lane, joined_ns: u64) -> anyhow::Result<Self> {
         Ok(Self {
             lane,
             subscriber: bus.subscriber(topic, || joined_ns)?,
@@ -72,13 +88,13 @@ impl<T: Payload> Stream<T> {
 
 impl<T: Payload> Outbound for Stream<T> {
     fn turn(&mut self, now: Now, outbox: &Outbox) -> anyhow::Result<bool> {
-        let (lane, counts) = (self.lane, &mut self.counts);
+        let ((lane, sender), counts) = (self.lane, &mut self.counts);
         let mut message = Message::new();
         let mut send = |message: Message| {
             let samples = message.samples() as u64;
             if outbox.has_room(message.octets()) {
                 counts.sent += samples;
-                outbox.put(lane, message.finish(head(now, 0)));
+                outbox.put(lane, message.finish(sender.head(now, 0)));
             } else {
                 counts.unsent += samples;
             }
@@ -134,7 +150,7 @@ impl Tracks {
     pub(crate) fn open(
         bus: &Bus<SharedMemory>,
         topic: &Topic<SystemTrack>,
-        lane: usize,
+        lane: Lane,
         joined_ns: u64,
         picture: SharedPicture,
     ) -> anyhow::Result<Self> {
@@ -178,7 +194,8 @@ impl Tracks {
                 self.ended.retain(|ended| ended.track_number != state.track_number);
             }
             let conflated = self.stream.counts.conflated;
-            outbox.put(self.stream.lane, message.finish(head(now, conflated)));
+            let (lane, sender) = self.stream.lane;
+            outbox.put(lane, message.finish(sender.head(now, conflated)));
         }
         // All that was taken meanwhile and has not gone out never will.
         self.stream.counts.conflated += std::mem::take(&mut self.conflated);
@@ -193,7 +210,7 @@ impl Outbound for Tracks {
         let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
         let stream = &mut self.stream;
         let mut message = Message::new();
-        let (lane, counts) = (stream.lane, &mut stream.counts);
+        let ((lane, sender), counts) = (stream.lane, &mut stream.counts);
         let (held_back, ended, waiting, last) = (
             &mut self.held_back,
             &mut self.ended,
@@ -209,7 +226,7 @@ impl Outbound for Tracks {
                 if message.octets() >= MESSAGE_OCTETS {
                     counts.sent += message.samples() as u64;
                     let message = std::mem::replace(&mut message, Message::new());
-                    outbox.put(lane, message.finish(head(now, counts.conflated)));
+                    outbox.put(lane, message.finish(sender.head(now, counts.conflated)));
                 }
                 return;
             }
@@ -226,7 +243,7 @@ impl Outbound for Tracks {
         })?;
         if !message.is_empty() {
             counts.sent += message.samples() as u64;
-            outbox.put(lane, message.finish(head(now, counts.conflated)));
+            outbox.put(lane, message.finish(sender.head(now, counts.conflated)));
         }
         Ok(slices == SLICES_PER_TURN)
     }

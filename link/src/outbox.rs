@@ -8,9 +8,16 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
+use runtime::clock::instant;
 use zenoh::Wait as _;
 use zenoh::pubsub::Publisher;
+
+/// Time for which the first messages wait for a first reader.
+const FIRST_READER: Duration = Duration::from_secs(2);
+/// Pause between two looks for one.
+const PAUSE: Duration = Duration::from_millis(10);
 
 /// Messages that wait for the network.
 #[derive(Debug)]
@@ -25,7 +32,6 @@ struct Shared {
     waiting: Mutex<Waiting>,
     came: Condvar,
     failures: AtomicU64,
-    sent: AtomicU64,
 }
 
 #[derive(Debug, Default)]
@@ -69,11 +75,6 @@ impl Outbox {
         self.shared.came.notify_one();
     }
 
-    /// Messages handed to the network.
-    pub(crate) fn sent(&self) -> u64 {
-        self.shared.sent.load(Ordering::Relaxed)
-    }
-
     /// Messages that the network has refused.
     pub(crate) fn failures(&self) -> u64 {
         self.shared.failures.load(Ordering::Relaxed)
@@ -90,7 +91,17 @@ impl Drop for Outbox {
     }
 }
 
+/// Waits until somebody reads, but not for long: links that are there already need a moment to say what they want.
+fn wait_for_readers(shared: &Shared, publishers: &[Publisher<'static>]) {
+    let begun = instant();
+    let is_read = |publisher: &Publisher<'_>| publisher.matching_status().wait().is_ok_and(|status| status.matching());
+    while begun.elapsed() < FIRST_READER && !publishers.iter().any(is_read) && !shared.lock().is_closed {
+        std::thread::sleep(PAUSE);
+    }
+}
+
 fn hand_over(shared: &Shared, publishers: &[Publisher<'static>]) {
+    wait_for_readers(shared, publishers);
     loop {
         let mut waiting = shared.lock();
         let (lane, message) = loop {
@@ -104,9 +115,8 @@ fn hand_over(shared: &Shared, publishers: &[Publisher<'static>]) {
         };
         waiting.octets -= message.len();
         drop(waiting);
-        match publishers[lane].put(message).wait() {
-            Ok(()) => shared.sent.fetch_add(1, Ordering::Relaxed),
-            Err(_) => shared.failures.fetch_add(1, Ordering::Relaxed),
-        };
+        if publishers[lane].put(message).wait().is_err() {
+            shared.failures.fetch_add(1, Ordering::Relaxed);
+        }
     }
 }

@@ -4,18 +4,18 @@
 //! samples in eight octets, and the samples. Which type they are is in the key that the message goes to, and in the
 //! header's fingerprint. Octets are in the order of the processors that Koseki runs on, little end first.
 
-use messages::BatchHeader;
 use messages::layout::Sample;
+use messages::{BatchHeader, FrameOrigin};
 
 /// Words with which every message begins.
 const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKI/1");
 /// Octets of a [`Head`].
-const HEAD: usize = 4 * 8;
+const HEAD: usize = 8 * 8;
 /// Octets before the samples of a slice.
 const SLICE_HEAD: usize = size_of::<BatchHeader>() + 8;
 
 /// Statements of a message besides its slices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Head {
     /// Samples that the sender has left out so far because newer ones took their place.
     pub(crate) conflated: u64,
@@ -23,6 +23,10 @@ pub(crate) struct Head {
     pub(crate) sent_utc_ns: i64,
     /// The same, monotonic.
     pub(crate) sent_mono_ns: i64,
+    /// Origin of the frame that its samples' positions are in.
+    pub(crate) frame: FrameOrigin,
+    /// Number of the deployment that sent it; 0: it has none.
+    pub(crate) origin: u32,
 }
 
 /// A message that is being written.
@@ -69,6 +73,10 @@ impl Message {
             head.conflated,
             head.sent_utc_ns.cast_unsigned(),
             head.sent_mono_ns.cast_unsigned(),
+            head.frame.latitude_deg.to_bits(),
+            head.frame.longitude_deg.to_bits(),
+            head.frame.height_m.to_bits(),
+            u64::from(head.origin),
         ];
         for (place, word) in self.octets.chunks_exact_mut(8).zip(words) {
             place.copy_from_slice(&word.to_le_bytes());
@@ -92,6 +100,12 @@ pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, 
         conflated: words.next()?,
         sent_utc_ns: words.next()?.cast_signed(),
         sent_mono_ns: words.next()?.cast_signed(),
+        frame: FrameOrigin {
+            latitude_deg: f64::from_bits(words.next()?),
+            longitude_deg: f64::from_bits(words.next()?),
+            height_m: f64::from_bits(words.next()?),
+        },
+        origin: u32::try_from(words.next()?).ok()?,
     };
     let mut slices = Vec::new();
     while !rest.is_empty() {
@@ -120,6 +134,18 @@ mod tests {
 
     use super::*;
 
+    const HEADED: Head = Head {
+        conflated: 1,
+        sent_utc_ns: -2,
+        sent_mono_ns: 3,
+        frame: FrameOrigin {
+            latitude_deg: 41.3,
+            longitude_deg: -2.0,
+            height_m: 7.0,
+        },
+        origin: 5,
+    };
+
     fn message() -> Vec<u8> {
         let mut message = Message::new();
         let header = BatchHeader {
@@ -133,17 +159,13 @@ mod tests {
         };
         message.add(&header, &[track, track]);
         message.add::<SensorTrack>(&header, &[]);
-        message.finish(Head {
-            conflated: 1,
-            sent_utc_ns: -2,
-            sent_mono_ns: 3,
-        })
+        message.finish(HEADED)
     }
 
     #[test]
     fn a_message_is_read_as_it_was_written() {
         let (head, slices) = read::<SensorTrack>(&message(), 64).unwrap();
-        assert_eq!((head.conflated, head.sent_utc_ns, head.sent_mono_ns), (1, -2, 3));
+        assert_eq!(head, HEADED);
         assert_eq!(slices.len(), 2);
         assert_eq!((slices[0].0.first_sequence, slices[0].1[1].track_number), (7, 3));
         assert!(slices[1].1.is_empty());

@@ -99,6 +99,13 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self
     }
 
+    /// This publisher, stating in every slice the deployment that its samples come from, where that is another one.
+    #[must_use]
+    pub fn of_origin(mut self, origin: u32) -> Self {
+        self.header.origin = origin;
+        self
+    }
+
     /// Sends `count` samples, in as many slices as they need; with none, one empty slice that carries the mark.
     ///
     /// `fill` is called once per sample, in order, with its place in this send (from 0) and its sequence number, and

@@ -482,11 +482,15 @@ impl Config {
             || sensors.iter().any(|sensor| sensor.simulated.is_some())
     }
 
-    /// Whether all sources are recordings: then producers wait for consumers, so that nothing is lost.
+    /// Whether all sources are recordings, some of them perhaps of other hosts: then producers wait for consumers, so
+    /// that nothing is lost.
     pub fn is_recorded(&self) -> bool {
-        self.sources
-            .iter()
-            .all(|source| matches!(source.input, Input::Recorded(_)))
+        self.sources.iter().all(|source| match source.input {
+            Input::Recorded(_) => true,
+            // In order `time` it is what a link brings.
+            Input::External => self.order == Order::Time,
+            Input::Live(_) | Input::Simulated(_) => false,
+        })
     }
 }
 

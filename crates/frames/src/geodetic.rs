@@ -130,6 +130,56 @@ impl SystemFrame {
     }
 }
 
+/// Change from one system frame into another: a rotation and a shift, since both are at rest on the Earth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameChange {
+    /// Axes of the one frame in the other, by rows.
+    rotation: [[f64; 3]; 3],
+    shift_m: [f64; 3],
+}
+
+impl FrameChange {
+    /// The change from `one` frame into the `other`.
+    pub fn between(one: &SystemFrame, other: &SystemFrame) -> Self {
+        // So far that what is rounded on the way by the Earth's centre is nothing beside it.
+        const ARM_M: f64 = 1e6;
+        let through = |[east, north, up]: [f64; 3]| {
+            let local = coordinate!(
+                e = Length::new::<meter>(east),
+                n = Length::new::<meter>(north),
+                u = Length::new::<meter>(up);
+                in SystemEnu
+            );
+            metres(&other.from_ecef.transform(one.from_ecef.inverse_transform(local)))
+        };
+        let shift_m = through([0.0; 3]);
+        let axes = [0, 1, 2].map(|axis| {
+            let mut arm = [0.0; 3];
+            arm[axis] = ARM_M;
+            through(arm)
+        });
+        let rotation = [0, 1, 2].map(|row| axes.map(|axis| (axis[row] - shift_m[row]) / ARM_M));
+        Self { rotation, shift_m }
+    }
+
+    /// A direction, a velocity or the like.
+    pub fn direction(&self, vector: [f64; 3]) -> [f64; 3] {
+        self.rotation
+            .map(|row| (0..3).map(|axis| row[axis] * vector[axis]).sum())
+    }
+
+    /// A position, metres.
+    pub fn position(&self, position_m: [f64; 3]) -> [f64; 3] {
+        let turned = self.direction(position_m);
+        [0, 1, 2].map(|axis| turned[axis] + self.shift_m[axis])
+    }
+
+    /// Axes of the one frame in the other, by rows.
+    pub fn rotation(&self) -> &[[f64; 3]; 3] {
+        &self.rotation
+    }
+}
+
 pub(crate) fn metres(point: &Coordinate<SystemEnu>) -> [f64; 3] {
     [
         point.enu_east().get::<meter>(),
@@ -179,6 +229,23 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_change_of_frame_goes_by_the_earth_and_turns_without_stretching(
+            latitude in -89.0..89.0f64, longitude in -179.0..179.0f64, away in prop::array::uniform2(-2.0..2.0f64),
+            offset in prop::array::uniform3(-2e5..2e5f64),
+        ) {
+            let frame = |latitude, longitude| SystemFrame::at(Geodetic::from_degrees(latitude, longitude, 50.0).unwrap());
+            let (one, other) = (frame(latitude, longitude), frame((latitude + away[0]).clamp(-89.9, 89.9), longitude));
+            let change = FrameChange::between(&one, &other);
+            let by_place = other.to_local(one.to_geodetic(offset));
+            let position = change.position(offset);
+            let length = |vector: [f64; 3]| vector.iter().map(|value| value * value).sum::<f64>().sqrt();
+            for axis in 0..3 {
+                prop_assert!((position[axis] - by_place[axis]).abs() < 1e-4);
+            }
+            prop_assert!((length(change.direction(offset)) - length(offset)).abs() < 1e-6);
+        }
+
         #[test]
         fn to_local_and_back_is_the_same_place(
             latitude in -89.0..89.0f64, longitude in -179.0..179.0f64, height in -100.0..20e3f64,

@@ -271,8 +271,8 @@ counters! {
         "Records sent to other systems.";
     DatagramsSent = "datagrams_sent", Network by [Gateway, Simulator],
         "Datagrams sent to other systems.";
-    SendFailures = "send_failures", NetworkTrouble by [Gateway, Simulator],
-        "Datagrams that could not be sent.";
+    SendFailures = "send_failures", NetworkTrouble by [Gateway, Simulator, Link],
+        "Datagrams or messages that could not be sent.";
     HeightAssumed = "height_assumed", AdapterRemark by [Adapter],
         "Reports without height whose slant range was turned into a place by an assumed one.";
     TracesRejected = "traces_rejected", FusionRemark by [Fusion],
@@ -354,7 +354,7 @@ counters! {
     Conflated = "conflated", Process by [Link],
         "States that were not sent to other hosts because a newer one of the same track took their place.";
     MessagesRejected = "messages_rejected", Process by [Link],
-        "Messages of other hosts that were rejected: malformed, too long, or of another layout.";
+        "Messages of other hosts that were rejected: malformed, of another layout, repeated, or too many at a time.";
     LostOnTheWay = "lost_on_the_way", Process by [Link],
         "Samples of other hosts that were sent and did not arrive; subscribers here count them as lost.";
     Unsent = "unsent", Process by [Link],
