@@ -116,7 +116,7 @@ impl Watcher {
     fn new(bus: &Bus<SharedMemory>) -> Self {
         let topic = messages::system_tracks();
         Self {
-            subscriber: bus.subscriber(&topic, || mono_ns() as u64).unwrap(),
+            subscriber: bus.subscriber(&topic, || mono_ns() as u64).unwrap().of_all_epochs(),
             tally: NumberTally::default(),
         }
     }

@@ -17,6 +17,9 @@
 //! publisher: each leaves a [line](crate::line) that says how far it had come, and a subscriber that finds its queue
 //! empty looks at the lines of those that ended.
 //!
+//! Of a topic with an *epoch* (see `messages::BatchHeader`), the highest one that was heard is the present one: slices
+//! of older epochs, of a fusion that has been replaced, are dropped and counted, unless they are asked for.
+//!
 //! Slices of one publisher come in the order in which they were sent. Between publishers there is no order, and all
 //! that waits from one comes before the next one's: sources that must not displace each other have separate topics.
 
@@ -44,6 +47,9 @@ pub struct Subscriber<S: Transport, T: Payload> {
     publishers: Publishers,
     ends: Option<Ends>,
     counts: SubscriberCounts,
+    /// Epoch of the latest slice.
+    epoch: u64,
+    takes_older: bool,
     failed_connections: Arc<AtomicU64>,
 }
 
@@ -54,6 +60,8 @@ pub enum Received<S: Transport, T: Payload> {
     Slice(Slice<S, T>),
     /// A slice of another layout: counted, and given back.
     Rejected,
+    /// A slice of an older epoch: counted, and given back.
+    OfOlderEpoch,
     /// The queue is empty.
     Nothing,
 }
@@ -82,7 +90,7 @@ impl<S: Transport, T: Payload> Slice<S, T> {
 /// Counts of a subscriber since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SubscriberCounts {
-    /// Samples taken.
+    /// Samples taken, those of older epochs aside.
     pub taken: u64,
     /// Slices taken, the empty ones included.
     pub slices: u64,
@@ -93,6 +101,8 @@ pub struct SubscriberCounts {
     pub lost_at_end: u64,
     /// Samples with a sequence number that had been passed already.
     pub out_of_order: u64,
+    /// Samples dropped because they came from a fusion that has been replaced since.
+    pub of_older_epochs: u64,
     /// Slices refused because their publisher was built with another layout.
     pub schema_mismatch: u64,
     /// Times a connection to a publisher could not be made; others are not affected.
@@ -118,14 +128,23 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             publishers: Publishers::with_room_for(topic.capacity.publishers),
             ends,
             counts: SubscriberCounts::default(),
+            epoch: 0,
+            takes_older: false,
             failed_connections: opened.failed_connections,
         }
+    }
+
+    /// Has slices of older epochs taken as well: for those who write down or judge what was published.
+    #[must_use]
+    pub fn of_all_epochs(mut self) -> Self {
+        self.takes_older = true;
+        self
     }
 
     /// Takes up to `budget` slices and shows each to `visit`, in the order in which its publisher sent them. Returns
     /// how many were taken from the queue: fewer than `budget` means that it is empty.
     ///
-    /// Slices of another layout count towards the budget, but are not shown.
+    /// Slices of another layout or an older epoch count towards the budget, but are not shown.
     ///
     /// # Errors
     /// [`BusError::Take`] if the memory of a publisher cannot be reached. Slices taken before that were shown.
@@ -133,7 +152,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         for count in 0..budget {
             match self.receive()? {
                 Received::Slice(slice) => visit(slice.header(), slice.samples()),
-                Received::Rejected => {}
+                Received::Rejected | Received::OfOlderEpoch => {}
                 Received::Nothing => return Ok(count),
             }
         }
@@ -156,9 +175,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             self.counts.schema_mismatch += 1;
             return Ok(Received::Rejected);
         }
-        let count = slice.samples().len();
-        self.counts.slices += 1;
-        self.counts.taken += count as u64;
+        let (count, epoch) = (slice.samples().len(), header.epoch);
         match self
             .publishers
             .follow(slice.0.origin().value(), header, count, self.joined_ns)
@@ -166,6 +183,13 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             Step::Next { skipped } => self.counts.lost += skipped,
             Step::Passed => self.counts.out_of_order += count as u64,
         }
+        if epoch < self.epoch && !self.takes_older {
+            self.counts.of_older_epochs += count as u64;
+            return Ok(Received::OfOlderEpoch);
+        }
+        self.epoch = self.epoch.max(epoch);
+        self.counts.slices += 1;
+        self.counts.taken += count as u64;
         Ok(Received::Slice(slice))
     }
 
@@ -219,6 +243,11 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     /// Name of the topic.
     pub fn topic(&self) -> &str {
         &self.topic
+    }
+
+    /// Epoch of the latest slice; 0 before the first one, and on topics without.
+    pub fn epoch(&self) -> u64 {
+        self.epoch
     }
 
     /// Counts so far.

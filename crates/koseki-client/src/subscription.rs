@@ -18,9 +18,6 @@ pub struct Subscription<T: Payload = SystemTrack> {
     waiter: Waiter<Medium>,
     // After the ports.
     connection: Connection,
-    /// Epoch of the latest slice; 0 before the first one, and on topics that fusion does not write.
-    epoch: u64,
-    of_older_epochs: u64,
     /// Lost samples that were told with a slice.
     told: u64,
 }
@@ -70,8 +67,6 @@ impl<T: Payload> Subscription<T> {
             subscriber: connection.bus.subscriber(topic, mono_ns)?,
             waiter,
             connection,
-            epoch: 0,
-            of_older_epochs: 0,
             told: 0,
         })
     }
@@ -85,11 +80,19 @@ impl<T: Payload> Subscription<T> {
         let end_ns = mono_ns().saturating_add(timeout_ns);
         let (mut has_ended, mut is_drained) = (false, false);
         loop {
+            let epoch = self.subscriber.epoch();
             match self.subscriber.receive()? {
-                Received::Slice(slice) => match self.of_this_epoch(slice) {
-                    Some(slice) => return Ok(Some(slice)),
-                    None => continue,
-                },
+                Received::Slice(inner) => {
+                    let lost = self.subscriber.counts().lost;
+                    let next = Slice {
+                        starts_epoch: inner.header().epoch > epoch,
+                        inner,
+                        lost: lost - self.told,
+                    };
+                    self.told = lost;
+                    return Ok(Some(next));
+                }
+                Received::OfOlderEpoch => continue,
                 Received::Rejected => {
                     let topic = self.subscriber.topic().to_owned();
                     return Err(Error::Schema { topic });
@@ -115,30 +118,14 @@ impl<T: Payload> Subscription<T> {
         }
     }
 
-    fn of_this_epoch(&mut self, slice: bus::Slice<Medium, T>) -> Option<Slice<T>> {
-        let epoch = slice.header().epoch;
-        if epoch < self.epoch {
-            self.of_older_epochs += slice.samples().len() as u64;
-            return None;
-        }
-        let lost = self.subscriber.counts().lost;
-        let next = Slice {
-            inner: slice,
-            lost: lost - self.told,
-            starts_epoch: epoch > self.epoch,
-        };
-        (self.epoch, self.told) = (epoch, lost);
-        Some(next)
-    }
-
     /// Counts so far.
     pub fn counts(&self) -> Counts {
         let counts = self.subscriber.counts();
         Counts {
-            taken: counts.taken - self.of_older_epochs,
+            taken: counts.taken,
             lost: counts.lost,
-            of_older_epochs: self.of_older_epochs,
-            epoch: self.epoch,
+            of_older_epochs: counts.of_older_epochs,
+            epoch: self.subscriber.epoch(),
         }
     }
 }

@@ -359,6 +359,8 @@ counters! {
         "Samples of other hosts that were sent and did not arrive; subscribers here count them as lost.";
     Unsent = "unsent", Process by [Link],
         "Samples that were not sent to other hosts because the network is slower than they come.";
+    RejectedEpoch = "rejected_epoch", FusionRejection by [Monitor, Gateway, Display],
+        "Samples rejected because they came from a fusion that has been replaced since.";
 }
 
 #[cfg(test)]

@@ -131,6 +131,7 @@ impl<S: Transport> Agent for DisplayAgent<S> {
         entry.set(Counter::Taken, taken.taken);
         entry.set(Counter::Lost, taken.lost);
         entry.set(Counter::RejectedSchema, taken.schema_mismatch);
+        entry.set(Counter::RejectedEpoch, taken.of_older_epochs);
         entry.set(Counter::PicturesSent, traffic.sent.load(Ordering::Relaxed));
         entry.set(Counter::PicturesSkipped, traffic.skipped.load(Ordering::Relaxed));
         let rejected = self.refused.total() + traffic.refused.load(Ordering::Relaxed);

@@ -103,7 +103,7 @@ impl<S: Transport> Input<S> {
         for _ in 0..PASSED_OVER_MAX {
             match self.subscriber.receive()? {
                 Received::Nothing => return Ok(false),
-                Received::Rejected => {}
+                Received::Rejected | Received::OfOlderEpoch => {}
                 Received::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header()),
                 Received::Slice(slice) => {
                     let next = self.count_done(slice.header(), slice.samples().len());

@@ -226,6 +226,7 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
         entry.set(Counter::Taken, taken.taken);
         entry.set(Counter::Lost, taken.lost);
         entry.set(Counter::RejectedSchema, taken.schema_mismatch);
+        entry.set(Counter::RejectedEpoch, taken.of_older_epochs);
         entry.set(Counter::RecordsSent, sent.records);
         entry.set(Counter::TracksDropped, sent.refused() + self.schedule.dropped());
     }

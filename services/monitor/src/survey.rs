@@ -377,6 +377,7 @@ impl Survey {
         counters[Counter::Lost] = own.lost;
         counters[Counter::RejectedOutOfOrder] = own.out_of_order;
         counters[Counter::RejectedSchema] = own.schema_mismatch;
+        counters[Counter::RejectedEpoch] = own.of_older_epochs;
         counters[Counter::RejectedInvalid] = self.book.rejected();
         self.count_late(None, &mut counters);
         counters

@@ -124,7 +124,7 @@ impl<S: Transport> Opening<'_, S> {
         let lines = self.bus.publisher_lines(topic)?;
         self.lines.extend(lines.into_iter().map(|line| (place, line)));
         self.names.push((topic.name.as_str().to_owned(), T::LAYOUT));
-        Ok(self.bus.subscriber(topic, || self.incarnation)?)
+        Ok(self.bus.subscriber(topic, || self.incarnation)?.of_all_epochs())
     }
 
     fn open<T: Payload>(&mut self, topic: &Topic<T>) -> anyhow::Result<()> {

@@ -134,7 +134,8 @@ impl<S: Transport, T: Recorded> TopicFile<S, T> {
         Ok(Self {
             id,
             path: path.display().to_string(),
-            subscriber: place.bus.subscriber(&topic, || place.incarnation)?,
+            // A file says all that was published.
+            subscriber: place.bus.subscriber(&topic, || place.incarnation)?.of_all_epochs(),
             writer: match rows {
                 0 => RowWriter::begin(file, place.first_day_ns)?,
                 _ => RowWriter::resume(file, place.first_day_ns),

@@ -39,6 +39,7 @@ suite! {
     two_publishers_are_counted_apart
     what_eight_leavers_left_is_read
     another_layout_is_refused
+    slices_of_older_epochs_are_dropped_and_counted_unless_asked_for
     lagging_subscribers_never_exhaust_the_memory
     what_is_taken_or_lost_is_what_was_sent
     a_missing_topic_is_named
@@ -262,6 +263,26 @@ fn another_layout_is_refused<S: Transport>() {
     assert_eq!(taken, 1);
     let counts = subscriber.counts();
     assert_eq!((counts.schema_mismatch, counts.taken), (1, 0));
+}
+
+fn slices_of_older_epochs_are_dropped_and_counted_unless_asked_for<S: Transport>() {
+    let home = Home::new();
+    let line = Line::<S>::new(&home, "a", 8, 4);
+    let (mut old, mut new) = (line.publisher(10).with_epoch(1), line.publisher(20).with_epoch(2));
+    let (mut subscriber, mut keeper) = (line.subscriber(5), line.subscriber(5).of_all_epochs());
+    for (publisher, count) in [(&mut old, 1), (&mut new, 2)] {
+        send(publisher, count);
+        assert_eq!(take_all(&mut subscriber).len(), count);
+    }
+    send(&mut old, 3);
+    assert_eq!(take_all(&mut subscriber), [0; 0]);
+    send(&mut new, 1);
+    assert_eq!(take_all(&mut subscriber), [2]);
+    let counts = subscriber.counts();
+    assert_eq!((counts.taken, counts.of_older_epochs, counts.lost), (4, 3, 0));
+    assert_eq!(subscriber.epoch(), 2);
+    assert_eq!(take_all(&mut keeper).len(), 7);
+    assert_eq!((keeper.counts().of_older_epochs, keeper.epoch()), (0, 2));
 }
 
 fn lagging_subscribers_never_exhaust_the_memory<S: Transport>() {

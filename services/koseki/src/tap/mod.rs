@@ -86,6 +86,7 @@ impl Visitor for Reader<'_> {
             let slice = match subscriber.receive()? {
                 Received::Slice(slice) => Some(slice),
                 Received::Rejected => bail!("topic {}: its publisher is of another build", subscriber.topic()),
+                Received::OfOlderEpoch => continue,
                 Received::Nothing => None,
             };
             for sample in slice.iter().flat_map(|slice| slice.samples()).take(left as usize) {

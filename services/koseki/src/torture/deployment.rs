@@ -184,7 +184,8 @@ impl Deployment {
     fn look(&mut self) -> anyhow::Result<()> {
         if self.subscriber.is_none() {
             let bus = self.bus()?;
-            self.subscriber = Some(bus.subscriber(&messages::system_tracks(), || mono_ns() as u64)?);
+            let subscriber = bus.subscriber(&messages::system_tracks(), || mono_ns() as u64)?;
+            self.subscriber = Some(subscriber.of_all_epochs());
         }
         if let Some(subscriber) = &mut self.subscriber {
             let tally = &mut self.tally;

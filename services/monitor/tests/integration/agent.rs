@@ -10,7 +10,7 @@ use configuration::{BUILT_IN_DEMO, Config};
 use hdrhistogram::Histogram;
 use hdrhistogram::serialization::Deserializer;
 use hdrhistogram::serialization::interval_log::{IntervalLogIterator, LogEntry};
-use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind};
+use messages::{Counter, Health, LifeState, NO_SOURCE, ProcessKind, SystemTrack};
 use monitor::{MonitorAgent, Screen};
 use runtime::{Agent, Options, Speed, Turn};
 use serde_json::Value;
@@ -118,6 +118,27 @@ fn what_only_the_monitor_missed_is_kept_apart() {
     let report = bench.report();
     assert_eq!(report["losses"]["monitor_missed"], 6);
     assert_eq!(report["losses"]["reports_lost"], 0);
+}
+
+#[test]
+fn states_of_a_fusion_that_has_been_replaced_are_rejected_and_counted() {
+    let mut bench = Bench::new(&[]);
+    let fusion = |epoch: u64| {
+        let publisher = bench.bus.publisher(&messages::system_tracks(), epoch).unwrap();
+        publisher.with_epoch(epoch)
+    };
+    let mut fusions = [fusion(1), fusion(2)];
+    for speaks in [0, 1, 0] {
+        let state = |_, sequence| SystemTrack {
+            sequence,
+            ..SystemTrack::default()
+        };
+        fusions[speaks].send(bench.mark(), 2, state).unwrap();
+        while bench.turn() == Turn::Worked {}
+    }
+    let counted = [Counter::Taken, Counter::RejectedEpoch, Counter::Lost];
+    let counters = bench.own_health().counters;
+    assert_eq!(counted.map(|counter| counters[counter]), [4, 2, 0]);
 }
 
 #[test]
