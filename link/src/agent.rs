@@ -16,12 +16,13 @@ use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait as _};
 
 use crate::clocks::{self, Clocks};
+use crate::feed;
 use crate::inbound::Inbound;
 use crate::keys;
 use crate::outbound::{self, Outbound, Sender, SharedPicture, Stream, Tracks};
 use crate::outbox::Outbox;
 use crate::session;
-use crate::wire::Message;
+use crate::wire::{Head, Message};
 
 /// Time between two comparisons of clocks, nanoseconds.
 const COMPARE_NS: i64 = 1_000_000_000;
@@ -89,7 +90,12 @@ impl LinkAgent {
         let token = session.liveliness().declare_token(own_clock.clone()).wait();
         let token = token.map_err(|error| refused("the sign of life", error))?;
         let clocks = Clocks::default();
-        let inbound = Inbound::open(&session, process, link, &clocks)?;
+        let inbound = Inbound::open(
+            &session,
+            process.bus.root(),
+            feed::wanted(link, process.config.frame)?,
+            &clocks,
+        )?;
         let mut expected: Vec<String> = link.receive.iter().map(|topic| topic.deployment.clone()).collect();
         expected.dedup();
         Ok(Self {
@@ -155,8 +161,12 @@ fn tell_picture(
         let mut message = Message::new();
         outbound::lock(&picture).tell(&mut message);
         // Whoever asked is gone if it fails.
+        let head = Head {
+            is_picture: true,
+            ..sender.head(now, 0)
+        };
         let _ = query
-            .reply(of_answers.as_str(), ZBytes::from(message.finish(sender.head(now, 0))))
+            .reply(of_answers.as_str(), ZBytes::from(message.finish(head)))
             .wait();
     };
     session.declare_queryable(key).callback(answer).wait()

@@ -1,35 +1,31 @@
-//! What comes in: topics of other deployments, for external sources of this one.
+//! What comes in: topics of other deployments.
 //!
-//! Each message is checked, and its slices are published here as their source published them there: the same samples,
-//! the same marks of progress, gaps where something was lost on the way. Stamps of the other host's monotonic clock are
-//! turned into this one's, as far as the clocks have been compared. That is done in a thread of its own, which sleeps
-//! until a message comes.
+//! Messages wait for a thread of their own, which sleeps until one comes. An [`Inlet`] checks it and publishes its slices
+//! here.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use anyhow::{Context as _, anyhow};
-use bus::{Bus, Mark, Payload, Publisher, Root, SharedMemory};
-use configuration::{Link, Process, RemoteTopic};
-use frames::{FrameChange, SystemFrame};
-use messages::{BatchHeader, FrameOrigin, Outgoing, Topic};
+use anyhow::anyhow;
+use bus::{Bus, Root, SharedMemory};
 use runtime::Now;
 use zenoh::pubsub::Subscriber;
+use zenoh::query::Reply;
 use zenoh::sample::Sample;
 use zenoh::{Session, Wait as _};
 
 use crate::clocks::Clocks;
-use crate::frame::{self, Placed};
 use crate::keys;
-use crate::wire;
 
 /// Messages that wait to be published at most.
 const WAITING: usize = 1024;
 /// Longest sleep, so that the end is noticed.
 const SLEEP: Duration = Duration::from_millis(100);
+/// Time between two questions for what is lacking, nanoseconds.
+const ASK_NS: i64 = 500_000_000;
 
 /// Counts of what comes in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,66 +49,82 @@ impl Counts {
     }
 }
 
+/// A topic that is wanted.
+pub(crate) struct Wanted {
+    /// Deployment that has it.
+    pub(crate) deployment: String,
+    /// Its name there.
+    pub(crate) topic: String,
+    /// Makes what takes its messages, in the thread that does.
+    pub(crate) inlet: Box<dyn FnOnce() -> Box<dyn Inlet> + Send>,
+}
+
 /// The topics that come in. They come until this is dropped.
 #[derive(Debug)]
 pub(crate) struct Inbound {
     counts: Arc<Mutex<Counts>>,
     overrun: Arc<AtomicU64>,
     subscribers: Vec<Subscriber<()>>,
+    is_closed: Arc<AtomicBool>,
     thread: Option<JoinHandle<anyhow::Result<()>>>,
 }
 
-/// A message and the place of its topic among those received.
+/// A message and the place of its topic among those wanted.
 type Arrived = (usize, Vec<u8>);
 
+/// Where what comes waits for the thread.
+#[derive(Clone)]
+struct Entrance {
+    sender: SyncSender<Arrived>,
+    overrun: Arc<AtomicU64>,
+}
+
+impl Entrance {
+    fn arrive(&self, index: usize, sample: &Sample) {
+        let message = sample.payload().to_bytes().into_owned();
+        // What finds no room is missing from the sequence, and counted there; what is dropped at the end is not.
+        if let Err(TrySendError::Full(_)) = self.sender.try_send((index, message)) {
+            self.overrun.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
 impl Inbound {
-    /// Receives over `session` what `link` names, for the deployment of `process`.
-    pub(crate) fn open(session: &Session, process: &Process, link: &Link, clocks: &Clocks) -> anyhow::Result<Self> {
-        let topics = &link.receive;
+    /// Receives over `session` what is `wanted`, for the deployment at `root`.
+    pub(crate) fn open(session: &Session, root: &Root, wanted: Vec<Wanted>, clocks: &Clocks) -> anyhow::Result<Self> {
         let counts = Arc::new(Mutex::new(Counts::default()));
-        let overrun = Arc::new(AtomicU64::new(0));
         let (sender, receiver) = sync_channel(WAITING);
+        let is_closed = Arc::new(AtomicBool::new(false));
+        let entrance = Entrance {
+            sender,
+            overrun: Arc::new(AtomicU64::new(0)),
+        };
+        let mut subscribers = Vec::new();
+        for (index, each) in wanted.iter().enumerate() {
+            let key = keys::topic_of_any_layout(&each.deployment, &each.topic);
+            let entrance = entrance.clone();
+            let arrive = move |sample: Sample| entrance.arrive(index, &sample);
+            let subscriber = session.declare_subscriber(key.clone()).callback(arrive).wait();
+            subscribers.push(subscriber.map_err(|error| anyhow!("subscribing to {key}: {error}"))?);
+        }
+        let overrun = Arc::clone(&entrance.overrun);
         let work = Work {
-            root: process.bus.root().clone(),
-            frame: process.config.frame,
-            topics: topics.clone(),
+            root: root.clone(),
+            wanted,
             clocks: clocks.clone(),
             counts: Arc::clone(&counts),
+            session: session.clone(),
+            entrance,
+            is_closed: Arc::clone(&is_closed),
         };
         let thread = std::thread::Builder::new().name("inbound".to_owned());
-        let thread = thread.spawn(move || work.run(&receiver))?;
-        let mut inbound = Self {
+        Ok(Self {
             counts,
             overrun,
-            subscribers: Vec::new(),
-            thread: Some(thread),
-        };
-        for (index, topic) in topics.iter().enumerate() {
-            inbound.subscribe(session, index, topic, sender.clone())?;
-        }
-        Ok(inbound)
-    }
-
-    fn subscribe(
-        &mut self,
-        session: &Session,
-        index: usize,
-        topic: &RemoteTopic,
-        sender: SyncSender<Arrived>,
-    ) -> anyhow::Result<()> {
-        let key = keys::topic_of_any_layout(&topic.deployment, &topic.topic);
-        let overrun = Arc::clone(&self.overrun);
-        // What finds no room is missing from the sequence, and counted there; what is dropped at the end is not.
-        let arrive = move |sample: Sample| {
-            let message = sample.payload().to_bytes().into_owned();
-            if let Err(TrySendError::Full(_)) = sender.try_send((index, message)) {
-                overrun.fetch_add(1, Ordering::Relaxed);
-            }
-        };
-        let subscriber = session.declare_subscriber(key.clone()).callback(arrive).wait();
-        self.subscribers
-            .push(subscriber.map_err(|error| anyhow!("subscribing to {key}: {error}"))?);
-        Ok(())
+            subscribers,
+            is_closed,
+            thread: Some(thread.spawn(move || work.run(&receiver))?),
+        })
     }
 
     pub(crate) fn counts(&self) -> Counts {
@@ -137,8 +149,8 @@ impl Inbound {
 
 impl Drop for Inbound {
     fn drop(&mut self) {
-        // With the last sender gone, the thread ends.
         self.subscribers.clear();
+        self.is_closed.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -152,151 +164,75 @@ fn lock(counts: &Mutex<Counts>) -> MutexGuard<'_, Counts> {
 /// Business of the thread.
 struct Work {
     root: Root,
-    frame: SystemFrame,
-    topics: Vec<RemoteTopic>,
+    wanted: Vec<Wanted>,
     clocks: Clocks,
     counts: Arc<Mutex<Counts>>,
+    session: Session,
+    entrance: Entrance,
+    is_closed: Arc<AtomicBool>,
 }
 
 impl Work {
     fn run(self, receiver: &Receiver<Arrived>) -> anyhow::Result<()> {
         let bus: Bus<SharedMemory> = Bus::open(&self.root, "link-inbound")?;
-        let inlets = self.topics.iter().map(|topic| inlet(&bus, self.frame, topic));
-        let mut inlets = inlets.collect::<anyhow::Result<Vec<_>>>()?;
-        loop {
-            match receiver.recv_timeout(SLEEP) {
-                Ok((index, message)) => {
-                    let now = Now::read();
-                    let offset = self.clocks.of(&self.topics[index].deployment);
-                    let offset_ns = offset.map(|comparison| comparison.mono_offset_ns);
-                    let mut counts = *lock(&self.counts);
-                    counts.messages += 1;
-                    inlets[index].take(&message, now, offset_ns, &mut counts)?;
-                    *lock(&self.counts) = counts;
+        let open = |wanted: Wanted| (wanted.deployment, (wanted.inlet)());
+        let mut inlets: Vec<(String, Box<dyn Inlet>)> = self.wanted.into_iter().map(open).collect();
+        let mut asked_ns = vec![i64::MIN; inlets.len()];
+        while !self.is_closed.load(Ordering::Relaxed) {
+            let arrived = receiver.recv_timeout(SLEEP);
+            let now = Now::read();
+            if let Ok((index, message)) = arrived {
+                let (deployment, inlet) = &mut inlets[index];
+                let offset = self.clocks.of(deployment);
+                let arrival = Arrival {
+                    bus: &bus,
+                    message: &message,
+                    now,
+                    offset_ns: offset.map(|comparison| comparison.mono_offset_ns),
+                };
+                let mut counts = *lock(&self.counts);
+                counts.messages += 1;
+                inlet.take(arrival, &mut counts)?;
+                *lock(&self.counts) = counts;
+            }
+            for (index, (_, inlet)) in inlets.iter().enumerate() {
+                // It may be a while until somebody answers.
+                if let Some(key) = inlet.lacks().filter(|_| now.mono_ns - asked_ns[index] >= ASK_NS) {
+                    asked_ns[index] = now.mono_ns;
+                    let entrance = self.entrance.clone();
+                    let take = move |reply: Reply| {
+                        if let Ok(sample) = reply.result() {
+                            entrance.arrive(index, sample);
+                        }
+                    };
+                    // Without anybody there is no answer, and it is asked again.
+                    let _ = self.session.get(key).callback(take).wait();
                 }
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return Ok(()),
             }
         }
+        Ok(())
     }
+}
+
+/// A message that has arrived.
+pub(crate) struct Arrival<'a> {
+    pub(crate) bus: &'a Bus<SharedMemory>,
+    pub(crate) message: &'a [u8],
+    pub(crate) now: Now,
+    /// The other host's monotonic clock less this one's, nanoseconds.
+    pub(crate) offset_ns: Option<i64>,
 }
 
 /// A topic that is fed from another host.
-trait Inlet {
-    /// Publishes a message's slices. `offset_ns` is the other host's monotonic clock less this one's.
-    fn take(&mut self, message: &[u8], now: Now, offset_ns: Option<i64>, counts: &mut Counts) -> anyhow::Result<()>;
-}
+pub(crate) trait Inlet {
+    /// Publishes a message's slices.
+    ///
+    /// # Errors
+    /// If shared memory fails.
+    fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()>;
 
-fn inlet<'a>(
-    bus: &'a Bus<SharedMemory>,
-    frame: SystemFrame,
-    remote: &RemoteTopic,
-) -> anyhow::Result<Box<dyn Inlet + 'a>> {
-    let name = || remote.into.split('/').nth(1).unwrap_or_default();
-    match remote.into.split('/').next() {
-        Some("sensor") => Ok(Feed::open(bus, frame, messages::sensor_tracks(name()))),
-        Some("wide-area") => Ok(Feed::open(bus, frame, messages::wide_area(name()))),
-        _ => Err(anyhow!("{} is no topic that is fed from outside", remote.into)),
-    }
-}
-
-struct Feed<'a, T: Payload> {
-    bus: &'a Bus<SharedMemory>,
-    topic: Topic<T>,
-    frame: SystemFrame,
-    /// Frame of what came last, and the change from there; `None` where it is this deployment's.
-    change: (FrameOrigin, Option<FrameChange>),
-    publisher: Option<Open<T>>,
-    /// Samples left out, as the sender said last.
-    conflated: u64,
-}
-
-/// The publisher that stands here for one there.
-struct Open<T: Payload> {
-    publisher: Publisher<SharedMemory, T>,
-    incarnation: u64,
-    next_sequence: u64,
-}
-
-impl<'a, T: Outgoing + Payload + Placed> Feed<'a, T> {
-    fn open(bus: &'a Bus<SharedMemory>, frame: SystemFrame, topic: Topic<T>) -> Box<dyn Inlet + 'a> {
-        Box::new(Self {
-            bus,
-            topic,
-            frame,
-            change: (FrameOrigin::default(), None),
-            publisher: None,
-            conflated: 0,
-        })
-    }
-
-    /// The publisher that stands for the one of `header`, in the deployment whose number is `origin`.
-    fn standing_for(&mut self, header: &BatchHeader, origin: u32, now: Now) -> anyhow::Result<&mut Open<T>> {
-        if self
-            .publisher
-            .as_ref()
-            .is_none_or(|open| open.incarnation != header.incarnation)
-        {
-            // The one before is gone first: a topic has room for one and its successor.
-            self.publisher = None;
-            let publisher = self.bus.publisher(&self.topic, now.mono_ns as u64)?;
-            self.publisher = Some(Open {
-                publisher: publisher.of_sensor(header.sensor_uid).of_origin(origin),
-                incarnation: header.incarnation,
-                next_sequence: header.first_sequence,
-            });
-        }
-        self.publisher.as_mut().context("it was just opened")
-    }
-}
-
-impl<T: Outgoing + Payload + Placed> Inlet for Feed<'_, T> {
-    fn take(&mut self, message: &[u8], now: Now, offset_ns: Option<i64>, counts: &mut Counts) -> anyhow::Result<()> {
-        let Some((head, slices)) = wire::read::<T>(message, self.topic.capacity.slice_len) else {
-            counts.rejected += 1;
-            return Ok(());
-        };
-        counts.conflated += head
-            .conflated
-            .saturating_sub(std::mem::replace(&mut self.conflated, head.conflated));
-        if self.change.0 != head.frame {
-            self.change = match frame::change(&head.frame, &self.frame) {
-                Some(change) => (head.frame, change),
-                None => {
-                    counts.rejected += 1;
-                    return Ok(());
-                }
-            };
-        }
-        let change = self.change.1;
-        for (header, mut samples) in slices {
-            let open = self.standing_for(&header, head.origin, now)?;
-            let Some(missing) = header.first_sequence.checked_sub(open.next_sequence) else {
-                counts.rejected += 1;
-                continue;
-            };
-            counts.missing += missing;
-            counts.published += samples.len() as u64;
-            open.publisher.pass_over(missing);
-            open.next_sequence = header.first_sequence + samples.len() as u64;
-            for sample in &mut samples {
-                let here_ns = offset_ns.map(|offset_ns| sample.ingested_ns() - offset_ns);
-                sample.came_in(here_ns.unwrap_or(now.mono_ns));
-                if let Some(change) = &change {
-                    sample.change_frame(change);
-                }
-            }
-            let mark = Mark {
-                progress_ns: header.progress_ns,
-                sent_ns: now.mono_ns,
-                end: header.flags & BatchHeader::END != 0,
-            };
-            open.publisher.send(mark, samples.len(), |index, sequence| {
-                let mut sample = samples[index];
-                sample.leave(sequence, now.mono_ns);
-                sample
-            })?;
-        }
-        Ok(())
+    /// Key at which what it lacks can be asked for; `None` if it lacks nothing.
+    fn lacks(&self) -> Option<String> {
+        None
     }
 }

@@ -6,6 +6,7 @@
 
 mod agent;
 mod clocks;
+mod feed;
 mod frame;
 mod inbound;
 mod keys;
@@ -13,6 +14,7 @@ mod outbound;
 mod outbox;
 mod picture;
 mod session;
+mod stand_in;
 mod wire;
 
 use std::path::PathBuf;

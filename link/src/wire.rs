@@ -10,7 +10,7 @@ use messages::{BatchHeader, FrameOrigin};
 /// Words with which every message begins.
 const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKI/1");
 /// Octets of a [`Head`].
-const HEAD: usize = 8 * 8;
+const HEAD: usize = 9 * 8;
 /// Octets before the samples of a slice.
 const SLICE_HEAD: usize = size_of::<BatchHeader>() + 8;
 
@@ -27,6 +27,8 @@ pub(crate) struct Head {
     pub(crate) frame: FrameOrigin,
     /// Number of the deployment that sent it; 0: it has none.
     pub(crate) origin: u32,
+    /// Whether it is the whole picture, for who asked, not what comes next.
+    pub(crate) is_picture: bool,
 }
 
 /// A message that is being written.
@@ -77,6 +79,7 @@ impl Message {
             head.frame.longitude_deg.to_bits(),
             head.frame.height_m.to_bits(),
             u64::from(head.origin),
+            u64::from(head.is_picture),
         ];
         for (place, word) in self.octets.chunks_exact_mut(8).zip(words) {
             place.copy_from_slice(&word.to_le_bytes());
@@ -106,6 +109,7 @@ pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, 
             height_m: f64::from_bits(words.next()?),
         },
         origin: u32::try_from(words.next()?).ok()?,
+        is_picture: words.next()? == 1,
     };
     let mut slices = Vec::new();
     while !rest.is_empty() {
@@ -144,6 +148,7 @@ mod tests {
             height_m: 7.0,
         },
         origin: 5,
+        is_picture: true,
     };
 
     fn message() -> Vec<u8> {
