@@ -217,7 +217,7 @@ impl Agent for LinkAgent {
 }
 
 /// Peers that are there, how far away they are and how their clocks differ; and who is missing.
-fn note(present: &[(String, String, clocks::Comparison)], expected: &[String]) -> String {
+pub(crate) fn note(present: &[(String, String, clocks::Comparison)], expected: &[String]) -> String {
     let ms = |ns: i64| ns as f64 / 1e6;
     let mut note = String::new();
     for (deployment, _, comparison) in present {

@@ -1,7 +1,7 @@
 //! What comes in: topics of other deployments.
 //!
-//! Messages wait for a thread of their own, which sleeps until one comes. An [`Inlet`] checks it and publishes its slices
-//! here.
+//! Messages wait for a thread of their own, which sleeps until one comes. An [`Inlet`] checks it and publishes its
+//! slices here.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -197,7 +197,10 @@ impl Work {
             }
             for (index, (_, inlet)) in inlets.iter().enumerate() {
                 // It may be a while until somebody answers.
-                if let Some(key) = inlet.lacks().filter(|_| now.mono_ns - asked_ns[index] >= ASK_NS) {
+                if let Some(key) = inlet
+                    .lacks()
+                    .filter(|_| now.mono_ns.saturating_sub(asked_ns[index]) >= ASK_NS)
+                {
                     asked_ns[index] = now.mono_ns;
                     let entrance = self.entrance.clone();
                     let take = move |reply: Reply| {

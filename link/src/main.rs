@@ -10,6 +10,7 @@ mod feed;
 mod frame;
 mod inbound;
 mod keys;
+mod mirror;
 mod outbound;
 mod outbox;
 mod picture;
@@ -38,6 +39,45 @@ struct Cli {
 enum Command {
     /// Run one link of a deployment that is up; `koseki up` and `koseki link` call this
     Join(Join),
+    /// Show a deployment of another host as an instance here, for displays, gateways and other readers
+    #[command(after_help = MIRROR_EXAMPLES)]
+    Mirror(Mirror),
+}
+
+const MIRROR_EXAMPLES: &str = "\
+Examples:
+  koseki-link mirror --config tower.toml --connect tls/tower.example:7447 --certificates
+  koseki top --instance tower                 in another terminal, as if it ran here
+  koseki display --config tower.toml
+
+The configuration is the other deployment's, whose [[link]] must send the topics.";
+
+#[derive(Debug, Args)]
+struct Mirror {
+    /// Configuration of the other deployment, a TOML file
+    #[arg(long, value_name = "CONFIG")]
+    config: PathBuf,
+    /// Endpoint of its link, such as tls/tower.example:7447 (repeatable)
+    #[arg(long, value_name = "ENDPOINT", required_unless_present = "listen")]
+    connect: Vec<String>,
+    /// Endpoint at which its link reaches this mirror (repeatable)
+    #[arg(long, value_name = "ENDPOINT")]
+    listen: Vec<String>,
+    /// Use the certificates, or user and password, of the configuration's first link
+    #[arg(long)]
+    certificates: bool,
+    /// Topics [default: system/tracks,system/alarms,health,system/frame-origin]
+    #[arg(
+        long,
+        value_name = "TOPICS",
+        value_delimiter = ',',
+        hide_default_value = true,
+        default_value = "system/tracks,system/alarms,health,system/frame-origin"
+    )]
+    topics: Vec<String>,
+    /// Name of the instance here [default: the configuration's name]
+    #[arg(long, value_name = "NAME")]
+    instance: Option<String>,
 }
 
 #[derive(Debug, Args)]
@@ -63,6 +103,7 @@ fn main() -> ExitCode {
     let Cli { command } = Cli::parse();
     let done = match command {
         Command::Join(join) => run(join),
+        Command::Mirror(mirror) => mirror::run(mirror),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

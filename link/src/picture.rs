@@ -10,8 +10,13 @@ use crate::wire::Message;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Picture {
     states: BTreeMap<u32, SystemTrack>,
+    /// Sequence numbers of the last words of tracks that have ended lately.
+    ended: BTreeMap<u32, u64>,
     header: BatchHeader,
 }
+
+/// Tracks that have ended of which it is remembered.
+const ENDED_MAX: usize = 4096;
 
 impl Picture {
     /// Takes a slice of states. What comes from a fusion before the one heard last is left aside.
@@ -23,10 +28,30 @@ impl Picture {
         for state in states {
             if TrackState::from_code(state.state) == Some(TrackState::Terminated) {
                 self.states.remove(&state.track_number);
+                if self.ended.len() >= ENDED_MAX {
+                    // Numbers rise: the smallest ended first, or nearly so.
+                    self.ended.pop_first();
+                }
+                self.ended.insert(state.track_number, state.sequence);
             } else {
                 self.states.insert(state.track_number, *state);
             }
         }
+    }
+
+    /// Whether a state of a slice with this header is newer than what is known of its track.
+    pub(crate) fn is_news(&self, header: &BatchHeader, state: &SystemTrack) -> bool {
+        if header.epoch != self.header.epoch {
+            return header.epoch > self.header.epoch;
+        }
+        let ended = self.ended.get(&state.track_number);
+        let known = self.states.get(&state.track_number).map(|known| &known.sequence);
+        known.max(ended).is_none_or(|known| state.sequence > *known)
+    }
+
+    /// All states, by the numbers of their tracks.
+    pub(crate) fn states(&self) -> impl Iterator<Item = &SystemTrack> {
+        self.states.values()
     }
 
     /// The newest state of a track.

@@ -12,6 +12,9 @@ use runtime::Now;
 use crate::inbound::{Arrival, Counts};
 use crate::wire::{self, Head, Slice};
 
+/// Place of samples that are told apart from their sequence, and of what comes next where nothing has come yet.
+pub(crate) const UNNUMBERED: u64 = u64::MAX;
+
 /// Publishers here that stand, one after another, for those of a topic elsewhere.
 pub(crate) struct StandIn<T: Payload> {
     pub(crate) topic: Topic<T>,
@@ -53,6 +56,7 @@ impl<T: Payload> StandIn<T> {
     pub(crate) fn missing(&self, header: &BatchHeader) -> Option<u64> {
         let same = |open: &&Open<T>| open.stands_for == (header.incarnation, header.epoch);
         let next = self.open.as_ref().filter(same).map(|open| open.next_sequence);
+        let next = next.filter(|next| *next != UNNUMBERED);
         header.first_sequence.checked_sub(next.unwrap_or(header.first_sequence))
     }
 
@@ -69,7 +73,11 @@ impl<T: Payload> StandIn<T> {
         now: Now,
         mut last: impl FnMut(&mut T, u64),
     ) -> anyhow::Result<()> {
-        let missing = self.missing(header).unwrap_or(0);
+        let missing = if header.first_sequence == UNNUMBERED {
+            0
+        } else {
+            self.missing(header).unwrap_or(0)
+        };
         let stands_for = (header.incarnation, header.epoch);
         if self.open.as_ref().is_none_or(|open| open.stands_for != stands_for) {
             // The one before is gone first: a topic has room for one and its successor.
@@ -79,7 +87,7 @@ impl<T: Payload> StandIn<T> {
             self.open = Some(Open {
                 publisher: publisher.with_epoch(header.epoch),
                 stands_for,
-                next_sequence: header.first_sequence,
+                next_sequence: UNNUMBERED,
             });
         }
         let open = self.open.as_mut().context("it was just opened")?;

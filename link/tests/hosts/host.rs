@@ -46,11 +46,16 @@ impl Host {
         self.folder.path().join(name)
     }
 
+    /// Folder in which its instances live.
+    pub(crate) fn shared(&self) -> PathBuf {
+        self.path("shared")
+    }
+
     /// A command of Koseki on this host.
     pub(crate) fn koseki(&self) -> Command {
         let mut command = Command::new(&self.koseki);
         command
-            .env("KOSEKI_ROOT", self.path("shared"))
+            .env("KOSEKI_ROOT", self.shared())
             .env("KOSEKI_LINK", env!("CARGO_BIN_EXE_koseki-link"))
             .current_dir(self.folder.path());
         command
@@ -105,7 +110,15 @@ impl Deployment {
 
     /// Waits until all its processes run.
     pub(crate) fn until_up(&mut self) {
-        until(|| self.said().contains(" runs after "), || self.said());
+        let said = self.said.clone();
+        let said = || std::fs::read_to_string(&said).unwrap_or_default();
+        until(
+            || {
+                assert!(matches!(self.launcher.try_wait(), Ok(None)), "{}", said());
+                said().contains(" runs after ")
+            },
+            said,
+        );
     }
 
     /// Waits until it has ended by itself. Returns its report.

@@ -5,5 +5,6 @@
 //! `skipped`, unless `$KOSEKI_REQUIRE_DATA` is set.
 
 mod host;
+mod mirror;
 mod relay;
 mod remote_sensor;

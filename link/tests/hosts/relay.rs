@@ -1,9 +1,9 @@
-//! A relay between two hosts: what passes is late by a time that wavers, and now and then nothing passes for a while.
+//! A relay between two hosts: what passes is late by a time that wavers, and it can be cut.
 
 use std::collections::VecDeque;
 use std::io::{Read as _, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
-use std::sync::{Arc, Condvar, Mutex};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -16,22 +16,73 @@ pub(crate) struct Delays {
     pub(crate) jitter: Duration,
 }
 
-/// Relays connections from a port of its own to `port`, for ever. Returns its port.
-pub(crate) fn relay(port: u16, delays: Delays) -> u16 {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let own = listener.local_addr().unwrap().port();
-    thread::spawn(move || {
-        for near in listener.incoming() {
-            let Ok(near) = near else { return };
-            // Whoever asks before the other side is there asks again.
-            let Ok(far) = TcpStream::connect(("127.0.0.1", port)) else {
-                continue;
-            };
-            pass(near.try_clone().unwrap(), far.try_clone().unwrap(), delays, 1);
-            pass(far, near, delays, 2);
+impl Delays {
+    pub(crate) const NONE: Self = Self {
+        mean: Duration::ZERO,
+        jitter: Duration::ZERO,
+    };
+}
+
+/// A relay, until the test ends.
+pub(crate) struct Relay {
+    port: u16,
+    state: Arc<Mutex<State>>,
+}
+
+#[derive(Default)]
+struct State {
+    is_cut: bool,
+    connections: Vec<TcpStream>,
+}
+
+fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
+    state.lock().unwrap()
+}
+
+impl Relay {
+    /// Relays connections from a port of its own to `port`.
+    pub(crate) fn to(port: u16, delays: Delays) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let own = listener.local_addr().unwrap().port();
+        let state = Arc::new(Mutex::new(State::default()));
+        let of_thread = Arc::clone(&state);
+        thread::spawn(move || {
+            for near in listener.incoming() {
+                let Ok(near) = near else { return };
+                let mut state = lock(&of_thread);
+                // Whoever asks before the other side is there asks again.
+                let Ok(far) = TcpStream::connect(("127.0.0.1", port)) else {
+                    continue;
+                };
+                if state.is_cut {
+                    continue;
+                }
+                state
+                    .connections
+                    .extend([near.try_clone().unwrap(), far.try_clone().unwrap()]);
+                pass(near.try_clone().unwrap(), far.try_clone().unwrap(), delays, 1);
+                pass(far, near, delays, 2);
+            }
+        });
+        Self { port: own, state }
+    }
+
+    pub(crate) fn port(&self) -> u16 {
+        self.port
+    }
+
+    /// Ends all connections, and lets none through.
+    pub(crate) fn cut(&self) {
+        let mut state = lock(&self.state);
+        state.is_cut = true;
+        for connection in state.connections.drain(..) {
+            let _ = connection.shutdown(Shutdown::Both);
         }
-    });
-    own
+    }
+
+    pub(crate) fn mend(&self) {
+        lock(&self.state).is_cut = false;
+    }
 }
 
 type Waiting = Arc<(Mutex<VecDeque<(Instant, Vec<u8>)>>, Condvar)>;

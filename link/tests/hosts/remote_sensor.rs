@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::host::{Host, free_port};
-use crate::relay::{Delays, relay};
+use crate::relay::{Delays, Relay};
 
 const COMMON: &str = r#"
 [frame]
@@ -77,7 +77,8 @@ fn fusion_in_order_of_time_makes_the_same_of_a_sensor_behind_a_slow_line() {
         mean: Duration::from_millis(20),
         jitter: Duration::from_millis(5),
     };
-    let near = relay(port, delays);
+    let relay = Relay::to(port, delays);
+    let near = relay.port();
     let (west, east) = (Host::new().unwrap(), Host::new().unwrap());
     let link = format!(
         "[[link]]\nname = \"in\"\nconnect = [\"tcp/127.0.0.1:{near}\"]\nsend = []\n\

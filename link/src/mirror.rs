@@ -1,0 +1,280 @@
+//! A deployment of another host as an instance here, for whoever reads: displays, gateways, recorders, programs.
+//!
+//! The mirror claims an instance, holds its topics, and publishes what the deployment's link sends as it was published
+//! there. Whoever joins late, here or as a mirror, asks for the picture as it is now; so does a mirror that has lost
+//! something. States that are older than what is known of a track are left aside; a track that the picture has no
+//! longer is told ended.
+
+use std::any::Any;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::{Context as _, bail};
+use bus::Payload;
+use configuration::{Config, Link, Process};
+use messages::{BatchHeader, Counter, ProcessKind, SystemTrack, Topic, TrackState, Visitor};
+use runtime::instance::{Instance, hold_topics};
+use runtime::signals::Stop;
+use runtime::{Agent, HealthEntry, Now, Options, Speed, Turn};
+use zenoh::Session;
+
+use crate::Mirror;
+use crate::clocks::Clocks;
+use crate::inbound::{Arrival, Counts, Inbound, Inlet, Wanted};
+use crate::picture::Picture;
+use crate::stand_in::{StandIn, UNNUMBERED};
+use crate::{agent, keys, session};
+
+/// Processes for which there is room.
+const PROCESSES: usize = 16;
+/// Longest sleep.
+const SLEEP: Duration = Duration::from_millis(100);
+/// Time between two comparisons of clocks, nanoseconds.
+const COMPARE_NS: i64 = 1_000_000_000;
+
+/// Runs a mirror until it is told to stop.
+///
+/// # Errors
+/// If the instance runs already, or an endpoint cannot be had.
+pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
+    let config = Config::read(&mirror.config, &[])?;
+    let instance = mirror.instance.unwrap_or_else(|| config.name.clone());
+    let stop = Stop::on_signals().context("catching signals")?;
+    let claimed = Instance::claim(&config, &instance, PROCESSES, &stop, |text| {
+        eprintln!("koseki-link: {text}")
+    })?;
+    let link = Link {
+        name: "mirror".to_owned(),
+        listen: mirror.listen,
+        connect: mirror.connect,
+        send: Vec::new(),
+        receive: Vec::new(),
+        queue_octets: 0,
+        tls: None,
+        user: None,
+    };
+    let link = match config.links.first() {
+        // With what this host shows and asks for.
+        Some(own) if mirror.certificates => Link {
+            tls: own.tls.clone(),
+            user: own.user.clone(),
+            ..link
+        },
+        _ => link,
+    };
+    let options = Options {
+        overrides: Vec::new(),
+        instance,
+        data: PathBuf::new(),
+        out: PathBuf::new(),
+        speed: Speed::Factor(1.0),
+        seed: 1,
+        scenario_start_ns: Now::read().utc_ns,
+        launcher: None,
+    };
+    let done = reflect(config, options, &link, &mirror.topics);
+    done.and(claimed.clear())
+}
+
+fn reflect(config: Config, options: Options, link: &Link, topics: &[String]) -> anyhow::Result<()> {
+    let process = Process::connect(config, options, ProcessKind::Link, &link.name)?;
+    let _held = hold_topics(&process.config, &process.bus)?;
+    let session = session::open(link)?;
+    let deployment = Arc::new(process.config.name.clone());
+    let wanted = topics.iter().map(|topic| {
+        let wanted = messages::visit(topic, Reflect(&deployment));
+        wanted.with_context(|| format!("{topic} is no topic"))
+    });
+    let wanted = wanted.collect::<anyhow::Result<Vec<_>>>()?;
+    if wanted.is_empty() {
+        bail!("no topic is to be mirrored");
+    }
+    let clocks = Clocks::default();
+    let inbound = Inbound::open(&session, process.bus.root(), wanted, &clocks)?;
+    let mut agent = MirrorAgent {
+        inbound,
+        clocks,
+        compare_ns: i64::MIN,
+        deployment,
+        session,
+    };
+    println!(
+        "koseki-link: instance {} mirrors {}",
+        process.options.instance, agent.deployment
+    );
+    runtime::service::run(&process, &mut agent)
+}
+
+/// Wants a topic.
+struct Reflect<'a>(&'a Arc<String>);
+
+impl Visitor for Reflect<'_> {
+    type Output = Wanted;
+
+    fn visit<T: Payload>(self, topic: Topic<T>) -> Wanted {
+        let deployment = Arc::clone(self.0);
+        let name = topic.name.as_str().to_owned();
+        let open = move || -> Box<dyn Inlet> {
+            let any: &dyn Any = &topic;
+            match any.downcast_ref::<Topic<SystemTrack>>() {
+                Some(topic) => Box::new(Tracks {
+                    stand_in: StandIn::new(topic.clone()),
+                    key: keys::picture::<SystemTrack>(&deployment),
+                    picture: Picture::default(),
+                    lacks: true,
+                }),
+                None => Box::new(Copied(StandIn::new(topic))),
+            }
+        };
+        Wanted {
+            deployment: self.0.to_string(),
+            topic: name,
+            inlet: Box::new(open),
+        }
+    }
+}
+
+/// A topic that is published as it comes.
+struct Copied<T: Payload>(StandIn<T>);
+
+impl<T: Payload> Inlet for Copied<T> {
+    fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
+        let Some((head, slices)) = self.0.read(&arrival, counts) else {
+            return Ok(());
+        };
+        for (header, samples) in slices {
+            let Some(missing) = self.0.missing(&header) else {
+                counts.rejected += 1;
+                continue;
+            };
+            counts.missing += missing;
+            counts.published += samples.len() as u64;
+            let origin = (&header, head.origin);
+            self.0.publish(arrival.bus, origin, &samples, arrival.now, |_, _| {})?;
+            self.0.pass(&header, samples.len());
+        }
+        Ok(())
+    }
+}
+
+/// The system tracks, with the picture where something was missed.
+struct Tracks {
+    stand_in: StandIn<SystemTrack>,
+    key: String,
+    picture: Picture,
+    lacks: bool,
+}
+
+impl Inlet for Tracks {
+    fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
+        let Some((head, slices)) = self.stand_in.read(&arrival, counts) else {
+            return Ok(());
+        };
+        if head.is_picture {
+            return self.complete(&arrival, head.origin, &slices, counts);
+        }
+        for (header, states) in slices {
+            let Some(missing) = self.stand_in.missing(&header) else {
+                counts.rejected += 1;
+                continue;
+            };
+            counts.missing += missing;
+            self.lacks |= missing > 0;
+            let news: Vec<SystemTrack> = states
+                .iter()
+                .copied()
+                .filter(|state| self.picture.is_news(&header, state))
+                .collect();
+            self.tell(&arrival, (&header, head.origin), &news, counts)?;
+            self.stand_in.pass(&header, states.len());
+        }
+        Ok(())
+    }
+
+    fn lacks(&self) -> Option<String> {
+        self.lacks.then(|| self.key.clone())
+    }
+}
+
+impl Tracks {
+    fn tell(
+        &mut self,
+        arrival: &Arrival<'_>,
+        (header, origin): (&BatchHeader, u32),
+        states: &[SystemTrack],
+        counts: &mut Counts,
+    ) -> anyhow::Result<()> {
+        self.picture.hear(header, states);
+        counts.published += states.len() as u64;
+        self.stand_in
+            .publish(arrival.bus, (header, origin), states, arrival.now, |_, _| {})
+    }
+
+    /// Tells what the whole picture has that is not known, and what it has no longer.
+    fn complete(
+        &mut self,
+        arrival: &Arrival<'_>,
+        origin: u32,
+        slices: &[(BatchHeader, Vec<SystemTrack>)],
+        counts: &mut Counts,
+    ) -> anyhow::Result<()> {
+        self.lacks = false;
+        let Some((header, _)) = slices.first() else {
+            return Ok(());
+        };
+        let states = || slices.iter().flat_map(|(_, states)| states);
+        let newest = states().map(|state| state.sequence).max().unwrap_or(0);
+        let news = states().copied().filter(|state| self.picture.is_news(header, state));
+        // What was told after the picture was drawn is in order.
+        let gone = self
+            .picture
+            .states()
+            .filter(|known| known.sequence < newest && !states().any(|state| state.track_number == known.track_number));
+        let ended = gone.map(|known| SystemTrack {
+            state: TrackState::Terminated as u8,
+            ..*known
+        });
+        let news: Vec<SystemTrack> = news.chain(ended).collect();
+        // In front of whatever comes next of the same publisher.
+        let header = BatchHeader {
+            first_sequence: UNNUMBERED,
+            ..*header
+        };
+        for news in news.chunks(self.stand_in.topic.capacity.slice_len) {
+            self.tell(arrival, (&header, origin), news, counts)?;
+        }
+        Ok(())
+    }
+}
+
+struct MirrorAgent {
+    inbound: Inbound,
+    clocks: Clocks,
+    compare_ns: i64,
+    deployment: Arc<String>,
+    session: Session,
+}
+
+impl Agent for MirrorAgent {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        self.inbound.check()?;
+        if now.mono_ns >= self.compare_ns {
+            self.compare_ns = now.mono_ns + COMPARE_NS;
+            self.clocks.ask(&self.session, "");
+        }
+        Ok(Turn::Idle(SLEEP))
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let came = self.inbound.counts();
+        let mut entry = HealthEntry::default();
+        entry.set(Counter::Published, came.published);
+        entry.set(Counter::LostOnTheWay, came.lost());
+        entry.set(Counter::Conflated, came.conflated);
+        entry.set(Counter::MessagesRejected, came.rejected + self.inbound.overrun());
+        let expected = std::slice::from_ref(&*self.deployment);
+        entry.note = agent::note(&self.clocks.present(Now::read()), expected);
+        entries.push(entry);
+    }
+}
