@@ -19,6 +19,7 @@ const ORDER: &[&str] = &[
     "observations",
     "csv_table",
     "estimation",
+    "kept",
     "telemetry",
     "alarms",
     "association",

@@ -14,7 +14,8 @@
 //! Two sources that agree are enough by themselves. A track that was confirmed stays so until its sources *say* that
 //! they no longer see it: each miss since the last report of any of them adds ln(1 − its probability of detection).
 
-use crate::checkpoint::kept::{Get, Kept as _, Put, kept};
+use kept::{Get, Kept as _, Put, kept};
+
 use crate::settings::CoverageArea;
 
 /// L above which a single source's claim is believed.
@@ -42,11 +43,13 @@ const FOLLOWS_MAX: f64 = 0.98;
 /// Places of the table that are tried for one cell.
 const PROBES: usize = 8;
 
-/// Hits and tries.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Tally {
-    hits: f32,
-    tries: f32,
+kept! {
+    /// Hits and tries.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub(crate) struct Tally {
+        hits: f32,
+        tries: f32,
+    }
 }
 
 impl Tally {
@@ -63,8 +66,6 @@ impl Tally {
         (f64::from(self.hits) + weight * prior) / (f64::from(self.tries) + weight)
     }
 }
-
-kept!(Tally { hits: f32, tries: f32 });
 
 /// Where each source follows targets: learned per cell, or configured.
 #[derive(Clone, Debug)]

@@ -19,12 +19,12 @@
 //! the weighing down.
 
 use estimation::{AxisNoise, Gaussian, NearlyConstantVelocity, Symmetric3};
+use kept::kept;
 use messages::{
     AXES, HorizontalMovement, LongitudinalMovement, Movement, NS_PER_S, STATE_LEN, SensorTrack, VerticalMovement,
     movement_bits, sensor_track_bits,
 };
 
-use crate::checkpoint::kept::kept;
 use crate::measurement::{Measurement, gaussian_of};
 use crate::state::State;
 
@@ -61,21 +61,16 @@ pub(crate) struct Filter {
     acceleration_mps2: [f64; AXES],
 }
 
-/// A filter as a checkpoint keeps it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct KeptFilter {
-    time_ns: i64,
-    estimate: Gaussian,
-    has_height: bool,
-    probability: [f64; MODES],
+kept! {
+    /// A filter as a checkpoint keeps it.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct KeptFilter {
+        time_ns: i64,
+        estimate: Gaussian,
+        has_height: bool,
+        probability: [f64; MODES],
+    }
 }
-
-kept!(KeptFilter {
-    time_ns: i64,
-    estimate: Gaussian,
-    has_height: bool,
-    probability: [f64; MODES]
-});
 
 /// How well the model that surely held foretold a measurement: normalised innovation squared in the plane.
 #[derive(Clone, Copy, Debug)]

@@ -27,7 +27,7 @@
 //!
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
-use crate::checkpoint::kept::kept;
+use kept::kept;
 use messages::AXES;
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
@@ -108,22 +108,18 @@ fn sensitivity(position: [f64; AXES], velocity: [f64; AXES], place: Option<[f64;
     h
 }
 
-/// Sums over one ordered pair of sources, seen from the first.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
-    /// Σ HⱼᵀWHⱼ.
-    own: Block,
-    /// Σ HⱼᵀWHₖ.
-    cross: Block,
-    /// Σ HⱼᵀWΔ.
-    right: Errors,
+kept! {
+    /// Sums over one ordered pair of sources, seen from the first.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct Pair {
+        /// Σ HⱼᵀWHⱼ.
+        own: Block,
+        /// Σ HⱼᵀWHₖ.
+        cross: Block,
+        /// Σ HⱼᵀWΔ.
+        right: Errors,
+    }
 }
-
-kept!(Pair {
-    own: Block,
-    cross: Block,
-    right: Errors
-});
 
 const EMPTY: Pair = Pair {
     own: Block::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
@@ -131,17 +127,19 @@ const EMPTY: Pair = Pair {
     right: Errors::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; 1])),
 };
 
-/// Systematic errors of one source, as far as they are known.
-#[derive(Clone, Copy, Debug)]
-pub struct SourceErrors {
-    /// The estimate.
-    pub errors: Errors,
-    /// Variances of the estimate, same units squared.
-    pub variances: Errors,
-    /// Samples that went into it, after forgetting.
-    pub samples: f64,
-    /// Errors that are being removed from the source's reports.
-    pub removed: [bool; ERRORS],
+kept! {
+    /// Systematic errors of one source, as far as they are known.
+    #[derive(Clone, Copy, Debug)]
+    pub struct SourceErrors {
+        /// The estimate.
+        pub errors: Errors,
+        /// Variances of the estimate, same units squared.
+        pub variances: Errors,
+        /// Samples that went into it, after forgetting.
+        pub samples: f64,
+        /// Errors that are being removed from the source's reports.
+        pub removed: [bool; ERRORS],
+    }
 }
 
 impl SourceErrors {
@@ -165,26 +163,15 @@ impl SourceErrors {
     }
 }
 
-kept!(SourceErrors {
-    errors: Errors,
-    variances: Errors,
-    samples: f64,
-    removed: [bool; ERRORS]
-});
-
-/// Part of one source's errors that a checkpoint keeps, beside the [`Pair`]s.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct KeptErrors {
-    known: SourceErrors,
-    partners: u64,
-    contradicted: f64,
+kept! {
+    /// Part of one source's errors that a checkpoint keeps, beside the [`Pair`]s.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct KeptErrors {
+        known: SourceErrors,
+        partners: u64,
+        contradicted: f64,
+    }
 }
-
-kept!(KeptErrors {
-    known: SourceErrors,
-    partners: u64,
-    contradicted: f64
-});
 
 /// Registration of all sources with each other.
 #[derive(Clone, Debug)]

@@ -3,9 +3,9 @@
 //! Tracks write themselves when they change ([`Tracks::keep`](crate::tracks::Tracks)); what was learned of the sources
 //! is written in turn, whenever the caller has time ([`Engine::keep_learned`]), and changes nothing else.
 
+use kept::{Get, Kept, kept};
 use messages::{NS_PER_S, TrackState};
 
-use crate::checkpoint::kept::{Get, Kept, kept};
 use crate::checkpoint::{Checkpoint, Clock, Kind, Layout, Memory, Position, Sizes, Snapshot};
 use crate::engine::Engine;
 use crate::existence::Tally;
@@ -21,23 +21,17 @@ const TOLD_AGAIN_NS: i64 = 5 * NS_PER_S as i64;
 /// Kinds that are written in turn.
 const IN_TURN: [Kind; 3] = [Kind::Sources, Kind::Pairs, Kind::Cells];
 
-/// All that was learned of one source.
-struct Learned {
-    model: SourceModel,
-    errors: KeptErrors,
-    follows: Tally,
-    mean_square: Option<f64>,
-    /// Factor of the present condition (weather).
-    factor: f64,
+kept! {
+    /// All that was learned of one source.
+    struct Learned {
+        model: SourceModel,
+        errors: KeptErrors,
+        follows: Tally,
+        mean_square: Option<f64>,
+        /// Factor of the present condition (weather).
+        factor: f64,
+    }
 }
-
-kept!(Learned {
-    model: SourceModel,
-    errors: KeptErrors,
-    follows: Tally,
-    mean_square: Option<f64>,
-    factor: f64,
-});
 
 impl Engine {
     /// How a checkpoint of this engine is laid out.

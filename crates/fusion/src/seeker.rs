@@ -3,7 +3,7 @@
 //! Each sample moves its logarithm by a bounded step, so that none can spoil it: it comes to rest where as many ask for
 //! more as for less. While nearly all ask for the same, which chance seldom brings about, steps are longer.
 
-use crate::checkpoint::kept::kept;
+use kept::kept;
 
 /// Step of the logarithm per sample, and how much longer it may become where all samples say the same.
 const STEP: f64 = 0.03;
@@ -11,18 +11,15 @@ const STRIDE: f64 = 0.3;
 /// Agreement of the samples from which the step becomes longer: chance seldom reaches it.
 const AGREEMENT: f64 = 0.5;
 
-/// The logarithm of the factor, 0 at the start.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Seeker {
-    logarithm: f64,
-    /// Mean over the last samples of whether they ask for more (1) or less (−1).
-    trend: f64,
+kept! {
+    /// The logarithm of the factor, 0 at the start.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub(crate) struct Seeker {
+        logarithm: f64,
+        /// Mean over the last samples of whether they ask for more (1) or less (−1).
+        trend: f64,
+    }
 }
-
-kept!(Seeker {
-    logarithm: f64,
-    trend: f64
-});
 
 impl Seeker {
     pub(crate) fn logarithm(&self) -> f64 {

@@ -14,9 +14,9 @@
 //! Everything is tracked by medians that move by a bounded step, so that no single report can spoil them.
 
 use estimation::{NearlyConstantVelocity, implied_noise};
+use kept::kept;
 use messages::Covariance;
 
-use crate::checkpoint::kept::kept;
 use crate::seeker::Seeker;
 
 /// Median of chi-square with two degrees of freedom.
@@ -39,11 +39,13 @@ const INFLATION_MAX: f64 = 1000.0;
 /// Samples of detection points before their spread is believed.
 const SPREAD_SAMPLES_MIN: u32 = 30;
 
-/// A median that follows its samples by steps of the logarithm.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Median {
-    logarithm: f64,
-    samples: u32,
+kept! {
+    /// A median that follows its samples by steps of the logarithm.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub(crate) struct Median {
+        logarithm: f64,
+        samples: u32,
+    }
 }
 
 impl Median {
@@ -69,45 +71,29 @@ impl Median {
     }
 }
 
-/// Knowledge of one source.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SourceModel {
-    horizontal_noise: Median,
-    vertical_noise: Median,
-    /// Share of the looked-at reports that came from a filter as [`estimation::implied_noise`] knows it.
-    filtered_share: f64,
-    looked_at: u32,
-    process_noise: Option<NearlyConstantVelocity>,
-    inflation: Seeker,
-    /// Squared mean innovation over a sensor track, relative to what noise explains.
-    spread_ratio: Median,
-    /// Part of that which noise explains, m² per axis.
-    spread_noise_m2: Median,
-    /// Variance of recovered measurements, m² per axis.
-    measured_m2: Median,
-    /// Variance per axis that these three yield, m²: see [`SourceModel::spread_m2`].
-    spread_m2: f64,
-    /// Probability that a scan sees a target that the source tracks.
-    pub(crate) detection: f64,
+kept! {
+    /// Knowledge of one source.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct SourceModel {
+        horizontal_noise: Median,
+        vertical_noise: Median,
+        /// Share of the looked-at reports that came from a filter as [`estimation::implied_noise`] knows it.
+        filtered_share: f64,
+        looked_at: u32,
+        process_noise: Option<NearlyConstantVelocity>,
+        inflation: Seeker,
+        /// Squared mean innovation over a sensor track, relative to what noise explains.
+        spread_ratio: Median,
+        /// Part of that which noise explains, m² per axis.
+        spread_noise_m2: Median,
+        /// Variance of recovered measurements, m² per axis.
+        measured_m2: Median,
+        /// Variance per axis that these three yield, m²: see [`SourceModel::spread_m2`].
+        spread_m2: f64,
+        /// Probability that a scan sees a target that the source tracks.
+        pub(crate) detection: f64,
+    }
 }
-
-kept!(Median {
-    logarithm: f64,
-    samples: u32
-});
-kept!(SourceModel {
-    horizontal_noise: Median,
-    vertical_noise: Median,
-    filtered_share: f64,
-    looked_at: u32,
-    process_noise: Option<NearlyConstantVelocity>,
-    inflation: Seeker,
-    spread_ratio: Median,
-    spread_noise_m2: Median,
-    measured_m2: Median,
-    spread_m2: f64,
-    detection: f64,
-});
 
 impl Default for SourceModel {
     fn default() -> Self {

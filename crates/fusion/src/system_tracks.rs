@@ -1,5 +1,6 @@
 //! The system tracks: state, members, and the two ways to find one (place and address).
 
+use kept::kept;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -7,7 +8,6 @@ use association::Grid;
 use estimation::Gaussian;
 use messages::{Covariance, Identity, NO_SOURCE, TargetType, TrackKind, TrackState};
 
-use crate::checkpoint::kept::kept;
 use crate::description::Description;
 use crate::filter::{Filter, KeptFilter};
 use crate::number_hasher::NumberHasher;
@@ -67,51 +67,31 @@ pub(crate) struct SystemEntry {
     pub(crate) kept_ns: i64,
 }
 
-/// One system track as a checkpoint keeps it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct KeptTrack {
-    pub(crate) number: u32,
-    pub(crate) merged_into: u32,
-    owner: u16,
-    life: u8,
-    kind: u8,
-    members: u16,
-    alerts: u8,
-    on_ground: bool,
-    was_shown: bool,
-    reports: u32,
-    state_ns: i64,
-    last_report_ns: i64,
-    fresh_until_ns: i64,
-    first_seen: (i64, u16),
-    absence: f64,
-    course: [f64; 2],
-    identity: Identity,
-    target_type: TargetType,
-    filter: KeptFilter,
+kept! {
+    /// One system track as a checkpoint keeps it.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct KeptTrack {
+        pub(crate) number: u32,
+        pub(crate) merged_into: u32,
+        owner: u16,
+        life: u8,
+        kind: u8,
+        members: u16,
+        alerts: u8,
+        on_ground: bool,
+        was_shown: bool,
+        reports: u32,
+        state_ns: i64,
+        last_report_ns: i64,
+        fresh_until_ns: i64,
+        first_seen: (i64, u16),
+        absence: f64,
+        course: [f64; 2],
+        identity: Identity,
+        target_type: TargetType,
+        filter: KeptFilter,
+    }
 }
-
-kept!(KeptTrack {
-    number: u32,
-    merged_into: u32,
-    owner: u16,
-    life: u8,
-    kind: u8,
-    members: u16,
-    alerts: u8,
-    on_ground: bool,
-    was_shown: bool,
-    reports: u32,
-    state_ns: i64,
-    last_report_ns: i64,
-    fresh_until_ns: i64,
-    first_seen: (i64, u16),
-    absence: f64,
-    course: [f64; 2],
-    identity: Identity,
-    target_type: TargetType,
-    filter: KeptFilter,
-});
 
 impl KeptTrack {
     /// Where it was in its life.

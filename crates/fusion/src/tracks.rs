@@ -1,10 +1,10 @@
 //! The sensor tracks and the system tracks, and which sensor track belongs to which system track.
 
+use kept::kept;
 use std::collections::HashMap;
 
 use messages::{Decision, DecisionKind, TrackState};
 
-use crate::checkpoint::kept::kept;
 use crate::checkpoint::{Checkpoint, Kind};
 use crate::dependence::Dependence;
 use crate::filter::Filter;
@@ -31,20 +31,16 @@ const KEPT_EVERY_NS: i64 = 100_000_000;
 /// Numbers of system tracks that are reserved at a time.
 const NUMBERS: u32 = 256;
 
-/// A sensor track's membership, as a checkpoint keeps it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Member {
-    pub(crate) source: u16,
-    pub(crate) track_number: u32,
-    /// Number of its system track; 0: none.
-    pub(crate) system_track: u32,
+kept! {
+    /// A sensor track's membership, as a checkpoint keeps it.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub(crate) struct Member {
+        pub(crate) source: u16,
+        pub(crate) track_number: u32,
+        /// Number of its system track; 0: none.
+        pub(crate) system_track: u32,
+    }
 }
-
-kept!(Member {
-    source: u16,
-    track_number: u32,
-    system_track: u32
-});
 
 /// Sensor tracks that were members of system tracks when the process before this one died, and have not reported since:
 /// the system track of each, its number, and the place of the record in the checkpoint.

@@ -1,17 +1,21 @@
-//! The memory that a checkpoint lies in: areas of records, each of which is in two copies.
+//! Memory as areas of records, each of which is in two copies.
 //!
 //! A process can be killed between any two stores. So a record is never written over: it has two copies, the older one
 //! is filled with what is new, and each states how often the record was written and a checksum of all its words. A
 //! reader takes the newest copy that agrees with its checksum. Of a record that was being written there is the one
 //! before; every other one is whole.
 
+use std::fmt;
 use std::sync::atomic::AtomicU64;
-use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::Ordering::{Relaxed, Release};
 
+/// "KOSEKI" and the kind of file.
+const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKICP");
+/// Words before the first area: the magic number, and a fingerprint of what is in the areas.
+pub const HEAD: usize = 2;
 /// Words of a copy before its contents: how often the record was written, and the checksum.
 const FRONT: usize = 2;
-/// Most words of a record's contents.
-pub(crate) const RECORD_MAX: usize = 128;
+
 /// Words that outlive their process, or stand in for such words.
 pub trait Memory: std::fmt::Debug + Send {
     /// The words; their number never changes.
@@ -24,32 +28,74 @@ impl Memory for Vec<AtomicU64> {
     }
 }
 
+/// Memory that cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// Not a checkpoint, or one of other settings, sources or another build.
+    Foreign,
+    /// A damaged one: so many records are not whole.
+    Damaged(usize),
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Foreign => f.write_str("it is no checkpoint of this build with these sources and table sizes"),
+            Self::Damaged(records) => write!(f, "it is damaged: {records} of its records are not whole"),
+        }
+    }
+}
+
+impl std::error::Error for Refused {}
+
+/// Writes the [`HEAD`] of blank memory.
+pub fn mark(memory: &[AtomicU64], fingerprint: u64) {
+    memory[1].store(fingerprint, Relaxed);
+    memory[0].store(MAGIC, Release);
+}
+
+/// Whether memory of so many `words` has the head that [`mark`] writes.
+pub fn is_marked(memory: &[AtomicU64], words: usize, fingerprint: u64) -> bool {
+    memory.len() == words && memory[0].load(Relaxed) == MAGIC && memory[1].load(Relaxed) == fingerprint
+}
+
+/// Mixes a word for a fingerprint.
+pub fn mixed(word: u64) -> u64 {
+    word.wrapping_mul(FACTOR).rotate_left(29)
+}
+
+const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
+
 /// One kind of records in the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Area {
+pub struct Area {
     /// Word with which it begins.
-    pub(crate) first: usize,
+    pub first: usize,
     /// Number of records.
-    pub(crate) places: usize,
+    pub places: usize,
     /// Words of a record's contents.
-    pub(crate) words: usize,
+    pub words: usize,
 }
 
 /// A record, as a reader finds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Found {
+pub enum Found {
     /// A record that was never written.
     Nothing,
     /// Its newest copy is whole, and the other one, too.
     Whole,
     /// One copy is not whole: its writer was killed, or the memory was damaged. The other one is, or is blank.
-    Torn { has_other: bool },
+    Torn {
+        /// Whether there is another one.
+        has_other: bool,
+    },
     /// Neither copy is whole.
     Damaged,
 }
 
 /// One copy of a record.
-enum Copy {
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Copy {
     Blank,
     Whole(u64),
     Broken,
@@ -61,7 +107,8 @@ impl Area {
     }
 
     /// Words that it takes in all.
-    pub(crate) const fn len(&self) -> usize {
+    #[expect(clippy::len_without_is_empty, reason = "it never is")]
+    pub const fn len(&self) -> usize {
         2 * self.copy() * self.places
     }
 
@@ -71,7 +118,7 @@ impl Area {
 
     /// Writes `contents` as the record of `place` for the `times`-th time, counted from 1.
     #[inline]
-    pub(crate) fn write(&self, memory: &[AtomicU64], place: usize, times: u64, contents: &[u64]) {
+    pub fn write(&self, memory: &[AtomicU64], place: usize, times: u64, contents: &[u64]) {
         let start = self.copy_at(place, (times & 1) as usize);
         let Some(copy) = memory.get(start..start + FRONT + contents.len()) else {
             return;
@@ -84,7 +131,7 @@ impl Area {
     }
 
     /// Reads the newest whole copy of the record of `place` into `contents`.
-    pub(crate) fn read(&self, memory: &[AtomicU64], place: usize, contents: &mut Vec<u64>) -> Found {
+    pub fn read(&self, memory: &[AtomicU64], place: usize, contents: &mut Vec<u64>) -> Found {
         let mut other = Vec::with_capacity(self.words);
         let first = self.read_copy(memory, place, 0, contents);
         let second = self.read_copy(memory, place, 1, &mut other);
@@ -104,7 +151,8 @@ impl Area {
         }
     }
 
-    fn read_copy(&self, memory: &[AtomicU64], place: usize, copy: usize, contents: &mut Vec<u64>) -> Copy {
+    /// Reads a copy, 0 or 1, of the record of `place` into `contents`.
+    pub(crate) fn read_copy(&self, memory: &[AtomicU64], place: usize, copy: usize, contents: &mut Vec<u64>) -> Copy {
         let start = self.copy_at(place, copy);
         let words = &memory[start..start + self.copy()];
         let (times, check) = (words[0].load(Relaxed), words[1].load(Relaxed));
@@ -123,7 +171,6 @@ impl Area {
 /// Agrees with a copy's words and place. A change of a single word always changes it.
 #[inline]
 fn checksum(start: usize, times: u64, contents: &[u64]) -> u64 {
-    const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
     // Four at a time, since each product must wait for the one before it.
     let mut lanes = [start as u64, times, 1, 2];
     let (fours, rest) = contents.as_chunks::<4>();

@@ -16,7 +16,7 @@
 //! | pairs | the sums of registration of each pair of sources | in turn |
 //! | cells | where on the ground each source follows targets | in turn |
 //!
-//! How a record is written so that a kill costs one at most, `image` tells. Its writing takes no system call, no lock
+//! How a record is written so that a kill costs one at most, [`kept`] tells. Its writing takes no system call, no lock
 //! and no allocation; the size is fixed at the start ([`Layout::len`]).
 //!
 //! What is not kept is learned again within seconds: sensor tracks' own reports and histories. The first report of a
@@ -25,25 +25,17 @@
 //! A [`Snapshot`] is what was found: the engine's start is a function of it alone, so that a recording that has it can
 //! be replayed from there.
 
-mod image;
-pub(crate) mod kept;
-
-use std::fmt;
 use std::sync::atomic::AtomicU64;
-use std::sync::atomic::Ordering::{Relaxed, Release};
 
-pub use image::Memory;
+use kept::{Area, Found, Get, HEAD, Kept, Put, is_marked, kept, mark, mixed};
+pub use kept::{Memory, Refused};
 
 use crate::settings::Settings;
-use image::{Area, Found, RECORD_MAX};
-use kept::{Get, Kept, Put, kept};
 
 /// Must be raised with each change of what a record holds.
-const FORMAT: u64 = 1;
-/// "KOSEKI" and the kind of file.
-const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKICP");
-/// Words before the first area: the magic number, and the [fingerprint](Layout::fingerprint).
-const HEAD: usize = 2;
+const FORMAT: u64 = 2;
+/// Most words of a record's contents.
+const RECORD_MAX: usize = 128;
 /// Records that a kill can leave torn.
 const TORN_MAX: usize = 1;
 
@@ -73,42 +65,33 @@ const KINDS: [Kind; 9] = [
     Kind::Cells,
 ];
 
-/// State of the process that writes a checkpoint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Clock {
-    /// Start-up number of the fusion that wrote it.
-    pub epoch: u64,
-    /// Number of its process.
-    pub process_id: u32,
-    /// Monotonic time of its latest turn, nanoseconds.
-    pub turn_ns: i64,
-    /// UTC of its latest turn, nanoseconds since 1970.
-    pub utc_ns: i64,
-    /// UTC up to which time had passed in the engine, nanoseconds; `i64::MIN` before the first report.
-    pub passed_ns: i64,
+kept! {
+    /// State of the process that writes a checkpoint.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Clock {
+        /// Start-up number of the fusion that wrote it.
+        pub epoch: u64,
+        /// Number of its process.
+        pub process_id: u32,
+        /// Monotonic time of its latest turn, nanoseconds.
+        pub turn_ns: i64,
+        /// UTC of its latest turn, nanoseconds since 1970.
+        pub utc_ns: i64,
+        /// UTC up to which time had passed in the engine, nanoseconds; `i64::MIN` before the first report.
+        pub passed_ns: i64,
+    }
 }
 
-kept!(Clock {
-    epoch: u64,
-    process_id: u32,
-    turn_ns: i64,
-    utc_ns: i64,
-    passed_ns: i64
-});
-
-/// How far a source's reports have been worked off.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Position {
-    /// Incarnation of the source's publisher.
-    pub incarnation: u64,
-    /// Sequence number of the first report that has not been.
-    pub next_sequence: u64,
+kept! {
+    /// How far a source's reports have been worked off.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Position {
+        /// Incarnation of the source's publisher.
+        pub incarnation: u64,
+        /// Sequence number of the first report that has not been.
+        pub next_sequence: u64,
+    }
 }
-
-kept!(Position {
-    incarnation: u64,
-    next_sequence: u64
-});
 
 /// Where each record lies, for an engine with certain settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -175,10 +158,6 @@ impl Layout {
     }
 }
 
-fn mixed(word: u64) -> u64 {
-    word.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
-}
-
 /// Writes a checkpoint.
 #[derive(Debug)]
 pub(crate) struct Checkpoint {
@@ -202,9 +181,7 @@ impl Checkpoint {
             places += area.places;
             places - area.places
         });
-        let head = memory.words();
-        head[1].store(layout.fingerprint(), Relaxed);
-        head[0].store(MAGIC, Release);
+        mark(memory.words(), layout.fingerprint());
         Self {
             memory,
             layout,
@@ -226,7 +203,7 @@ impl Checkpoint {
     pub(crate) fn write_with(&mut self, kind: Kind, place: usize, put: impl FnOnce(&mut Put<'_>)) {
         let area = self.layout.area(kind);
         let words = &mut self.words[..area.words];
-        put(&mut Put { words, at: 0 });
+        put(&mut Put::new(words));
         let times = &mut self.times[self.begins[kind as usize] + place];
         *times = times.wrapping_add(1).max(1);
         area.write(self.memory.words(), place, u64::from(*times), words);
@@ -250,26 +227,6 @@ impl Checkpoint {
     }
 }
 
-/// A checkpoint that cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refused {
-    /// Not a checkpoint, or one of other settings, sources or another build.
-    Foreign,
-    /// A damaged one: so many records are not whole.
-    Damaged(usize),
-}
-
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Foreign => f.write_str("it is no checkpoint of this build with these sources and table sizes"),
-            Self::Damaged(records) => write!(f, "it is damaged: {records} of its records are not whole"),
-        }
-    }
-}
-
-impl std::error::Error for Refused {}
-
 /// Start of a fusion: all that was found in a checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Snapshot {
@@ -284,10 +241,7 @@ impl Snapshot {
     /// # Errors
     /// If it is not whole, but for one record that was being written.
     pub fn read(memory: &[AtomicU64], layout: &Layout) -> Result<Self, Refused> {
-        let is_ours = memory.len() == layout.len()
-            && memory[0].load(Relaxed) == MAGIC
-            && memory[1].load(Relaxed) == layout.fingerprint();
-        if !is_ours {
+        if !is_marked(memory, layout.len(), layout.fingerprint()) {
             return Err(Refused::Foreign);
         }
         let (mut words, mut contents) = (vec![layout.fingerprint()], Vec::new());

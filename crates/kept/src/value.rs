@@ -6,7 +6,7 @@ use messages::{Covariance, Identity, TargetType};
 use nalgebra::SMatrix;
 
 /// A value that a record holds.
-pub(crate) trait Kept: Sized {
+pub trait Kept: Sized {
     /// Number of words that it takes.
     const WORDS: usize;
 
@@ -18,49 +18,68 @@ pub(crate) trait Kept: Sized {
 }
 
 /// Words that are being written, and the place of the next one.
-pub(crate) struct Put<'a> {
-    pub(crate) words: &'a mut [u64],
-    pub(crate) at: usize,
+#[derive(Debug)]
+pub struct Put<'a> {
+    words: &'a mut [u64],
+    at: usize,
 }
 
-impl Put<'_> {
+impl<'a> Put<'a> {
+    /// From the first of `words` on.
     #[inline]
-    pub(crate) fn word(&mut self, word: u64) {
+    pub fn new(words: &'a mut [u64]) -> Self {
+        Self { words, at: 0 }
+    }
+
+    /// Writes the next word.
+    #[inline]
+    pub fn word(&mut self, word: u64) {
         self.words[self.at] = word;
         self.at += 1;
     }
 }
 
 /// Words that have not been read yet.
-pub(crate) struct Get<'a>(pub(crate) &'a [u64]);
+pub struct Get<'a>(pub &'a [u64]);
 
 impl Get<'_> {
-    pub(crate) fn word(&mut self) -> Option<u64> {
+    /// Reads the next word; `None` if there is none.
+    pub fn word(&mut self) -> Option<u64> {
         let (first, rest) = self.0.split_first()?;
         self.0 = rest;
         Some(*first)
     }
 }
 
-/// Keeps a struct: all its fields, in the order in which they are named here. A field that is not named is an error.
+/// Keeps a struct: all its fields, in the order in which they are named here. It is declared here, too, or elsewhere;
+/// then a field that is not named is an error.
+#[macro_export]
 macro_rules! kept {
+    ($(#[$meta:meta])* $vis:vis struct $name:ident {
+        $($(#[$field_meta:meta])* $field_vis:vis $field:ident: $kind:ty),* $(,)?
+    }) => {
+        $(#[$meta])*
+        $vis struct $name {
+            $($(#[$field_meta])* $field_vis $field: $kind),*
+        }
+        $crate::kept!($name { $($field: $kind),* });
+    };
     ($name:ty { $($field:ident: $kind:ty),* $(,)? }) => {
-        impl $crate::checkpoint::kept::Kept for $name {
-            const WORDS: usize = 0 $(+ <$kind as $crate::checkpoint::kept::Kept>::WORDS)*;
+        impl $crate::Kept for $name {
+            const WORDS: usize = 0 $(+ <$kind as $crate::Kept>::WORDS)*;
 
             #[inline]
-            fn put(&self, to: &mut $crate::checkpoint::kept::Put<'_>) {
+            fn put(&self, to: &mut $crate::Put<'_>) {
                 let Self { $($field),* } = self;
-                $( <$kind as $crate::checkpoint::kept::Kept>::put($field, to); )*
+                $( <$kind as $crate::Kept>::put($field, to); )*
             }
 
-            fn get(from: &mut $crate::checkpoint::kept::Get<'_>) -> Option<Self> {
-                Some(Self { $($field: <$kind as $crate::checkpoint::kept::Kept>::get(from)?),* })
+            fn get(from: &mut $crate::Get<'_>) -> Option<Self> {
+                Some(Self { $($field: <$kind as $crate::Kept>::get(from)?),* })
             }
         }
     };
 }
-pub(crate) use kept;
 
 /// Keeps a number in one word.
 macro_rules! number {
