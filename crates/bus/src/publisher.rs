@@ -87,6 +87,11 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self
     }
 
+    /// States in every slice from now on that this fusion goes on with the tracks of the one before it.
+    pub fn go_on(&mut self) {
+        self.header.flags |= BatchHeader::GOES_ON;
+    }
+
     /// The start-up number of fusion that this publisher states; 0 if it is none.
     pub fn epoch(&self) -> u64 {
         self.header.epoch
@@ -130,7 +135,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
                     self.header.progress_ns
                 },
                 sent_ns: mark.sent_ns,
-                flags: if last && mark.end { BatchHeader::END } else { 0 },
+                flags: self.header.flags | if last && mark.end { BatchHeader::END } else { 0 },
                 ..self.header
             };
             let fill_one = |index| fill(done + index, header.first_sequence + index as u64);

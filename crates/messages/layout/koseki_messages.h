@@ -236,7 +236,7 @@ typedef struct KosekiBatchHeader {
     int64_t progress_ns; /* Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown. */
     int64_t sent_ns; /* Monotonic time of the send, nanoseconds. */
     uint64_t epoch; /* Start-up number of fusion, rising with each start; tracks of smaller ones are not kept up. 0: not fusion. */
-    uint32_t flags; /* Bit 0: the source has ended, and nothing follows. */
+    uint32_t flags; /* Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it. */
     uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor. */
     uint32_t origin; /* Deployment that the samples come from, where not the one at hand; 0: the one at hand. */
     uint32_t reserved; /* Reserved, 0. */

@@ -288,7 +288,7 @@ class BatchHeader(ctypes.Structure):
         ("progress_ns", ctypes.c_int64),  # Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown.
         ("sent_ns", ctypes.c_int64),  # Monotonic time of the send, nanoseconds.
         ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start; tracks of smaller ones are not kept up. 0: not fusion.
-        ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, and nothing follows.
+        ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it.
         ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
         ("origin", ctypes.c_uint32),  # Deployment that the samples come from, where not the one at hand; 0: the one at hand.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.

@@ -19,7 +19,7 @@ sample! {
         sent_ns: i64,
         /// Start-up number of fusion, rising with each start; tracks of smaller ones are not kept up. 0: not fusion.
         epoch: u64,
-        /// Bit 0: the source has ended, and nothing follows.
+        /// Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it.
         flags: u32,
         /// Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
         sensor_uid: u32,
@@ -33,4 +33,7 @@ sample! {
 impl BatchHeader {
     /// Bit of [`BatchHeader::flags`]: the source has ended.
     pub const END: u32 = 1;
+    /// Bit of [`BatchHeader::flags`]: this fusion goes on with the tracks of the one before it, under their numbers, or
+    /// tells them ended. Without it, nobody knows of older epochs' tracks any more.
+    pub const GOES_ON: u32 = 2;
 }

@@ -188,6 +188,30 @@ mod tests {
         assert!(numbers.end(6, 0).is_none(), "never seen");
     }
 
+    #[test]
+    fn numbers_come_back_when_nearly_all_others_have_been_used_and_not_while_they_live() {
+        let (greatest, lives, old) = (u16::MAX, 100, 17);
+        let mut numbers = TrackNumbers::new(greatest, 16_384);
+        let mut last_use = HashMap::new();
+        for track in 1..=3 * u32::from(greatest) {
+            let now_ns = i64::from(track) * S / 10;
+            let found = number(&mut numbers, track, now_ns).unwrap();
+            if let Some(before) = last_use.insert(found, track) {
+                assert!(
+                    track - before >= u32::from(greatest) - lives,
+                    "{found}: {before}, {track}"
+                );
+                assert_ne!(found, old as u16, "it lives");
+            }
+            if track > old {
+                assert_eq!(number(&mut numbers, old, now_ns), Some(old as u16));
+            }
+            if track > lives && track - lives != old {
+                assert!(numbers.end(track - lives, now_ns).is_some());
+            }
+        }
+    }
+
     proptest! {
         /// Whatever comes: live tracks have different numbers, each keeps its own, and a number that changes hands has
         /// rested.

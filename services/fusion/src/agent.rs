@@ -153,6 +153,9 @@ impl<S: Transport> FusionAgent<S> {
     /// If it cannot be published.
     pub(crate) fn resume(&mut self, start: Start, take_over: TakeOver, now: Now) -> anyhow::Result<()> {
         self.take_over = take_over;
+        if start.goes_on() {
+            self.output.go_on();
+        }
         let (order, output) = (&mut self.order, &mut self.output);
         self.keeping = start.resume(&mut self.engine, &mut self.inputs, output, order, now)?;
         self.output.send(self.progress_ns, false)

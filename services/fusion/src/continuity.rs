@@ -81,6 +81,11 @@ impl Start {
         }
     }
 
+    /// Whether anything is known of the tracks before.
+    pub(crate) fn goes_on(&self) -> bool {
+        matches!(self.found, Found::Tracks { .. })
+    }
+
     /// Says what is started from on the topic `system/restored`, in as many parts as it takes. The publisher must stay:
     /// what one says that comes and goes between two looks of a recorder is lost to that.
     ///

@@ -74,6 +74,11 @@ impl<S: Transport> Output<S> {
         })
     }
 
+    /// States say that the tracks of the fusion before this one go on.
+    pub(crate) fn go_on(&mut self) {
+        self.publisher.go_on();
+    }
+
     /// Whether another slice's worth may be worked off: consumers that must not miss anything have room for it.
     pub(crate) fn has_room(&mut self) -> anyhow::Result<bool> {
         let sent = self.publisher.counts().slices;

@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use asterix::registry;
 use bus::{Bus, Payload, Subscriber, Transport, WaitMode, Waiter};
 use configuration::{Config, Gateway, GatewayContent, Source};
-use messages::{Alarm, Counter, Health, SensorTrack, SystemTrack, Topic, TrackState, sensor_track_bits};
+use messages::{Alarm, BatchHeader, Counter, Health, SensorTrack, SystemTrack, Topic, TrackState, sensor_track_bits};
 use net::UdpSender;
 use outgoing::{OutgoingCounts, SendBlock, SensorReports, ServiceEvent, StatusReports, SystemReports, SystemSource};
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -53,8 +53,10 @@ struct Picture<S: Transport, T: Payload, R> {
     schedule: Schedule<T>,
     selection: Selection,
     reports: R,
-    /// Incarnation of the publisher that the tracks are from.
+    /// Incarnation of the publisher that the tracks are from; 0 before the first.
     publisher: u64,
+    /// Whether tracks were forgotten because their publisher is gone, and this has not been said.
+    has_forgotten: bool,
     next_look_ns: i64,
 }
 
@@ -169,6 +171,7 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
             selection,
             reports,
             publisher: 0,
+            has_forgotten: false,
             next_look_ns: i64::MIN,
         })
     }
@@ -176,12 +179,17 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
     /// Takes what has been published and sends what is due; whether more may be waiting.
     fn turn(&mut self, now: Now, send: &mut SendBlock<'_>) -> anyhow::Result<bool> {
         let (schedule, selection) = (&mut self.schedule, &self.selection);
-        let (reports, publisher) = (&mut self.reports, &mut self.publisher);
+        let (reports, publisher, has_forgotten) = (&mut self.reports, &mut self.publisher, &mut self.has_forgotten);
         let slices = self.subscriber.take(SLICES_PER_TURN, |header, tracks| {
             if header.incarnation != *publisher {
-                // Whoever published the tracks so far is gone, and with it whoever would have ended them.
+                if header.flags & BatchHeader::GOES_ON != 0 {
+                    schedule.go_on(now.mono_ns);
+                } else {
+                    // Whoever published the tracks so far is gone, and with it whoever would have ended them.
+                    schedule.forget_all(|track| reports.report(&track.ended(), send));
+                    *has_forgotten |= *publisher != 0;
+                }
                 *publisher = header.incarnation;
-                schedule.forget_all(|track| reports.report(&track.ended(), send));
             }
             for track in tracks {
                 let at_once = match track.state() {
@@ -207,6 +215,7 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
         })?;
         if now.mono_ns >= self.next_look_ns {
             self.next_look_ns = now.mono_ns + LOOK_PERIOD_NS;
+            schedule.forget_unheard(now.mono_ns, |track| reports.report(&track.ended(), send));
             while let Some(track) = schedule.next_turn(now.mono_ns) {
                 reports.report(&track, send);
             }
@@ -245,7 +254,13 @@ impl<S: Transport> Agent for GatewayAgent<S> {
         // What could not be sent is counted by the sender; the others are still there.
         let mut send = |datagram: &[u8]| drop(sender.send(datagram));
         let (more, next_ns) = match &mut self.content {
-            Content::System(picture, _) => (picture.turn(now, &mut send)?, picture.next_turn_ns()),
+            Content::System(picture, status) => {
+                let more = picture.turn(now, &mut send)?;
+                if std::mem::take(&mut picture.has_forgotten) && self.status.contains(&65) {
+                    self.sensors.renumbered(now, status, &mut send);
+                }
+                (more, picture.next_turn_ns())
+            }
             Content::Sensor(picture) => (picture.turn(now, &mut send)?, picture.next_turn_ns()),
         };
         if more {

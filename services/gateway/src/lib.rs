@@ -8,6 +8,8 @@
 #![forbid(unsafe_code)]
 
 mod agent;
+#[cfg(test)]
+mod agent_tests;
 mod schedule;
 mod selection;
 mod sensor_states;

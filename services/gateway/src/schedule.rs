@@ -12,6 +12,9 @@ use rustc_hash::FxHashMap;
 /// A track that has not been heard of for so long is forgotten: its source has ended without saying so.
 const SILENCE_MAX_NS: i64 = 120_000_000_000;
 
+/// A track that a fusion which goes on with it has not spoken of for so long was lost when the one before it died.
+const UNHEARD_MAX_NS: i64 = 30_000_000_000;
+
 /// The latest states of tracks, and their turns.
 #[derive(Debug)]
 pub(crate) struct Schedule<T> {
@@ -21,6 +24,8 @@ pub(crate) struct Schedule<T> {
     /// Turns in their order. One that does not agree with its track's entry is out of date.
     turns: VecDeque<(i64, u32)>,
     dropped: u64,
+    /// When the present publisher began to speak.
+    began_ns: i64,
 }
 
 #[derive(Debug)]
@@ -39,6 +44,7 @@ impl<T: Copy> Schedule<T> {
             entries: FxHashMap::with_capacity_and_hasher(capacity, rustc_hash::FxBuildHasher),
             turns: VecDeque::with_capacity(2 * capacity),
             dropped: 0,
+            began_ns: i64::MIN,
         }
     }
 
@@ -111,6 +117,28 @@ impl<T: Copy> Schedule<T> {
         self.turns.clear();
     }
 
+    /// Another publisher goes on with the tracks from `now_ns` on.
+    pub(crate) fn go_on(&mut self, now_ns: i64) {
+        self.began_ns = now_ns;
+    }
+
+    /// Hands out the latest state of each track that the present publisher should have spoken of by `now_ns` and has
+    /// not, in the order of their numbers, and forgets it.
+    pub(crate) fn forget_unheard(&mut self, now_ns: i64, mut visit: impl FnMut(T)) {
+        if self.began_ns == i64::MIN || now_ns < self.began_ns + UNHEARD_MAX_NS {
+            return;
+        }
+        let began_ns = std::mem::replace(&mut self.began_ns, i64::MIN);
+        let unheard = self.entries.iter().filter(|(_, entry)| entry.heard_ns < began_ns);
+        let mut numbers: Vec<u32> = unheard.map(|(number, _)| *number).collect();
+        numbers.sort_unstable();
+        for number in numbers {
+            if let Some(entry) = self.entries.remove(&number) {
+                visit(entry.latest);
+            }
+        }
+    }
+
     /// States of tracks for which there was no room.
     pub(crate) fn dropped(&self) -> u64 {
         self.dropped
@@ -152,6 +180,23 @@ mod tests {
         assert!((0..5).all(|number| schedule.take(number, 'a', 0)));
         assert!(schedule.end(3));
         assert_eq!(schedule.next_turn(S), None);
+    }
+
+    #[test]
+    fn what_a_publisher_that_goes_on_never_speaks_of_is_forgotten() {
+        let mut schedule = Schedule::new(4 * S, 10);
+        assert!(schedule.take(1, 'a', 0) && schedule.take(2, 'b', 0));
+        let unheard = |schedule: &mut Schedule<char>, now_s: i64| {
+            let mut found = String::new();
+            schedule.forget_unheard(now_s * S, |state| found.push(state));
+            found
+        };
+        assert_eq!(unheard(&mut schedule, 100), "");
+        schedule.go_on(100 * S);
+        schedule.take(2, 'c', 101 * S);
+        assert_eq!(unheard(&mut schedule, 129), "");
+        assert_eq!(unheard(&mut schedule, 130), "a");
+        assert!(schedule.end(2) && !schedule.end(1));
     }
 
     #[test]

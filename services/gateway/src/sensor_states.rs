@@ -26,6 +26,8 @@ pub(crate) struct SensorStates {
     fusion_spoke_ns: i64,
     /// Condition that was sent last, once the system has run.
     condition: Option<Condition>,
+    /// Changes whenever tracks are numbered anew.
+    renumbered: bool,
     alarms: Present,
     sensors: Vec<Sensor>,
     statuses: Vec<SensorStatus>,
@@ -63,6 +65,7 @@ impl SensorStates {
         Self {
             fusion_spoke_ns: i64::MIN,
             condition: None,
+            renumbered: false,
             alarms: Present::default(),
             sensors: sensors.collect(),
             statuses: Vec::with_capacity(config.sources.len()),
@@ -102,6 +105,15 @@ impl SensorStates {
                     sensor.delivered_ns = health.said_ns;
                 }
             }
+        }
+    }
+
+    /// Tracks are numbered anew: sends that the service was interrupted and is there again, unless that is said anyhow.
+    pub(crate) fn renumbered(&mut self, now: Now, reports: &mut StatusReports, send: &mut SendBlock<'_>) {
+        self.renumbered = !self.renumbered;
+        if self.condition.is_some_and(|said| said != Condition::NotConnected) {
+            reports.event(now.utc_ns, ServiceEvent::Interrupted, send);
+            reports.event(now.utc_ns, ServiceEvent::ReadyAgain, send);
         }
     }
 
@@ -147,6 +159,7 @@ impl SensorStates {
             overloaded: standing
                 .iter()
                 .any(|alarm| overload.iter().any(|kind| kind.code() == alarm.code)),
+            renumbered: self.renumbered,
             ..SystemStatus::default()
         }
     }

@@ -1,0 +1,176 @@
+//! A gateway over changes of fusion: what its user gets.
+
+use std::net::UdpSocket;
+use std::time::Duration;
+
+use asterix::{Mode, NamedRecord, Value, blocks, registry};
+use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
+use configuration::Config;
+use messages::{Counter, Health, ProcessKind, SystemTrack, TrackState};
+use runtime::{Agent as _, HealthEntry, Now};
+use tempfile::TempDir;
+use test_support::S;
+
+use crate::agent::GatewayAgent;
+
+const LOAD: &str = include_str!("../../../config/load.toml");
+
+/// The gateway of a deployment, its user, and who publishes.
+struct Bench {
+    gateway: GatewayAgent<InProcess>,
+    user: UdpSocket,
+    now_ns: i64,
+    health: Publisher<InProcess, Health>,
+    bus: Bus<InProcess>,
+    _held: (Held, Held, Held),
+    _folder: TempDir,
+}
+
+/// A record that the user has got, in words.
+type Got = Vec<String>;
+
+impl Bench {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let user = UdpSocket::bind("127.0.0.1:0").unwrap();
+        user.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        let text = LOAD
+            .replace(
+                "239.255.62.2:8662\"\ninterface = \"127.0.0.1",
+                &user.local_addr().unwrap().to_string(),
+            )
+            .replace("refresh_s = 0.0", "refresh_s = 1.0");
+        let path = folder.path().join("gateway.toml");
+        std::fs::write(&path, text).unwrap();
+        let config = Config::read(&path, &[]).unwrap();
+        let root = Root::in_base(folder.path(), "test").unwrap();
+        let bus: Bus<InProcess> = Bus::open(&root, "test").unwrap();
+        let held = (
+            bus.hold(&messages::system_tracks()).unwrap(),
+            bus.hold(&messages::health()).unwrap(),
+            bus.hold(&messages::alarms()).unwrap(),
+        );
+        Self {
+            gateway: GatewayAgent::new(&config, &config.gateways[0], &bus, 1).unwrap(),
+            user,
+            now_ns: 100 * S,
+            health: bus.publisher(&messages::health(), 1).unwrap(),
+            bus,
+            _held: held,
+            _folder: folder,
+        }
+    }
+
+    fn fusion(&self, epoch: u64) -> Publisher<InProcess, SystemTrack> {
+        let publisher = self.bus.publisher(&messages::system_tracks(), epoch).unwrap();
+        publisher.with_epoch(epoch)
+    }
+
+    fn mark(&self) -> Mark {
+        Mark {
+            progress_ns: i64::MIN,
+            sent_ns: self.now_ns,
+            end: false,
+        }
+    }
+
+    fn show(&self, fusion: &mut Publisher<InProcess, SystemTrack>, tracks: &[(u32, TrackState)]) {
+        let state = |index: usize, sequence| SystemTrack {
+            sequence,
+            track_number: tracks[index].0,
+            state: tracks[index].1 as u8,
+            reference_time_ns: self.now_ns,
+            ..SystemTrack::default()
+        };
+        fusion.send(self.mark(), tracks.len(), state).unwrap();
+    }
+
+    /// Lets so many seconds pass, in which fusion says that it runs; what the user gets of it but for plain states.
+    fn pass(&mut self, seconds: i64) -> Got {
+        for _ in 0..seconds {
+            self.now_ns += S;
+            let said = Health {
+                said_ns: self.now_ns,
+                kind: ProcessKind::Fusion as u8,
+                ..Health::default()
+            };
+            self.health.send(self.mark(), 1, |_, _| said).unwrap();
+            let now = Now {
+                mono_ns: self.now_ns,
+                utc_ns: self.now_ns,
+            };
+            let _ = self.gateway.turn(now).unwrap();
+        }
+        self.got()
+    }
+
+    /// Reads up to a datagram of its own: over loopback, datagrams arrive in their order.
+    fn got(&self) -> Got {
+        let mut got = Got::new();
+        let mut octets = [0; 2000];
+        self.user.send_to(b"end", self.user.local_addr().unwrap()).unwrap();
+        loop {
+            let length = self.user.recv(&mut octets).unwrap();
+            if &octets[..length] == b"end" {
+                return got;
+            }
+            for block in blocks(&octets[..length]).map(Result::unwrap) {
+                let table = registry::default_edition(block.category).unwrap();
+                for record in block.records(table, Mode::Strict) {
+                    got.extend(words(block.category, &NamedRecord::new(&record.unwrap())));
+                }
+            }
+        }
+    }
+
+    fn counted(&self, counter: Counter) -> u64 {
+        let mut entries = Vec::<HealthEntry>::new();
+        self.gateway.health(&mut entries);
+        entries[0].counters[counter]
+    }
+}
+
+/// What a user must do something about: beginnings and ends of tracks, events of the service, numbering anew.
+fn words(category: u8, record: &NamedRecord) -> Option<String> {
+    let number = |path: &[&str]| match record.get(path) {
+        Some(Value::Unsigned(number)) => *number,
+        _ => 0,
+    };
+    let track = number(&["040"]);
+    match (category, number(&["080", "TSB"]), number(&["080", "TSE"])) {
+        (62, 1, _) => Some(format!("{track} begins")),
+        (62, _, 1) => Some(format!("{track} ends")),
+        (65, ..) if number(&["050"]) > 0 => Some(format!("event {}", number(&["050"]))),
+        (65, ..) if number(&["040", "STTN"]) > 0 => Some("other numbers".to_owned()),
+        _ => None,
+    }
+}
+
+const SHOWN: TrackState = TrackState::Confirmed;
+
+#[test]
+fn tracks_go_on_over_a_change_of_fusions_and_those_that_are_told_ended_or_never_heard_of_end() {
+    let mut bench = Bench::new();
+    let (mut first, mut second) = (bench.fusion(5), bench.fusion(6));
+    bench.show(&mut first, &[(1, SHOWN), (2, SHOWN), (3, SHOWN)]);
+    assert_eq!(bench.pass(1), ["1 begins", "2 begins", "3 begins"]);
+    second.go_on();
+    bench.show(&mut second, &[(1, SHOWN), (2, TrackState::Terminated)]);
+    assert_eq!(bench.pass(1), ["2 ends"]);
+    // The first one wakes up.
+    bench.show(&mut first, &[(2, SHOWN), (4, SHOWN)]);
+    assert_eq!(bench.pass(1), [""; 0]);
+    assert_eq!(bench.counted(Counter::RejectedEpoch), 2);
+    assert_eq!(bench.pass(40), ["3 ends"]);
+}
+
+#[test]
+fn users_are_told_that_tracks_are_numbered_anew_where_nobody_knows_the_ones_before() {
+    let mut bench = Bench::new();
+    let (mut first, mut second) = (bench.fusion(5), bench.fusion(6));
+    bench.show(&mut first, &[(1, SHOWN)]);
+    assert_eq!(bench.pass(1), ["1 begins"]);
+    bench.show(&mut second, &[(7, SHOWN)]);
+    assert_eq!(bench.pass(1), ["1 ends", "7 begins", "event 5", "event 6"]);
+    assert_eq!(bench.pass(1), ["other numbers"]);
+}
