@@ -15,6 +15,7 @@ use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use runtime::clock::mono_ns;
+use runtime::instance::leading_fusion;
 use rustix::process::Signal;
 use scoring::NumberTally;
 
@@ -74,7 +75,7 @@ fn ended(signal: Signal, times: usize, pause: Duration, seed: u64, arguments: &[
     for _ in 0..times {
         watcher.watch(pause + Duration::from_millis(random.random_range(0..500)));
         let before = watcher.tally.clone();
-        let leads = home.leading_fusion("demo");
+        let leads = leading_fusion(&home.root("demo"));
         kill(leads.unwrap_or_else(|| home.status_row("fusion").pid), signal);
         let begun = Instant::now();
         until("another fusion speaks", || {

@@ -206,7 +206,8 @@ fn a_full_disk_costs_samples_which_are_counted_and_the_recording_goes_on() {
 #[test]
 #[ignore = "takes three minutes: run it by its name"]
 fn two_hundred_kills_of_the_recorder() {
-    kill_recorders(200);
+    let count = std::env::var("KOSEKI_KILLS").ok().and_then(|times| times.parse().ok());
+    kill_recorders(count.unwrap_or(200));
 }
 
 #[test]

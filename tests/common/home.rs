@@ -6,7 +6,6 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::ops::Deref;
-use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::{Arc, Mutex};
@@ -197,20 +196,6 @@ impl Home {
 }
 
 impl Home {
-    /// Process that holds the lock of the fusion that leads; `None` while there is none. After a take-over it is not
-    /// the one that the launcher calls so.
-    pub(crate) fn leading_fusion(&self, instance: &str) -> Option<u32> {
-        let lock = fs::metadata(self.root(instance).path().join("fusion-leads"))
-            .ok()?
-            .ino();
-        let locks = fs::read_to_string("/proc/locks").ok()?;
-        locks.lines().find_map(|line| {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            let of_file = words.get(5)?.ends_with(&format!(":{lock}"));
-            words.get(4)?.parse().ok().filter(|_| of_file)
-        })
-    }
-
     /// Removes what instances whose launcher was killed keep for their successors.
     fn forget_checkpoints(&self) {
         let base = self.base();

@@ -6,6 +6,8 @@
 //! bench itself; under a launcher its keeper, because whoever maps memory that others write can be killed by what is
 //! in it, and the launcher must not be. Nothing that [`Instance`] does maps any.
 
+use std::fs;
+use std::os::unix::fs::MetadataExt as _;
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -33,6 +35,22 @@ const PROGRESS_PUBLISHERS: usize = 4;
 /// Name of the memory in which fusion keeps what its successor goes on from. It outlasts every process, the launcher
 /// too, but for an orderly end.
 pub const CHECKPOINT: &str = "checkpoint";
+
+/// Name of the file, in the instance's folder, whose lock the fusion that leads holds where another one stands by.
+pub const FUSION_LEADS: &str = "fusion-leads";
+
+/// Process that holds the lock of the fusion that leads, as the system says; `None` while there is none, and where no
+/// fusion stands by. After a take-over it is not the one that was started as the leader.
+pub fn leading_fusion(root: &Root) -> Option<u32> {
+    let inode = fs::metadata(root.path().join(FUSION_LEADS)).ok()?.ino();
+    let locks = fs::read_to_string("/proc/locks").ok()?;
+    locks.lines().find_map(|line| {
+        // Number, kind, strictness, access, process, place: "device:device:inode".
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let is_its = words.get(5)?.ends_with(&format!(":{inode}"));
+        words.get(4)?.parse().ok().filter(|_| is_its)
+    })
+}
 
 /// A claimed instance.
 #[derive(Debug)]
@@ -244,4 +262,21 @@ fn raise_file_limit() {
             maximum: limit.maximum,
         },
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whoever_holds_the_lock_leads() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = Root::in_base(folder.path(), "test").unwrap();
+        assert_eq!(leading_fusion(&root), None);
+        fs::create_dir_all(root.path()).unwrap();
+        let lock = fs::File::create(root.path().join(FUSION_LEADS)).unwrap();
+        assert_eq!(leading_fusion(&root), None);
+        lock.lock().unwrap();
+        assert_eq!(leading_fusion(&root), Some(std::process::id()));
+    }
 }

@@ -36,7 +36,7 @@ use runtime::Now;
 use runtime::clock::mono_ns;
 use runtime::cores::Placement;
 use runtime::housekeeping::Queues;
-use runtime::instance::CHECKPOINT;
+use runtime::instance::{CHECKPOINT, FUSION_LEADS};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fd::OwnedFd;
 use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
@@ -69,7 +69,7 @@ impl LeadLock {
     /// # Errors
     /// If it cannot be made.
     pub(crate) fn open(process: &Process) -> anyhow::Result<Self> {
-        let path = process.bus.root().path().join("fusion-leads");
+        let path = process.bus.root().path().join(FUSION_LEADS);
         let mut options = OpenOptions::new();
         let opened = options.read(true).write(true).create(true).truncate(false).open(&path);
         Ok(Self(opened.with_context(|| format!("opening {}", path.display()))?))

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::os::unix::fs::MetadataExt as _;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -10,6 +9,7 @@ use anyhow::Context as _;
 use bus::{Bus, Root, SharedMemory, Subscriber};
 use messages::SystemTrack;
 use runtime::clock::{instant, mono_ns};
+use runtime::instance::leading_fusion;
 use rustix::process::{Pid, Signal, kill_process};
 use scoring::NumberTally;
 use tempfile::TempDir;
@@ -99,7 +99,7 @@ impl Deployment {
     pub(super) fn children(&self) -> anyhow::Result<BTreeMap<String, u32>> {
         let pid = self.launcher.id();
         let pids = fs::read_to_string(format!("/proc/{pid}/task/{pid}/children")).context("the launcher is gone")?;
-        let leader = self.leader();
+        let leader = leading_fusion(&self.root);
         let named = pids.split_whitespace().filter_map(|pid| {
             let command = fs::read_to_string(format!("/proc/{pid}/cmdline")).ok()?;
             let name = command.split('\0').find_map(|word| word.strip_prefix("--name="))?;
@@ -112,17 +112,6 @@ impl Deployment {
             Some((name.to_owned(), pid))
         });
         Ok(named.collect())
-    }
-
-    /// The process that holds the lock of the fusion that leads, as the system says, where there are two fusions.
-    fn leader(&self) -> Option<u32> {
-        let file = fs::metadata(self.root.path().join("fusion-leads")).ok()?.ino();
-        let locks = fs::read_to_string("/proc/locks").ok()?;
-        locks.lines().find_map(|line| {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            let (pid, place) = (words.get(4)?.parse().ok()?, words.get(5)?);
-            place.ends_with(&format!(":{file}")).then_some(pid)
-        })
     }
 
     /// Sends a signal to a child, whose process number is returned.
