@@ -124,6 +124,45 @@ fn begin(to: &Path, facts: &Facts) -> Writer<BufWriter<File>> {
     Writer::begin(BufWriter::new(File::create(to).unwrap()), facts).unwrap()
 }
 
+const CROWD: &str = r#"name = "crowd"
+[frame]
+latitude_deg = 41.297063
+longitude_deg = 2.078447
+[scenario]
+targets = 14000
+[[source]]
+name = "multilateration"
+period_s = 4.0
+[source.simulated]
+kind = "multilateration"
+[source.limits]
+tracks = 20000
+[source.covariance]
+from = "report"
+position_sigma_m = 5.0
+[fusion.capacity]
+system_tracks = 20000
+sensor_tracks = 20000
+[recorder]
+format = ["csv", "mcap"]
+"#;
+
+#[test]
+fn a_start_from_thousands_of_tracks_is_recorded_whole() {
+    let home = Home::new();
+    fs::write(home.path("crowd.toml"), CROWD).unwrap();
+    let running = home.start(&["up", "crowd.toml", "--out", "out"]);
+    until("most targets have tracks", || rows(&home) > 28_000);
+    let before = home.status_row("fusion").pid;
+    kill(before, Signal::KILL);
+    until("there is a successor", || home.status_row("fusion").pid != before);
+    let had = rows(&home);
+    until("it goes on", || rows(&home) > had + 14_000);
+    let (status, said) = running.stop();
+    assert!(status.success(), "{said}");
+    verified(&home);
+}
+
 #[test]
 fn recordings_through_kills_are_fused_again_in_order_of_time() {
     recordings_through_kills("time");

@@ -1,6 +1,6 @@
 //! State that a fusion starts from.
 //!
-//! A fusion that starts after another one goes on from its checkpoint. It says so before it publishes any track: first
+//! A fusion that starts after another one goes on from its checkpoint. It says so in the first moments after its start:
 //! what it starts from, in parts, then whatever comes of it. A recording that has the parts of an epoch, each one, can
 //! be replayed from there; an engine's start is a function of them alone.
 

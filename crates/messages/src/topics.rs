@@ -306,7 +306,7 @@ topics! {
     // Published by fusion and recorder, read by every adapter of a recording.
     progress() -> Progress: "progress", 16 slices of 80, 8 to 96;
 
-    /// State that a fusion starts from, where there was one before it: ahead of its first track.
+    /// State that a fusion starts from, where there was one before it: bit by bit, in its first moments.
     restored() -> Restored: "system/restored", 64 slices of 32, 4 to 4;
 
     /// Orders to fusion.

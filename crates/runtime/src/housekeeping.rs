@@ -10,6 +10,7 @@
 //!   loop ◀── emptied buffers ────────────────────── housekeeper
 //!   loop ◀── orders ─────────────────────────────── housekeeper ◀── topic `control`
 //!   loop ── decisions, where they are asked for ──▶ housekeeper ──▶ topic `system/decisions`
+//!   loop ── what it starts from ──────────────────▶ housekeeper ──▶ topic `system/restored`
 //! ```
 //!
 //! Nothing is allocated in the loop: two buffers go back and forth. If the housekeeper is kept from running, the loop
@@ -27,7 +28,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, Root, SharedMemory, Subscriber};
 use crossbeam_queue::ArrayQueue;
-use messages::{Control, Decision, Health, LifeState};
+use messages::{Control, Decision, Health, LifeState, Restored};
 
 use crate::agent::Agent;
 use crate::clock::{Now, mono_ns};
@@ -44,6 +45,9 @@ const DECISIONS_MAX: usize = 8192;
 const NAMES_MAX: usize = 4;
 /// Buffers that go back and forth.
 const BUFFERS: usize = 2;
+/// Slices of what a loop has started from that are published at a time: however many there are, a reader that looks in
+/// every few pauses loses none.
+const RESTORED_SLICES: usize = 8;
 /// How often the housekeeper looks for work.
 const PAUSE: Duration = Duration::from_millis(10);
 
@@ -54,6 +58,8 @@ pub struct Queues {
     pub orders: ArrayQueue<Control>,
     /// Decisions of the loop, to be published; `None` if nobody asks for them.
     pub decisions: Option<ArrayQueue<Decision>>,
+    /// Parts of what the loop has started from, all of one start.
+    pub restored: ArrayQueue<Vec<Restored>>,
     /// Names by which the process goes from now on: it has changed its part.
     pub names: ArrayQueue<&'static str>,
 }
@@ -64,6 +70,7 @@ impl Queues {
         Arc::new(Self {
             orders: ArrayQueue::new(ORDERS_MAX),
             decisions: decisions.then(|| ArrayQueue::new(DECISIONS_MAX)),
+            restored: ArrayQueue::new(1),
             names: ArrayQueue::new(NAMES_MAX),
         })
     }
@@ -214,9 +221,60 @@ impl House {
         let control = bus.subscriber(&messages::control(), || mono_ns() as u64)?;
         let publish = |_: &_| bus.publisher(&messages::decisions(), self.incarnation);
         let decisions = desk.queues.decisions.as_ref().map(publish).transpose()?;
+        let start = StartSaid {
+            bus: &bus,
+            incarnation: self.incarnation,
+            publisher: None,
+            parts: Vec::new(),
+            said: 0,
+        };
         // Whoever started this waits for it.
         let _ = ready.send(());
-        keep_house(desk, reporter, control, decisions)
+        keep_house(desk, reporter, control, decisions, start)
+    }
+}
+
+/// The start of a loop, as it is being said.
+struct StartSaid<'a> {
+    bus: &'a Bus<SharedMemory>,
+    incarnation: u64,
+    /// It stays: what one says that comes and goes between two looks of a reader is lost to that.
+    publisher: Option<Publisher<SharedMemory, Restored>>,
+    parts: Vec<Restored>,
+    said: usize,
+}
+
+impl StartSaid<'_> {
+    /// Publishes the next parts.
+    fn go_on(&mut self, queue: &ArrayQueue<Vec<Restored>>) -> anyhow::Result<()> {
+        if let Some(parts) = queue.pop() {
+            (self.parts, self.said) = (parts, 0);
+        }
+        let Some(next) = self.parts.get(self.said) else {
+            return Ok(());
+        };
+        if self.publisher.is_none() {
+            let publisher = self.bus.publisher(&messages::restored(), self.incarnation)?;
+            self.publisher = Some(publisher.with_epoch(next.epoch));
+        }
+        let Some(publisher) = &mut self.publisher else {
+            return Ok(());
+        };
+        let count = (RESTORED_SLICES * publisher.slice_len()).min(self.parts.len() - self.said);
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: mono_ns(),
+            end: false,
+        };
+        publisher.send(mark, count, |place, sequence| Restored {
+            sequence,
+            ..self.parts[self.said + place]
+        })?;
+        self.said += count;
+        if self.said == self.parts.len() {
+            self.parts = Vec::new();
+        }
+        Ok(())
     }
 }
 
@@ -225,6 +283,7 @@ fn keep_house(
     mut reporter: Reporter,
     mut control: Subscriber<SharedMemory, Control>,
     mut decisions: Option<Publisher<SharedMemory, Decision>>,
+    mut start: StartSaid<'_>,
 ) -> anyhow::Result<()> {
     loop {
         // Read before the queue is emptied: what was said before closing is published.
@@ -245,6 +304,7 @@ fn keep_house(
         if let (Some(queue), Some(publisher)) = (&desk.queues.decisions, &mut decisions) {
             publish_decisions(queue, publisher)?;
         }
+        start.go_on(&desk.queues.restored)?;
         let orders = &desk.queues.orders;
         let room = orders.capacity() - orders.len();
         control.take(room, |_, slice| {

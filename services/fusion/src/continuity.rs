@@ -11,7 +11,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use bus::{Bus, Mark, Outlasting, Publisher, Root, Transport};
+use bus::{Outlasting, Root, Transport};
 use configuration::{Checkpoint, Process};
 use fusion::checkpoint::{Clock, Layout, Memory, Snapshot};
 use fusion::{Engine, Sink};
@@ -86,44 +86,27 @@ impl Start {
         matches!(self.found, Found::Tracks { .. })
     }
 
-    /// Says what is started from on the topic `system/restored`, in as many parts as it takes. The publisher must stay:
-    /// what one says that comes and goes between two looks of a recorder is lost to that.
-    ///
-    /// # Errors
-    /// If it cannot be sent.
-    pub(crate) fn publish<S: Transport>(
-        &self,
-        bus: &Bus<S>,
-        incarnation: u64,
-        now: Now,
-    ) -> anyhow::Result<Option<Publisher<S, Restored>>> {
+    /// Parts of what is started from, for the topic `system/restored`; none if there is nothing.
+    pub(crate) fn parts(&self, now: Now) -> Vec<Restored> {
         let Found::Tracks { snapshot, ends } = &self.found else {
-            return Ok(None);
+            return Vec::new();
         };
-        let mut publisher = bus
-            .publisher(&messages::restored(), incarnation)?
-            .with_epoch(self.epoch);
-        let parts: Vec<&[u64]> = snapshot.words().chunks(RESTORED_WORDS).collect();
-        let mark = Mark {
-            progress_ns: i64::MIN,
-            sent_ns: now.mono_ns,
-            end: false,
-        };
-        publisher.send(mark, parts.len(), |part, sequence| {
+        let parts = snapshot.words().chunks(RESTORED_WORDS);
+        let count = parts.len();
+        let part = |(part, words): (usize, &[u64])| {
             let mut restored = Restored {
                 epoch: self.epoch,
                 time_ns: now.utc_ns,
                 part: part as u32,
-                parts: parts.len() as u32,
-                count: parts[part].len() as u32,
+                parts: count as u32,
+                count: words.len() as u32,
                 ends: u32::from(*ends),
-                sequence,
                 ..Restored::default()
             };
-            restored.words[..parts[part].len()].copy_from_slice(parts[part]);
+            restored.words[..words.len()].copy_from_slice(words);
             restored
-        })?;
-        Ok(Some(publisher))
+        };
+        parts.enumerate().map(part).collect()
     }
 
     /// Has the engine go on, tells `sink` what has ended, and keeps it all anew. `None` if there is no memory for that.

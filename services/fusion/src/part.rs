@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Publisher, SharedMemory};
+use bus::SharedMemory;
 use configuration::Process;
-use messages::{ProcessKind, Restored};
+use messages::ProcessKind;
 use runtime::cores::Placement;
 use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -32,7 +32,6 @@ enum State {
         agent: Box<FusionAgent<SharedMemory>>,
         /// Held as long as this process lives.
         _lead: Option<Lead>,
-        _restored: Option<Box<Publisher<SharedMemory, Restored>>>,
     },
 }
 
@@ -85,8 +84,14 @@ impl<'a> Part<'a> {
         let kept = config.fusion.checkpoint.filter(|_| !config.is_recorded());
         let start = kept.map(|settings| Start::look(self.process, settings, &ready.engine, now));
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
-        let restored = start.as_ref().map(|start| start.publish(bus, incarnation, now));
-        let restored = restored.transpose()?.flatten().map(Box::new);
+        if let Some(parts) = start
+            .as_ref()
+            .map(|start| start.parts(now))
+            .filter(|parts| !parts.is_empty())
+        {
+            // There is one start, and room for it.
+            let _ = self.queues.restored.push(parts);
+        }
         let mut agent = FusionAgent::begin(ready, config, bus, (incarnation, epoch), Arc::clone(&self.queues))?;
         if let Some(start) = start {
             agent.resume(start, take_over, now)?;
@@ -98,7 +103,6 @@ impl<'a> Part<'a> {
         self.state = State::Leads {
             agent: Box::new(agent),
             _lead: lead,
-            _restored: restored,
         };
         Ok(())
     }
