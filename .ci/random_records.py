@@ -170,4 +170,5 @@ def main():
             write(folder, f'{name},{category}~RE={edition}', uap, int(category), definition.cv_expansion)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -21,7 +21,7 @@ import numpy as np
 
 from . import _koseki
 from . import offline
-from .offline import compare, decode, fuse, locate, score, simulate, track
+from .offline import Table, compare, decode, decode_columns, fuse, locate, score, simulate, track
 from ._errors import BorrowLimit, Ended, KosekiError, NoPlaceLeft, NoSuchTopic, NotRunning, SchemaMismatch
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BorrowLimit", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning", "Publisher",
-    "SchemaMismatch", "Subscription", "Tracks", "compare", "decode", "describe", "fuse", "locate", "offline", "publish",
+    "SchemaMismatch", "Subscription", "Table", "Tracks", "compare", "decode", "decode_columns", "describe", "fuse", "locate", "offline", "publish",
     "read", "score", "simulate", "subscribe", "track",
 ]
 

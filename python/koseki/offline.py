@@ -1,6 +1,6 @@
-"""Koseki's offline commands on tables: fuse, track, locate, compare, score, simulate and decode.
+"""Koseki's offline commands on tables: fuse, track, locate, compare, score, simulate, and recordings of ASTERIX as tables.
 
-Each runs the executable `koseki` of the same version, found by $KOSEKI or in the PATH, on files in a folder of its own, so
+Each command runs the executable `koseki` of the same version, found by $KOSEKI or in the PATH, on files in a folder of its own, so
 results are those of the command line to the digit; other Python threads run meanwhile. A table is given as a path of a
 CSV file, a dict of columns, a data frame of pandas or polars, a table of pyarrow, or anything else with the Arrow C
 stream interface (that needs pyarrow). A table is returned as a dict of numpy columns, of which `pandas.DataFrame`,
@@ -21,11 +21,22 @@ from typing import Any
 
 import numpy as np
 
+from . import _koseki
 from ._errors import KosekiError
 
-__all__ = ["compare", "decode", "fuse", "locate", "score", "simulate", "track"]
+__all__ = ["Table", "compare", "decode", "decode_columns", "fuse", "locate", "score", "simulate", "track"]
 
-Table = dict[str, np.ndarray]
+Editions = Mapping[int | str, str]
+
+
+class Table(dict[str, np.ndarray]):
+    """Columns by name, as numpy arrays of one length: also what takes Arrow takes it, where pyarrow is installed."""
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        import pyarrow
+
+        return pyarrow.table(dict(self)).__arrow_c_stream__(requested_schema)
+
 
 #: Columns that stay text, whatever they look like: an address may look like a number.
 _TEXTS = {"address", "callsign", "lambda", "mode_3a", "sources", "state", "type", "weights"}
@@ -101,7 +112,7 @@ def _read(path: Path) -> Table:
         rows = csv.reader(file)
         names = next(rows)
         columns = list(zip(*rows, strict=True)) or [()] * len(names)
-    return {name: _column(name, column) for name, column in zip(names, columns, strict=True)}
+    return Table((name, _column(name, column)) for name, column in zip(names, columns, strict=True))
 
 
 def _config(config: str | os.PathLike[str] | None, folder: Path) -> Path | None:
@@ -182,14 +193,34 @@ def simulate(scenario: str = "demo", *, seed: int = 1, seconds: float = 120.0) -
         return {path.stem: _read(path) for path in sorted(folder.glob("*.csv"))}
 
 
-def decode(path: str | os.PathLike[str], *, editions: Mapping[int, str] | None = None) -> Iterator[dict[str, Any]]:
-    """Records of a recording of ASTERIX, each as a dict by item number; "_c" is its category.
+def decode(path: str | os.PathLike[str], *, editions: Editions | None = None) -> Iterator[dict[str, Any]]:
+    """Records of a recording of ASTERIX, each as a dict by item number; "_c" is its category, "_ts" when it was recorded.
 
-    `editions` are those that are not the default, as in {21: "0.23"}.
+    `editions` are those that are not the default, as in {21: "0.23"}, or {"48/RE": "1.13"} for an expansion field. What
+    `koseki decode` would leave out is left out.
     """
-    chosen = [word for category, edition in (editions or {}).items() for word in ("--edition", f"{category}={edition}")]
-    with tempfile.TemporaryDirectory() as name:
-        out = Path(name) / "records.jsonl"
-        _run(["decode", path, "--out", out, *chosen])
-        with out.open() as lines:
-            yield from map(json.loads, lines)
+    return iter(_koseki.records(path, _chosen(editions)))
+
+
+def decode_columns(path: str | os.PathLike[str], *, editions: Editions | None = None) -> dict[int, Table]:
+    """The same records as a table for each category: a column for each element, such as "042.X", a row for each record.
+
+    Numbers are 64-bit floats in the document's units, NaN where a record lacks them; whole ones are exact up to 2^53.
+    Texts are strings; what is repeated is a list, as in the dicts; where a record lacks them there is None.
+    """
+    return {
+        category: Table((name, _decoded(values)) for name, values in columns)
+        for category, (_, columns) in _koseki.columns(path, _chosen(editions)).items()
+    }
+
+
+def _chosen(editions: Editions | None) -> list[str]:
+    return [f"{category}={edition}" for category, edition in (editions or {}).items()]
+
+
+def _decoded(values: bytes | list) -> np.ndarray:
+    if isinstance(values, bytes):
+        return np.frombuffer(values)
+    column = np.empty(len(values), dtype=object)
+    column[:] = values
+    return column

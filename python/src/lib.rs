@@ -3,6 +3,8 @@
 //! A slice is handed out as a buffer: numpy reads it where it lies, and it is given back when the last array over it is
 //! gone. Waiting lets other Python threads run.
 
+mod decoding;
+
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_int, c_void};
 use std::fs::File;
@@ -274,6 +276,9 @@ fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Subscription>()?;
     module.add_class::<Slice>()?;
     module.add_class::<Publisher>()?;
+    module.add_class::<decoding::Records>()?;
+    module.add_function(wrap_pyfunction!(decoding::records, module)?)?;
+    module.add_function(wrap_pyfunction!(decoding::columns, module)?)?;
     module.add_function(wrap_pyfunction!(layouts, module)?)?;
     module.add_function(wrap_pyfunction!(read, module)?)
 }

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas
+import pyarrow
 import pytest
 
 import koseki
@@ -213,7 +214,49 @@ def test_a_recording_of_all_topics_has_what_was_published(tmp_path):
         koseki.read(tmp_path / "nothing.mcap")
 
 
-def test_records_of_a_recording_are_dicts():
-    recording = next((TOP / "examples/data").glob("*.ast"))
+RECORDINGS = sorted((TOP / "examples/data").glob("*.ast"))
+
+
+@pytest.mark.parametrize("recording", RECORDINGS, ids=lambda path: path.stem)
+def test_records_of_a_recording_are_those_of_the_command_line(recording):
+    lines = koseki.offline._run(["decode", recording, "--out", "-"]).splitlines()
     records = list(koseki.decode(recording))
-    assert records and all("_c" in record for record in records)
+    assert records == [json.loads(line) for line in lines] and len(records) > 10
+
+
+@pytest.mark.parametrize("recording", RECORDINGS, ids=lambda path: path.stem)
+def test_columns_of_a_recording_have_what_its_records_have(recording):
+    def leaves(group, path=""):
+        for name, value in group.items():
+            yield from leaves(value, f"{path}{name}.") if isinstance(value, dict) else [(path + name, value)]
+
+    tables, records = koseki.decode_columns(recording), list(koseki.decode(recording))
+    assert sorted(tables) == sorted({record["_c"] for record in records})
+    for category, table in tables.items():
+        of_category = [record for record in records if record["_c"] == category]
+        rows = [{name: value for name, value in leaves(record) if name != "_c"} for record in of_category]
+        assert set(table) == {name for row in rows for name in row}
+        for name, column in table.items():
+            absent = np.nan if column.dtype == np.float64 else None
+            expected = np.empty(len(rows), column.dtype)
+            expected[:] = [row.get(name, absent) for row in rows]
+            np.testing.assert_array_equal(column, expected, err_msg=name)
+        assert pyarrow.table(table).num_rows == len(rows)
+
+
+def test_editions_are_chosen_and_refused():
+    assert not koseki.decode_columns(RECORDINGS[0], editions={48: "1.31"}).keys() ^ koseki.decode_columns(RECORDINGS[0]).keys()
+    with pytest.raises(ValueError, match="there are"):
+        koseki.decode(RECORDINGS[0], editions={48: "9.9"})
+    with pytest.raises(FileNotFoundError):
+        koseki.decode_columns("nothing.ast")
+
+
+def test_a_decoding_that_is_given_up_ends():
+    before = len(os.listdir("/proc/self/task"))
+    records = koseki.decode(max(RECORDINGS, key=lambda path: path.stat().st_size))
+    next(records)
+    del records
+    end = time.monotonic() + PATIENCE
+    while len(os.listdir("/proc/self/task")) > before:
+        assert time.monotonic() < end

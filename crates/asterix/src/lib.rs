@@ -59,6 +59,7 @@ mod notation;
 
 pub mod block;
 pub mod categories;
+pub mod choice;
 pub mod decoder;
 pub mod encode_error;
 pub mod error;

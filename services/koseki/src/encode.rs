@@ -9,11 +9,12 @@ use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
 
 use anyhow::Context as _;
+use asterix::choice::ChosenEdition;
 use asterix::{BlockWriter, Category, Expansion, NamedRecord, registry};
 use serde_json::Value;
 use telemetry::table::count;
 
-use crate::args::{ChosenEdition, Encode, Usage};
+use crate::args::{Encode, Usage};
 use crate::files::{InputError, OutputFile, is_same_file, open};
 
 /// Standard input, or standard output.

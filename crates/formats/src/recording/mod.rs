@@ -23,15 +23,18 @@
 //! The rule looks at whole categories. Where two senders use different editions of one, the lesser of them loses its
 //! blocks, and some of those fit by accident; give each sender's recording its own edition.
 
+mod expansions;
 mod refusals;
 mod statistics;
 
+pub use expansions::{Expansions, Failures};
 pub use refusals::{Refusal, Refusals};
 pub use statistics::{Rate, Sender, SenderSummary, Statistics};
 
 use std::collections::BTreeMap;
 
 use crate::containers::{Container, Counts, Datagram, Datagrams, TimeStamp};
+use asterix::choice::ChosenEdition;
 use asterix::{Block, Category, Edition, Error, Mode, Record, blocks_at, registry};
 
 /// The bytes of a recording, and how to read them.
@@ -95,6 +98,14 @@ impl<'a> Recording<'a> {
     pub fn in_container(mut self, container: Container) -> Self {
         self.container = container;
         self
+    }
+
+    /// Reads categories with the tables among these editions instead of the defaults.
+    pub fn with_editions(self, editions: &[ChosenEdition]) -> Self {
+        editions.iter().fold(self, |recording, chosen| match chosen {
+            ChosenEdition::Category(table) => recording.with_table(table),
+            ChosenEdition::Expansion(_) => recording,
+        })
     }
 
     /// Reads a category with this edition's table instead of the default.

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use asterix::choice::ChosenEdition;
 use clap::Args;
 
-use super::ChosenEdition;
-use super::values::{edition, editions_help};
+use super::values::editions_help;
 
 pub(super) const ENCODE_EXAMPLES: &str = "\
 Examples:
@@ -29,7 +29,7 @@ pub(crate) struct Encode {
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Write a category by this edition, as in 21=0.23 (repeatable) [default: see --help]
-    #[arg(long = "edition", value_name = "CAT=ED", value_parser = edition, long_help = editions_help())]
+    #[arg(long = "edition", value_name = "CAT=ED", long_help = editions_help())]
     pub(crate) editions: Vec<ChosenEdition>,
     /// End at the first record that cannot be written
     #[arg(long)]

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use asterix::{Category, Expansion};
+use asterix::choice::ChosenEdition;
 use clap::{Args, Subcommand};
 use formats::containers::Container;
 
-use super::values::{above_zero, edition, editions_help, finite, not_negative, refresh, seconds, whole_second};
+use super::values::{above_zero, editions_help, finite, not_negative, refresh, seconds, whole_second};
 
 pub(super) const DECODE_EXAMPLES: &str = "\
 Examples:
@@ -30,7 +30,7 @@ pub(crate) struct Decode {
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Read a category by this edition, as in 21=0.23 (repeatable) [default: see --help]
-    #[arg(long = "edition", value_name = "CAT=ED", value_parser = edition, long_help = editions_help())]
+    #[arg(long = "edition", value_name = "CAT=ED", long_help = editions_help())]
     pub(crate) editions: Vec<ChosenEdition>,
     /// Kind of the recording: raw, pcap, pcapng or final [default: what its first octets tell]
     #[arg(long, value_name = "KIND")]
@@ -47,15 +47,6 @@ pub(crate) struct Decode {
     /// File for the same statistics as JSON
     #[arg(long, value_name = "FILE", requires = "statistics")]
     pub(crate) json: Option<PathBuf>,
-}
-
-/// Editions that `--edition` chooses.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum ChosenEdition {
-    /// The table of a category.
-    Category(&'static Category),
-    /// The coding rules of its reserved expansion field.
-    Expansion(&'static Expansion),
 }
 
 pub(super) const SIMULATE_EXAMPLES: &str = "\

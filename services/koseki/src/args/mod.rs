@@ -29,8 +29,7 @@ use files::{
     track_examples,
 };
 pub(crate) use files::{
-    ChosenEdition, Compare, Decode, Fuse, Locate, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate,
-    Track,
+    Compare, Decode, Fuse, Locate, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate, Track,
 };
 use replay::REPLAY_EXAMPLES;
 pub(crate) use replay::Replay;

@@ -3,12 +3,12 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use asterix::choice::ChosenEdition;
 use clap::{Args, ValueEnum};
 use net::Interface;
 use runtime::Speed;
 
-use super::ChosenEdition;
-use super::values::{edition, editions_help, speed};
+use super::values::{editions_help, speed};
 
 pub(super) const SEND_EXAMPLES: &str = "\
 Examples:
@@ -46,7 +46,7 @@ pub(crate) struct Send {
     #[arg(long, value_name = "TIME")]
     pub(crate) retime: Option<Retime>,
     /// Read a category by this edition, as in 21=0.23, to find its times (repeatable) [default: see --help]
-    #[arg(long = "edition", value_name = "CAT=ED", value_parser = edition, long_help = editions_help())]
+    #[arg(long = "edition", value_name = "CAT=ED", long_help = editions_help())]
     pub(crate) editions: Vec<ChosenEdition>,
     /// Print the summary as JSON
     #[arg(long)]

@@ -2,59 +2,15 @@
 
 use std::time::Duration;
 
-use asterix::table::EditionError;
-use asterix::{Edition, registry};
+use asterix::choice::{editions_of, expansions_of};
+use asterix::registry;
 use formats::rows::Utc;
 use runtime::Speed;
-
-use super::ChosenEdition;
 
 /// Longest time that `--for` accepts, seconds: a hundred years.
 const SECONDS_MAX: f64 = 3.2e9;
 /// Times in files reach this far to either side of 0, seconds; no second beyond is worth scoring.
 const SECOND_MAX: f64 = 4e6;
-
-/// Choice that `CAT=ED` or `CAT/RE=ED` makes.
-pub(super) fn edition(text: &str) -> Result<ChosenEdition, String> {
-    let (category, edition) = text
-        .split_once('=')
-        .ok_or("write a category and its edition, as in 21=0.23")?;
-    let (category, is_expansion) = match category.strip_suffix("/RE") {
-        Some(category) => (category, true),
-        None => (category, false),
-    };
-    let number: u8 = category.parse().map_err(|_| "a category is a number up to 255")?;
-    let edition: Edition = edition.parse().map_err(|error: EditionError| error.to_string())?;
-    let (chosen, what, there_are) = match is_expansion {
-        true => (
-            registry::find_expansion(number, edition).map(ChosenEdition::Expansion),
-            "reserved expansion field of category",
-            expansions_of(number),
-        ),
-        false => (
-            registry::find(number, edition).map(ChosenEdition::Category),
-            "category",
-            editions_of(number),
-        ),
-    };
-    chosen.ok_or_else(|| match there_are.as_str() {
-        "" => format!("there is no table for the {what} {number:03}; see `koseki decode --help`"),
-        editions => format!("{what} {number:03} has no such edition here; there are {editions}"),
-    })
-}
-
-/// The editions of a category that there are tables for, the default first.
-fn editions_of(category: u8) -> String {
-    let editions = registry::editions(category).map(|table| table.edition.to_string());
-    editions.collect::<Vec<_>>().join(", ")
-}
-
-/// The same of the coding rules of its reserved expansion field.
-fn expansions_of(category: u8) -> String {
-    let expansions = registry::EXPANSIONS.iter().filter(|rules| rules.number == category);
-    let editions = expansions.map(|rules| rules.edition.to_string());
-    editions.collect::<Vec<_>>().join(", ")
-}
 
 /// Nanoseconds since 1970 of a time as files write it.
 pub(super) fn utc(text: &str) -> Result<i64, String> {
@@ -160,27 +116,6 @@ mod tests {
         assert_eq!(seconds("1.5"), Ok(Duration::from_millis(1500)));
         for wrong in ["0", "-1", "nan", "inf", "1e30", "soon"] {
             assert!(seconds(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn editions_are_found_or_the_ones_there_are_named() {
-        let chosen = edition("21=0.23").unwrap();
-        assert!(matches!(chosen, ChosenEdition::Category(table) if table.to_string() == "CAT021 ed 0.23"));
-        let chosen = edition("048/RE=1.13").unwrap();
-        assert!(matches!(chosen, ChosenEdition::Expansion(rules) if rules.edition == Edition::new(1, 13)));
-        for (wrong, expected) in [
-            ("21", "as in 21=0.23"),
-            ("x=1.0", "a number up to 255"),
-            ("300=1.0", "a number up to 255"),
-            ("21=023", "is no edition"),
-            ("21=9.9", "there are 2.4, 2.1"),
-            ("99=1.0", "no table for the category 099"),
-            ("48/RE=1.31", "there are 1.11, 1.12, 1.13"),
-            ("10/RE=1.1", "no table for the reserved expansion field of category 010"),
-        ] {
-            let line = edition(wrong).unwrap_err();
-            assert!(line.contains(expected), "{line}");
         }
     }
 

@@ -4,7 +4,6 @@
 //! tables and sentences. Standard output has what was asked for and nothing else; what was refused is summed up on
 //! standard error, each reason with its first occurrence.
 
-mod expansions;
 mod notes;
 mod tables;
 
@@ -13,13 +12,13 @@ use std::io::{self, BufWriter, IsTerminal as _, Write};
 use std::path::Path;
 
 use anyhow::Context as _;
+use asterix::choice::ChosenEdition;
 use asterix::{Mode, NamedRecord};
 use formats::containers::TimeStamp;
-use formats::recording::{Recording, Statistics, Survey};
+use formats::recording::{Expansions, Recording, Statistics, Survey};
 
-use crate::args::{ChosenEdition, Decode, Usage};
+use crate::args::{Decode, Usage};
 use crate::files::is_same_file;
-use expansions::Expansions;
 
 /// Value of `--out` that means standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -35,7 +34,7 @@ pub(crate) fn run(decode: &Decode) -> anyhow::Result<()> {
     let bytes = fs::read(&decode.file).with_context(|| format!("{} cannot be read", decode.file.display()))?;
     let recording = open(decode, &bytes);
     let survey = recording.survey();
-    let mut expansions = Expansions::new(decode);
+    let mut expansions = Expansions::new(&decode.editions);
     if let Some(out) = &decode.out {
         let lines = Lines {
             recording: &recording,
@@ -53,7 +52,7 @@ pub(crate) fn run(decode: &Decode) -> anyhow::Result<()> {
         }
     }
     // With standard error closed, the records are written all the same.
-    let said = notes::notes(decode, &survey) + &expansions.notes();
+    let said = notes::notes(decode, &survey) + &notes::of_expansions(&expansions);
     let _ = io::stderr().write_all(said.as_bytes());
     Ok(())
 }
@@ -102,12 +101,7 @@ fn open<'a>(decode: &Decode, bytes: &'a [u8]) -> Recording<'a> {
     if decode.strict {
         recording = recording.with_mode(Mode::Strict);
     }
-    for chosen in &decode.editions {
-        if let ChosenEdition::Category(table) = chosen {
-            recording = recording.with_table(table);
-        }
-    }
-    recording
+    recording.with_editions(&decode.editions)
 }
 
 /// The records of a recording as lines.

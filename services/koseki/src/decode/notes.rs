@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use asterix::Edition;
-use formats::recording::{CategorySurvey, Refusal, Survey};
+use formats::recording::{CategorySurvey, Expansions, Refusal, Survey};
 use telemetry::table::count;
 
 use crate::args::Decode;
@@ -48,6 +48,24 @@ pub(super) fn notes(decode: &Decode, survey: &Survey) -> String {
         ));
     }
     text
+}
+
+/// A line for each of the chosen coding rules that some reserved expansion fields do not follow.
+pub(super) fn of_expansions(expansions: &Expansions) -> String {
+    let failed = expansions.rules.iter().filter(|(_, failures)| failures.count > 0);
+    let notes = failed.map(|(rules, failures)| {
+        format!(
+            "koseki: I{:03}/RE: {} not follow the coding rules ed {} (left as octets), the first: {}\n",
+            rules.number,
+            match failures.count {
+                1 => "1 field does".to_owned(),
+                fields => format!("{} fields do", count(fields)),
+            },
+            rules.edition,
+            failures.first
+        )
+    });
+    notes.collect()
 }
 
 fn records_given(survey: &Survey) -> u64 {

@@ -2,13 +2,12 @@
 
 use std::borrow::Cow;
 
+use asterix::choice::ChosenEdition;
 use asterix::times::{TICKS_PER_S, first_time_of_day, move_times};
 use asterix::{Category, blocks, registry};
 use formats::containers::{Container, Datagrams, TimeStamp};
 use formats::sbs::{Line, moved_line, stamped_ns};
 use frames::time::{NS_PER_DAY, NS_PER_S};
-
-use crate::args::ChosenEdition;
 
 /// Nanoseconds in a tick of ASTERIX.
 const TICK_NS: i64 = NS_PER_S / TICKS_PER_S as i64;

@@ -1,0 +1,53 @@
+//! The content of reserved expansion fields, by the coding rules that were chosen.
+
+use asterix::choice::ChosenEdition;
+use asterix::{Expansion, NamedRecord, Record};
+
+/// The item whose content has coding rules of its own.
+const EXPANSION_FIELD: &str = "RE";
+
+/// Coding rules of reserved expansion fields, and how often fields did not follow them.
+#[derive(Debug, Default)]
+pub struct Expansions {
+    /// Rules that were chosen, in the order given.
+    pub rules: Vec<(&'static Expansion, Failures)>,
+}
+
+/// Fields that do not follow the coding rules.
+#[derive(Debug, Default)]
+pub struct Failures {
+    /// Number of them.
+    pub count: u64,
+    /// Fault of the first; empty where there is none.
+    pub first: String,
+}
+
+impl Expansions {
+    /// Coding rules among the chosen editions.
+    pub fn new(editions: &[ChosenEdition]) -> Self {
+        let rules = editions.iter().filter_map(|chosen| match chosen {
+            ChosenEdition::Expansion(rules) => Some((*rules, Failures::default())),
+            ChosenEdition::Category(_) => None,
+        });
+        Self { rules: rules.collect() }
+    }
+
+    /// Puts the content of a record's field in the place of its octets. A field that follows other rules keeps them.
+    pub fn read(&mut self, record: &Record<'_>, named: &mut NamedRecord) {
+        for (rules, failures) in &mut self.rules {
+            match rules.read(record) {
+                Ok(Some(content)) => {
+                    let fields = named.items.iter_mut().filter(|(name, _)| *name == EXPANSION_FIELD);
+                    fields.for_each(|(_, value)| *value = content.clone());
+                }
+                Ok(None) => {}
+                Err(error) => {
+                    if failures.count == 0 {
+                        failures.first = error.to_string();
+                    }
+                    failures.count += 1;
+                }
+            }
+        }
+    }
+}
