@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Drives the real page of `koseki demo` in headless Chromium without WebGL, as a person would, and compares what it
-shows with what the recorder wrote.
+shows with what the recorder wrote. Then the same page shows that recording.
 
     .ci/display/check.py KOSEKI FOLDER [--picture docs/display.png]
 
@@ -87,20 +87,27 @@ class Recorded:
         day = seconds % 86400
         return [row for row in self.rows.get(number, []) if abs(float(row["time_s"]) - day) < 0.0015]
 
+    def there(self, seconds):
+        """Numbers of the tracks of which there was a state in the five seconds before the last one, and no end."""
+        day = seconds % 86400
+        there = set()
+        for number, rows in self.rows.items():
+            before = [row for row in rows if float(row["time_s"]) <= day - 1]
+            ended = any(row["state"] == "terminated" for row in rows if float(row["time_s"]) <= day + 1)
+            if before and float(before[-1]["time_s"]) > day - 6 and not ended:
+                there.add(number)
+        return there
 
-def listed(text):
-    return [word for word in text.split("|") if word != ""] if text else []
 
+class Koseki:
+    """A command that shows the picture, and what it prints."""
 
-class Demo:
-    def __init__(self, koseki, folder):
-        self.log = open(folder / "demo.txt", "w+", encoding="utf-8")
-        self.records = folder / "records"
-        command = [koseki, "demo", "--instance", "ci-display", "--out", self.records, "--set", "recorder.enabled=true"]
-        self.process = subprocess.Popen(command, stdout=self.log, stderr=subprocess.STDOUT)
+    def __init__(self, koseki, log, command):
+        self.log = open(log, "w+", encoding="utf-8")
+        self.process = subprocess.Popen([koseki, *command], stdout=self.log, stderr=subprocess.STDOUT)
 
     def address(self):
-        """Address that the demonstration prints."""
+        """Address that it prints."""
         end = time.monotonic() + 30
         while time.monotonic() < end:
             found = re.search(r"http://127\.0\.0\.1:\d+\S*", pathlib.Path(self.log.name).read_text(encoding="utf-8"))
@@ -109,7 +116,7 @@ class Demo:
             if self.process.poll() is not None:
                 break
             time.sleep(0.05)
-        raise AssertionError("the demonstration prints no address: " + pathlib.Path(self.log.name).read_text()[-2000:])
+        raise AssertionError("no address is printed: " + pathlib.Path(self.log.name).read_text()[-2000:])
 
     def stop(self):
         if self.process.poll() is None:
@@ -285,6 +292,50 @@ def drive(page, url, folder, demo):
     return seen, past
 
 
+def drive_recording(page, url):
+    """Moments of a recording, as the page shows them: ahead, back, the end, and after a reload."""
+    print("the recording in the same page")
+    page.goto(url)
+    until(page, "globalThis.koseki?.picture.system.size >= 20")
+    check("recording" in page.inner_text("#instance"), "it says that it is a recording")
+    began = page.evaluate("koseki.picture.time")
+    until(page, "began => koseki.picture.time > began + 1", argument=began)
+    check("PLAY" in page.inner_text("#mode"), "it is played")
+    page.keyboard.press(" ")
+    until(page, "document.getElementById('mode').textContent === 'PAUSED'")
+    first, last = page.evaluate("[koseki.historyFrom, koseki.liveTime]")
+    check(last - first > 20, f"{last - first:.0f} s can be seen")
+    past = []
+    for part in [0.5, 0.9, 0.3]:
+        at = int(first + part * (last - first))
+        page.locator("#scrub").evaluate(
+            "(bar, at) => { bar.value = at; bar.dispatchEvent(new Event('input')); }", at
+        )
+        until(page, "at => Math.abs(koseki.picture.time - at) < 0.001", argument=at)
+        past.append((at, page.evaluate(TRACKS)))
+    page.wait_for_timeout(400)
+    page.reload()
+    until(page, "at => Math.abs((globalThis.koseki?.picture.time ?? 0) - at) < 0.001", argument=at)
+    past.append((at, page.evaluate(TRACKS)))
+    check(len(past[-1][1]) == len(past[-2][1]), "the address has the moment")
+    page.keyboard.press(" ")
+    until(page, "at => koseki.picture.time > at + 1", argument=at)
+    page.keyboard.press("Home")
+    until(page, "last => Math.abs(koseki.picture.time - last) < 0.001", argument=last)
+    past.append((last, page.evaluate(TRACKS)))
+    check(page.inner_text("#mode") == "PAUSED", "at its end it stands still")
+    return past
+
+
+def compare_recording(recorded, past):
+    """The pictures have exactly the tracks of the table, each in its latest state."""
+    compare(recorded, {}, [tracks for _, tracks in past])
+    for at, tracks in past:
+        shown = {track["number"] for track in tracks}
+        there = recorded.there(at)
+        check(there <= shown, f"{len(shown)} tracks are shown, among them the {len(there)} that were heard of lately")
+
+
 def compare(recorded, seen, past):
     print("what the page showed, against the recording")
     shares = 0
@@ -294,7 +345,7 @@ def compare(recorded, seen, past):
         if not check_row:
             raise AssertionError(f"shown {said}\nrecorded {[dict(r, **{}) for r in rows]}")
         shares += len(said["shares"])
-    check(shares > 0, f"contributors, weights and accuracy values of {len(seen)} instants are the recorded ones")
+    check(shares > 0 or not seen, f"contributors, weights and accuracy values of {len(seen)} instants are recorded ones")
     states = missing = 0
     for picture in past:
         for track in picture:
@@ -358,7 +409,11 @@ def main():
     options.add_argument("--picture", type=pathlib.Path)
     given = options.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    demo = Demo(given.koseki, given.folder)
+    records = given.folder / "records"
+    recorder = ["--set", "recorder.enabled=true", "--set", 'recorder.format=["csv", "mcap"]']
+    command = ["demo", "--instance", "ci-display", "--out", records, *recorder]
+    demo = Koseki(given.koseki, given.folder / "demo.txt", command)
+    player = None
     try:
         url = demo.address()
         print(url)
@@ -378,13 +433,23 @@ def main():
             page.close()
             large = browser.new_page(viewport={"width": 1920, "height": 1080}, device_scale_factor=2)
             pictures(large, url, given.folder, "3840x2160.png", 60)
+            large.close()
+            demo.stop()
+            player = Koseki(given.koseki, given.folder / "recording.txt", ["display", "--recording", records / "latest"])
+            page = browser.new_page(viewport={"width": 1280, "height": 800})
+            page.on("pageerror", lambda error: errors.append(str(error)))
+            replayed = drive_recording(page, player.address())
+            page.screenshot(path=given.folder / "recording.png")
             browser.close()
         if errors:
             raise AssertionError("the page complains: " + json.dumps(errors[:5]))
     finally:
         demo.stop()
-    found = sorted(demo.records.glob("**/system_tracks.csv"))
-    compare(Recorded(found[-1]), seen, past)
+        if player:
+            player.stop()
+    recorded = Recorded(records / "latest" / "system_tracks.csv")
+    compare(recorded, seen, past)
+    compare_recording(recorded, replayed)
     if given.picture:
         given.picture.write_bytes((given.folder / "1280x800.png").read_bytes())
         check(given.picture.stat().st_size <= 400_000, "the README's picture is small")

@@ -25,7 +25,7 @@ mod whole;
 mod writer;
 
 pub use part::{Part, copy};
-pub use reader::{Item, facts, read};
+pub use reader::{Chunks, Item, facts, read};
 pub use survey::{Survey, TopicSurvey};
 pub use tally::Tally;
 pub use whole::{Whole, closing, whole};

@@ -1,8 +1,9 @@
 //! Reading one file, message by message.
 
 use std::collections::BTreeMap;
-use std::io::{Read, Seek};
+use std::io::{Read, Seek, SeekFrom};
 
+use mcap::read::ChunkReader;
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use messages::BatchHeader;
@@ -76,6 +77,80 @@ pub fn read<R: Read + Seek, E: From<RecordingError>>(
         }
     }
     Ok(is_ended)
+}
+
+/// A file that is read chunk by chunk, in any order once all of it was.
+#[derive(Debug)]
+pub struct Chunks<R> {
+    file: R,
+    /// Octets of the file that can be read.
+    end: u64,
+    next: u64,
+    names: Names,
+    record: Vec<u8>,
+}
+
+impl<R: Read + Seek> Chunks<R> {
+    /// The file from its beginning.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn new(mut file: R) -> Result<Self, RecordingError> {
+        let end = whole(&mut file)?.bytes;
+        Ok(Self {
+            file,
+            end,
+            next: mcap::MAGIC.len() as u64,
+            names: Names::default(),
+            record: Vec::new(),
+        })
+    }
+
+    /// Place from which [`Chunks::read`] will read, octets from the beginning.
+    pub fn place(&self) -> u64 {
+        self.next
+    }
+
+    /// Reads on from a place that [`Chunks::place`] gave.
+    pub fn go_to(&mut self, place: u64) {
+        self.next = place;
+    }
+
+    /// Shows the next chunk, and what stands before it, to `visit`. `false` at the end.
+    ///
+    /// # Errors
+    /// If it cannot be read, or holds what no recorder writes; or the first one of `visit`.
+    pub fn read<E: From<RecordingError>>(
+        &mut self,
+        mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
+    ) -> Result<bool, E> {
+        while self.next < self.end {
+            let code = self.record().map_err(RecordingError::from)?;
+            match mcap::parse_record(code, &self.record).map_err(RecordingError::from)? {
+                Record::Chunk { header, data } => {
+                    let records = ChunkReader::new(header, &data).map_err(RecordingError::from)?;
+                    for record in records {
+                        self.names.show(record.map_err(RecordingError::from)?, &mut visit)?;
+                    }
+                    return Ok(true);
+                }
+                record => self.names.show(record, &mut visit)?,
+            }
+        }
+        Ok(false)
+    }
+
+    /// Takes the next record out of the file. Its code.
+    fn record(&mut self) -> std::io::Result<u8> {
+        let mut head = [0; 9];
+        self.file.seek(SeekFrom::Start(self.next))?;
+        self.file.read_exact(&mut head)?;
+        let length = u64::from_le_bytes(head[1..].try_into().expect("eight octets"));
+        self.record.clear();
+        let read = (&mut self.file).take(length).read_to_end(&mut self.record)?;
+        self.next += head.len() as u64 + read as u64;
+        Ok(head[0])
+    }
 }
 
 /// Facts at the beginning of a file; `None` without any.

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use messages::layout::Sample as _;
 use messages::{BatchHeader, Cue, Health};
 use proptest::prelude::*;
-use recording::{Facts, Part, Survey, Tally, Writer, closing, copy, whole};
+use recording::{Chunks, Facts, Item, Part, RecordingError, Survey, Tally, Writer, closing, copy, whole};
 
 const TOPIC: &str = "sensor/a/cues";
 
@@ -109,6 +109,39 @@ fn what_is_written_is_read_again() {
         .into_iter()
         .filter_map(|data| Cue::of_octets(&data[4..]));
     assert_eq!(numbers.map(|cue| cue.sequence).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
+}
+
+/// Numbers of the samples in the next chunk; `None` at the end.
+fn chunk(chunks: &mut Chunks<Cursor<&Vec<u8>>>) -> Option<Vec<u64>> {
+    let mut numbers = Vec::new();
+    let is_there = chunks.read::<RecordingError>(|item| {
+        if let Item::Sample { octets, .. } = item {
+            numbers.push(Cue::of_octets(octets).unwrap().sequence);
+        }
+        Ok(())
+    });
+    is_there.unwrap().then_some(numbers)
+}
+
+#[test]
+fn chunks_are_read_in_any_order_also_where_the_end_is_missing() {
+    for is_finished in [true, false] {
+        let (mut file, _) = file(&[1, 1, 1, 2, 0, 1, 1, 1, 1], is_finished);
+        file.extend([6, 1].repeat(usize::from(!is_finished)));
+        let mut chunks = Chunks::new(Cursor::new(&file)).unwrap();
+        let mut read = Vec::new();
+        loop {
+            let place = chunks.place();
+            let Some(numbers) = chunk(&mut chunks) else { break };
+            read.push((place, numbers));
+        }
+        let numbers: Vec<_> = read.iter().map(|(_, numbers)| numbers.clone()).collect();
+        assert_eq!(numbers, [vec![0, 1, 2], vec![3, 4, 5], vec![6, 7, 8]]);
+        for (place, numbers) in read.into_iter().rev() {
+            chunks.go_to(place);
+            assert_eq!(chunk(&mut chunks), Some(numbers));
+        }
+    }
 }
 
 /// Octets of the samples on all topics.

@@ -87,6 +87,8 @@ export class App {
     this.newsAt = 0;
     this.liveTime = 0;
     this.historyFrom = 0;
+    /** Whether it is a recording that is shown: it has an end, and no present. */
+    this.isRecording = false;
     /** Fusion as the server sees it: running, silent, absent. */
     this.fusion = "";
     this.fusionSilent = false;
@@ -203,12 +205,21 @@ export class App {
   // ---- What the server says
 
   /**
-   * @param {{instance: string, origin: import("./geodesy.js").Place | null, recording?: string | null}} what
+   * @param {{instance: string, origin: import("./geodesy.js").Place | null,
+   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null}} what
    *   An origin that is not known yet is said later.
    */
   hello({ instance, origin, recording }) {
-    setText(byId("instance"), recording ? `recording ${recording}` : instance);
-    document.title = `Koseki ${recording ?? instance}`;
+    setText(byId("instance"), recording ? `recording ${recording.name}` : instance);
+    document.title = `Koseki ${recording?.name ?? instance}`;
+    setText(byId("live"), recording ? "END" : "LIVE");
+    this.isRecording = Boolean(recording);
+    if (recording) {
+      this.historyFrom = recording.from_s;
+      this.liveTime = recording.to_s;
+      // It goes on where it is, unless the address says otherwise.
+      if (this.settings.at === 0) Object.assign(this.settings, { at: recording.time_s, speed: recording.speed });
+    }
     if (origin && JSON.stringify(origin) !== JSON.stringify(this.known.origin)) {
       this.known.origin = origin;
       this.onOrigin();
@@ -239,9 +250,9 @@ export class App {
       const main = track.source;
       Object.assign(track, change);
       if (track.source >= 0) {
-        // Two sources that are worth the same take turns; that is no hand-over.
+        // Two sources that are worth the same take turns; that is no hand-over. Nor is a leap through time.
         const last = track.mains.get(track.source) ?? -Infinity;
-        if (known && main >= 0 && time >= before && track.time - last > HAND_OVER_AFTER_S) track.handOver = time;
+        if (known && !full && main >= 0 && time >= before && track.time - last > HAND_OVER_AFTER_S) track.handOver = time;
         track.mains.set(track.source, track.time);
       }
       track.trail.add(track.time, track.east, track.north);
@@ -268,9 +279,14 @@ export class App {
 
   /** Keeps up with a past that is played, to where it is the present. @param {number} time */
   played(time) {
-    if (this.liveTime > 0 && time >= this.liveTime - 0.5) return this.set({ at: 0, speed: 0 });
+    if (this.liveTime > 0 && time >= this.liveTime - (this.isRecording ? 0 : 0.5)) return this.goToEnd();
     this.settings.at = time;
     this.keepAddress();
+  }
+
+  /** Shows the present, or the last moment of a recording. */
+  goToEnd() {
+    this.set({ at: this.isRecording ? this.liveTime : 0, speed: 0 });
   }
 
   /**

@@ -63,7 +63,7 @@ const HELP = `${ENTRIES.slice(0, HALF)
 
 w a s d   move          q e  smaller, larger
 [ ]       turn          Esc  select nothing
-space     pause, play   ← →  a second back, ahead   Home  back to live
+space     pause, play   ← →  a second back, ahead   Home  back to live, or to the end
 
 drag      move the map            shift+drag   turn it
 wheel     smaller, larger         right drag   bearing and distance
@@ -146,7 +146,7 @@ function controlKeys(app) {
     if (target instanceof HTMLSelectElement) return;
     if (event.key === "Escape") clear(app);
     else if (event.key === " ") togglePlay(app);
-    else if (event.key === "Home") goLive(app);
+    else if (event.key === "Home") app.goToEnd();
     else if (event.key === "ArrowLeft") step(app, -1);
     else if (event.key === "ArrowRight") step(app, 1);
     else {
@@ -258,15 +258,10 @@ function togglePlay(app) {
   else app.set({ speed: settings.speed > 0 ? 0 : Number(/** @type {HTMLSelectElement} */ (byId("speed")).value) });
 }
 
-/** @param {App} app */
-function goLive(app) {
-  app.set({ at: 0, speed: 0 });
-}
-
 /** @param {App} app @param {number} seconds */
 function step(app, seconds) {
   const at = (app.settings.at || app.picture.time) + seconds;
-  if (at >= app.liveTime) goLive(app);
+  if (at >= app.liveTime) app.goToEnd();
   else app.set({ at: Math.max(app.historyFrom, at), speed: 0 });
 }
 
@@ -276,7 +271,7 @@ function controlTime(app) {
   const speed = /** @type {HTMLSelectElement} */ (byId("speed"));
   for (const times of SPEEDS) speed.append(h("option", { value: times, selected: times === 1 }, `×${times}`));
   byId("play").addEventListener("click", () => togglePlay(app));
-  byId("live").addEventListener("click", () => goLive(app));
+  byId("live").addEventListener("click", () => app.goToEnd());
   speed.addEventListener("change", () => {
     if (app.settings.speed > 0) app.set({ speed: Number(speed.value) });
   });
@@ -285,7 +280,7 @@ function controlTime(app) {
   scrub.addEventListener("pointerup", () => (held = false));
   scrub.addEventListener("input", () => {
     const at = Number(scrub.value);
-    if (at >= Math.floor(app.liveTime)) goLive(app);
+    if (at >= Math.floor(app.liveTime)) app.goToEnd();
     else app.set({ at, speed: 0 });
   });
   setInterval(() => {

@@ -153,6 +153,11 @@ impl History {
         }
     }
 
+    /// Octets that it may take.
+    pub(crate) fn octets_max(&self) -> usize {
+        self.octets_max
+    }
+
     /// Octets that are taken.
     fn octets(&self) -> usize {
         let notes = self.notes.len() * self.latest.len() * size_of::<(u32, u64)>();

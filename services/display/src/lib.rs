@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `wire` | says what server and page say to each other |
 //! | `agent` | takes what has come |
+//! | `tape` | puts in what was recorded |
 //! | `world` | knows what there is |
 //! | `records` | makes records of a picture from samples |
 //! | `history` | keeps the past of the picture |
@@ -27,22 +28,31 @@ mod history;
 mod pages;
 mod records;
 mod status;
+mod tape;
 mod viewer;
 mod wire;
 mod world;
 
 use std::io::Write as _;
-use std::net::{SocketAddr, TcpListener};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::Context as _;
 use configuration::{Config, Display, Process};
 use messages::FrameOrigin;
 use outgoing::Technology;
 use runtime::Now;
+use runtime::signals::Stop;
 use web::{Guard, Server};
 
 use crate::pages::Shared;
-use crate::world::{SourceFact, World};
+use crate::tape::Tape;
+use crate::wire::Past;
+use crate::world::{Recording, SourceFact, World};
+
+/// Time between two looks at how far a recording is to be shown.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// Runs the display until the process is told to stop.
 ///
@@ -70,6 +80,57 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let refused = server.counts().clone();
     let mut agent = agent::DisplayAgent::new(&process.config, &process.bus, process.incarnation, shared, refused)?;
     runtime::service::run(process, &mut agent)
+}
+
+/// Shows the recording `path`, which consists of `files` and was made by the deployment of `config`, on this machine
+/// until the process is told to stop. No deployment is needed.
+///
+/// # Errors
+/// If the recording cannot be read or no port is free.
+pub fn show_recording(config: &Config, path: &Path, files: &[PathBuf]) -> anyhow::Result<()> {
+    let stop = Stop::on_signals().context("catching signals")?;
+    let display = Display {
+        listen: SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 8900),
+        more_ports: 100,
+        hosts: Vec::new(),
+        token: None,
+        history_s: 600,
+        history_octets: 256_000_000,
+        overlays: Vec::new(),
+    };
+    let mut tape = Tape::open(config, files)?;
+    // Not `latest`.
+    let name = path.canonicalize()?;
+    let sources = config.sources.iter().map(source).collect();
+    let mut world = World::new(&config.name, sources, display.history_s, display.history_octets);
+    world.place(&origin(config));
+    let span_ns = tape.span_ns();
+    world.recording = Some(Recording {
+        name: name.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        span_ns,
+        at_ns: span_ns[0],
+        now: Now::read(),
+        wanted: Past {
+            time_s: details::seconds(span_ns[0]),
+            speed: 1.0,
+        },
+        since_ns: Now::read().mono_ns,
+    });
+    let shared = Shared::new(world, Vec::new(), Now::read);
+    let server = serve(&display, &shared)?;
+    say(&server, &display);
+    while !stop.requested() {
+        {
+            let mut world = shared.world();
+            let wanted_ns = world
+                .recording
+                .as_ref()
+                .map_or(span_ns[0], |recording| recording.wanted_ns(Now::read().mono_ns));
+            tape.go_to(&mut world, wanted_ns)?;
+        }
+        std::thread::sleep(LOOK_EVERY);
+    }
+    Ok(())
 }
 
 /// Serves what `shared` has on the first port that is free.

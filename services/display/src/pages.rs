@@ -103,8 +103,8 @@ impl Drop for Seat {
 pub(crate) fn router(shared: Arc<Shared>) -> Router {
     let text = |of: fn(&World, Now) -> Value| {
         move |State(shared): State<Arc<Shared>>| async move {
-            let now = (shared.clock)();
-            answer(&of(&shared.world(), now))
+            let world = shared.world();
+            answer(&of(&world, world.now((shared.clock)())))
         }
     };
     Router::new()
@@ -255,6 +255,8 @@ struct Page<'a> {
     viewer: Viewer,
     /// Selected tracks whose past it has.
     remembered: Vec<u32>,
+    /// Generation of the world of which it knows that.
+    generation: u64,
     /// Whether it knows where the frame lies; `None`: it knows nothing yet.
     greeted: Option<bool>,
     /// When the next status is due, monotonic, nanoseconds.
@@ -269,6 +271,7 @@ impl<'a> Page<'a> {
             shared,
             viewer: Viewer::default(),
             remembered: Vec::new(),
+            generation: 0,
             greeted: None,
             status_due_ns: i64::MIN,
             ack_until_ns: i64::MAX,
@@ -276,8 +279,14 @@ impl<'a> Page<'a> {
     }
 
     fn hear(&mut self, text: &str) -> Result<(), String> {
-        let wish = Wish::read(text)?;
-        self.viewer.wish(wish, (self.shared.clock)());
+        let mut wish = Wish::read(text)?;
+        let now = (self.shared.clock)();
+        if let Some(recording) = &mut self.shared.world().recording
+            && let Some(past) = wish.past.take().flatten()
+        {
+            (recording.wanted, recording.since_ns) = (past, now.mono_ns);
+        }
+        self.viewer.wish(wish, now);
         let selected = &self.viewer.selected;
         self.remembered.retain(|number| selected.contains(number));
         Ok(())
@@ -308,15 +317,20 @@ impl<'a> Page<'a> {
             };
         }
         let world = shared.world();
+        let then = world.now(now);
+        if self.generation != world.generation {
+            self.generation = world.generation;
+            self.remembered.clear();
+        }
         if self.greeted != Some(world.frame.is_some()) {
             self.greeted = Some(world.frame.is_some());
             messages.push(hello(&world));
         }
-        messages.push(Message::binary(self.viewer.picture(&world, now)));
+        messages.push(Message::binary(self.viewer.picture(&world, then)));
         self.ack_until_ns = now.mono_ns + PATIENCE.as_nanos() as i64;
         shared.traffic.sent.fetch_add(1, Ordering::Relaxed);
         if !self.viewer.selected.is_empty() {
-            let time_ns = self.viewer.past_ns(&world, now).unwrap_or_else(|| world.time_ns(now));
+            let time_ns = self.viewer.past_ns(&world, then).unwrap_or_else(|| world.time_ns(then));
             for number in &self.viewer.selected {
                 if !self.remembered.contains(number) {
                     self.remembered.push(*number);
@@ -329,7 +343,7 @@ impl<'a> Page<'a> {
         }
         if now.mono_ns >= self.status_due_ns {
             self.status_due_ns = now.mono_ns + STATUS_NS;
-            let status = status::status(&world, shared.audience(), now);
+            let status = status::status(&world, shared.audience(), then);
             messages.push(Message::text(status.to_string()));
         }
         Ok(messages)
@@ -347,6 +361,16 @@ fn hello(world: &World) -> Message {
             "height_m": origin.height_m,
         })
     });
+    let recording = world.recording.as_ref().map(|recording| {
+        let [from_s, to_s] = recording.span_ns.map(details::seconds);
+        json!({
+            "name": recording.name,
+            "from_s": from_s,
+            "to_s": to_s,
+            "time_s": details::seconds(recording.at_ns),
+            "speed": recording.wanted.speed,
+        })
+    });
     let hello = json!({
         "type": "hello",
         "version": env!("CARGO_PKG_VERSION"),
@@ -355,7 +379,7 @@ fn hello(world: &World) -> Message {
         "sources": sources.collect::<Vec<_>>(),
         "history_s": world.history_s,
         "layer_age_s": LAYER_AGE_S,
-        "recording": world.recording,
+        "recording": recording,
         "limits": {"rate_hz": RATE_HZ, "select": SELECT_MAX},
     });
     Message::text(hello.to_string())

@@ -37,7 +37,6 @@ pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
         "running"
     };
     let history = world
-        .history
         .span_ns()
         .map(|[from_ns, to_ns]| json!({"from_s": seconds(from_ns), "to_s": seconds(to_ns)}));
     let sources: Vec<Value> = world.sources.iter().map(|fact| source(world, fact)).collect();

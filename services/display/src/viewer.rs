@@ -25,8 +25,9 @@ pub(crate) struct Viewer {
     shown: Vec<(u32, u64)>,
     /// Stamps of the identities that it has.
     named: FxHashMap<u32, u64>,
-    /// Whether the next picture begins anew.
+    /// Whether the next picture begins anew, and of which generation of the world the one before was.
     full: bool,
+    generation: u64,
     sequence: u32,
     /// Picture that has not been acknowledged.
     outstanding: Option<u32>,
@@ -39,6 +40,19 @@ struct LayerStamps {
     detections: Option<u64>,
     bearings: Option<u64>,
     areas: Option<u64>,
+}
+
+impl LayerStamps {
+    /// Nothing of them was sent.
+    fn forget(&mut self) {
+        let all = [
+            &mut self.sensor_tracks,
+            &mut self.detections,
+            &mut self.bearings,
+            &mut self.areas,
+        ];
+        all.into_iter().flatten().for_each(|stamp| *stamp = 0);
+    }
 }
 
 /// A page that looks at the past.
@@ -71,6 +85,7 @@ impl Default for Viewer {
             shown: Vec::new(),
             named: FxHashMap::default(),
             full: true,
+            generation: 0,
             sequence: 0,
             outstanding: None,
         }
@@ -128,7 +143,7 @@ impl Viewer {
     /// Moment of the past that is shown, UTC, nanoseconds; `None`: the present.
     pub(crate) fn past_ns(&self, world: &World, now: Now) -> Option<i64> {
         let past = self.past.as_ref()?;
-        let wanted_s = past.asked.time_s + past.asked.speed * (now.mono_ns - past.since_ns) as f64 / messages::NS_PER_S;
+        let wanted_s = past.asked.at_s(now.mono_ns - past.since_ns);
         let [from_ns, to_ns] = world.history.span_ns().unwrap_or([i64::MIN; 2]);
         Some(frames::time::ns(wanted_s).clamp(from_ns, to_ns.max(from_ns)))
     }
@@ -144,6 +159,10 @@ impl Viewer {
         let time_ns = past_ns.unwrap_or_else(|| world.time_ns(now));
         if let Some(past) = &mut self.past {
             world.history.go_to(&mut past.then, time_ns);
+        }
+        if self.generation != world.generation {
+            (self.generation, self.full) = (world.generation, true);
+            self.layers.forget();
         }
         if std::mem::take(&mut self.full) {
             self.shown.clear();
@@ -214,14 +233,12 @@ impl Viewer {
         }
         self.shown = shown;
         self.layers(world, &mut blocks);
-        let is_paused = self.past.as_ref().is_some_and(|past| past.asked.speed == 0.0);
+        let recording = world.recording.as_ref().map(|recording| &recording.wanted);
+        let past = recording.or(self.past.as_ref().map(|past| &past.asked));
         let flags = [
-            (self.past.is_some(), picture_bits::PAST),
-            (is_paused, picture_bits::PAUSED),
-            (
-                world.recording.is_none() && world.is_fusion_silent(now),
-                picture_bits::FUSION_SILENT,
-            ),
+            (past.is_some(), picture_bits::PAST),
+            (past.is_some_and(|past| past.speed == 0.0), picture_bits::PAUSED),
+            (world.is_fusion_silent(now), picture_bits::FUSION_SILENT),
         ];
         let flags = flags
             .into_iter()

@@ -19,7 +19,7 @@
 //!
 //! - `hello`: at first, and when the origin becomes known: `version`, `instance`, `origin` {`latitude_deg`,
 //!   `longitude_deg`, `height_m`}, `sources` [{`number`, `name`, `kind`, `site_m` [3]}], `history_s`, `layer_age_s`,
-//!   `recording`, `limits` {`rate_hz` [2], `select`}
+//!   `recording` {`name`, `from_s`, `to_s`, `time_s`, `speed`} or `null`, `limits` {`rate_hz` [2], `select`}
 //! - `selected`: after each picture, while something is selected: `time_s`, `tracks`, see [`crate::details`]
 //! - `history`: once for each newly selected track: `number`, `rows`, see [`crate::details`]
 //! - `status`: every second: `time_s`, `fusion` (`running`, `silent`), `history` {`from_s`, `to_s`}, `clients`,
@@ -60,7 +60,8 @@ pub(crate) struct Wish {
     pub(crate) filter: Option<Option<Filter>>,
     /// Sequence number of the picture that has come.
     pub(crate) ack: Option<u32>,
-    /// `null`: the present.
+    /// `null`: the present. A recording is brought to this moment for all pages; it has no present, and `null` changes
+    /// nothing.
     #[serde(deserialize_with = "given")]
     pub(crate) past: Option<Option<Past>>,
 }
@@ -98,6 +99,13 @@ pub(crate) struct Past {
     pub(crate) time_s: f64,
     /// Seconds a second; 0: it stands still.
     pub(crate) speed: f64,
+}
+
+impl Past {
+    /// Moment that is wanted so long after it was asked for, seconds since 1970.
+    pub(crate) fn at_s(&self, passed_ns: i64) -> f64 {
+        self.time_s + self.speed * passed_ns as f64 / messages::NS_PER_S
+    }
 }
 
 /// A value that is there, if only as `null`.

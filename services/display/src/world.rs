@@ -21,7 +21,7 @@ use telemetry::{HealthBook, Journey, JourneyEnd, Stages};
 
 use crate::history::History;
 use crate::records::{self, Place};
-use crate::wire::LAYER_AGE_S;
+use crate::wire::{LAYER_AGE_S, Past};
 
 /// Most system tracks, sensor tracks, and identities of the past.
 const TRACKS_MAX: usize = 50_000;
@@ -63,12 +63,37 @@ pub(crate) struct Heard<T> {
     pub(crate) record: T,
 }
 
+/// Recording that is shown, to all pages the same moment of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Recording {
+    pub(crate) name: String,
+    /// From when to when it reaches, UTC, nanoseconds.
+    pub(crate) span_ns: [i64; 2],
+    /// Moment that is shown, UTC, nanoseconds.
+    pub(crate) at_ns: i64,
+    /// What the clocks said at that moment.
+    pub(crate) now: Now,
+    /// Moment from which it is played, how fast, and since when, monotonic, nanoseconds.
+    pub(crate) wanted: Past,
+    pub(crate) since_ns: i64,
+}
+
+impl Recording {
+    /// Moment to be shown, UTC, nanoseconds.
+    pub(crate) fn wanted_ns(&self, mono_ns: i64) -> i64 {
+        let [from_ns, to_ns] = self.span_ns;
+        frames::time::ns(self.wanted.at_s(mono_ns - self.since_ns)).clamp(from_ns, to_ns)
+    }
+}
+
 /// See the module's documentation.
 #[derive(Debug)]
 pub(crate) struct World {
     pub(crate) instance: String,
-    /// Name of the recording that is shown; `None`: a deployment that runs.
-    pub(crate) recording: Option<String>,
+    /// Recording that is shown; `None`: a deployment that runs.
+    pub(crate) recording: Option<Recording>,
+    /// Rises when all that was known is forgotten.
+    pub(crate) generation: u64,
     pub(crate) sources: Vec<SourceFact>,
     pub(crate) origin: Option<FrameOrigin>,
     pub(crate) frame: Option<SystemFrame>,
@@ -122,19 +147,19 @@ impl Rates {
 
 /// Time of the data.
 #[derive(Clone, Copy, Debug, Default)]
-struct DataClock {
+pub(crate) struct DataClock {
     /// Latest time, and when it was, monotonic.
     latest: Option<(i64, i64)>,
 }
 
 impl DataClock {
-    fn hear(&mut self, time_ns: i64, mono_ns: i64) {
+    pub(crate) fn hear(&mut self, time_ns: i64, mono_ns: i64) {
         if self.at(mono_ns).is_none_or(|running_ns| time_ns > running_ns) {
             self.latest = Some((time_ns, mono_ns));
         }
     }
 
-    fn at(&self, mono_ns: i64) -> Option<i64> {
+    pub(crate) fn at(&self, mono_ns: i64) -> Option<i64> {
         let (time_ns, heard_ns) = self.latest?;
         Some(time_ns + (mono_ns - heard_ns).max(0))
     }
@@ -150,6 +175,7 @@ impl World {
         Self {
             instance: instance.to_owned(),
             recording: None,
+            generation: 0,
             origin: None,
             frame: None,
             stamp: 0,
@@ -176,7 +202,44 @@ impl World {
 
     /// Time of the picture, UTC, nanoseconds.
     pub(crate) fn time_ns(&self, now: Now) -> i64 {
-        self.clock.at(now.mono_ns).unwrap_or(now.utc_ns)
+        let running_ns = || self.clock.at(now.mono_ns).unwrap_or(now.utc_ns);
+        self.recording
+            .as_ref()
+            .map_or_else(running_ns, |recording| recording.at_ns)
+    }
+
+    /// Time for what is known: of a recording, that at which it was made.
+    pub(crate) fn now(&self, now: Now) -> Now {
+        self.recording.as_ref().map_or(now, |recording| recording.now)
+    }
+
+    /// The recording is at another moment; then, the clocks said `now`.
+    pub(crate) fn pass_to(&mut self, at_ns: i64, now: Now) {
+        if let Some(recording) = &mut self.recording {
+            (recording.at_ns, recording.now) = (at_ns, now);
+        }
+    }
+
+    /// Forgets everything but what the configuration says.
+    pub(crate) fn rewind(&mut self) {
+        let sources = std::mem::take(&mut self.sources);
+        let empty = Self::new(&self.instance, sources, self.history_s, self.history.octets_max());
+        *self = Self {
+            recording: self.recording.take(),
+            generation: self.generation + 1,
+            origin: self.origin,
+            frame: self.frame.take(),
+            stamp: self.stamp,
+            ..empty
+        };
+    }
+
+    /// From when to when the past reaches, UTC, nanoseconds; `None` while there is nothing.
+    pub(crate) fn span_ns(&self) -> Option<[i64; 2]> {
+        let known = || self.history.span_ns();
+        self.recording
+            .as_ref()
+            .map_or_else(known, |recording| Some(recording.span_ns))
     }
 
     /// Whether fusion has said nothing for longer than it ever should.

@@ -154,7 +154,10 @@ fn run(command: Command) -> anyhow::Result<()> {
         }),
         Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, gateway::run),
         Command::Link(serve) => link::run(serve),
-        Command::Display(serve) => run_service(ProcessKind::Display, serve, display::run),
+        Command::Display(args::Display { recording, serve }) => match serve {
+            Some(serve) => run_service(ProcessKind::Display, serve, display::run),
+            None => replay::show(&recording.unwrap_or_default()),
+        },
         Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, simulator::run),
     }
 }

@@ -175,9 +175,9 @@ pub(crate) enum Command {
     /// Run one link to deployments on other hosts, in a deployment that is up: finds and starts koseki-link
     #[command(after_help = LINK_EXAMPLES)]
     Link(Serve),
-    /// Run the display in a deployment that is up: the picture in browsers
-    #[command(after_help = SERVE_EXAMPLES)]
-    Display(Serve),
+    /// Show the picture in browsers: run the display in a deployment that is up, or show a recording
+    #[command(after_help = DISPLAY_EXAMPLES)]
+    Display(Display),
     /// Run the simulator in a deployment that is up: what simulated sensors send, in ASTERIX
     #[command(after_help = SERVE_EXAMPLES)]
     Simulator(Serve),
@@ -467,6 +467,15 @@ Examples:
 while trying something; give the same configuration, --instance, --set, --data and --speed as to `koseki up`, which must
 be running: it creates the shared memory.";
 
+const DISPLAY_EXAMPLES: &str = "\
+Examples:
+  koseki display --recording records/tower/latest
+  koseki display --config config/barcelona.toml --name second-display --set display.listen=127.0.0.1:8950
+
+A recording must be of all topics: [recorder] format = [\"csv\", \"mcap\"]. It is shown without a deployment, on this
+machine alone, at the first free port from 8900: play, pause, and move to any moment of it. `koseki up` starts the
+display of a deployment by itself where the file says [display].";
+
 const MONITOR_EXAMPLES: &str = "\
 Examples:
   koseki monitor --config config/barcelona.toml --name second-monitor
@@ -492,7 +501,8 @@ link/target of the checkout that koseki was built in, and in PATH. docs/hosts.md
 #[derive(Debug, Args)]
 pub(crate) struct Serve {
     /// Configuration of the deployment, a TOML file
-    #[arg(long, value_name = "CONFIG")]
+    // Its group, of which clap makes no part what is flattened, tells whether there is a `Serve` at all.
+    #[arg(long, value_name = "CONFIG", group = "Serve")]
     pub(crate) config: PathBuf,
     /// Name of the process; for an adapter, of its source or receiver; for a gateway or link, its own [default: the
     /// command's name]
@@ -506,6 +516,16 @@ pub(crate) struct Serve {
     /// Process number of the launcher, whose end this process follows
     #[arg(long, value_name = "PID", hide = true)]
     pub(crate) launcher: Option<u32>,
+}
+
+/// `koseki display`.
+#[derive(Debug, Args)]
+pub(crate) struct Display {
+    /// Show this recording, the folder of a start or one file of it; alone, without any other option
+    #[arg(long, value_name = "RECORDING", exclusive = true)]
+    pub(crate) recording: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) serve: Option<Serve>,
 }
 
 /// Options that a deployment and each of its processes have in common.

@@ -87,6 +87,16 @@ pub(crate) fn run(replay: &Replay) -> anyhow::Result<()> {
     reading.finish()
 }
 
+/// Shows a recording in browsers.
+///
+/// # Errors
+/// If it cannot be used.
+pub(crate) fn show(recording: &Path) -> anyhow::Result<()> {
+    let files = files(recording)?;
+    let config = configuration(&facts(&files[0])?, &files[0])?;
+    display::show_recording(&config, recording, &files)
+}
+
 /// A topic that is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Topic {

@@ -1,0 +1,283 @@
+//! A recording that is shown: it is put into the world as if it were live.
+//!
+//! A first pass over the files notes for each chunk which time the picture had there. To be at another moment, the
+//! world is emptied, and what was recorded in the minute before is put in without pause; from there on slices follow
+//! as time passes. So memory is that of the world and of one chunk, however long the recording is. Time never goes
+//! back on the way from the first slice to the last.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use configuration::Config;
+use messages::layout::Sample;
+use messages::{
+    Alarm, BatchHeader, Cue, Decision, Health, SensorBearing, SensorDetection, SensorTrack, Stream, Streamed as _,
+    SystemTrack, WideArea,
+};
+use recording::{Chunks, Item, RecordingError};
+use runtime::Now;
+
+use crate::world::{DataClock, World};
+
+/// Time before a moment that is put in to have the picture of it: by then, every track has said how it is.
+const BEFORE_NS: i64 = 60_000_000_000;
+/// Most chunks that are put in for that; each has about a megabyte.
+const BEFORE_CHUNKS: usize = 256;
+
+/// Kind of topic that is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Stream(Stream),
+    Health,
+}
+
+/// Chunk of a file.
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    file: usize,
+    place: u64,
+    /// Time of the picture before its first slice, and how it goes on.
+    at_ns: i64,
+    clock: DataClock,
+}
+
+/// Slice that was recorded.
+#[derive(Debug)]
+struct Slice {
+    kind: Kind,
+    header: BatchHeader,
+    /// When the recorder took it.
+    taken: Now,
+    /// Time of the picture when it came, UTC, nanoseconds; `None` before the first system track.
+    at_ns: Option<i64>,
+    /// Samples, one behind the other.
+    octets: Vec<u8>,
+    /// Octets of one of them.
+    size: usize,
+}
+
+/// See the module's documentation.
+pub(crate) struct Tape {
+    files: Vec<Chunks<BufReader<File>>>,
+    topics: BTreeMap<String, Kind>,
+    marks: Vec<Mark>,
+    span_ns: [i64; 2],
+    /// Number of the chunk that is read next, and slices of those before it.
+    next: usize,
+    waiting: VecDeque<Slice>,
+    /// Latest slice that the world has: when it was taken, and the time of the picture.
+    latest: Option<(Now, i64)>,
+}
+
+impl Tape {
+    /// The recording in `files`, in their order, made by the deployment of `config`.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or no system track is in any.
+    pub(crate) fn open(config: &Config, files: &[PathBuf]) -> anyhow::Result<Self> {
+        let open = |path: &PathBuf| -> Result<_, RecordingError> {
+            Chunks::new(BufReader::with_capacity(1 << 18, File::open(path)?))
+        };
+        let opened = files
+            .iter()
+            .map(|path| open(path).with_context(|| path.display().to_string()));
+        let mut tape = Self {
+            files: opened.collect::<anyhow::Result<_>>()?,
+            topics: topics(config),
+            marks: Vec::new(),
+            span_ns: [i64::MAX, i64::MIN],
+            next: 0,
+            waiting: VecDeque::new(),
+            latest: None,
+        };
+        let mut clock = DataClock::default();
+        for (file, path) in files.iter().enumerate() {
+            while tape
+                .note(file, &mut clock)
+                .with_context(|| format!("reading {}", path.display()))?
+            {}
+        }
+        let [from_ns, to_ns] = tape.span_ns;
+        anyhow::ensure!(from_ns <= to_ns, "the recording has no system track");
+        Ok(tape)
+    }
+
+    /// From when to when it reaches, UTC, nanoseconds.
+    pub(crate) fn span_ns(&self) -> [i64; 2] {
+        self.span_ns
+    }
+
+    /// Notes what time the picture has in the next chunk of `file`. `false` at its end.
+    fn note(&mut self, file: usize, clock: &mut DataClock) -> Result<bool, RecordingError> {
+        let place = self.files[file].place();
+        let mark = Mark {
+            file,
+            place,
+            at_ns: self.span_ns[1],
+            clock: *clock,
+        };
+        let slices = slices(&mut self.files[file], &self.topics, clock)?;
+        for at_ns in slices.iter().flatten().filter_map(|slice| slice.at_ns) {
+            self.span_ns = [self.span_ns[0].min(at_ns), self.span_ns[1].max(at_ns)];
+        }
+        self.marks.extend(slices.is_some().then_some(mark));
+        Ok(slices.is_some())
+    }
+
+    /// Brings `world` to the moment `at_ns`.
+    ///
+    /// # Errors
+    /// If the recording can no longer be read.
+    pub(crate) fn go_to(&mut self, world: &mut World, at_ns: i64) -> anyhow::Result<()> {
+        let first = self.before(at_ns);
+        let is_back = self.latest.is_none_or(|(_, latest_ns)| at_ns < latest_ns);
+        if is_back || first > self.next {
+            world.rewind();
+            self.waiting.clear();
+            self.latest = None;
+            self.next = first;
+        }
+        loop {
+            // What was recorded before the first track belongs to the first picture.
+            let time_ns = |slice: &Slice| slice.at_ns.unwrap_or(self.span_ns[0]);
+            while self.waiting.front().is_some_and(|slice| time_ns(slice) <= at_ns) {
+                let Some(slice) = self.waiting.pop_front() else { break };
+                let slice_ns = time_ns(&slice);
+                self.latest = Some((slice.taken, slice_ns));
+                world.pass_to(slice_ns, slice.taken);
+                put(world, &slice);
+                world.clean_up(slice.taken);
+            }
+            if !self.waiting.is_empty() || !self.load()? {
+                break;
+            }
+        }
+        if let Some((taken, latest_ns)) = self.latest {
+            let passed_ns = at_ns - latest_ns;
+            let now = Now {
+                mono_ns: taken.mono_ns + passed_ns,
+                utc_ns: taken.utc_ns + passed_ns,
+            };
+            world.pass_to(at_ns, now);
+        }
+        Ok(())
+    }
+
+    /// Number of the chunk from which is read to have the picture of `at_ns`.
+    fn before(&self, at_ns: i64) -> usize {
+        let begins = |ns: i64| self.marks.partition_point(|mark| mark.at_ns < ns).saturating_sub(1);
+        begins(at_ns - BEFORE_NS).max(begins(at_ns).saturating_sub(BEFORE_CHUNKS))
+    }
+
+    /// Takes the next chunk. `false` if there is none.
+    fn load(&mut self) -> anyhow::Result<bool> {
+        let Some(mark) = self.marks.get(self.next) else {
+            return Ok(false);
+        };
+        self.next += 1;
+        let file = &mut self.files[mark.file];
+        file.go_to(mark.place);
+        self.waiting
+            .extend(slices(file, &self.topics, &mut { mark.clock })?.into_iter().flatten());
+        Ok(true)
+    }
+}
+
+/// Slices of the next chunk of `file` that are shown; `None` at its end.
+fn slices(
+    file: &mut Chunks<BufReader<File>>,
+    topics: &BTreeMap<String, Kind>,
+    clock: &mut DataClock,
+) -> Result<Option<Vec<Slice>>, RecordingError> {
+    let mut slices: Vec<Slice> = Vec::new();
+    // Whether samples that come are of the last of the slices.
+    let mut is_shown = false;
+    let is_there = file.read::<RecordingError>(|item| {
+        match item {
+            Item::Slice {
+                topic,
+                header,
+                taken_ns,
+                sent_ns,
+            } => {
+                let kind = topics.get(topic).copied();
+                is_shown = kind.is_some();
+                let utc_ns = taken_ns as i64;
+                slices.extend(kind.map(|kind| Slice {
+                    kind,
+                    header,
+                    taken: Now {
+                        mono_ns: header.sent_ns + (utc_ns - sent_ns as i64),
+                        utc_ns,
+                    },
+                    at_ns: clock.at(utc_ns),
+                    octets: Vec::new(),
+                    size: 0,
+                }));
+            }
+            Item::Sample { octets, .. } if is_shown => {
+                if let Some(slice) = slices.last_mut() {
+                    if slice.kind == Kind::Stream(Stream::SystemTracks)
+                        && let Some(track) = SystemTrack::of_octets(octets)
+                    {
+                        clock.hear(track.reference_time_ns, slice.taken.utc_ns);
+                        slice.at_ns = clock.at(slice.taken.utc_ns);
+                    }
+                    slice.octets.extend_from_slice(octets);
+                    slice.size = octets.len();
+                }
+            }
+            Item::Sample { .. } | Item::Facts(_) | Item::Topic { .. } => {}
+        }
+        Ok(())
+    })?;
+    Ok(is_there.then_some(slices))
+}
+
+/// Topics that are shown of the deployment of `config`, by name.
+fn topics(config: &Config) -> BTreeMap<String, Kind> {
+    let streams = config.streams().filter_map(|(id, name)| {
+        let topic = match id.stream {
+            Stream::SensorTracks => SensorTrack::topic(name).name,
+            Stream::Detections => SensorDetection::topic(name).name,
+            Stream::Bearings => SensorBearing::topic(name).name,
+            Stream::WideArea => WideArea::topic(name).name,
+            Stream::Cues => Cue::topic(name).name,
+            Stream::Decisions => Decision::topic(name).name,
+            Stream::SystemTracks => messages::system_tracks().name,
+            Stream::Alarms => messages::alarms().name,
+            Stream::PlatformStates => return None,
+        };
+        Some((topic.as_str().to_owned(), Kind::Stream(id.stream)))
+    });
+    let health = (messages::health().name.as_str().to_owned(), Kind::Health);
+    streams.chain([health]).collect()
+}
+
+fn samples<T: Sample>(slice: &Slice) -> Vec<T> {
+    let each = slice.octets.chunks(slice.size.max(1));
+    each.filter_map(T::of_octets).collect()
+}
+
+fn put(world: &mut World, slice: &Slice) {
+    match slice.kind {
+        Kind::Health => {
+            let said: Vec<Health> = samples(slice);
+            said.iter().for_each(|health| world.hear(health, slice.taken));
+        }
+        Kind::Stream(stream) => match stream {
+            Stream::SystemTracks => world.receive(&slice.header, &samples::<SystemTrack>(slice), slice.taken),
+            Stream::Alarms => world.hear_alarms(&slice.header, &samples::<Alarm>(slice)),
+            Stream::SensorTracks => world.hear_sensor_tracks(&samples(slice)),
+            Stream::Detections => world.hear_detections(&samples(slice)),
+            Stream::Bearings => world.hear_bearings(&samples(slice)),
+            Stream::WideArea => world.hear_counts(&samples(slice)),
+            Stream::Cues => world.hear_cues(&samples(slice)),
+            Stream::Decisions => world.hear_decisions(&samples(slice)),
+            Stream::PlatformStates => {}
+        },
+    }
+}
