@@ -145,6 +145,10 @@ alarms! {
         "{source} is off by {error}, as the tracks of {partner} show{verdict}.",
         "Correct the sensor, or its place, `north_offset_deg` or clock, by that. `[fusion.registration] gross = true` takes \
          it off where a third source, a `reference_source` or addresses tell whose error it is.";
+    FusionTakenOver = 22, "fusion-taken-over", Major, raise 0 s, clear 60 s,
+        "The fusion that stood by has taken over, {times} so far, {still} from one that stood still.",
+        "Read what the one before it wrote to standard error before it ended. One that stands still was kept from \
+         running: give fusion a core of its own, or raise `takeover_ms`.";
 }
 
 #[cfg(test)]

@@ -437,6 +437,19 @@ impl Conditions {
                 round.find(AlarmKind::MemoryCorrupt, subject, Finding::Bad, &values);
             }
         }
+        if let Some(fusion) = sight.book.whole(ProcessKind::Fusion, ProcessKind::Fusion.word()) {
+            let subject = Subject::process(ProcessKind::Fusion.word());
+            let [times, still] =
+                [Counter::TakeOvers, Counter::TakeOversFromStill].map(|counter| fusion.counters()[counter]);
+            let at_first = if seen_from_start { 0 } else { times };
+            if self
+                .growth
+                .has_grown(AlarmKind::FusionTakenOver, subject, times, at_first)
+            {
+                let values = [("times", several(times, "time")), ("still", still.to_string())];
+                round.find(AlarmKind::FusionTakenOver, subject, Finding::Bad, &values);
+            }
+        }
         for child in sight.book.children() {
             let subject = Subject::process(child.name);
             let process = ("process", child.name.to_owned());

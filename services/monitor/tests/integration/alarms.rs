@@ -438,6 +438,31 @@ fn a_rebuilt_deployment_is_told_by_the_monitor_that_comes_after_it() {
 }
 
 #[test]
+fn each_fusion_that_takes_over_is_told() {
+    let mut site = Site::new(&[]);
+    site.say(ProcessKind::Fusion, "fusion", NO_SOURCE);
+    site.pass(1);
+    assert_eq!(site.standing(), [""; 0]);
+    let take_over = |site: &mut Site, second: i64, still: u64| {
+        let leader = site.say(ProcessKind::Fusion, "fusion", NO_SOURCE);
+        leader.incarnation = (second * S) as u64;
+        leader.counters[Counter::TakeOvers] = 1;
+        leader.counters[Counter::TakeOversFromStill] = still;
+        site.pass(1);
+        site.standing()
+    };
+    let said = |words: &str| {
+        [format!(
+            "The fusion that stood by has taken over, {words} from one that stood still."
+        )]
+    };
+    assert_eq!(take_over(&mut site, 101, 0), said("1 time so far, 0"));
+    site.pass(62);
+    assert_eq!(site.standing(), [""; 0]);
+    assert_eq!(take_over(&mut site, 170, 1), said("2 times so far, 1"));
+}
+
+#[test]
 fn a_process_that_says_nothing_any_more_hangs() {
     let mut site = Site::new(&[]);
     let silent = |site: &mut Site| site.health.clear();
