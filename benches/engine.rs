@@ -11,8 +11,8 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use fusion::Engine;
 use fusion::checkpoint::Position;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, ReportLimits,
-    RuleSettings, Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, ExistenceSettings, LifeSettings, RegistrationSettings,
+    ReportLimits, RuleSettings, Settings, SourceSettings,
 };
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use test_support::S;
@@ -53,6 +53,7 @@ fn settings(targets: usize) -> Settings {
             ..AssociationSettings::default()
         },
         life: LifeSettings::default(),
+        existence: ExistenceSettings::default(),
         rule: RuleSettings::default(),
         process_noise_m2ps3: 1.0,
         registration: RegistrationSettings::default(),

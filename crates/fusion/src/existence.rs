@@ -16,20 +16,8 @@
 
 use kept::{Get, Kept as _, Put, kept};
 
-use crate::settings::CoverageArea;
+use crate::settings::{CoverageArea, ExistenceSettings};
 
-/// L above which a single source's claim is believed.
-const BELIEVED: f64 = -0.7;
-/// Worth of each further report of a single source's track: −ln(4/5).
-const PERSISTENCE: f64 = 0.223;
-/// Reports before persistence counts.
-const PERSISTENCE_FROM: u32 = 3;
-/// Worth of an address.
-const ADDRESS: f64 = 5.0;
-/// Sum of the misses at which a target is taken to be gone: one in a thousand would be missed that often.
-pub(crate) const GONE: f64 = -6.9;
-/// Misses in a row of one source that count: what hides a target once hides it again.
-pub(crate) const MISSES_MAX: u32 = 2;
 /// Probability that a source follows a target at a place, before anything was learned.
 const FOLLOWS_PRIOR: f64 = 0.5;
 /// Worth of the source's general probability in a cell, in observed targets.
@@ -195,14 +183,15 @@ pub(crate) struct Claim {
 
 impl Claim {
     /// L, the logarithm of how much likelier a target is than a false track.
-    pub(crate) fn worth(&self) -> f64 {
-        let persistence = PERSISTENCE * f64::from(self.reports.saturating_sub(PERSISTENCE_FROM));
-        let address = if self.has_address { ADDRESS } else { 0.0 };
+    pub(crate) fn worth(&self, settings: &ExistenceSettings) -> f64 {
+        let further = self.reports.saturating_sub(settings.persistence_reports);
+        let persistence = settings.persistence * f64::from(further);
+        let address = if self.has_address { settings.address } else { 0.0 };
         self.silence + persistence + address
     }
 
-    pub(crate) fn is_believed(&self) -> bool {
-        self.worth() > BELIEVED
+    pub(crate) fn is_believed(&self, settings: &ExistenceSettings) -> bool {
+        self.worth(settings) > settings.believed
     }
 }
 
@@ -229,8 +218,8 @@ mod tests {
         let there = coverage.follows(1, [5500.0, 500.0, 0.0]);
         assert!(here > 0.9 && there < 0.1, "{here} {there}");
         assert!(coverage.follows(2, [500.0, 500.0, 0.0]) < 0.05);
-        assert!(!claim((1.0 - here).ln(), 5).is_believed());
-        assert!(claim((1.0 - there).ln(), 5).is_believed());
+        assert!(!claim((1.0 - here).ln(), 5).is_believed(&ExistenceSettings::default()));
+        assert!(claim((1.0 - there).ln(), 5).is_believed(&ExistenceSettings::default()));
     }
 
     #[test]
@@ -245,11 +234,16 @@ mod tests {
 
     #[test]
     fn persistence_and_addresses_speak_for_a_claim() {
-        assert!(!claim(-4.0, 4).is_believed());
-        assert!(claim(-4.0, 30).is_believed());
+        assert!(!claim(-4.0, 4).is_believed(&ExistenceSettings::default()));
+        assert!(claim(-4.0, 30).is_believed(&ExistenceSettings::default()));
         let mut with_address = claim(-4.0, 4);
         with_address.has_address = true;
-        assert!(with_address.is_believed());
+        assert!(with_address.is_believed(&ExistenceSettings::default()));
+        let strict = ExistenceSettings {
+            believed: 3.0,
+            ..ExistenceSettings::default()
+        };
+        assert!(!with_address.is_believed(&strict));
     }
 
     #[test]

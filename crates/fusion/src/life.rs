@@ -2,7 +2,7 @@
 
 use messages::{Counter, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
 
-use crate::existence::{Claim, Coverage, GONE, MISSES_MAX};
+use crate::existence::{Claim, Coverage};
 use crate::explanation::Sink;
 use crate::message::{publish_change, publish_extrapolated};
 use crate::outlet::Outlet;
@@ -111,8 +111,8 @@ impl Life {
             has_address: entry.identity.unique_number().is_some(),
         };
         (
-            claim.is_believed() && (had_their_chance || claim.has_address),
-            claim.worth(),
+            claim.is_believed(&settings.existence) && (had_their_chance || claim.has_address),
+            claim.worth(&settings.existence),
         )
     }
 
@@ -207,10 +207,10 @@ pub(crate) fn count_miss<S: Sink>(
         return;
     }
     model.learn_detection(false);
-    if misses <= MISSES_MAX {
+    if misses <= settings.existence.misses {
         entry.absence += (1.0 - model.detection).ln();
     }
-    if entry.absence < GONE {
+    if entry.absence < settings.existence.gone {
         suppress(settings, tracks, system, report.time_of_measurement_ns, out);
     }
 }

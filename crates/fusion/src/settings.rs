@@ -34,6 +34,8 @@ settings::settings! {
         association: AssociationSettings = AssociationSettings::default();
         /// Life of system tracks.
         life: LifeSettings = LifeSettings::default();
+        /// Existence of targets, as far as it shows in what sources report and do not report (BF-2).
+        existence: ExistenceSettings = ExistenceSettings::default();
         /// Systematic errors of the sources (BF-3).
         registration: RegistrationSettings = RegistrationSettings::default();
         /// Weighing of the sources.
@@ -98,6 +100,26 @@ settings::settings! {
         terminate_s: Option<Seconds> = None, in [1e-3, 1e5], usually "20, and more than the slowest source's `fresh_s`";
         /// Time without a report after which a tentative track ends.
         tentative_s: Option<Seconds> = None, in [1e-3, 1e5], usually "6, at least the slowest source's `fresh_s`";
+    }
+
+    /// Existence of targets, as far as it shows in what sources report and do not report (BF-2). Worths are logarithms
+    /// of how much likelier a target is than a false track; those of one claim add up.
+    #[derive(Copy)]
+    pub struct ExistenceSettings {
+        /// Worth above which a target is believed that one source alone reports; the silence of each source that covers
+        /// the place counts against it.
+        believed: f64 = -0.7, in [-20, 20], usually "-0.7: about one to two against it";
+        /// Worth of each further report of the claim's sensor track: −ln of the share of false tracks that go on.
+        persistence: f64 = 0.223, in [0, 10], usually "0.223: one false track in five ends with each report";
+        /// Reports before persistence counts.
+        persistence_reports: u32 = 3, in [0, 1e6];
+        /// Worth of an address: noise does not answer interrogations.
+        address: f64 = 5.0, in [0, 20];
+        /// Sum of ln(1 − probability of detection) over the misses since any source has seen it, at which a confirmed
+        /// target is taken to be gone, and not shown until one sees it again.
+        gone: f64 = -6.9, in [-50, -0.1], usually "-6.9: one target in a thousand would be missed that often";
+        /// Misses in a row of one source that count for that: what hides a target once hides it again.
+        misses: u32 = 2, in [1, 1000];
     }
 
     /// Systematic errors of the sources (BF-3).

@@ -1,8 +1,8 @@
 //! Settings for tests.
 
 use crate::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, LifeSettings, RegistrationSettings, ReportLimits, RuleName,
-    RuleSettings, Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, ExistenceSettings, LifeSettings, RegistrationSettings,
+    ReportLimits, RuleName, RuleSettings, Settings, SourceSettings,
 };
 
 /// Settings for `sources` like sources, in small tables.
@@ -41,6 +41,7 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
             ..AssociationSettings::default()
         },
         life: LifeSettings::default(),
+        existence: ExistenceSettings::default(),
         rule: RuleSettings {
             name: RuleName(messages::FusionRule::BestSource),
             ..RuleSettings::default()

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicU64;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use fusion::rules;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, DropOut, HandOverSettings, LifeSettings,
+    Accuracy, AccuracyBase, AssociationSettings, Capacity, DropOut, ExistenceSettings, HandOverSettings, LifeSettings,
     RegistrationSettings, ReportLimits, RuleSettings, Settings, SourceSettings,
 };
 use fusion::{Engine, Merger};
@@ -49,6 +49,7 @@ fn settings() -> Settings {
             ..AssociationSettings::default()
         },
         life: LifeSettings::default(),
+        existence: ExistenceSettings::default(),
         rule: RuleSettings::default(),
         registration: RegistrationSettings::default(),
         consistency: true,
