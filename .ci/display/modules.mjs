@@ -1,6 +1,7 @@
 /** Tests of the page's modules that need no browser: node --test .ci/display/modules.mjs */
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
 const page = new URL("../../services/display/page/", import.meta.url);
@@ -35,6 +36,18 @@ test("a point goes to the screen and comes back, turned and enlarged", () => {
   const [x, y] = view.toScreen(view.east + 100 * Math.sin(1.1), view.north + 100 * Math.cos(1.1));
   near(x, 400);
   assert.ok(y < 300);
+});
+
+test("the place under the cursor is the one that Rust has projected there", () => {
+  const vectors = JSON.parse(readFileSync(new URL("places.json", import.meta.url), "utf8"));
+  assert.ok(vectors.length >= 20);
+  for (const { origin, metres, place } of vectors) {
+    const [latitude_deg, longitude_deg, height_m] = origin;
+    const found = placeOf({ latitude_deg, longitude_deg, height_m }, metres[0], metres[1]);
+    near(found.latitude_deg, place[0], 2e-9);
+    near((found.longitude_deg - place[1] + 540) % 360, 180, 2e-9);
+  }
+  assert.equal(placeOf({ latitude_deg: 41, longitude_deg: 2, height_m: 0 }, 7e6, 0), null);
 });
 
 test("the map shows what it is told to show", () => {

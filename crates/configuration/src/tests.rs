@@ -31,6 +31,53 @@ fn the_shipped_configurations_are_sound() {
 }
 
 #[test]
+fn a_display_that_others_can_reach_must_be_asked_for_and_has_a_token() {
+    let read = |lines: &str| {
+        let text = format!("{}\n[display]\n{lines}", barcelona());
+        Config::parse(Path::new("test.toml"), &text, &[]).map_err(|error| error.to_string())
+    };
+    let token = "token = \"0123456789abcdef\"";
+    let cases = [
+        (
+            "listen = \"8900\"",
+            "display.listen: \"8900\" is no address with a port",
+        ),
+        (
+            "listen = \"0.0.0.0:8900\"",
+            "display.listen: 0.0.0.0:8900 can be reached from other machines",
+        ),
+        (&format!("listen = \"[::]:8900\"\n{token}"), "nothing is encrypted"),
+        (
+            "listen = \"192.0.2.1:8900\"\ninsecure = true",
+            "display.token: 192.0.2.1:8900 can be reached",
+        ),
+        (
+            "listen = \"127.0.0.1:8900\"\ntoken = \"0123456789abcde\"",
+            "display.token: needs 16",
+        ),
+        (
+            "listen = \"127.0.0.1:8900\"\ntoken = \"0123456789abcd;f\"",
+            "display.token: needs 16",
+        ),
+        (
+            "listen = \"127.0.0.1:8900\"\nhosts = [\"a b\"]",
+            "display.hosts: \"a b\" is no name",
+        ),
+    ];
+    for (lines, said) in cases {
+        let error = read(lines).unwrap_err();
+        assert!(error.contains(said), "{lines}: {error}");
+    }
+    for lines in [
+        "listen = \"127.0.0.1:8900\"",
+        "listen = \"[::1]:8900\"",
+        &format!("listen = \"0.0.0.0:8900\"\ninsecure = true\n{token}"),
+    ] {
+        assert!(read(lines).unwrap().display.is_some(), "{lines}");
+    }
+}
+
+#[test]
 fn sensors_and_deployments_have_an_identity() {
     let named = Config::parse(Path::new("barcelona.toml"), &barcelona(), &[]).unwrap();
     let radar = named.source("radar").unwrap();

@@ -7,7 +7,7 @@ use test_support::page::{Served, check};
 use web::axum::Router;
 use web::axum::http::header::CONTENT_TYPE;
 use web::axum::routing::get;
-use web::{Guard, Refusal, Server};
+use web::{CONNECTIONS_MAX, Guard, Refusal, Server};
 
 fn server() -> Server {
     let page = get(|| async { ([(CONTENT_TYPE, Served::CONTENT_TYPE)], Served::TEXT) });
@@ -46,6 +46,65 @@ fn every_answer_says_what_browsers_may_do_with_it() {
         assert!(answer.contains("x-content-type-options: nosniff"), "{answer}");
         assert!(!answer.contains("access-control"), "{answer}");
     }
+}
+
+fn answer(server: &Server, request: &str) -> String {
+    let mut stream = TcpStream::connect(server.address()).unwrap();
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    answer
+}
+
+#[test]
+fn a_browser_shows_the_token_once_and_is_sent_on() {
+    let guard = Guard {
+        hosts: Vec::new(),
+        token: Some("0123456789abcdef".to_owned()),
+    };
+    let router = Router::new().route("/", get(|| async { "the picture" }));
+    let server = Server::start("page", "127.0.0.1:0".parse().unwrap(), guard, router).unwrap();
+    let ask = |path: &str, more: &str| {
+        answer(
+            &server,
+            &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n{more}\r\n"),
+        )
+    };
+    for path in ["/", "/?token=", "/?token=0123456789abcdeg", "/nothing"] {
+        assert!(ask(path, "").starts_with("HTTP/1.1 403"), "{path}");
+    }
+    assert_eq!(server.counts().of(Refusal::Token), 4);
+    let sent_on = ask("/?token=0123456789abcdef", "");
+    assert!(sent_on.starts_with("HTTP/1.1 303"), "{sent_on}");
+    let line = |name: &str| sent_on.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+    assert_eq!(line("location: "), "/");
+    let cookie = line("set-cookie: ").split(';').next().unwrap();
+    let shown = ask("/", &format!("Cookie: {cookie}\r\n"));
+    assert!(
+        shown.starts_with("HTTP/1.1 200") && shown.ends_with("the picture"),
+        "{shown}"
+    );
+    assert!(ask("/", "Cookie: koseki_token=0123456789abcdeg\r\n").starts_with("HTTP/1.1 403"));
+    assert_eq!(server.counts().of(Refusal::Token), 5);
+}
+
+#[test]
+fn of_a_thousand_connections_that_say_nothing_the_oldest_give_way() {
+    let server = server();
+    let mut silent = std::collections::VecDeque::new();
+    for _ in 0..1_000 {
+        silent.push_back(TcpStream::connect(server.address()).unwrap());
+        // As many as the server holds need not be held here.
+        if silent.len() > 2 * CONNECTIONS_MAX {
+            silent.pop_front();
+        }
+    }
+    let shown = answer(&server, "GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    assert!(shown.starts_with("HTTP/1.1 404"), "there is still an answer: {shown}");
+    // All came before the one that was answered, and those that the client closed had to be found out.
+    let mut gone = silent.pop_front().unwrap();
+    assert!(!matches!(gone.read(&mut [0]), Ok(1..)), "the oldest is closed");
+    assert!(server.counts().of(Refusal::Full) > 0);
 }
 
 #[test]

@@ -209,6 +209,31 @@ mod tests {
     }
 
     #[test]
+    fn places_on_the_ground_by_which_the_page_is_tested() {
+        let mut rows = Vec::new();
+        for origin in [
+            [41.3, 2.1, 0.0],
+            [-33.9, 151.2, 120.0],
+            [0.0, -179.9, 0.0],
+            [78.2, 15.5, 450.0],
+        ] {
+            let [latitude, longitude, height] = origin;
+            let frame = SystemFrame::at(Geodetic::from_degrees(latitude, longitude, height).unwrap());
+            for (north_deg, east_deg) in [(0.0, 0.0), (0.01, -0.02), (-0.5, 0.75), (3.0, 3.0), (-6.0, 1.0)] {
+                let turned = (longitude + east_deg + 540.0_f64).rem_euclid(360.0) - 180.0;
+                let place = Geodetic::from_degrees(latitude + north_deg, turned, 0.0).unwrap();
+                let [east, north, _] = frame.to_local(place);
+                // Processors differ in the last digits.
+                let metres = [east, north].map(|value| (value * 1e6).round() / 1e6 + 0.0);
+                let place = [place.latitude_deg(), place.longitude_deg()].map(|value| (value * 1e9).round() / 1e9);
+                rows.push(json!({"origin": origin, "metres": metres, "place": place}).to_string());
+            }
+        }
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.ci/display/places.json");
+        test_support::assert_golden(&path, &format!("[\n{}\n]\n", rows.join(",\n")));
+    }
+
+    #[test]
     fn what_is_beyond_reach_is_put_at_its_edge() {
         let projection = Projection::new(frame());
         let radius = |longitude, latitude| {

@@ -3,6 +3,7 @@
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::sync::Arc;
+use std::sync::atomic::AtomicI64;
 use std::time::Duration;
 
 use messages::layout::Sample as _;
@@ -26,6 +27,11 @@ fn now() -> Now {
 
 /// World of two tracks, and a server of it.
 fn served() -> (Arc<Shared>, Server) {
+    served_at(now)
+}
+
+/// The same, at the time that `clock` says.
+fn served_at(clock: fn() -> Now) -> (Arc<Shared>, Server) {
     let sources = vec![SourceFact {
         number: 0,
         name: "radar".to_owned(),
@@ -40,7 +46,7 @@ fn served() -> (Arc<Shared>, Server) {
         height_m: 0.0,
     });
     world.receive(&header(1), &[track(7, 1_000.0), track(9, -1_000.0)], now());
-    let shared = Shared::new(world, Vec::new(), now);
+    let shared = Shared::new(world, Vec::new(), clock);
     let router = router(Arc::clone(&shared));
     let server = Server::start("pages", "127.0.0.1:0".parse().unwrap(), Guard::default(), router).unwrap();
     (shared, server)
@@ -261,6 +267,32 @@ fn a_page_that_does_not_acknowledge_is_sent_nothing_and_disturbs_nobody() {
     drop((deaf, page));
     until("seats are free again", || {
         shared.traffic.pages.load(Ordering::Relaxed) == 0
+    });
+}
+
+#[test]
+fn a_page_that_acknowledges_nothing_for_long_is_left_and_counted() {
+    static PASSED_NS: AtomicI64 = AtomicI64::new(0);
+    fn later() -> Now {
+        Now {
+            mono_ns: now().mono_ns + PASSED_NS.load(Ordering::Relaxed),
+            ..now()
+        }
+    }
+    let (shared, server) = served_at(later);
+    let mut deaf = Socket::open(&server).unwrap();
+    deaf.picture();
+    PASSED_NS.store(PATIENCE.as_nanos() as i64 - 1_000_000_000, Ordering::Relaxed);
+    let mut page = Socket::open(&server).unwrap();
+    let (header, _) = page.picture();
+    page.wish(&json!({"ack": header.sequence}));
+    page.picture();
+    assert_eq!(shared.traffic.pages.load(Ordering::Relaxed), 2, "it is waited for");
+    PASSED_NS.fetch_add(2_000_000_000, Ordering::Relaxed);
+    while deaf.receive().is_some() {}
+    until("it is counted", || shared.traffic.refused.load(Ordering::Relaxed) == 1);
+    until("only the other is left", || {
+        shared.traffic.pages.load(Ordering::Relaxed) == 1
     });
 }
 
