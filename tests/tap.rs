@@ -1,9 +1,11 @@
 //! `koseki tap`: what a deployment publishes, as lines of text.
 
+use std::convert::Infallible;
 use std::io::{BufRead as _, BufReader};
 use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::net::UnixStream;
 
+use formats::recording::Recording;
 use rustix::process::Signal;
 
 use crate::common::{Home, until};
@@ -32,6 +34,41 @@ fn states_are_lines_of_json_or_csv() {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     assert!(reader.headers().unwrap().iter().any(|name| name == "stages.fused_ns"));
     assert_eq!(reader.records().map(Result::unwrap).count(), 20);
+    demo.stop();
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
+fn states_are_blocks_of_cat062() {
+    let home = Home::new();
+    let demo = home.demo();
+    let arguments = [
+        "tap",
+        "--instance",
+        "demo",
+        "--format",
+        "cat062",
+        "--sac",
+        "7",
+        "--sic",
+        "9",
+        "--count",
+        "300",
+    ];
+    // What it writes is no text.
+    let tapped = home.command(&arguments).output().unwrap();
+    assert_eq!(tapped.status.code(), Some(0), "{tapped:?}");
+    let recording = Recording::new(&tapped.stdout);
+    let survey = recording.survey();
+    assert_eq!(survey.categories.keys().collect::<Vec<_>>(), [&62]);
+    assert_eq!(survey.categories[&62].blocks_refused, 0);
+    assert!(survey.categories[&62].records > 100);
+    let Ok(()) = recording.for_each(&survey, |found| {
+        assert_eq!(found.record.sender(), Some((7, 9)));
+        Ok::<(), Infallible>(())
+    });
+    let refused = home.run(&["tap", "health", "--instance", "demo", "--format", "cat062"]);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
     demo.stop();
     home.assert_nothing_is_left("demo");
 }

@@ -1,9 +1,14 @@
-"""What a recording of ASTERIX holds: what_is_in.py FILE [CATEGORY=EDITION ...]"""
+"""What a recording holds, of ASTERIX or of all topics (.mcap): what_is_in.py FILE [CATEGORY=EDITION ...]"""
 
 import sys
 from collections import Counter
 
 import koseki
+
+if sys.argv[1].endswith(".mcap"):
+    for topic, samples in sorted(koseki.read(sys.argv[1]).items()):
+        print(f"{topic}: {len(samples)} samples")
+    sys.exit()
 
 editions = {int(category): edition for category, edition in (word.split("=") for word in sys.argv[2:])}
 records, items = Counter(), Counter()

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     import pandas
 
 __all__ = [
-    "BorrowLimit", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning", "Publisher",
-    "SchemaMismatch", "Subscription", "Table", "Tracks", "compare", "decode", "decode_columns", "describe", "fuse", "locate", "offline", "publish",
-    "read", "score", "simulate", "subscribe", "track",
+    "BorrowLimit", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning",
+    "Publisher", "SchemaMismatch", "Subscription", "Table", "Tracks", "compare", "decode", "decode_columns",
+    "describe", "fuse", "locate", "offline", "publish", "read", "score", "simulate", "subscribe", "track",
 ]
 
 _NUMBERS = {"f64": "<f8", "f32": "<f4"} | {f"{s}{8 * n}": f"<{s}{n}" for s in "ui" for n in (1, 2, 4, 8)}

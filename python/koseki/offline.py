@@ -1,7 +1,7 @@
-"""Koseki's offline commands on tables: fuse, track, locate, compare, score, simulate, and recordings of ASTERIX as tables.
+"""Koseki's offline commands on tables, and recordings of ASTERIX as dicts and tables.
 
-Each command runs the executable `koseki` of the same version, found by $KOSEKI or in the PATH, on files in a folder of its own, so
-results are those of the command line to the digit; other Python threads run meanwhile. A table is given as a path of a
+Each command runs the executable `koseki` of the same version, found by $KOSEKI or in the PATH, on files in a folder of
+its own, so results are those of the command line to the digit; other Python threads run meanwhile. Decoding needs none. A table is given as a path of a
 CSV file, a dict of columns, a data frame of pandas or polars, a table of pyarrow, or anything else with the Arrow C
 stream interface (that needs pyarrow). A table is returned as a dict of numpy columns, of which `pandas.DataFrame`,
 `polars.DataFrame` and `pyarrow.table` make theirs. The columns, and their units, are those of `koseki COMMAND --help`.
@@ -177,11 +177,19 @@ def compare(tracks: Any, *, truth: Any = None, config: Any = None, refresh: floa
         return json.loads(_run(["compare", "--json", "--tracks", *_files(tracks, folder, "tracks"), *options]))
 
 
-def score(truth: Any, tracks: Any) -> dict[str, Any]:
-    """Figures of system tracks against a truth (metres, seconds), as `koseki score --json` prints them."""
+def score(
+    truth: Any, tracks: Any, *, c: float | None = None, gate: float | None = None, max_age: float | None = None,
+    t0: int | None = None, t1: int | None = None,
+) -> dict[str, Any]:
+    """Figures of tracks against a truth (metres, seconds), as `koseki score --json` prints them.
+
+    `c` is the cut-off of GOSPA and OSPA, `gate` the distance up to which a target keeps its track; a state older than
+    `max_age` does not show; whole seconds from `t0` to `t1` are scored.
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         options = _options(truth=_file(truth, folder, "truth"), tracks=_file(tracks, folder, "tracks"))
+        options += _options(c=c, gate=gate, max_age=max_age, t0=t0, t1=t1)
         return json.loads(_run(["score", "--json", *options]))
 
 

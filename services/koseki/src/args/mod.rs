@@ -36,7 +36,7 @@ pub(crate) use replay::Replay;
 use send::SEND_EXAMPLES;
 pub(crate) use send::{Retime, Send};
 use tap::TAP_EXAMPLES;
-pub(crate) use tap::{LineFormat, Tap};
+pub(crate) use tap::{Tap, TapFormat};
 use torture::TORTURE_EXAMPLES;
 pub(crate) use torture::Torture;
 use values::{interval, seconds, speed};

@@ -4,11 +4,13 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use outgoing::HeightReference;
 
 pub(super) const TAP_EXAMPLES: &str = "\
 Examples:
   koseki tap --instance demo | jq -c '[.track_number, .position_m]'
   koseki tap --instance demo --format csv --count 1000 > tracks.csv
+  koseki tap --instance demo --format cat062 --sac 1 --sic 2 > tracks.ast
   koseki tap system/alarms --instance demo
   koseki tap --instance demo --unix /run/tracks.sock --mode 660 --group 1001 &
   socat - UNIX-CONNECT:/run/tracks.sock
@@ -17,8 +19,8 @@ Examples:
 
 Each sample is a line with its fields by name, in the units of docs/integrate.md: what is not known is null in JSON and
 empty in CSV; samples within samples are JSON objects, and columns such as stages.fused_ns in CSV, which has no lists of
-them. A reader of a socket that does not keep up is let go, and may connect again; what this program itself loses is
-said on standard error.";
+them. CAT062 says of a state what a gateway would, but for which kinds of sensors support it. A reader of a socket that
+does not keep up is let go, and may connect again; what this program itself loses is said on standard error.";
 
 /// `koseki tap`.
 #[derive(Debug, Args)]
@@ -29,9 +31,18 @@ pub(crate) struct Tap {
     /// The instance that is read
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: String,
-    /// Form of a line
+    /// Form of the samples
     #[arg(long, value_name = "FORM", default_value = "json")]
-    pub(crate) format: LineFormat,
+    pub(crate) format: TapFormat,
+    /// System area code of the sender, in CAT062
+    #[arg(long, value_name = "SAC", default_value_t = 0)]
+    pub(crate) sac: u8,
+    /// System identification code of the sender, in CAT062
+    #[arg(long, value_name = "SIC", default_value_t = 0)]
+    pub(crate) sic: u8,
+    /// What heights of the system are, for CAT062: geometric or barometric
+    #[arg(long, value_name = "WORD", default_value = "geometric", value_parser = heights)]
+    pub(crate) heights: HeightReference,
     /// End after so many samples
     #[arg(long, value_name = "SAMPLES")]
     pub(crate) count: Option<u64>,
@@ -49,13 +60,19 @@ pub(crate) struct Tap {
     pub(crate) group: Option<u32>,
 }
 
-/// Form of a line.
+/// Form of the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LineFormat {
+pub(crate) enum TapFormat {
     /// A JSON object a line
     Json,
     /// Values between commas; the first line names them
     Csv,
+    /// ASTERIX data blocks, of system tracks
+    Cat062,
+}
+
+fn heights(text: &str) -> Result<HeightReference, String> {
+    HeightReference::from_word(text).ok_or_else(|| format!("\"{text}\" is neither geometric nor barometric"))
 }
 
 fn mode(text: &str) -> Result<u32, String> {

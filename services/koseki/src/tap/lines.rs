@@ -4,7 +4,14 @@ use std::io::Write as _;
 
 use messages::layout::{ALL, Field, Layout};
 
-use crate::args::LineFormat;
+/// Form of a line.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum LineFormat {
+    /// A JSON object.
+    Json,
+    /// Values between commas; the first line names them.
+    Csv,
+}
 
 /// Writes samples of one layout.
 pub(super) struct Lines {

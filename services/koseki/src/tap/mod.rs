@@ -1,7 +1,8 @@
-//! `koseki tap`: samples as lines of text, for programs that map no shared memory (FM-14).
+//! `koseki tap`: samples as lines of text or as ASTERIX, for programs that map no shared memory (FM-14).
 //!
 //! It is a reader like any other: it holds nobody up, and what it loses it says.
 
+mod blocks;
 mod lines;
 
 use std::io::{self, Write};
@@ -14,8 +15,9 @@ use net::LineServer;
 use runtime::clock::{instant, mono_ns};
 use runtime::signals::Stop;
 
-use crate::args::{Tap, Usage};
-use lines::Lines;
+use crate::args::{Tap, TapFormat, Usage};
+use blocks::Blocks;
+use lines::{LineFormat, Lines};
 
 /// Longest wait before it is looked whether somebody has connected, or the deployment has ended.
 const LOOK: Duration = Duration::from_millis(100);
@@ -31,7 +33,36 @@ pub(crate) fn run(tap: &Tap) -> anyhow::Result<()> {
     messages::visit(&tap.topic, Reader { tap }).ok_or_else(unknown)?
 }
 
-/// Where lines go.
+/// What samples become.
+enum Form {
+    Lines(Lines),
+    Blocks(Box<Blocks>),
+}
+
+impl Form {
+    fn head(&self) -> Vec<u8> {
+        match self {
+            Self::Lines(lines) => lines.head(),
+            Self::Blocks(_) => Vec::new(),
+        }
+    }
+
+    fn write(&mut self, sample: &[u8], octets: &mut Vec<u8>) {
+        match self {
+            Self::Lines(lines) => lines.write(sample, octets),
+            Self::Blocks(blocks) => blocks.write(sample, octets),
+        }
+    }
+
+    /// Appends what was begun: nothing waits for a next sample.
+    fn flush(&mut self, octets: &mut Vec<u8>) {
+        if let Self::Blocks(blocks) = self {
+            blocks.flush(octets);
+        }
+    }
+}
+
+/// Where they go.
 enum Way {
     Out(io::StdoutLock<'static>),
     Server(LineServer),
@@ -71,11 +102,18 @@ impl Visitor for Reader<'_> {
         let root = Root::new(&self.tap.instance).map_err(|error| Usage(error.to_string()))?;
         let stop = Stop::on_signals()?;
         let bus = Bus::<SharedMemory>::open(&root, "tap")?;
+        let mut form = match self.tap.format {
+            TapFormat::Json => Form::Lines(Lines::new(&T::LAYOUT, LineFormat::Json)),
+            TapFormat::Csv => Form::Lines(Lines::new(&T::LAYOUT, LineFormat::Csv)),
+            TapFormat::Cat062 => match Blocks::open(self.tap, &bus, &stop)? {
+                Some(blocks) => Form::Blocks(Box::new(blocks)),
+                None => return Ok(()),
+            },
+        };
+        let head = form.head();
         let mut subscriber = bus.subscriber(&topic, || mono_ns() as u64)?;
         let mut waiter = bus.waiter(WaitMode::Event);
         waiter.watch(&bus, &topic)?;
-        let lines = Lines::new(&T::LAYOUT, self.tap.format);
-        let head = lines.head();
         let mut way = Way::open(self.tap)?;
         if let Way::Out(out) = &mut way {
             out.write_all(&head)?;
@@ -90,7 +128,7 @@ impl Visitor for Reader<'_> {
                 Received::Nothing => None,
             };
             for sample in slice.iter().flat_map(|slice| slice.samples()).take(left as usize) {
-                lines.write(T::octets(std::slice::from_ref(sample)), &mut text);
+                form.write(T::octets(std::slice::from_ref(sample)), &mut text);
                 left -= 1;
             }
             let counts = subscriber.counts();
@@ -101,6 +139,7 @@ impl Visitor for Reader<'_> {
             if slice.is_some() && text.len() < BLOCK && left > 0 && subscriber.has_slices() {
                 continue;
             }
+            form.flush(&mut text);
             if let Err(error) = way.send(&text, &head) {
                 // The reader has what it wanted.
                 return match error.kind() {
