@@ -88,13 +88,17 @@ impl Root {
         self.base().join(format!("{}.{name}", self.instance()))
     }
 
-    /// With what the names of the instance's files begin.
     fn outlasting_prefix(&self, name: &str) -> String {
+        format!("{}{name}_", self.kept_prefix())
+    }
+
+    /// With what the names of all files in shared memory begin that are to outlast the instance's processes.
+    pub fn kept_prefix(&self) -> String {
         let of_path = self.path().as_os_str().as_encoded_bytes().iter();
         let of_instance = of_path.fold(u128::from(rustix::process::geteuid().as_raw()), |hash, octet| {
             u128::from(fold(hash ^ u128::from(*octet)))
         });
-        format!("kept_{of_instance:016x}_{name}_")
+        format!("kept_{of_instance:016x}_")
     }
 }
 

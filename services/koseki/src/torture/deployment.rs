@@ -1,13 +1,17 @@
 //! The deployment that suffers, in a folder of its own.
 
-use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{self, File, OpenOptions};
+use std::os::unix::fs::FileExt as _;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Root, SharedMemory, Subscriber};
-use messages::SystemTrack;
+use messages::{Counter, Health, NO_SOURCE, ProcessKind, SystemTrack};
+use rand::RngExt as _;
+use rand_chacha::ChaCha8Rng;
 use runtime::clock::{instant, mono_ns};
 use runtime::instance::leading_fusion;
 use rustix::process::{Pid, Signal, kill_process};
@@ -15,6 +19,9 @@ use scoring::NumberTally;
 use tempfile::TempDir;
 
 use super::faults::Needs;
+use super::own_file_systems::{self, SHARED_MEMORY};
+use super::resources::{Latencies, Resources};
+use super::sequence_tally::SequenceTally;
 use crate::args::Torture;
 
 const INSTANCE: &str = "torture";
@@ -33,8 +40,23 @@ pub(super) struct Deployment {
     sources: Vec<String>,
     /// Names of the children, once all run.
     expected: Vec<String>,
-    subscriber: Option<Subscriber<SharedMemory, SystemTrack>>,
+    onlooker: Option<Onlooker>,
     tally: NumberTally,
+    latencies: Latencies,
+    /// By process and start: how often it took over, and how often from one that stood still.
+    take_overs: BTreeMap<(u32, u64), [u64; 2]>,
+    /// Lost samples, as the subscribers that were there before the present one counted them.
+    lost: u64,
+    /// What was wrong with how they were counted.
+    miscounted: Vec<String>,
+}
+
+/// Subscriber that keeps the tally.
+struct Onlooker {
+    joined_ns: u64,
+    tracks: Subscriber<SharedMemory, SystemTrack>,
+    health: Subscriber<SharedMemory, Health>,
+    sequences: SequenceTally,
 }
 
 impl Deployment {
@@ -50,7 +72,15 @@ impl Deployment {
             None => (vec!["demo".to_owned()], configuration::BUILT_IN_DEMO.to_owned()),
         };
         command.push(format!("--instance={INSTANCE}"));
-        command.push(format!("--out={}", folder.path().join("out").display()));
+        let out = folder.path().join("out");
+        command.push(format!("--out={}", out.display()));
+        if own_file_systems::are_there() {
+            fs::create_dir(&out)?;
+            own_file_systems::mount(&out)?;
+            own_file_systems::mount(Path::new(SHARED_MEMORY))?;
+            // Else nobody writes to the disk.
+            command.push("--set=recorder.enabled=true".to_owned());
+        }
         for set in &torture.set {
             command.push(format!("--set={set}"));
         }
@@ -64,8 +94,12 @@ impl Deployment {
             starts: 1,
             sources: config.sources.into_iter().map(|source| source.name).collect(),
             expected: Vec::new(),
-            subscriber: None,
+            onlooker: None,
             tally: NumberTally::default(),
+            latencies: Latencies::default(),
+            take_overs: BTreeMap::new(),
+            lost: 0,
+            miscounted: Vec::new(),
         };
         deployment.until_it_runs()?;
         deployment.expected = deployment.children()?.into_keys().collect();
@@ -74,7 +108,11 @@ impl Deployment {
 
     /// Whether it has what a fault needs.
     pub(super) fn has(&self, needs: Needs) -> bool {
-        needs == Needs::Nothing || self.expected.iter().any(|name| name == "standby")
+        match needs {
+            Needs::Nothing => true,
+            Needs::Standby => self.expected.iter().any(|name| name == "standby"),
+            Needs::OwnFileSystems => own_file_systems::are_there(),
+        }
     }
 
     pub(super) fn root(&self) -> &Root {
@@ -150,7 +188,7 @@ impl Deployment {
     /// Kills the launcher and starts it again.
     pub(super) fn restart(&mut self) -> anyhow::Result<()> {
         // Who looks on keeps the instance in use.
-        self.subscriber = None;
+        self.look_away();
         self.launcher.kill()?;
         self.launcher.wait()?;
         self.launcher = launch(&self.folder, &self.command, self.starts)?;
@@ -170,16 +208,125 @@ impl Deployment {
         }
     }
 
-    fn look(&mut self) -> anyhow::Result<()> {
-        if self.subscriber.is_none() {
-            let bus = self.bus()?;
-            let subscriber = bus.subscriber(&messages::system_tracks(), || mono_ns() as u64)?;
-            self.subscriber = Some(subscriber.of_all_epochs());
+    /// Leaves the deployment, and checks what was counted as lost: what it counts, and what the numbers say.
+    pub(super) fn look_away(&mut self) {
+        let Some(onlooker) = self.onlooker.take() else { return };
+        let counts = onlooker.tracks.counts();
+        let (counted, missing) = (counts.lost - counts.lost_at_end, onlooker.sequences.lost());
+        self.lost += counts.lost;
+        // What is missing at the end of a publisher only its line tells; later ones are missing in both.
+        if counted != missing && counts.lost != missing {
+            self.miscounted
+                .push(format!("{counted} samples counted as lost, {missing} by their numbers"));
         }
-        if let Some(subscriber) = &mut self.subscriber {
-            let tally = &mut self.tally;
-            subscriber.take(usize::MAX, |header, tracks| {
-                tracks.iter().for_each(|track| tally.take(header.epoch, track));
+    }
+
+    /// Take-overs, those from a fusion that stood still, and samples that were lost on the way to who looks on.
+    pub(super) fn counted(&self) -> (u64, u64, u64) {
+        let sum = |place: usize| self.take_overs.values().map(|counts| counts[place]).sum();
+        (sum(0), sum(1), self.lost)
+    }
+
+    /// What was wrong with the counts of losses.
+    pub(super) fn miscounted(&self) -> &[String] {
+        &self.miscounted
+    }
+
+    /// What it uses of the machine now.
+    pub(super) fn resources(&mut self, at_s: f64) -> anyhow::Result<Resources> {
+        let mut used = Resources {
+            at_s,
+            files: self.memory(self.root.prefix()?)?.len() + fs::read_dir(self.root.path())?.count(),
+            latency_us: self.latencies.take_median_us(),
+            ..Resources::default()
+        };
+        used.add_process(self.launcher.id());
+        self.children()?.into_values().for_each(|pid| used.add_process(pid));
+        Ok(used)
+    }
+
+    /// Files of the deployment in shared memory.
+    fn memory(&self, prefix: Option<String>) -> anyhow::Result<BTreeSet<String>> {
+        let prefixes: Vec<String> = prefix.into_iter().chain([self.root.kept_prefix()]).collect();
+        let names = fs::read_dir(SHARED_MEMORY)?.flatten();
+        let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        Ok(names
+            .filter(|name| prefixes.iter().any(|prefix| name.starts_with(prefix)))
+            .collect())
+    }
+
+    /// Makes a file system full for a while, in which nobody looks on: who maps shared memory can be killed by it.
+    pub(super) fn full(&mut self, folder: &Path, time: Duration) -> anyhow::Result<()> {
+        self.look_away();
+        own_file_systems::fill(folder)?;
+        std::thread::sleep(time);
+        own_file_systems::make_room(folder)
+    }
+
+    /// Folder for recordings.
+    pub(super) fn out(&self) -> PathBuf {
+        self.folder.path().join("out")
+    }
+
+    /// Writes random octets into the shared memory of its topics.
+    pub(super) fn corrupt(&mut self, random: &mut ChaCha8Rng) -> anyhow::Result<()> {
+        const OCTETS: usize = 4000;
+        self.look_away();
+        let names = self.memory(self.root.prefix()?)?;
+        let of_topics = |name: &&String| {
+            [".data", ".connection", ".dynamic"]
+                .iter()
+                .any(|end| name.ends_with(end))
+        };
+        let names: Vec<&String> = names.iter().filter(of_topics).collect();
+        anyhow::ensure!(!names.is_empty(), "there is no shared memory");
+        for _ in 0..OCTETS {
+            let path = Path::new(SHARED_MEMORY).join(names[random.random_range(0..names.len())]);
+            let (share, octet) = (random.random::<f64>(), random.random::<u8>());
+            // Files come and go.
+            if let Ok(file) = OpenOptions::new().write(true).open(path) {
+                let length = file.metadata().map_or(0, |found| found.len());
+                if length > 0 {
+                    let _ = file.write_at(&[octet], (share * length as f64) as u64);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn look(&mut self) -> anyhow::Result<()> {
+        if self.onlooker.is_none() {
+            let bus = self.bus()?;
+            let mut joined_ns = 0;
+            let now_ns = || {
+                joined_ns = mono_ns() as u64;
+                joined_ns
+            };
+            self.onlooker = Some(Onlooker {
+                // To see with its own eyes whether an older fusion speaks.
+                tracks: bus.subscriber(&messages::system_tracks(), now_ns)?.of_all_epochs(),
+                health: bus.subscriber(&messages::health(), || mono_ns() as u64)?,
+                sequences: SequenceTally::default(),
+                joined_ns,
+            });
+        }
+        if let Some(onlooker) = &mut self.onlooker {
+            let (tally, latencies, sequences) = (&mut self.tally, &mut self.latencies, &mut onlooker.sequences);
+            onlooker.tracks.take(usize::MAX, |header, tracks| {
+                sequences.take(header, tracks.len(), onlooker.joined_ns);
+                for track in tracks {
+                    tally.take(header.epoch, track);
+                    latencies.add(track.stages.fused_ns - track.stages.ingested_ns);
+                }
+            })?;
+            let take_overs = &mut self.take_overs;
+            onlooker.health.take(usize::MAX, |_, said| {
+                let is_fusion = |said: &&Health| said.kind() == Some(ProcessKind::Fusion) && said.source == NO_SOURCE;
+                for said in said.iter().filter(is_fusion) {
+                    let counts = [Counter::TakeOvers, Counter::TakeOversFromStill];
+                    let counts = counts.map(|counter| said.counters[counter]);
+                    take_overs.insert((said.process_id, said.incarnation), counts);
+                }
             })?;
         }
         Ok(())
@@ -241,7 +388,7 @@ impl Deployment {
 
     /// Stops it; what is left then.
     pub(super) fn stop(mut self) -> anyhow::Result<Vec<String>> {
-        self.subscriber = None;
+        self.onlooker = None;
         let prefix = self.root.prefix()?;
         self.signal_process(self.launcher.id(), Signal::TERM);
         let begun = instant();
@@ -253,17 +400,11 @@ impl Deployment {
             );
             std::thread::sleep(PAUSE);
         }
-        let mut left = Vec::new();
+        let mut left: Vec<String> = self.memory(prefix)?.into_iter().collect();
         for entry in fs::read_dir(self.root.base())?.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
             // A checkpoint that was refused stays, for somebody to look at.
             if !name.ends_with("-refused") {
-                left.push(name);
-            }
-        }
-        for entry in fs::read_dir("/dev/shm")?.flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            if prefix.as_ref().is_some_and(|prefix| name.starts_with(prefix)) {
                 left.push(name);
             }
         }
@@ -276,6 +417,9 @@ impl Drop for Deployment {
         // Where something went wrong; its children follow.
         let _ = self.launcher.kill();
         let _ = self.launcher.wait();
+        if own_file_systems::are_there() {
+            own_file_systems::unmount(&self.out());
+        }
     }
 }
 

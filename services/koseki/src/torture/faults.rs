@@ -1,23 +1,26 @@
 //! The faults, each with how it is caused.
 
+use std::path::Path;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 
 use bus::Mark;
-use messages::{Control, Covariance, SensorTrack};
+use messages::{Control, Covariance, SensorTrack, TrackState};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
-use runtime::clock::mono_ns;
+use runtime::clock::{Now, mono_ns};
 use runtime::instance::CHECKPOINT;
 use rustix::process::Signal;
 
 use super::deployment::Deployment;
+use super::own_file_systems::SHARED_MEMORY;
 
 /// Needs of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Needs {
     Nothing,
     Standby,
+    OwnFileSystems,
 }
 
 /// A fault.
@@ -31,7 +34,7 @@ pub(super) struct Fault {
 }
 
 /// Every fault there is.
-pub(super) const FAULTS: [Fault; 10] = [
+pub(super) const FAULTS: [Fault; 14] = [
     Fault {
         name: "kill",
         needs: Needs::Nothing,
@@ -164,7 +167,68 @@ pub(super) const FAULTS: [Fault; 10] = [
             Ok("1000 words, and fusion killed".to_owned())
         },
     },
+    Fault {
+        name: "full-disk",
+        needs: Needs::OwnFileSystems,
+        keeps_numbers: true,
+        cause: |deployment, random| {
+            let (folder, time) = (deployment.out(), a_while(random));
+            deployment.full(&folder, time)?;
+            Ok(format!("no room for recordings for {:.2} s", time.as_secs_f64()))
+        },
+    },
+    Fault {
+        name: "full-shared-memory",
+        needs: Needs::OwnFileSystems,
+        // Whoever writes where there is no room is killed, perhaps all of them.
+        keeps_numbers: false,
+        cause: |deployment, random| {
+            let time = a_while(random);
+            deployment.full(Path::new(SHARED_MEMORY), time)?;
+            Ok(format!("no room for {:.2} s", time.as_secs_f64()))
+        },
+    },
+    Fault {
+        name: "wild-clock",
+        needs: Needs::Nothing,
+        keeps_numbers: true,
+        cause: |deployment, random| {
+            let sources = deployment.sources();
+            let name = sources[random.random_range(0..sources.len())].clone();
+            let bus = deployment.bus()?;
+            let mut publisher = bus.publisher(&messages::sensor_tracks(&name), mono_ns() as u64)?;
+            let off_s = random.random_range(-7200.0..7200.0_f64);
+            for number in 0..200 {
+                let report = SensorTrack {
+                    time_of_measurement_ns: Now::read().utc_ns + (off_s * random.random_range(0.5..2.0) * 1e9) as i64,
+                    track_number: 60_000 + number,
+                    state: TrackState::Confirmed as u8,
+                    position_m: [0; 3].map(|_| random.random_range(-30_000.0..30_000.0)),
+                    covariance: Covariance::diagonal([50.0; 3], [5.0; 3]),
+                    ..SensorTrack::default()
+                };
+                publisher.send(mark(), 1, |_, _| report)?;
+            }
+            Ok(format!("200 reports of {name} at times some {off_s:.0} s off"))
+        },
+    },
+    Fault {
+        name: "corrupt-memory",
+        needs: Needs::Nothing,
+        // What the deployment does with it, nobody can know: it is ended, and must come back.
+        keeps_numbers: false,
+        cause: |deployment, random| {
+            deployment.corrupt(random)?;
+            std::thread::sleep(a_while(random));
+            deployment.restart()?;
+            Ok("4000 octets of its topics, and the launcher started again".to_owned())
+        },
+    },
 ];
+
+fn a_while(random: &mut ChaCha8Rng) -> Duration {
+    Duration::from_millis(random.random_range(500..4000))
+}
 
 fn any_child(deployment: &Deployment, random: &mut ChaCha8Rng) -> anyhow::Result<String> {
     let names: Vec<String> = deployment.children()?.into_keys().collect();

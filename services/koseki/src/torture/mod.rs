@@ -7,6 +7,9 @@
 
 mod deployment;
 mod faults;
+mod own_file_systems;
+mod resources;
+mod sequence_tally;
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -17,9 +20,10 @@ use rand_chacha::ChaCha8Rng;
 use runtime::clock::instant;
 use serde::Serialize;
 
-use crate::args::Torture;
+use crate::args::{Torture, Usage};
 use deployment::Deployment;
 use faults::{FAULTS, Fault};
+use resources::Resources;
 
 /// Time after a fault within which everything must be back: a process that dies again and again is started ever later.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -27,6 +31,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const PAUSE: Duration = Duration::from_millis(1500);
 const PAUSE_DRAWN_MS: u64 = 3000;
 
+/// Time between two looks at what is used, seconds.
+const RESOURCES_S: f64 = 15.0;
 /// Time after a fault that costs numbers in which others are not blamed for it.
 const SETTLES: Duration = Duration::from_secs(15);
 
@@ -36,6 +42,13 @@ struct Report {
     seed: u64,
     seconds: f64,
     faults: Vec<Happened>,
+    /// Use of the machine, a look each quarter of a minute.
+    resources: Vec<Resources>,
+    /// Times that a fusion that stood by took over, and those of them from one that stood still.
+    take_overs: u64,
+    take_overs_from_still: u64,
+    /// Samples lost on the way to who looked on: counted, and true by their numbers.
+    lost: u64,
     /// States that came, and epochs.
     states: u64,
     epochs: usize,
@@ -67,6 +80,12 @@ struct Happened {
 /// # Errors
 /// If the deployment does not start, or something was not as it must be.
 pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
+    let is_known = |name: &&String| *name == "none" || FAULTS.iter().any(|fault| fault.name == name.as_str());
+    if let Some(unknown) = torture.only.iter().find(|name| !is_known(name)) {
+        let names: Vec<&str> = FAULTS.iter().map(|fault| fault.name).collect();
+        return Err(Usage(format!("--only {unknown}: there are none and {}", names.join(", "))).into());
+    }
+    own_file_systems::enter()?;
     let mut report = Report {
         seed: torture.seed,
         ..Report::default()
@@ -75,12 +94,26 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
     let mut random = ChaCha8Rng::seed_from_u64(torture.seed);
     let begun = instant();
     let end = Duration::from_secs_f64(60.0 * torture.minutes);
-    let possible: Vec<&Fault> = FAULTS.iter().filter(|fault| deployment.has(fault.needs)).collect();
+    let wanted = |fault: &&Fault| torture.only.is_empty() || torture.only.iter().any(|name| name == fault.name);
+    let possible: Vec<&Fault> = FAULTS
+        .iter()
+        .filter(|fault| deployment.has(fault.needs))
+        .filter(wanted)
+        .collect();
     let mut epochs = BTreeSet::new();
     let mut settled_s = 0.0;
+    let mut next_resources_s = 0.0;
     while instant() - begun < end && report.wrong.is_empty() {
+        let now_s = (instant() - begun).as_secs_f64();
+        if now_s >= next_resources_s {
+            report.resources.push(deployment.resources(now_s)?);
+            next_resources_s = now_s + RESOURCES_S;
+        }
         let pause = PAUSE + Duration::from_millis(random.random_range(0..PAUSE_DRAWN_MS));
         deployment.watch(pause)?;
+        if possible.is_empty() {
+            continue;
+        }
         let fault = possible[random.random_range(0..possible.len())];
         let at_s = (instant() - begun).as_secs_f64();
         let before = deployment.tally().clone();
@@ -112,6 +145,9 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
             renumbered: renumbered.len(),
         });
     }
+    deployment.look_away();
+    (report.take_overs, report.take_overs_from_still, report.lost) = deployment.counted();
+    report.wrong.extend_from_slice(deployment.miscounted());
     let tally = deployment.tally();
     (report.states, report.late, report.reused) = (tally.states(), tally.late(), tally.reused().len());
     report.epochs = epochs.len();
@@ -140,11 +176,15 @@ fn conclude(torture: &Torture, report: &Report) -> anyhow::Result<()> {
         std::fs::write(path, text + "\n").with_context(|| format!("writing {}", path.display()))?;
     }
     println!(
-        "{} faults in {:.0} s, {} states of {} epochs: {} targets renumbered, {} numbers given twice, {} left behind",
+        "{} faults in {:.0} s, {} states of {} epochs, {} lost and counted, {} take-overs ({} from one that stood \
+         still): {} targets renumbered, {} numbers given twice, {} left behind",
         report.faults.len(),
         report.seconds,
         report.states,
         report.epochs,
+        report.lost,
+        report.take_overs,
+        report.take_overs_from_still,
         report.renumbered,
         report.reused,
         report.left_behind.len()
